@@ -1,0 +1,1 @@
+//! What has been learned: the two-branch network, its data, its training.

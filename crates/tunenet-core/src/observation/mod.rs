@@ -1,0 +1,232 @@
+//! What was seen: time series with a clock, and the files they come in.
+//!
+//! [`Observation`] is the one type that every later wing reads. It cannot hold NaN, a clock that does not rise or too few
+//! samples: its constructor refuses them, so nobody downstream has to check again.
+
+mod noise;
+pub mod recording;
+mod resample;
+
+pub use noise::noise_sd;
+pub use resample::resample;
+
+use crate::{Error, Result};
+
+/// Fewest samples of an observation.
+pub const FEWEST_SAMPLES: usize = 3;
+
+/// What kind of thing was measured. Decides what the channels and the clock mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Kind {
+    /// A ball's centre: channels `x`, `y`, `z` in m; clock in s.
+    Positions,
+    /// A ball's picture: channels `u`, `v` in px, v downwards; clock in s.
+    Pixels,
+    /// Impact times: one channel `bounce_time` in s; the clock counts impacts from 0 and may skip one that was missed.
+    BounceTimes,
+    /// Joints of an arm: channels `q1`, `dq1`, `tau1`, … in rad, rad/s, N·m (or `i1` in A); clock in s.
+    Joints,
+    /// Anything that a simulator outside this project observes; clock in s.
+    Other,
+}
+
+impl Kind {
+    /// A plain name for people: "positions", "bounce times".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Positions => "positions",
+            Self::Pixels => "pixels",
+            Self::BounceTimes => "bounce times",
+            Self::Joints => "joint series",
+            Self::Other => "a time series",
+        }
+    }
+}
+
+/// One column of an observation.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Channel {
+    /// Short name without unit: `z`, `tau3`.
+    pub name: String,
+    /// Unit: `m`, `N·m`; `1` where there is none.
+    pub unit: String,
+}
+
+impl Channel {
+    /// A channel from its name and unit.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: unit.into() }
+    }
+
+    /// The three channels of [`Kind::Positions`].
+    #[must_use]
+    pub fn positions() -> Vec<Self> {
+        ["x", "y", "z"].map(|name| Self::new(name, "m")).to_vec()
+    }
+
+    /// The one channel of [`Kind::BounceTimes`].
+    #[must_use]
+    pub fn bounce_times() -> Vec<Self> {
+        vec![Self::new("bounce_time", "s")]
+    }
+}
+
+/// A time series: shape `[sample, channel]`, one clock for all channels.
+///
+/// ```
+/// use tunenet_core::observation::{Channel, Kind, Observation};
+/// let swing = Observation::new(Kind::Other, vec![Channel::new("angle", "rad")], vec![0.0, 0.1, 0.2], vec![0.3, 0.2, 0.0])?;
+/// assert_eq!(swing.len(), 3);
+/// assert_eq!(swing.row(1), [0.2]);
+/// assert!(Observation::new(Kind::Other, vec![Channel::new("angle", "rad")], vec![0.0, 0.1, 0.1], vec![0.3, 0.2, 0.0]).is_err());
+/// # Ok::<(), tunenet_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    kind: Kind,
+    channels: Vec<Channel>,
+    clock: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Observation {
+    /// An observation from its clock and its values in row-major order `[sample, channel]`.
+    ///
+    /// # Errors
+    /// [`Error::Observation`] where there is no channel, the lengths disagree, fewer than [`FEWEST_SAMPLES`] samples are
+    /// there, a number is not finite, or the clock (for bounce times: the times too) does not rise strictly.
+    pub fn new(kind: Kind, channels: Vec<Channel>, clock: Vec<f64>, values: Vec<f64>) -> Result<Self> {
+        let refuse = |what: String, expected: String, found: String| Err(Error::Observation { what, expected, found });
+        if channels.is_empty() {
+            return refuse("the channels".into(), "at least one".into(), "none".into());
+        }
+        if clock.len() * channels.len() != values.len() {
+            let expected = format!(
+                "{} values for {} samples of {} channels",
+                clock.len() * channels.len(),
+                clock.len(),
+                channels.len()
+            );
+            return refuse("the values".into(), expected, format!("{}", values.len()));
+        }
+        if clock.len() < FEWEST_SAMPLES {
+            return refuse("the samples".into(), format!("at least {FEWEST_SAMPLES}"), format!("{}", clock.len()));
+        }
+        if let Some(i) = clock.iter().position(|t| !t.is_finite()) {
+            return refuse(format!("the clock at sample {}", i + 1), "a finite number".into(), format!("{}", clock[i]));
+        }
+        if let Some(i) = values.iter().position(|v| !v.is_finite()) {
+            let (sample, channel) = (i / channels.len(), &channels[i % channels.len()]);
+            return refuse(
+                format!("`{}` at sample {}", channel.name, sample + 1),
+                "a finite number".into(),
+                format!("{}", values[i]),
+            );
+        }
+        if let Some(i) = falling(&clock) {
+            return refuse(
+                format!("the clock at sample {}", i + 2),
+                format!("more than {}", clock[i]),
+                format!("{}", clock[i + 1]),
+            );
+        }
+        if kind == Kind::BounceTimes
+            && let Some(i) = falling(&values)
+        {
+            return refuse(
+                format!("bounce time {}", i + 2),
+                format!("more than {}", values[i]),
+                format!("{}", values[i + 1]),
+            );
+        }
+        Ok(Self { kind, channels, clock, values })
+    }
+
+    /// A ball's centre over time, shape `[sample, 3]`.
+    ///
+    /// # Errors
+    /// As [`Observation::new`].
+    pub fn positions(time_s: Vec<f64>, position_m: &[[f64; 3]]) -> Result<Self> {
+        Self::new(Kind::Positions, Channel::positions(), time_s, position_m.concat())
+    }
+
+    /// Impact times, numbered from 0.
+    ///
+    /// # Errors
+    /// As [`Observation::new`].
+    pub fn bounce_times(time_s: Vec<f64>) -> Result<Self> {
+        #[expect(clippy::cast_precision_loss, reason = "impacts are few")]
+        let index = (0..time_s.len()).map(|i| i as f64).collect();
+        Self::new(Kind::BounceTimes, Channel::bounce_times(), index, time_s)
+    }
+
+    /// What kind of thing was measured.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// The columns.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The clock: seconds, or the number of the impact for [`Kind::BounceTimes`]. Strictly rising.
+    #[must_use]
+    pub fn clock(&self) -> &[f64] {
+        &self.clock
+    }
+
+    /// All values, row-major `[sample, channel]`.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// How many samples. Never 0, so there is no `is_empty`.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "an observation is never empty")]
+    pub fn len(&self) -> usize {
+        self.clock.len()
+    }
+
+    /// One sample, shape `[channel]`.
+    ///
+    /// # Panics
+    /// Where `sample` is not below [`Observation::len`].
+    #[must_use]
+    pub fn row(&self, sample: usize) -> &[f64] {
+        let width = self.channels.len();
+        &self.values[sample * width..(sample + 1) * width]
+    }
+
+    /// One channel over time.
+    ///
+    /// # Panics
+    /// Where `channel` is not below the number of channels.
+    pub fn column(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
+        assert!(channel < self.channels.len(), "channel {channel} of {}", self.channels.len());
+        self.values[channel..].iter().step_by(self.channels.len()).copied()
+    }
+
+    /// The samples of `range` alone.
+    ///
+    /// # Errors
+    /// [`Error::Observation`] where fewer than [`FEWEST_SAMPLES`] are left.
+    ///
+    /// # Panics
+    /// Where `range` leaves the observation.
+    pub fn slice(&self, range: std::ops::Range<usize>) -> Result<Self> {
+        let width = self.channels.len();
+        let values = self.values[range.start * width..range.end * width].to_vec();
+        Self::new(self.kind, self.channels.clone(), self.clock[range].to_vec(), values)
+    }
+}
+
+/// The first place where `clock[i + 1] <= clock[i]`.
+fn falling(clock: &[f64]) -> Option<usize> {
+    clock.windows(2).position(|pair| pair[1] <= pair[0])
+}

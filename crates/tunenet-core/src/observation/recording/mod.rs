@@ -1,0 +1,1 @@
+//! The files that observations come in: CSV and MCAP.

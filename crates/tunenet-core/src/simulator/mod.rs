@@ -1,0 +1,55 @@
+//! What could be: a simulator with parameters, seen only through its rollouts.
+
+mod parameter;
+mod rollouts;
+
+pub use parameter::Parameter;
+pub use rollouts::{rollout, rollouts};
+
+use crate::Result;
+use crate::observation::{Channel, Kind, Observation};
+
+/// Anything that can be rolled out with given parameters. Implement this to tune a simulator of your own.
+///
+/// Only [`parameters`](Simulator::parameters), [`channels`](Simulator::channels) and [`rollout`](Simulator::rollout) are
+/// needed; a complete example stands in `examples/pendulum.rs` of this crate.
+///
+/// Two sorts of unknowns go into a rollout:
+/// - **parameters** belong to the thing itself (its restitution, its payload) and are what a person asks for;
+/// - **own unknowns** belong to one recording (the height of its release, where its floor lay) and are estimated with
+///   it and then set aside. See [`own`](Simulator::own).
+pub trait Simulator: Send + Sync {
+    /// The parameters in the order in which [`rollout`](Simulator::rollout) takes them, with value, bounds and unit.
+    fn parameters(&self) -> &[Parameter];
+
+    /// What is observed, in the order of the values that a rollout writes.
+    fn channels(&self) -> &[Channel];
+
+    /// Which kind of observation this simulator predicts.
+    fn kind(&self) -> Kind {
+        Kind::Other
+    }
+
+    /// The unknowns that `seen` brings of its own, each with a first guess read off `seen`, and bounds.
+    ///
+    /// # Errors
+    /// Where `seen` is not a thing that this simulator can explain at all.
+    fn own(&self, seen: &Observation) -> Result<Vec<Parameter>> {
+        let _ = seen;
+        Ok(Vec::new())
+    }
+
+    /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major
+    /// `[sample, channel]`. `parameters` are all of [`parameters`](Simulator::parameters), `own` all of
+    /// [`own`](Simulator::own). Deterministic: the same arguments give the same bits.
+    ///
+    /// # Errors
+    /// A sentence for people where these values cannot be simulated.
+    fn rollout(
+        &self,
+        parameters: &[f64],
+        own: &[f64],
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String>;
+}

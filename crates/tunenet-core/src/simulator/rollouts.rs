@@ -1,0 +1,34 @@
+//! Rolling out: once, or many times at once.
+
+use rayon::prelude::*;
+
+use super::Simulator;
+use crate::{Error, Result};
+
+/// One rollout, values row-major `[sample, channel]`.
+///
+/// # Errors
+/// [`Error::Simulator`] where the simulator refuses or returns a number that is not finite.
+pub fn rollout(simulator: &dyn Simulator, parameters: &[f64], own: &[f64], clock: &[f64]) -> Result<Vec<f64>> {
+    let mut values = vec![0.0; clock.len() * simulator.channels().len()];
+    let at = || {
+        let named = simulator.parameters().iter().zip(parameters).map(|(p, v)| format!("{}={v}", p.name));
+        named.collect::<Vec<_>>().join(" ")
+    };
+    simulator.rollout(parameters, own, clock, &mut values).map_err(|message| Error::Simulator { at: at(), message })?;
+    if let Some(i) = values.iter().position(|v| !v.is_finite()) {
+        let channel = &simulator.channels()[i % simulator.channels().len()].name;
+        let message = format!("`{channel}` is {} at sample {}", values[i], i / simulator.channels().len() + 1);
+        return Err(Error::Simulator { at: at(), message });
+    }
+    Ok(values)
+}
+
+/// Several rollouts on the same clock, spread over the processor's cores; the order of the results is that of `points`,
+/// each a pair of parameters and own unknowns.
+///
+/// # Errors
+/// The first failure in order, as [`rollout`].
+pub fn rollouts(simulator: &dyn Simulator, points: &[(Vec<f64>, Vec<f64>)], clock: &[f64]) -> Result<Vec<Vec<f64>>> {
+    points.par_iter().map(|(parameters, own)| rollout(simulator, parameters, own, clock)).collect()
+}

@@ -1,0 +1,1 @@
+//! What fits: Algorithm 1, the fit through rollouts, intervals and verdicts.
