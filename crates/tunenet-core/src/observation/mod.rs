@@ -157,7 +157,6 @@ impl Observation {
     /// # Errors
     /// As [`Observation::new`].
     pub fn bounce_times(time_s: Vec<f64>) -> Result<Self> {
-        #[expect(clippy::cast_precision_loss, reason = "impacts are few")]
         let index = (0..time_s.len()).map(|i| i as f64).collect();
         Self::new(Kind::BounceTimes, Channel::bounce_times(), index, time_s)
     }
