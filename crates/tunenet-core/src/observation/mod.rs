@@ -3,11 +3,16 @@
 //! [`Observation`] is the one type that every later wing reads. It cannot hold NaN, a clock that does not rise or too few
 //! samples: its constructor refuses them, so nobody downstream has to check again.
 
+mod arcs;
+mod line;
 mod noise;
+mod note;
 pub mod recording;
 mod resample;
 
+pub use arcs::{Arcs, Contact, LocalEstimate};
 pub use noise::noise_sd;
+pub use note::Note;
 pub use resample::resample;
 
 use crate::{Error, Result};

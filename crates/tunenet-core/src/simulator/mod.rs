@@ -1,9 +1,11 @@
 //! What could be: a simulator with parameters, seen only through its rollouts.
 
 mod parameter;
+mod prepared;
 mod rollouts;
 
 pub use parameter::Parameter;
+pub use prepared::{Preparation, Prepared, Scale};
 pub use rollouts::{rollout, rollouts};
 
 use crate::Result;
@@ -17,7 +19,7 @@ use crate::observation::{Channel, Kind, Observation};
 /// Two sorts of unknowns go into a rollout:
 /// - **parameters** belong to the thing itself (its restitution, its payload) and are what a person asks for;
 /// - **own unknowns** belong to one recording (the height of its release, where its floor lay) and are estimated with
-///   it and then set aside. See [`own`](Simulator::own).
+///   it and then set aside. See [`prepare`](Simulator::prepare).
 pub trait Simulator: Send + Sync {
     /// The parameters in the order in which [`rollout`](Simulator::rollout) takes them, with value, bounds and unit.
     fn parameters(&self) -> &[Parameter];
@@ -30,18 +32,17 @@ pub trait Simulator: Send + Sync {
         Kind::Other
     }
 
-    /// The unknowns that `seen` brings of its own, each with a first guess read off `seen`, and bounds.
+    /// Makes `seen` ready: cuts it to what can be explained, and names the unknowns that it brings of its own.
     ///
     /// # Errors
-    /// Where `seen` is not a thing that this simulator can explain at all.
-    fn own(&self, seen: &Observation) -> Result<Vec<Parameter>> {
-        let _ = seen;
-        Ok(Vec::new())
+    /// Where `seen` is a kind of observation that this simulator does not predict.
+    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+        Ok(Preparation::Usable(Box::new(Prepared::whole(seen.clone(), self.parameters().len()))))
     }
 
     /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major
     /// `[sample, channel]`. `parameters` are all of [`parameters`](Simulator::parameters), `own` all of
-    /// [`own`](Simulator::own). Deterministic: the same arguments give the same bits.
+    /// [`Prepared::own`]. Deterministic: the same arguments give the same bits.
     ///
     /// # Errors
     /// A sentence for people where these values cannot be simulated.

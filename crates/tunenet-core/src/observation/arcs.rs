@@ -1,0 +1,325 @@
+//! Cutting a ball's positions into free flight and contacts.
+//!
+//! In free flight `w = z + g t²/2` is a straight line, so an impact is a kink of `w` upwards. Kinks are found as slope
+//! differences between the samples before and after, and then located where the two neighbouring flights cross. Nothing
+//! is smoothed, and no sample is judged by anything but its own flight.
+
+use std::ops::Range;
+
+use super::line::Polynomial;
+use super::{Kind, Note, Observation, noise_sd};
+
+/// A slope difference counts as a kink from this many of its standard deviations on. Noise alone reaches it once in
+/// 10^9 samples; the weakest impact that can be tuned to has far more.
+const KINK_SIGNIFICANCE: f64 = 6.0;
+/// ... and from this many times the change of speed that gravity alone makes between the two windows, so that a ball that
+/// is held or rests is no impact.
+const KINK_OVER_GRAVITY: f64 = 2.5;
+/// Above this Coulomb coefficient a change of horizontal speed is a blow, not friction.
+const GREATEST_FRICTION: f64 = 1.2;
+
+/// One impact on the surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Contact {
+    /// When the two flights cross, s.
+    pub time_s: f64,
+    /// Height of the ball's centre then, m.
+    pub height_m: f64,
+    /// Approach speed along the vertical, m/s, positive.
+    pub approach_m_s: f64,
+    /// Rebound over approach speed from the flights right at the contact, each with its own vertical acceleration, so that
+    /// an unmodelled force in flight (drag, a wrong scale) does not bias it. `None` where a flight is too short.
+    pub restitution: Option<LocalEstimate>,
+}
+
+/// A number read off a part of the data, with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalEstimate {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+}
+
+/// A recording of a bouncing ball, cut into what can be used and what cannot.
+#[derive(Debug, Clone)]
+pub struct Arcs {
+    /// The samples of undisturbed motion: after the release, before a blow or before the ball leaves the surface.
+    pub usable: Range<usize>,
+    /// The impacts within them, in order.
+    pub contacts: Vec<Contact>,
+    /// Start position at the first usable sample, m: a line through the first flight for each axis.
+    pub start_m: [f64; 3],
+    /// Start velocity there, m/s.
+    pub start_m_s: [f64; 3],
+    /// What was set aside and why.
+    pub notes: Vec<Note>,
+}
+
+impl Arcs {
+    /// Cuts `seen`, positions of a ball under gravity `gravity_m_s2`. `None` for other kinds of observation.
+    #[must_use]
+    pub fn cut(seen: &Observation, gravity_m_s2: f64) -> Option<Self> {
+        if seen.kind() != Kind::Positions {
+            return None;
+        }
+        let axes: [Vec<f64>; 3] = [0, 1, 2].map(|axis| seen.column(axis).collect());
+        let mut notes = Vec::new();
+        let kinks = Kinks::find(seen.clock(), &axes, gravity_m_s2);
+        let mut usable = kinks.usable(&mut notes, seen.clock());
+        let inside: Vec<usize> =
+            kinks.impacts.iter().copied().filter(|&k| k > usable.start + 1 && k + 1 < usable.end).collect();
+        let release = release(seen.clock(), &axes[2], usable.start, *inside.first().unwrap_or(&usable.end));
+        if release > usable.start {
+            let held = seen.clock()[release] - seen.clock()[usable.start];
+            let text = format!("the first {held:.3} s before the release were set aside");
+            notes.push(Note::new("release.late", text, ""));
+            usable.start = release;
+        }
+        let contacts = contacts(seen.clock(), &axes[2], &usable, &inside, gravity_m_s2);
+        let first_end = contacts.first().map_or(usable.end, |c| seen.clock().partition_point(|t| *t < c.time_s));
+        let flight = usable.start..first_end.max(usable.start + 2).min(usable.end);
+        let (mut start_m, mut start_m_s) = ([0.0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            let curvature = if axis == 2 { -gravity_m_s2 / 2.0 } else { 0.0 };
+            let origin = seen.clock()[usable.start];
+            let line =
+                Polynomial::fit(&seen.clock()[flight.clone()], &axes[axis][flight.clone()], origin, Some(curvature));
+            (start_m[axis], start_m_s[axis]) =
+                line.map_or((axes[axis][usable.start], 0.0), |l| (l.at(origin), l.slope(origin)));
+        }
+        Some(Self { usable, contacts, start_m, start_m_s, notes })
+    }
+
+    /// The restitution of all contacts together, weighted by their certainty; the standard deviation covers the scatter
+    /// between them.
+    #[must_use]
+    pub fn restitution(&self) -> Option<LocalEstimate> {
+        let each: Vec<LocalEstimate> = self.contacts.iter().filter_map(|c| c.restitution).collect();
+        let weight: f64 = each.iter().map(|e| e.sd.powi(-2)).sum();
+        let value = each.iter().map(|e| e.value * e.sd.powi(-2)).sum::<f64>() / weight;
+        let scatter: f64 = each.iter().map(|e| ((e.value - value) / e.sd).powi(2)).sum();
+        let excess = if each.len() > 1 { (scatter / (each.len() - 1) as f64).max(1.0) } else { 1.0 };
+        value.is_finite().then(|| LocalEstimate { value, sd: (excess / weight).sqrt() })
+    }
+}
+
+/// Where the motion kinks.
+struct Kinks {
+    samples: usize,
+    /// Impacts on the surface: the flight before ends at this sample, the next begins after it.
+    impacts: Vec<usize>,
+    /// Anything else that changes the velocity at once: a hand, a racket, another surface.
+    blows: Vec<usize>,
+}
+
+impl Kinks {
+    fn find(clock: &[f64], axes: &[Vec<f64>; 3], gravity: f64) -> Self {
+        let samples = clock.len();
+        let straight: Vec<f64> = clock.iter().zip(&axes[2]).map(|(t, z)| z + gravity / 2.0 * t * t).collect();
+        let sd = [0, 1, 2].map(|axis| noise_sd(&axes[axis]));
+        let half = window(clock, &axes[2], sd[2], gravity);
+        if samples < 2 * half + 1 {
+            return Self { samples, impacts: Vec::new(), blows: Vec::new() };
+        }
+        let slope = |values: &[f64], range: Range<usize>| {
+            Polynomial::fit(&clock[range.clone()], &values[range.clone()], clock[range.start], Some(0.0))
+        };
+        // Each kink is a local maximum of its slope difference within one window on either side.
+        let jump = |values: &[f64], k: usize| -> Option<(f64, f64, f64)> {
+            let (before, after) = (slope(values, k + 1 - half..k + 1)?, slope(values, k + 1..k + 1 + half)?);
+            let gain = before.slope_gain(clock[k]).hypot(after.slope_gain(clock[k]));
+            Some((after.slope(clock[k]) - before.slope(clock[k]), gain, clock[k + half] - clock[k + 1 - half]))
+        };
+        let range = half - 1..samples - half;
+        let up: Vec<(f64, bool)> = range
+            .clone()
+            .map(|k| {
+                jump(&straight, k).map_or((0.0, false), |(change, gain, span)| {
+                    let floor = KINK_OVER_GRAVITY * gravity * span / 2.0;
+                    (change, change > (KINK_SIGNIFICANCE * gain * sd[2]).max(floor))
+                })
+            })
+            .collect();
+        let sideways = |k: usize| -> (f64, bool) {
+            let each = [0, 1].map(|axis| {
+                jump(&axes[axis], k).map_or((0.0, false), |(change, gain, span)| {
+                    (
+                        change.abs(),
+                        change.abs()
+                            > (KINK_SIGNIFICANCE * gain * sd[axis]).max(KINK_OVER_GRAVITY * gravity * span / 2.0),
+                    )
+                })
+            });
+            (each[0].0.hypot(each[1].0), each[0].1 || each[1].1)
+        };
+        let across: Vec<(f64, bool)> = range.clone().map(sideways).collect();
+        let peaks = |signal: &[(f64, bool)]| -> Vec<usize> {
+            (0..signal.len())
+                .filter(|&i| {
+                    let near = i.saturating_sub(half)..(i + half + 1).min(signal.len());
+                    signal[i].1
+                        && near.clone().all(|j| signal[j].0 < signal[i].0 || j >= i && signal[j].0 <= signal[i].0)
+                })
+                .map(|i| i + range.start)
+                .collect()
+        };
+        let (mut impacts, mut blows) = (Vec::new(), Vec::new());
+        let mut surface: Option<f64> = None;
+        for k in peaks(&up) {
+            let (before, after) = (slope(&straight, k + 1 - half..k + 1), slope(&straight, k + 1..k + 1 + half));
+            let fall = before.map_or(0.0, |l| l.slope(clock[k]) - gravity * clock[k]);
+            let rise = after.map_or(0.0, |l| l.slope(clock[k]) - gravity * clock[k]);
+            let height = axes[2][k].min(axes[2][k + 1]);
+            let shift = across[k - range.start].0;
+            let slack =
+                KINK_SIGNIFICANCE * sd[2] + 0.5 * fall.abs() * (clock[k + 1] - clock[k]) + 0.02 * span(&axes[2]);
+            let level = surface.is_none_or(|s: f64| (height - s).abs() < slack);
+            let rubbed = shift
+                <= GREATEST_FRICTION * (rise - fall)
+                    + KINK_SIGNIFICANCE * (sd[0].hypot(sd[1])) / (clock[k + 1] - clock[k]) / half as f64;
+            let energetic = rise > -0.3 * fall.abs() && rise < 1.3 * fall.abs();
+            if fall < 0.0 && level && rubbed && energetic {
+                surface = Some(surface.map_or(height, |s: f64| s.min(height)));
+                impacts.push(k);
+            } else {
+                blows.push(k);
+            }
+        }
+        for k in peaks(&across) {
+            if impacts.iter().chain(&blows).all(|&i| i.abs_diff(k) > half) {
+                blows.push(k);
+            }
+        }
+        blows.sort_unstable();
+        Self { samples, impacts, blows }
+    }
+
+    /// The longest stretch with the most impacts and no blow inside.
+    fn usable(&self, notes: &mut Vec<Note>, clock: &[f64]) -> Range<usize> {
+        let cuts: Vec<usize> = self.blows.iter().copied().chain([self.samples]).collect();
+        let mut best = 0..0;
+        let mut best_rank = (0, 0);
+        let mut start = 0;
+        for &cut in &cuts {
+            // A window's width on either side of a blow still feels it.
+            let end = if cut == self.samples { cut } else { cut.saturating_sub(1) };
+            let impacts = self.impacts.iter().filter(|&&k| k > start && k < end).count();
+            let rank = (impacts.min(1), end.saturating_sub(start));
+            if end > start && rank > best_rank {
+                (best, best_rank) = (start..end, rank);
+            }
+            start = cut + 2;
+        }
+        if best.len() < self.samples && !self.blows.is_empty() {
+            let times: Vec<String> = self.blows.iter().take(4).map(|&k| format!("{:.3} s", clock[k])).collect();
+            let text = format!(
+                "something other than the surface changes the velocity at {}{}: samples {} to {} of {} are used",
+                times.join(", "),
+                if self.blows.len() > 4 { " and later" } else { "" },
+                best.start + 1,
+                best.end,
+                self.samples
+            );
+            notes.push(Note::new(
+                "motion.blow",
+                text,
+                "record without touching the ball; a hand, a racket or a second surface does this",
+            ));
+        }
+        best
+    }
+}
+
+/// Half the width of the kink detector, in samples: the fewest whose slopes are known to an eighth of the speed of a fall
+/// through the range of heights seen.
+fn window(clock: &[f64], heights: &[f64], sd: f64, gravity: f64) -> usize {
+    let step = (clock[clock.len() - 1] - clock[0]) / (clock.len() - 1) as f64;
+    let speed = (2.0 * gravity * span(heights)).sqrt();
+    // The slope of m even samples has standard deviation sd·√12 / (step · m^1.5).
+    let wanted = (12f64.sqrt() * sd * 8.0 / (step * speed).max(f64::MIN_POSITIVE)).powf(2.0 / 3.0).ceil();
+    (wanted.clamp(3.0, 1e6) as usize).min((clock.len() / 6).max(3))
+}
+
+fn span(values: &[f64]) -> f64 {
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    high - low
+}
+
+/// The first sample of free flight: the flight before the first impact is followed backwards for as long as one parabola
+/// (its acceleration free, so that drag is no release) explains it.
+fn release(clock: &[f64], heights: &[f64], from: usize, impact: usize) -> usize {
+    let sd = noise_sd(&heights[from..impact.min(heights.len())]).max(1e-9);
+    let seed = ((impact - from) / 3).max(6);
+    if impact < from + seed + 2 {
+        return from;
+    }
+    let mut begin = impact - seed;
+    while begin > from {
+        let Some(fit) = Polynomial::fit(&clock[begin..impact], &heights[begin..impact], clock[begin], None) else {
+            return from;
+        };
+        let misfit = |i: usize| (fit.at(clock[i]) - heights[i]).abs();
+        let limit = 6.0 * sd.max(fit.residual_sd) + 1e-3 * span(&heights[from..impact]);
+        // Two misfits in a row end the flight; one is an outlier.
+        if misfit(begin - 1) > limit && (begin < from + 2 || misfit(begin - 2) > limit) {
+            return (begin + 1).min(impact - 2);
+        }
+        begin -= 1;
+    }
+    from
+}
+
+/// Locates every impact where the flights beside it cross and measures its restitution.
+fn contacts(clock: &[f64], heights: &[f64], usable: &Range<usize>, impacts: &[usize], gravity: f64) -> Vec<Contact> {
+    let sd = noise_sd(&heights[usable.clone()]).max(1e-9);
+    let bounds: Vec<usize> =
+        std::iter::once(usable.start).chain(impacts.iter().map(|k| k + 1)).chain([usable.end]).collect();
+    let mut found: Vec<Contact> = Vec::new();
+    for (i, &k) in impacts.iter().enumerate() {
+        let (before, after) = (bounds[i]..k, k + 2..bounds[i + 2].saturating_sub(1).max(k + 2));
+        let line = |range: Range<usize>| {
+            Polynomial::fit(&clock[range.clone()], &heights[range.clone()], clock[k], Some(-gravity / 2.0))
+        };
+        let (Some(down), Some(up)) = (line(before.clone()), line(after.clone())) else { continue };
+        let time_s = crossing(&down, &up, clock[k], clock[k + 1]);
+        let restitution = local_restitution(clock, heights, before, after, time_s, sd);
+        found.push(Contact { time_s, height_m: down.at(time_s), approach_m_s: -down.slope(time_s), restitution });
+    }
+    found
+}
+
+/// Where two flights with equal curvature cross; the middle of the gap where they do so outside its neighbourhood.
+fn crossing(down: &Polynomial, up: &Polynomial, before: f64, after: f64) -> f64 {
+    let time = down.origin - (up.coefficients[0] - down.coefficients[0]) / (up.coefficients[1] - down.coefficients[1]);
+    let slack = after - before;
+    if (before - slack..=after + slack).contains(&time) { time } else { before.midpoint(after) }
+}
+
+/// Rebound over approach speed, from the widest samples beside the contact that a parabola of free acceleration explains.
+fn local_restitution(
+    clock: &[f64],
+    heights: &[f64],
+    before: Range<usize>,
+    after: Range<usize>,
+    time_s: f64,
+    sd: f64,
+) -> Option<LocalEstimate> {
+    let widest = |range: Range<usize>, at_end: bool| -> Option<Polynomial> {
+        let mut length = range.len();
+        loop {
+            let part = if at_end { range.end - length..range.end } else { range.start..range.start + length };
+            let fit = Polynomial::fit(&clock[part.clone()], &heights[part.clone()], time_s, None)?;
+            if fit.residual_sd < 1.5 * sd || length <= 6 {
+                return (length >= 4).then_some(fit);
+            }
+            length = (length * 4 / 5).max(6).min(length - 1);
+        }
+    };
+    let (down, up) = (widest(before, true)?, widest(after, false)?);
+    let (approach, rebound) = (-down.slope(time_s), up.slope(time_s));
+    let value = rebound / approach;
+    let spread = |fit: &Polynomial| fit.residual_sd.max(sd) * fit.slope_gain(time_s);
+    let sd = (spread(&up).powi(2) + (value * spread(&down)).powi(2)).sqrt() / approach;
+    (approach > 0.0 && (-0.3..1.5).contains(&value) && sd < 0.5).then_some(LocalEstimate { value, sd: sd.max(1e-9) })
+}

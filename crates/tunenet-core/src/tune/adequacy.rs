@@ -1,0 +1,52 @@
+//! Whether what is left after tuning is noise.
+
+use crate::observation::{Kind, Observation};
+
+/// A misfit below this share of the range of the data is nobody's concern, however exact the recording.
+const PRACTICAL_SHARE: f64 = 1e-6;
+/// How far the residual may exceed the noise: `1 + MARGIN + LUCK/√n`. The noise is itself estimated, from n samples with a
+/// relative standard deviation near 1.9/√n (third differences) and more for short lists.
+const MARGIN: f64 = 0.1;
+const LUCK: f64 = 6.0;
+
+/// How one recording's residual compares with its noise.
+#[derive(Debug, Clone, Copy)]
+pub struct Adequacy {
+    /// Root mean square of the worst channel's residual over that channel's noise.
+    pub ratio: f64,
+    /// The greatest ratio that noise alone explains.
+    pub limit: f64,
+    /// False where the recording is too short to know its own noise, so that nothing can be said.
+    pub tested: bool,
+}
+
+impl Adequacy {
+    /// Judges the weighted residuals (shape `[sample · channel]`) of `seen`, fitted with `unknowns` numbers.
+    #[must_use]
+    pub fn of(seen: &Observation, noise: &[f64], residuals: &[f64], unknowns: usize) -> Self {
+        let width = noise.len();
+        let samples = seen.len();
+        let mut worst: f64 = 0.0;
+        for channel in 0..width {
+            let column = || residuals.iter().skip(channel).step_by(width);
+            let freedom = (samples as f64 - unknowns as f64 / width as f64).max(1.0);
+            let ratio = (column().map(|r| r * r).sum::<f64>() / freedom).sqrt();
+            let (low, high) =
+                seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            if ratio * noise[channel] > PRACTICAL_SHARE * (high - low) {
+                worst = worst.max(ratio);
+            }
+        }
+        let (counted, tested) = match seen.kind() {
+            Kind::BounceTimes => (samples as f64 - 4.0, samples >= 7),
+            _ => (samples as f64, samples >= 8),
+        };
+        Self { ratio: worst, limit: 1.0 + MARGIN + LUCK / counted.max(1.0).sqrt(), tested }
+    }
+
+    /// Whether more is left than noise explains.
+    #[must_use]
+    pub fn poor(&self) -> bool {
+        self.tested && self.ratio > self.limit
+    }
+}

@@ -1,0 +1,141 @@
+//! How sure a fit is: 95 % intervals from the curvature around it, and from the profile of the misfit near a bound.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::fit::{Fit, Problem, robust_scale};
+use crate::Result;
+
+/// The level of every interval that tunenet states.
+pub const LEVEL: f64 = 0.95;
+/// Residuals that follow each other (ρ above 2/√n, where white noise stays below) carry less than they count.
+const WORST_CORRELATION: f64 = 0.95;
+/// Steps of the profile, as a share of the standard deviation and of the bounds.
+const PROFILE_STEP_SD: f64 = 0.25;
+const PROFILE_STEP_SPAN: f64 = 1.0 / 160.0;
+
+/// The spread of a fit's residuals.
+#[derive(Debug, Clone, Copy)]
+pub struct Spread {
+    /// Variance of the residuals in units of the stated noise, degrees of freedom taken off.
+    pub variance: f64,
+    /// By how much correlated residuals widen the variance of an estimate: (1 + ρ)/(1 − ρ), 1 where white.
+    pub inflation: f64,
+    /// Degrees of freedom left.
+    pub freedom: f64,
+}
+
+impl Spread {
+    /// The spread of `fit`'s residuals.
+    #[must_use]
+    pub fn of(problem: &Problem, fit: &Fit) -> Self {
+        let count: usize = fit.residuals.iter().map(Vec::len).sum();
+        let unknowns = problem.free.len() + fit.point.own.iter().map(Vec::len).sum::<usize>();
+        let freedom = count as f64 - unknowns as f64;
+        if freedom < 1.0 {
+            return Self { variance: 1.0, inflation: 1.0, freedom: 1e6 };
+        }
+        let limit = 4.0 * robust_scale(&fit.residuals);
+        let squares: f64 = fit.residuals.iter().flatten().map(|r| r.abs().min(limit).powi(2)).sum();
+        let width = problem.simulator.channels().len();
+        let correlations = fit.residuals.iter().flat_map(|r| (0..width).map(move |c| correlation(r, c, width)));
+        // Channels that carry next to nothing of the residual do not matter for its colour.
+        let (top, bottom) = correlations.fold((0.0, 0.0), |(t, b), (product, square)| (t + product, b + square));
+        let rho = if bottom > 0.0 { top / bottom } else { 0.0 };
+        let rho = if rho > 2.0 / (count as f64).sqrt() { rho.min(WORST_CORRELATION) } else { 0.0 };
+        Self { variance: squares / freedom, inflation: (1.0 + rho) / (1.0 - rho), freedom }
+    }
+
+    /// How many standard deviations an interval of [`LEVEL`] reaches.
+    #[must_use]
+    pub fn quantile(&self) -> f64 {
+        StudentsT::new(0.0, 1.0, self.freedom).map_or(1.96, |t| t.inverse_cdf(0.5 + LEVEL / 2.0))
+    }
+
+    /// The standard deviation of an estimate whose variance for noise as stated is `variance`.
+    #[must_use]
+    pub fn sd(&self, variance: f64) -> f64 {
+        (variance * self.variance * self.inflation).sqrt()
+    }
+}
+
+/// Lag-one product and square sum of one channel's residuals.
+fn correlation(residuals: &[f64], channel: usize, width: usize) -> (f64, f64) {
+    let column = || residuals.iter().skip(channel).step_by(width);
+    let product: f64 = column().zip(column().skip(1)).map(|(a, b)| a * b).sum();
+    (product, column().map(|r| r * r).sum())
+}
+
+/// The 95 % interval of each free parameter, and the rollouts that it took beyond the fit.
+///
+/// From the curvature (Laplace) where the interval stays well inside the bounds; where it comes near one, the values whose
+/// misfit is within the quantile of the best, everything else fitted again (profile likelihood).
+///
+/// # Errors
+/// Where the simulator refuses.
+pub fn intervals(problem: &Problem, fit: &Fit) -> Result<(Vec<(f64, f64)>, usize)> {
+    let spread = Spread::of(problem, fit);
+    let mut rollouts = 0;
+    let mut all = Vec::with_capacity(problem.free.len());
+    for (i, &position) in problem.free.iter().enumerate() {
+        let p = &problem.simulator.parameters()[position];
+        let (value, sd) = (fit.point.parameters[position], spread.sd(fit.covariance[(i, i)]));
+        if !sd.is_finite() {
+            all.push((p.min, p.max));
+            continue;
+        }
+        let near = value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max;
+        let reach = spread.quantile() * sd;
+        all.push(if near {
+            let profile = Profile { problem, fit, i, spread: &spread, sd };
+            let (low, used) = profile.edge(-1.0)?;
+            let (high, more) = profile.edge(1.0)?;
+            rollouts += used + more;
+            (low, high)
+        } else {
+            (value - reach, value + reach)
+        });
+    }
+    Ok((all, rollouts))
+}
+
+/// The misfit over one parameter, all else fitted.
+struct Profile<'a> {
+    problem: &'a Problem<'a>,
+    fit: &'a Fit,
+    i: usize,
+    spread: &'a Spread,
+    sd: f64,
+}
+
+impl Profile<'_> {
+    /// Walks from the estimate towards a bound until the misfit exceeds the quantile; returns where, or the bound.
+    fn edge(&self, direction: f64) -> Result<(f64, usize)> {
+        let position = self.problem.free[self.i];
+        let p = &self.problem.simulator.parameters()[position];
+        let bound = if direction < 0.0 { p.min } else { p.max };
+        let step =
+            (PROFILE_STEP_SD * self.sd).max(PROFILE_STEP_SPAN * p.span() * 1e-3).min(PROFILE_STEP_SPAN * p.span());
+        let others: Vec<usize> = self.problem.free.iter().copied().filter(|&f| f != position).collect();
+        let problem = Problem { free: &others, ..*self.problem };
+        let (mut point, mut rollouts) = (self.fit.point.clone(), 0);
+        let (mut before, mut misfit_before) = (point.parameters[position], 0.0);
+        let limit = self.spread.quantile();
+        loop {
+            let value = before + direction * step;
+            let value = if (bound - value) * direction <= 0.0 { bound } else { value };
+            point.parameters[position] = value;
+            let there = problem.fit(point, 1.0)?;
+            rollouts += there.rollouts;
+            let excess = 2.0 * (there.cost - self.fit.cost) / (self.spread.variance * self.spread.inflation);
+            let misfit = excess.max(0.0).sqrt();
+            if misfit >= limit {
+                let share = (limit - misfit_before) / (misfit - misfit_before).max(f64::MIN_POSITIVE);
+                return Ok((before + share.clamp(0.0, 1.0) * (value - before), rollouts));
+            }
+            if value == bound {
+                return Ok((bound, rollouts));
+            }
+            (before, misfit_before, point) = (value, misfit, there.point);
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! What tuning ends with.
+
+use super::unknowns::Point;
+use crate::observation::Note;
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+/// The answer in one word. Each is a result, none an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The simulator now does what was measured, up to the noise.
+    Tuned,
+    /// No recording could be used.
+    Rejected,
+    /// The best parameters leave more than the noise explains.
+    PoorFit,
+    /// At least one parameter is not determined by the data.
+    NotIdentifiable,
+}
+
+/// One tuned parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value before.
+    pub before: f64,
+    /// Its value now.
+    pub value: f64,
+    /// Its 95 % interval.
+    pub interval95: (f64, f64),
+    /// Its least and greatest allowed value.
+    pub bounds: (f64, f64),
+    /// Whether the data determine it.
+    pub identified: bool,
+}
+
+/// One iteration: where the parameters stood, and how far the rollout there lay from the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Iteration {
+    /// Its number, 0 for the start.
+    pub k: usize,
+    /// The tuned parameters, in the order of [`Outcome::parameters`].
+    pub parameters: Vec<f64>,
+    /// Root mean square of measured − predicted, in [`Gap::unit`].
+    pub rmse: f64,
+}
+
+/// How far simulation and measurement lie apart, as a root mean square.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gap {
+    /// The unit of all three.
+    pub unit: String,
+    /// With the parameters as they were, each recording's own unknowns fitted.
+    pub before: f64,
+    /// With the parameters as they are now.
+    pub after: f64,
+    /// What noise alone leaves.
+    pub noise_floor: f64,
+}
+
+/// Why the iterations ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// All iterations that were asked for are done.
+    Iterations,
+    /// No step improves any more.
+    Converged,
+    /// There was nothing to iterate on.
+    Nothing,
+}
+
+/// Everything that tuning found.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// The answer.
+    pub verdict: Verdict,
+    /// The tuned parameters; empty where rejected.
+    pub parameters: Vec<Estimate>,
+    /// Correlations between them, shape `[parameter, parameter]`.
+    pub correlation: DMatrix<f64>,
+    /// Every iteration, the start first.
+    pub iterations: Vec<Iteration>,
+    /// The gap; absent where rejected.
+    pub gap: Option<Gap>,
+    /// How many rollouts it took in all.
+    pub rollouts: usize,
+    /// Why it stopped.
+    pub stop: Stop,
+    /// What a person should know.
+    pub notes: Vec<Note>,
+    /// All parameters and own unknowns at the end.
+    pub point: Option<Point>,
+    /// For each recording given: whether it was used.
+    pub used: Vec<bool>,
+}

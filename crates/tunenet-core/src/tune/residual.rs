@@ -1,0 +1,48 @@
+//! Residuals: always measured − predicted, in units of the noise.
+
+use crate::Result;
+use crate::observation::{Kind, Observation, noise_sd};
+use crate::simulator::{Prepared, Simulator, rollout};
+
+/// Noise below this share of a channel's range cannot be told from rounding; it keeps weights finite.
+const LEAST_RELATIVE_NOISE: f64 = 1e-9;
+
+/// The standard deviation of the noise of each channel, shape `[channel]`, in the channel's unit.
+///
+/// For a time series from third differences of the series itself. Bounce times have no smooth neighbour to compare with,
+/// so theirs is what a restitution that may change evenly from bounce to bounce leaves over.
+#[must_use]
+pub fn channel_noise(seen: &Observation) -> Vec<f64> {
+    let columns = (0..seen.channels().len()).map(|channel| seen.column(channel).collect::<Vec<f64>>());
+    let columns: Vec<Vec<f64>> = columns.collect();
+    let ranges = columns.iter().map(|c| {
+        let (low, high) = c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+        high - low
+    });
+    // A channel that never moves (a ball dropped straight down in exact data) must not weigh infinitely.
+    let widest = ranges.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let noise = |column: &Vec<f64>| match seen.kind() {
+        Kind::BounceTimes => super::bounce_noise::bounce_time_sd(seen.clock(), column),
+        _ => noise_sd(column),
+    };
+    columns.iter().map(|column| noise(column).max(LEAST_RELATIVE_NOISE * widest)).collect()
+}
+
+/// (measured − predicted) / noise for one recording, row-major `[sample, channel]`, over its first `samples` samples.
+///
+/// # Errors
+/// Where the simulator refuses these values.
+pub fn weighted(
+    simulator: &dyn Simulator,
+    recording: &Prepared,
+    noise: &[f64],
+    parameters: &[f64],
+    own: &[f64],
+    samples: usize,
+) -> Result<Vec<f64>> {
+    let mut predicted = rollout(simulator, parameters, own, &recording.seen.clock()[..samples])?;
+    for (i, (value, seen)) in predicted.iter_mut().zip(recording.seen.values()).enumerate() {
+        *value = (seen - *value) / noise[i % noise.len()];
+    }
+    Ok(predicted)
+}
