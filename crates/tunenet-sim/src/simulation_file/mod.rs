@@ -1,0 +1,231 @@
+//! The simulation file: one TOML file that describes a simulation completely, read, overridden, and written back with its
+//! comments and its order kept.
+
+mod check;
+pub mod schema;
+
+use std::path::{Path, PathBuf};
+
+use toml_edit::{Document, DocumentMut, Item, Table, Value};
+use tunenet_core::simulator::Parameter;
+use tunenet_core::{Error, Result};
+
+use schema::{Shape, find, item_number, siblings};
+
+/// How a ball's scene may start, record by record: what is `None` is estimated from the data.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Release {
+    /// Height of fall, from the ball's lowest point to the surface, m.
+    pub height_m: Option<f64>,
+    /// Start of the centre, m.
+    pub position_m: Option<[f64; 3]>,
+    /// Start velocity, m/s.
+    pub velocity_m_s: Option<[f64; 3]>,
+    /// Spin, rad/s.
+    pub spin_rad_s: Option<[f64; 3]>,
+    /// When it is let go, s.
+    pub time_s: Option<f64>,
+}
+
+/// What `simulate` and `gen` write.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Record {
+    /// Frames per second.
+    pub rate_hz: f64,
+    /// How many.
+    pub frames: usize,
+}
+
+impl Record {
+    /// The instants of the frames, s, from 0.
+    #[must_use]
+    pub fn clock(&self) -> Vec<f64> {
+        (0..self.frames).map(|i| i as f64 / self.rate_hz).collect()
+    }
+}
+
+impl Default for Record {
+    fn default() -> Self {
+        Self { rate_hz: 120.0, frames: 360 }
+    }
+}
+
+/// A simulation file, checked.
+#[derive(Debug, Clone)]
+pub struct SimulationFile {
+    path: PathBuf,
+    document: DocumentMut,
+}
+
+impl SimulationFile {
+    /// Reads and checks the file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where it cannot be read; [`Error::Text`] with line and column where it is not TOML, holds an unknown
+    /// key, a value of the wrong kind or outside its bounds; [`Error::File`] where a key is missing.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, "reading", source))?;
+        Self::parse(path, &text)
+    }
+
+    /// Checks `text` as the content of `path`.
+    ///
+    /// # Errors
+    /// As [`SimulationFile::read`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self> {
+        let document = Document::parse(text).map_err(|e| {
+            let span = e.span().unwrap_or(0..0);
+            check::located(path, text, span, e.message().to_string(), "this file is TOML: `key = value` lines under [table] heads")
+        })?;
+        check::document(path, text, document.as_table())?;
+        Ok(Self { path: path.to_path_buf(), document: document.into_mut() })
+    }
+
+    /// Overrides one key, as `--set TABLE.KEY=VALUE` does.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] where the text is not of that form, the key is unknown, or the value does not fit it.
+    pub fn set(&mut self, assignment: &str) -> Result<()> {
+        let refuse = |expected: String, found: String| Err(Error::Setting { name: "--set", expected, found });
+        let Some((path, text)) = assignment.split_once('=') else {
+            return refuse("TABLE.KEY=VALUE".into(), format!("`{assignment}`"));
+        };
+        let (path, text) = (path.trim(), text.trim());
+        let Some(key) = find(path) else {
+            return refuse(format!("a key of a simulation file ({})", siblings(path).join(", ")), format!("`{path}`"));
+        };
+        let value: Value = text.parse().unwrap_or_else(|_| Value::from(text));
+        if !key.shape.accepts(&value) {
+            return refuse(format!("{} for `{path}`", key.shape.expected()), format!("`{text}`"));
+        }
+        let mut table = self.document.as_table_mut();
+        let parts: Vec<&str> = path.split('.').collect();
+        for part in &parts[..parts.len() - 1] {
+            let item = table.entry(part).or_insert_with(|| Item::Table(Table::new()));
+            let Some(inner) = item.as_table_mut() else {
+                return refuse(format!("`{part}` as a [table]"), "something else in the file".into());
+            };
+            table = inner;
+        }
+        table[parts[parts.len() - 1]] = Item::Value(value);
+        check::parameters(self.document.as_table())
+            .map_or(Ok(()), |(path, _, expected, found)| refuse(format!("{expected} for `{path}`"), found))
+    }
+
+    /// The file's path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The file as text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        self.document.to_string()
+    }
+
+    /// The parameters, in the order restitution, friction; those left out stand at their default and are not tuned, but
+    /// for the restitution.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where bounds and value contradict each other.
+    pub fn parameters(&self) -> Result<Vec<Parameter>> {
+        let defaults = [("restitution", 0.5, 1.0, true), ("friction", 0.0, 2.0, false)];
+        let each = defaults.into_iter().map(|(name, value, max, tune)| {
+            let Some(table) = self.item(&format!("parameters.{name}")).and_then(Item::as_table_like) else {
+                return Ok(Parameter { tune, ..Parameter::new(name, "1", value, 0.0, max)? });
+            };
+            let number = |field: &str, default: f64| table.get(field).and_then(item_number).unwrap_or(default);
+            let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(true);
+            let unit = table.get("unit").and_then(Item::as_str).unwrap_or("1");
+            let parameter = Parameter::new(name, unit, number("value", value), number("min", 0.0), number("max", max))?;
+            Ok(Parameter { tune, ..parameter })
+        });
+        each.collect()
+    }
+
+    /// How the ball starts.
+    #[must_use]
+    pub fn release(&self) -> Release {
+        Release {
+            height_m: self.number("release.height_m"),
+            position_m: self.vector("release.position_m"),
+            velocity_m_s: self.vector("release.velocity_m_s"),
+            spin_rad_s: self.vector("release.spin_rad_s"),
+            time_s: self.number("release.time_s"),
+        }
+    }
+
+    /// What is written of a rollout.
+    #[must_use]
+    pub fn record(&self) -> Record {
+        let default = Record::default();
+        let frames = self.item("record.frames").and_then(Item::as_integer).and_then(|n| usize::try_from(n).ok());
+        Record { rate_hz: self.number("record.rate_hz").unwrap_or(default.rate_hz), frames: frames.unwrap_or(default.frames) }
+    }
+
+    /// The number at `path`, where there is one.
+    #[must_use]
+    pub fn number(&self, path: &str) -> Option<f64> {
+        self.item(path).and_then(item_number)
+    }
+
+    fn vector(&self, path: &str) -> Option<[f64; 3]> {
+        let array = self.item(path)?.as_array()?;
+        let numbers: Vec<f64> = array.iter().filter_map(schema::number).collect();
+        numbers.try_into().ok()
+    }
+
+    fn item(&self, path: &str) -> Option<&Item> {
+        let mut item = self.document.as_item();
+        for part in path.split('.') {
+            item = item.as_table_like()?.get(part)?;
+        }
+        Some(item)
+    }
+
+    /// Writes a parameter's value, everything else kept as it stands.
+    pub fn set_value(&mut self, name: &str, value: f64) {
+        let parameters = table(self.document.as_table_mut(), "parameters", true);
+        let one = table(parameters, name, false);
+        let (decor, old) = (one.get("value").and_then(Item::as_value).map(|v| v.decor().clone()), one.is_empty());
+        let mut new = Value::from(value);
+        if let Some(decor) = decor {
+            *new.decor_mut() = decor;
+        }
+        one["value"] = Item::Value(new);
+        if old {
+            let max = if name == "friction" { 2.0 } else { 1.0 };
+            (one["min"], one["max"], one["unit"]) = (toml_edit::value(0.0), toml_edit::value(max), toml_edit::value("1"));
+        }
+    }
+
+    /// Replaces `[provenance]` by these entries, in this order.
+    pub fn set_provenance(&mut self, entries: &[(&str, Value)]) {
+        self.document.remove("provenance");
+        let provenance = table(self.document.as_table_mut(), "provenance", false);
+        for (key, value) in entries {
+            provenance[key] = Item::Value(value.clone());
+        }
+    }
+}
+
+/// The table `name` within `parent`, made where it is missing; an implicit one shows no head of its own.
+fn table<'a>(parent: &'a mut Table, name: &str, implicit: bool) -> &'a mut Table {
+    let item = parent.entry(name).or_insert_with(|| {
+        let mut new = Table::new();
+        new.set_implicit(implicit);
+        Item::Table(new)
+    });
+    if !item.is_table() {
+        // `restitution = { value = … }` becomes a table with a head.
+        *item = std::mem::take(item).into_table().map_or_else(|_| Item::Table(Table::new()), Item::Table);
+    }
+    item.as_table_mut().expect("made a table above")
+}
+
+/// Whether `shape` is of a number, for docs.
+#[must_use]
+pub fn is_number(shape: Shape) -> bool {
+    matches!(shape, Shape::Number(..) | Shape::Whole(..))
+}

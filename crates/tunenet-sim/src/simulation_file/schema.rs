@@ -1,0 +1,157 @@
+//! Which keys a simulation file may hold, with unit and range: the one list that reading, `--set` and the docs share.
+
+use toml_edit::{Item, Value};
+
+/// What a key's value looks like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A number within bounds, both included.
+    Number(f64, f64),
+    /// A whole number within bounds, both included.
+    Whole(i64, i64),
+    /// So many numbers within bounds.
+    Numbers(usize, f64, f64),
+    /// One of these words; any where there are none.
+    Word(&'static [&'static str]),
+    /// `true` or `false`.
+    Flag,
+}
+
+impl Shape {
+    /// What to write, in words.
+    #[must_use]
+    pub fn expected(self) -> String {
+        match self {
+            Self::Number(min, max) => format!("a number {}", range(min, max)),
+            Self::Whole(min, max) => format!("a whole number from {min} to {max}"),
+            Self::Numbers(count, min, max) => format!("[{count} numbers], each {}", range(min, max)),
+            Self::Word([]) => "a text in quotes".into(),
+            Self::Word(words) => words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(" or "),
+            Self::Flag => "true or false".into(),
+        }
+    }
+
+    /// Whether `value` is such a thing.
+    #[must_use]
+    pub fn accepts(self, value: &Value) -> bool {
+        let within = |v: &Value, min: f64, max: f64| number(v).is_some_and(|n| (min..=max).contains(&n));
+        match self {
+            Self::Number(min, max) => within(value, min, max),
+            Self::Whole(min, max) => value.as_integer().is_some_and(|n| (min..=max).contains(&n)),
+            Self::Numbers(count, min, max) => {
+                value.as_array().is_some_and(|a| a.len() == count && a.iter().all(|v| within(v, min, max)))
+            }
+            Self::Word(words) => value.as_str().is_some_and(|w| words.is_empty() || words.contains(&w)),
+            Self::Flag => value.is_bool(),
+        }
+    }
+}
+
+fn range(min: f64, max: f64) -> String {
+    match (min.abs() < GREATEST, max.abs() < GREATEST) {
+        (true, true) => format!("from {min} to {max}"),
+        (true, false) => format!("from {min} up"),
+        _ => "of any size".into(),
+    }
+}
+
+/// A TOML number, whole or not.
+pub(super) fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|n| n as f64)).filter(|n| n.is_finite())
+}
+
+/// The number that an item holds.
+pub(super) fn item_number(item: &Item) -> Option<f64> {
+    item.as_value().and_then(number)
+}
+
+/// One key.
+#[derive(Debug, Clone, Copy)]
+pub struct Key {
+    /// Its path: `ball.radius_m`.
+    pub path: &'static str,
+    /// What it holds.
+    pub shape: Shape,
+    /// Whether a file cannot do without it.
+    pub required: bool,
+    /// One line for people.
+    pub meaning: &'static str,
+}
+
+const GREATEST: f64 = 1e9;
+const LEAST: f64 = 1e-6;
+const STEEPEST: f64 = 1.5;
+
+const fn key(path: &'static str, shape: Shape, required: bool, meaning: &'static str) -> Key {
+    Key { path, shape, required, meaning }
+}
+
+/// The keys of a ball's file beside its parameters and its provenance.
+pub const BALL_KEYS: &[Key] = &[
+    key("kind", Shape::Word(&["ball"]), true, "what is simulated"),
+    key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards; 9.81 where left out"),
+    key("ball.radius_m", Shape::Number(LEAST, 1e3), true, "radius of the ball"),
+    key("ball.mass_kg", Shape::Number(1e-9, 1e6), false, "mass of the ball"),
+    key("surface.height_m", Shape::Number(-1e6, 1e6), false, "height of the surface; estimated where left out"),
+    key("surface.tilt_about_x_rad", Shape::Number(-STEEPEST, STEEPEST), false, "tilt of the surface about x"),
+    key("surface.tilt_about_y_rad", Shape::Number(-STEEPEST, STEEPEST), false, "tilt of the surface about y"),
+    key("release.height_m", Shape::Number(0.0, 1e6), false, "height of fall, lowest point to surface; estimated where left out"),
+    key("release.position_m", Shape::Numbers(3, -1e6, 1e6), false, "where the ball's centre starts; estimated where left out"),
+    key("release.velocity_m_s", Shape::Numbers(3, -1e6, 1e6), false, "how fast it starts; estimated where left out"),
+    key("release.spin_rad_s", Shape::Numbers(3, -1e6, 1e6), false, "its spin; none where left out"),
+    key("release.time_s", Shape::Number(-GREATEST, GREATEST), false, "when it is let go; the first usable sample where left out"),
+    key("record.rate_hz", Shape::Number(1e-3, 1e6), false, "frames per second that `simulate` and `gen` write"),
+    key("record.frames", Shape::Whole(3, 10_000_000), false, "how many frames they write"),
+    key("effects.quadratic_drag.c_1_m", Shape::Number(0.0, 1e3), false, "air drag: a = -c |v| v"),
+    key("effects.linear_drag.b_1_s", Shape::Number(0.0, 1e3), false, "viscous drag: a = -b v"),
+    key("effects.wind.ax_m_s2", Shape::Number(-1e3, 1e3), false, "steady acceleration along x"),
+    key("effects.wind.ay_m_s2", Shape::Number(-1e3, 1e3), false, "steady acceleration along y"),
+    key("effects.magnus.sx_1_s", Shape::Number(-1e4, 1e4), false, "lift of a spinning ball: a = S x v"),
+    key("effects.magnus.sy_1_s", Shape::Number(-1e4, 1e4), false, "its y part"),
+    key("effects.magnus.sz_1_s", Shape::Number(-1e4, 1e4), false, "its z part"),
+    key("effects.effective_gravity.dg_m_s2", Shape::Number(-1e3, 1e3), false, "added to gravity: buoyancy, added mass"),
+];
+
+/// The names that `[parameters.NAME]` may have in a ball's file.
+pub const BALL_PARAMETERS: &[&str] = &["restitution", "friction"];
+
+/// The keys within `[parameters.NAME]`.
+pub const PARAMETER_KEYS: &[Key] = &[
+    key("value", Shape::Number(-GREATEST, GREATEST), true, "present value"),
+    key("min", Shape::Number(-GREATEST, GREATEST), true, "least value that tuning may reach"),
+    key("max", Shape::Number(-GREATEST, GREATEST), true, "greatest value that tuning may reach"),
+    key("unit", Shape::Word(&[]), false, "its unit"),
+    key("tune", Shape::Flag, false, "whether `tune` may change it; true where left out"),
+];
+
+/// The key of a ball's file at `path`, its parameters included.
+#[must_use]
+pub fn find(path: &str) -> Option<Key> {
+    if let Some(rest) = path.strip_prefix("parameters.") {
+        let (name, field) = rest.split_once('.')?;
+        return BALL_PARAMETERS.contains(&name).then(|| PARAMETER_KEYS.iter().find(|k| k.path == field).copied())?;
+    }
+    BALL_KEYS.iter().find(|k| k.path == path).copied()
+}
+
+/// The keys that could have been meant beside `path`: those of its table, or all tables.
+#[must_use]
+pub fn siblings(path: &str) -> Vec<String> {
+    let table = path.rsplit_once('.').map_or("", |(table, _)| table);
+    if let Some(name) = table.strip_prefix("parameters.") {
+        let known = BALL_PARAMETERS.contains(&name);
+        return if known {
+            PARAMETER_KEYS.iter().map(|k| k.path.to_string()).collect()
+        } else {
+            BALL_PARAMETERS.iter().map(|p| format!("parameters.{p}")).collect()
+        };
+    }
+    let prefix = format!("{table}.");
+    let mut near: Vec<String> = BALL_KEYS.iter().filter(|k| !table.is_empty() && k.path.starts_with(&prefix)).map(|k| k.path.to_string()).collect();
+    if near.is_empty() {
+        near = BALL_KEYS.iter().map(|k| k.path.split_once('.').map_or(k.path, |(table, _)| table).to_string()).collect();
+        near.extend(["parameters".to_string(), "provenance".to_string()]);
+        near.dedup();
+    }
+    near
+}
