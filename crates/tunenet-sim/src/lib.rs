@@ -1,1 +1,3 @@
-//! x
+//! Simulated worlds on Rapier.
+
+pub mod ball;

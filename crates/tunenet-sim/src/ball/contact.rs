@@ -1,0 +1,125 @@
+//! What an impact does to velocity and spin: Rapier's solver, asked about one contact alone.
+//!
+//! Rapier's fixed steps start a rebound from wherever inside the floor a step happened to end. Here the ball is already
+//! at its time of impact, so that the solver's restitution comes out exact to rounding.
+
+use rapier3d::math::{Pose, Vector};
+use rapier3d::parry::shape::{HalfSpace, SharedShape};
+use rapier3d::prelude::{
+    CoefficientCombineRule, ColliderBuilder, ColliderHandle, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
+};
+
+use super::scene::Scene;
+
+/// The law of contact: which coefficients an impact has. Effects that change an impact belong here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    /// Coefficient of restitution at any speed, 0 to 1.
+    pub restitution: f64,
+    /// Coulomb's coefficient of friction, 0 or more.
+    pub friction: f64,
+}
+
+impl Law {
+    /// The law of a scene.
+    #[must_use]
+    pub fn new(scene: &Scene) -> Self {
+        Self { restitution: scene.restitution, friction: scene.friction }
+    }
+
+    /// Restitution and friction at a normal approach speed (m/s, 0 or more).
+    #[must_use]
+    pub fn at(&self, _approach_m_s: f64) -> (f64, f64) {
+        (self.restitution, self.friction)
+    }
+}
+
+/// The step in which the solver resolves an impact, s. Long enough for arithmetic, and so short that a spinning contact
+/// point does not lift off within it (a step of 1e-5 s costs 0.4 % of the friction of a roll) and that the solver's cap
+/// on spin, π/4 per step, lies at 8e8 rad/s.
+const STEP_S: f64 = 1e-9;
+/// How deep the ball is put into the surface, in radii. At a positive gap so short a step would find no contact.
+const DEPTH: f64 = 1e-12;
+/// Where the ball waits while its last contact is forgotten, in radii.
+const AWAY: f64 = 1e3;
+
+/// A Rapier world with one unit sphere on one level half-space at the origin.
+///
+/// An impact of a sphere depends on nothing but the contact's normal, the velocity and the speed `r·ω` of its skin. So
+/// every impact, whatever the ball's size, the place and the obstacle, is turned into this one: far-off coordinates and
+/// tiny balls cost no digits.
+pub(crate) struct Server {
+    world: PhysicsWorld,
+    ball: RigidBodyHandle,
+    skin: ColliderHandle,
+}
+
+impl Server {
+    pub fn new() -> Self {
+        let mut world = PhysicsWorld { gravity: Vector::ZERO, ..PhysicsWorld::default() };
+        let parameters = &mut world.integration_parameters;
+        // One contact converges at once; more iterations only cost time.
+        parameters.num_solver_iterations = 1;
+        // Continuous collision detection and recycled contacts would bring back the state of an earlier impact.
+        parameters.max_ccd_substeps = 0;
+        parameters.contact_recycling = false;
+        parameters.warmstart_coefficient = 0.0;
+        parameters.normalized_prediction_distance = 1e-3;
+        parameters.normalized_max_linear_velocity = f64::MAX;
+        world.physics_pipeline.counters.disable();
+
+        let floor = ColliderBuilder::new(SharedShape::new(HalfSpace::new(Vector::Z)))
+            .friction(1.0)
+            .restitution(1.0)
+            .friction_combine_rule(CoefficientCombineRule::Multiply)
+            .restitution_combine_rule(CoefficientCombineRule::Multiply);
+        world.colliders.insert(floor);
+        let body = RigidBodyBuilder::dynamic().can_sleep(false).translation(Vector::Z * AWAY);
+        let ball = world.bodies.insert(body);
+        // A solid sphere of mass 1: the collider brings the inertia 2/5.
+        let skin = world.colliders.insert_with_parent(ColliderBuilder::ball(1.0).mass(1.0), ball, &mut world.bodies);
+        Self { world, ball, skin }
+    }
+
+    /// Velocity and spin after an impact on a surface with this unit `normal`, of a ball with this radius (m).
+    pub fn resolve(
+        &mut self,
+        normal: Vector,
+        radius: f64,
+        (v, w): (Vector, Vector),
+        (restitution, friction): (f64, f64),
+    ) -> (Vector, Vector) {
+        let (side, front) = normal.any_orthonormal_pair();
+        let into = |u: Vector| Vector::new(side.dot(u), front.dot(u), normal.dot(u));
+        let back = |u: Vector| side * u.x + front * u.y + normal * u.z;
+
+        // The solver bounces a contact only if it bore no load before; a step without time, far away, makes it new.
+        self.place(AWAY);
+        self.world.integration_parameters.dt = 0.0;
+        self.world.step();
+
+        self.place(1.0 - DEPTH);
+        let Some(ball) = self.world.bodies.get_mut(self.ball) else { return (v, w) };
+        ball.set_linvel(into(v), true);
+        ball.set_angvel(into(w) * radius, true);
+        if let Some(skin) = self.world.colliders.get_mut(self.skin) {
+            skin.set_restitution(restitution);
+            // The solver bounds friction by the impulse of the compression alone, m·v, and adds the rebound afterwards;
+            // Coulomb's bound is the whole normal impulse, (1 + e)·m·v.
+            skin.set_friction(friction * (1.0 + restitution));
+        }
+        self.world.integration_parameters.dt = STEP_S;
+        self.world.step();
+
+        // Only the velocities are of interest: the pose has moved by STEP_S and is thrown away.
+        let ball = &self.world.bodies[self.ball];
+        (back(ball.linvel()), back(ball.angvel()) / radius)
+    }
+
+    /// Puts the ball at a height, upright: a rotation left over from the last impact would change the next one's bits.
+    fn place(&mut self, height: f64) {
+        if let Some(ball) = self.world.bodies.get_mut(self.ball) {
+            ball.set_position(Pose::from_translation(Vector::Z * height), true);
+        }
+    }
+}

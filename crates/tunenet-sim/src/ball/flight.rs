@@ -1,0 +1,179 @@
+//! How a ball moves while nothing new touches it: forces, and the curves that they bend.
+
+use rapier3d::math::Vector;
+
+use super::scene::{GREATEST, Scene, within};
+
+/// What acts on a ball in flight beside gravity, each as an acceleration. Zero means absent.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Forces {
+    /// Quadratic drag `−c·|v|·v`, 1/m; 0 or more.
+    pub quadratic_drag_1_m: f64,
+    /// Linear drag `−b·v`, 1/s; 0 or more.
+    pub linear_drag_1_s: f64,
+    /// A steady push along x and y, m/s².
+    pub wind_m_s2: [f64; 2],
+    /// Magnus' force `S × v`, 1/s, with `S` in the world's frame and constant.
+    pub magnus_1_s: [f64; 3],
+    /// What is added to the downward acceleration of gravity, m/s²; buoyancy makes it negative.
+    pub effective_gravity_m_s2: f64,
+}
+
+impl Forces {
+    /// # Errors
+    /// A sentence that names the first number that is not finite, too large or of the wrong sign.
+    pub fn check(&self) -> Result<(), String> {
+        within("quadratic_drag_1_m", self.quadratic_drag_1_m, 0.0, GREATEST)?;
+        within("linear_drag_1_s", self.linear_drag_1_s, 0.0, GREATEST)?;
+        within("effective_gravity_m_s2", self.effective_gravity_m_s2, -GREATEST, GREATEST)?;
+        self.wind_m_s2.into_iter().try_for_each(|a| within("wind_m_s2", a, -GREATEST, GREATEST))?;
+        self.magnus_1_s.into_iter().try_for_each(|s| within("magnus_1_s", s, -GREATEST, GREATEST))
+    }
+}
+
+/// Position (m), velocity (m/s) and spin (rad/s) of a ball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Motion {
+    pub x: Vector,
+    pub v: Vector,
+    pub w: Vector,
+}
+
+/// The acceleration as a function of velocity: every force of [`Forces`] depends on nothing else.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Field {
+    constant: Vector,
+    quadratic: f64,
+    linear: f64,
+    magnus: Vector,
+    /// Whether the acceleration depends on the velocity at all.
+    pub varies: bool,
+}
+
+impl Field {
+    pub fn new(scene: &Scene) -> Self {
+        let forces = &scene.flight;
+        let magnus = Vector::from_array(forces.magnus_1_s);
+        let down = scene.gravity_m_s2 + forces.effective_gravity_m_s2;
+        Self {
+            constant: Vector::new(forces.wind_m_s2[0], forces.wind_m_s2[1], -down),
+            quadratic: forces.quadratic_drag_1_m,
+            linear: forces.linear_drag_1_s,
+            magnus,
+            varies: forces.quadratic_drag_1_m != 0.0 || forces.linear_drag_1_s != 0.0 || magnus != Vector::ZERO,
+        }
+    }
+
+    pub fn acceleration(&self, v: Vector) -> Vector {
+        if !self.varies {
+            return self.constant;
+        }
+        self.constant - v * (self.quadratic * v.length() + self.linear) + self.magnus.cross(v)
+    }
+
+    /// A bound on how fast the acceleration follows the velocity, 1/s: the norm of da/dv at that speed.
+    fn rate(&self, speed: f64) -> f64 {
+        2.0 * self.quadratic * speed + self.linear + self.magnus.length()
+    }
+}
+
+/// The longest sub-step of the Runge–Kutta arcs, s.
+const LONGEST_STEP_S: f64 = 1.0 / 60.0;
+/// A sub-step times [`Field::rate`] stays below this; the local error is about its fifth power over 120.
+const REACH: f64 = 0.03;
+/// A sphere that rolls without slip keeps this share of a tangential acceleration: 1 / (1 + 2/5).
+const ROLLING_SHARE: f64 = 5.0 / 7.0;
+
+/// What bends a path.
+#[derive(Debug, Clone, Copy)]
+enum Bend {
+    /// Constant linear and angular acceleration: the parabola, exact.
+    Even { a: Vector, spin_up: Vector },
+    /// A field that follows the velocity: Runge–Kutta of fourth order.
+    Flight { field: Field },
+    /// The same, but rolling without slip on a plane.
+    Rolling { field: Field, normal: Vector, radius: f64 },
+}
+
+/// One smooth piece of motion, from its start on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Path {
+    pub start: Motion,
+    /// How long this piece holds, s; may be infinite.
+    pub horizon: f64,
+    /// How far the acceleration may drift from its present value within the horizon, m/s².
+    pub slack: f64,
+    bend: Bend,
+}
+
+impl Path {
+    /// Free flight.
+    pub fn flight(start: Motion, field: &Field) -> Self {
+        if field.varies {
+            return Self::bent(start, field, Bend::Flight { field: *field });
+        }
+        Self::even(start, field.constant, Vector::ZERO, f64::INFINITY)
+    }
+
+    /// Rolling without slip on the plane with this normal.
+    pub fn rolling(start: Motion, field: &Field, normal: Vector, radius: f64) -> Self {
+        if field.varies {
+            return Self::bent(start, field, Bend::Rolling { field: *field, normal, radius });
+        }
+        let a = along(field.constant, normal) * ROLLING_SHARE;
+        Self::even(start, a, normal.cross(a) / radius, f64::INFINITY)
+    }
+
+    /// Constant accelerations for a while.
+    pub fn even(start: Motion, a: Vector, spin_up: Vector, horizon: f64) -> Self {
+        Self { start, horizon, slack: 0.0, bend: Bend::Even { a, spin_up } }
+    }
+
+    fn bent(start: Motion, field: &Field, bend: Bend) -> Self {
+        let a = field.acceleration(start.v).length();
+        let rate = field.rate(start.v.length() + a * LONGEST_STEP_S);
+        let horizon = LONGEST_STEP_S.min(REACH / rate);
+        Self { start, horizon, slack: 1.2 * rate * horizon * a, bend }
+    }
+
+    /// The motion `t` seconds after the start. Depends on nothing but the path and `t`, so that the instants at which
+    /// a path is read never change it.
+    pub fn at(&self, t: f64) -> Motion {
+        let Motion { x, v, w } = self.start;
+        match &self.bend {
+            Bend::Even { a, spin_up } => Motion { x: x + (v + *a * (0.5 * t)) * t, v: v + *a * t, w: w + *spin_up * t },
+            Bend::Flight { field } => {
+                let (x, v) = runge_kutta(x, v, t, |v| field.acceleration(v));
+                Motion { x, v, w }
+            }
+            Bend::Rolling { field, normal, radius } => {
+                let (x, v) = runge_kutta(x, v, t, |v| along(field.acceleration(v), *normal) * ROLLING_SHARE);
+                Motion { x, v, w: normal.cross(v) / *radius + *normal * normal.dot(w) }
+            }
+        }
+    }
+
+    /// The acceleration at velocity `v`.
+    pub fn acceleration(&self, v: Vector) -> Vector {
+        match &self.bend {
+            Bend::Even { a, .. } => *a,
+            Bend::Flight { field } => field.acceleration(v),
+            Bend::Rolling { field, normal, .. } => along(field.acceleration(v), *normal) * ROLLING_SHARE,
+        }
+    }
+}
+
+/// The part of `a` that lies in the plane with this normal.
+pub(crate) fn along(a: Vector, normal: Vector) -> Vector {
+    a - normal * normal.dot(a)
+}
+
+/// The classical step of fourth order for x' = v, v' = a(v). As a depends on v alone, the position needs no stages of
+/// its own: its four slopes are the velocities of the stages, and their weighted sum collapses to three accelerations.
+fn runge_kutta(x: Vector, v: Vector, h: f64, a: impl Fn(Vector) -> Vector) -> (Vector, Vector) {
+    let k1 = a(v);
+    let k2 = a(v + k1 * (0.5 * h));
+    let k3 = a(v + k2 * (0.5 * h));
+    let k4 = a(v + k3 * h);
+    (x + (v + (k1 + k2 + k3) * (h / 6.0)) * h, v + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0))
+}

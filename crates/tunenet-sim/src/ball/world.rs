@@ -1,0 +1,207 @@
+//! One rollout of a ball: pieces of smooth motion, joined by impacts.
+
+use rapier3d::math::Vector;
+use rapier3d::parry::shape::Ball;
+
+use super::contact::{Law, Server};
+use super::flight::{Field, Motion, Path};
+use super::impact::{Gap, Obstacle, first_touch};
+use super::scene::{GREATEST, Scene, within};
+use super::support::{Ground, SLOWEST_REBOUND_M_S, Supports};
+use super::{Impact, State};
+
+/// Questions to the contact solver in one rollout; a second or so of work. A ball that falls 10 m with a restitution of
+/// 0.999 asks about 50 in a minute.
+pub const MOST_CONTACTS: u64 = 200_000;
+/// Pieces of motion in one rollout.
+pub const MOST_PIECES: u64 = 5_000_000;
+/// How far a ball may start inside an obstacle, m; it is lifted out at its first contact.
+pub const DEEPEST_START_M: f64 = 1e-6;
+
+/// A ball on its way.
+pub struct World {
+    server: Server,
+    obstacles: Vec<Obstacle>,
+    ball: Ball,
+    field: Field,
+    law: Law,
+    /// The present piece of motion and when it started.
+    path: Path,
+    started_s: f64,
+    /// When the present piece ends, seconds after its start, and with which impact.
+    until: f64,
+    hit: Option<Gap>,
+    supported: bool,
+    impacts: Vec<Impact>,
+    contacts: u64,
+    pieces: u64,
+    now_s: f64,
+}
+
+impl World {
+    /// A ball above the scene's surface, let go at `start_time_s`.
+    ///
+    /// # Errors
+    /// A sentence where a number of the scene or the start is not finite or out of range, or where the ball starts more
+    /// than [`DEEPEST_START_M`] inside the surface.
+    pub fn new(scene: &Scene, start: &State, start_time_s: f64) -> Result<Self, String> {
+        scene.check()?;
+        let point = Vector::new(0.0, 0.0, scene.surface_height_m);
+        Self::among(scene, vec![Obstacle::half_space(point, scene.normal_vector())], start, start_time_s)
+    }
+
+    /// A ball among obstacles, which take the place of the scene's surface. Where two are hit at the same instant they
+    /// act one after the other, in their order.
+    ///
+    /// # Errors
+    /// As [`World::new`].
+    pub fn among(scene: &Scene, obstacles: Vec<Obstacle>, start: &State, start_time_s: f64) -> Result<Self, String> {
+        scene.check()?;
+        start.check()?;
+        within("start_time_s", start_time_s, -GREATEST, GREATEST)?;
+        let ball = Ball::new(scene.radius_m);
+        let motion = Motion {
+            x: Vector::from_array(start.position_m),
+            v: Vector::from_array(start.velocity_m_s),
+            w: Vector::from_array(start.spin_rad_s),
+        };
+        for obstacle in &obstacles {
+            let depth = -obstacle.gap(motion.x, &ball).distance;
+            if depth > DEEPEST_START_M {
+                return Err(format!("the ball starts {depth} m inside the surface"));
+            }
+        }
+        let field = Field::new(scene);
+        let mut world = Self {
+            server: Server::new(),
+            obstacles,
+            ball,
+            field,
+            law: Law::new(scene),
+            path: Path::flight(motion, &field),
+            started_s: start_time_s,
+            until: f64::INFINITY,
+            hit: None,
+            supported: false,
+            impacts: Vec::with_capacity(64),
+            contacts: 0,
+            pieces: 0,
+            now_s: start_time_s,
+        };
+        world.look_ahead(&Supports::default());
+        Ok(world)
+    }
+
+    /// Follows the ball up to an instant. How the way there is divided changes no bit of the result.
+    ///
+    /// # Errors
+    /// A sentence where the instant lies before the present one, or where the ball needs more than [`MOST_CONTACTS`]
+    /// contacts or [`MOST_PIECES`] pieces of motion to get there.
+    pub fn advance_to(&mut self, time_s: f64) -> Result<(), String> {
+        if time_s.is_nan() || time_s < self.now_s {
+            return Err(format!("the clock goes from {} s to {time_s} s, but has to rise", self.now_s));
+        }
+        while self.started_s + self.until <= time_s {
+            self.next_piece()?;
+        }
+        self.now_s = time_s;
+        Ok(())
+    }
+
+    /// Where the ball is now.
+    #[must_use]
+    pub fn state(&self) -> State {
+        let Motion { x, v, w } = self.path.at(self.now_s - self.started_s);
+        State { position_m: x.to_array(), velocity_m_s: v.to_array(), spin_rad_s: w.to_array() }
+    }
+
+    /// The present instant, s.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.now_s
+    }
+
+    /// Whether an obstacle holds the ball up: it lies, rolls or slides.
+    #[must_use]
+    pub fn is_supported(&self) -> bool {
+        self.supported
+    }
+
+    /// The impacts so far, in order, but for touches too slow to rebound from.
+    #[must_use]
+    pub fn impacts(&self) -> &[Impact] {
+        &self.impacts
+    }
+
+    /// Follows the ball until `count` impacts are on record, it comes to rest on a surface or flies off for good.
+    ///
+    /// # Errors
+    /// As [`World::advance_to`], where the ball needs too much work to get there.
+    pub fn advance_to_impact(&mut self, count: usize) -> Result<(), String> {
+        // On the only obstacle there is nothing left to strike.
+        while self.impacts.len() < count && self.until < f64::INFINITY && !(self.supported && self.obstacles.len() == 1)
+        {
+            self.next_piece()?;
+            self.now_s = self.now_s.max(self.started_s);
+        }
+        Ok(())
+    }
+
+    /// Ends the present piece of motion and starts the next.
+    fn next_piece(&mut self) -> Result<(), String> {
+        self.pieces += 1;
+        if self.contacts > MOST_CONTACTS || self.pieces > MOST_PIECES {
+            return Err(format!(
+                "the ball touches the surface too often to be followed: {} contacts and {} pieces of motion by {} s",
+                self.contacts, self.pieces, self.started_s
+            ));
+        }
+        let mut motion = self.path.at(self.until);
+        self.started_s += self.until;
+        if let Some(touch) = self.hit {
+            motion = self.strike(motion, &touch);
+        }
+        let mut supports = Supports::default();
+        if self.supported {
+            let ground = Ground { obstacles: &self.obstacles, ball: self.ball, field: &self.field, law: &self.law };
+            match ground.follow(motion, &mut self.server, &mut self.contacts) {
+                Some((path, held_by)) => (self.path, supports) = (path, held_by),
+                None => self.supported = false,
+            }
+        }
+        if !self.supported {
+            self.path = Path::flight(motion, &self.field);
+        }
+        self.look_ahead(&supports);
+        Ok(())
+    }
+
+    /// One impact, at its instant.
+    fn strike(&mut self, mut motion: Motion, touch: &Gap) -> Motion {
+        let normal = touch.normal;
+        // Onto the surface, so that what rounding left of the gap does not add up over the impacts.
+        motion.x -= normal * touch.distance;
+        let approach = -normal.dot(motion.v);
+        if approach > 0.0 {
+            let coefficients = self.law.at(approach);
+            (motion.v, motion.w) = self.server.resolve(normal, self.ball.radius, (motion.v, motion.w), coefficients);
+            self.contacts += 1;
+        }
+        if approach >= SLOWEST_REBOUND_M_S {
+            self.impacts.push(Impact { time_s: self.started_s, approach_m_s: approach });
+        }
+        let rebound = normal.dot(motion.v);
+        self.supported = rebound < SLOWEST_REBOUND_M_S && normal.dot(self.field.acceleration(motion.v)) < 0.0;
+        if self.supported {
+            motion.v -= normal * rebound;
+        }
+        motion
+    }
+
+    /// Finds out how the present piece of motion ends.
+    fn look_ahead(&mut self, supports: &Supports) {
+        let outlook = first_touch(&self.obstacles, &self.ball, &self.path, |i| supports.contains(i));
+        self.until = outlook.until;
+        self.hit = outlook.hit;
+    }
+}
