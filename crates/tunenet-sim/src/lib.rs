@@ -1,3 +1,14 @@
-//! Simulated worlds on Rapier.
+//! The worlds that tunenet simulates, on Rapier.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`simulation_file`] | the one file that describes a simulation |
+//! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
+//! | [`observed_ball`] | that ball as a simulator that core can tune |
 
 pub mod ball;
+pub mod observed_ball;
+pub mod simulation_file;
+
+pub use observed_ball::ObservedBall;
+pub use simulation_file::SimulationFile;

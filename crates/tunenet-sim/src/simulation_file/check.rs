@@ -30,7 +30,13 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
         }
     }
     if let Some((key, span, expected, found)) = parameters(root) {
-        return Err(located(path, text, span, format!("`{key}`: expected {expected}, found {found}"), "correct the value or its bounds"));
+        return Err(located(
+            path,
+            text,
+            span,
+            format!("`{key}`: expected {expected}, found {found}"),
+            "correct the value or its bounds",
+        ));
     }
     Ok(())
 }
@@ -40,17 +46,30 @@ pub(super) fn parameters(root: &Table) -> Option<(String, Range<usize>, String, 
     for name in BALL_PARAMETERS {
         let table = lookup(root, &format!("parameters.{name}")).and_then(Item::as_table_like);
         let Some(table) = table else { continue };
-        let get = |field: &str| table.get(field).and_then(|item| Some((item_number(item)?, item.span().unwrap_or(0..0))));
-        let (Some((min, _)), Some((max, max_span)), Some((value, span))) = (get("min"), get("max"), get("value")) else { continue };
+        let get =
+            |field: &str| table.get(field).and_then(|item| Some((item_number(item)?, item.span().unwrap_or(0..0))));
+        let (Some((min, _)), Some((max, max_span)), Some((value, span))) = (get("min"), get("max"), get("value"))
+        else {
+            continue;
+        };
         if min >= max {
-            return Some((format!("parameters.{name}.max"), max_span, format!("more than min = {min}"), max.to_string()));
+            return Some((
+                format!("parameters.{name}.max"),
+                max_span,
+                format!("more than min = {min}"),
+                max.to_string(),
+            ));
         }
         if !(min..=max).contains(&value) {
             return Some((format!("parameters.{name}.value"), span, format!("{min} to {max}"), value.to_string()));
         }
         if *name == "restitution" && (min < 0.0 || max > 1.0) || min < 0.0 {
             let what = if min < 0.0 { ("min", min) } else { ("max", max) };
-            let expected = if *name == "restitution" { "bounds within 0 to 1 (above 1 a bounce gains energy)" } else { "0 or more" };
+            let expected = if *name == "restitution" {
+                "bounds within 0 to 1 (above 1 a bounce gains energy)"
+            } else {
+                "0 or more"
+            };
             let span = get(what.0).map_or(0..0, |(_, span)| span);
             return Some((format!("parameters.{name}.{}", what.0), span, expected.into(), what.1.to_string()));
         }
@@ -73,14 +92,21 @@ fn walk(path: &Path, text: &str, table: &dyn TableLike, prefix: &str) -> Result<
         if full == "provenance" {
             continue;
         }
-        let key_span = || table.get_key_value(name).and_then(|(key, _)| key.span()).or_else(|| item.span()).unwrap_or(0..0);
+        let key_span =
+            || table.get_key_value(name).and_then(|(key, _)| key.span()).or_else(|| item.span()).unwrap_or(0..0);
         match item.as_value().filter(|v| !v.is_inline_table()) {
             Some(value) => {
                 let Some(key) = find(&full) else { return Err(unknown(path, text, key_span(), &full)) };
                 if !key.shape.accepts(value) {
                     let found = value.to_string();
                     let message = format!("`{full}`: expected {}, found {}", key.shape.expected(), found.trim());
-                    return Err(located(path, text, value.span().unwrap_or(0..0), message, &format!("{full}: {}", key.meaning)));
+                    return Err(located(
+                        path,
+                        text,
+                        value.span().unwrap_or(0..0),
+                        message,
+                        &format!("{full}: {}", key.meaning),
+                    ));
                 }
             }
             None => match item.as_table_like() {

@@ -75,7 +75,13 @@ impl SimulationFile {
     pub fn parse(path: &Path, text: &str) -> Result<Self> {
         let document = Document::parse(text).map_err(|e| {
             let span = e.span().unwrap_or(0..0);
-            check::located(path, text, span, e.message().to_string(), "this file is TOML: `key = value` lines under [table] heads")
+            check::located(
+                path,
+                text,
+                span,
+                e.message().to_string(),
+                "this file is TOML: `key = value` lines under [table] heads",
+            )
         })?;
         check::document(path, text, document.as_table())?;
         Ok(Self { path: path.to_path_buf(), document: document.into_mut() })
@@ -161,7 +167,10 @@ impl SimulationFile {
     pub fn record(&self) -> Record {
         let default = Record::default();
         let frames = self.item("record.frames").and_then(Item::as_integer).and_then(|n| usize::try_from(n).ok());
-        Record { rate_hz: self.number("record.rate_hz").unwrap_or(default.rate_hz), frames: frames.unwrap_or(default.frames) }
+        Record {
+            rate_hz: self.number("record.rate_hz").unwrap_or(default.rate_hz),
+            frames: frames.unwrap_or(default.frames),
+        }
     }
 
     /// The number at `path`, where there is one.
@@ -196,7 +205,8 @@ impl SimulationFile {
         one["value"] = Item::Value(new);
         if old {
             let max = if name == "friction" { 2.0 } else { 1.0 };
-            (one["min"], one["max"], one["unit"]) = (toml_edit::value(0.0), toml_edit::value(max), toml_edit::value("1"));
+            (one["min"], one["max"], one["unit"]) =
+                (toml_edit::value(0.0), toml_edit::value(max), toml_edit::value("1"));
         }
     }
 

@@ -95,11 +95,26 @@ pub const BALL_KEYS: &[Key] = &[
     key("surface.height_m", Shape::Number(-1e6, 1e6), false, "height of the surface; estimated where left out"),
     key("surface.tilt_about_x_rad", Shape::Number(-STEEPEST, STEEPEST), false, "tilt of the surface about x"),
     key("surface.tilt_about_y_rad", Shape::Number(-STEEPEST, STEEPEST), false, "tilt of the surface about y"),
-    key("release.height_m", Shape::Number(0.0, 1e6), false, "height of fall, lowest point to surface; estimated where left out"),
-    key("release.position_m", Shape::Numbers(3, -1e6, 1e6), false, "where the ball's centre starts; estimated where left out"),
+    key(
+        "release.height_m",
+        Shape::Number(0.0, 1e6),
+        false,
+        "height of fall, lowest point to surface; estimated where left out",
+    ),
+    key(
+        "release.position_m",
+        Shape::Numbers(3, -1e6, 1e6),
+        false,
+        "where the ball's centre starts; estimated where left out",
+    ),
     key("release.velocity_m_s", Shape::Numbers(3, -1e6, 1e6), false, "how fast it starts; estimated where left out"),
     key("release.spin_rad_s", Shape::Numbers(3, -1e6, 1e6), false, "its spin; none where left out"),
-    key("release.time_s", Shape::Number(-GREATEST, GREATEST), false, "when it is let go; the first usable sample where left out"),
+    key(
+        "release.time_s",
+        Shape::Number(-GREATEST, GREATEST),
+        false,
+        "when it is let go; the first usable sample where left out",
+    ),
     key("record.rate_hz", Shape::Number(1e-3, 1e6), false, "frames per second that `simulate` and `gen` write"),
     key("record.frames", Shape::Whole(3, 10_000_000), false, "how many frames they write"),
     key("effects.quadratic_drag.c_1_m", Shape::Number(0.0, 1e3), false, "air drag: a = -c |v| v"),
@@ -147,9 +162,14 @@ pub fn siblings(path: &str) -> Vec<String> {
         };
     }
     let prefix = format!("{table}.");
-    let mut near: Vec<String> = BALL_KEYS.iter().filter(|k| !table.is_empty() && k.path.starts_with(&prefix)).map(|k| k.path.to_string()).collect();
+    let mut near: Vec<String> = BALL_KEYS
+        .iter()
+        .filter(|k| !table.is_empty() && k.path.starts_with(&prefix))
+        .map(|k| k.path.to_string())
+        .collect();
     if near.is_empty() {
-        near = BALL_KEYS.iter().map(|k| k.path.split_once('.').map_or(k.path, |(table, _)| table).to_string()).collect();
+        near =
+            BALL_KEYS.iter().map(|k| k.path.split_once('.').map_or(k.path, |(table, _)| table).to_string()).collect();
         near.extend(["parameters".to_string(), "provenance".to_string()]);
         near.dedup();
     }

@@ -1,0 +1,325 @@
+//! The ball as core sees it: a [`Simulator`] whose rollouts are positions or bounce times.
+
+use tunenet_core::observation::{Arcs, Channel, Kind, LocalEstimate, Note, Observation};
+use tunenet_core::simulator::{Parameter, Preparation, Prepared, Scale, Simulator};
+use tunenet_core::tune::channel_noise;
+use tunenet_core::{Error, Result};
+
+use crate::ball::{Forces, Scene, State, impact_times, positions};
+use crate::simulation_file::{Release, SimulationFile};
+
+/// Bounces whose intervals give the restitution at the speed of the first impacts.
+const LEADING_INTERVALS: usize = 4;
+
+/// A number of the start that the file leaves to the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Unknown {
+    Position(usize),
+    Velocity(usize),
+    Surface,
+    Height,
+    Time,
+}
+
+impl Unknown {
+    fn name(self) -> (String, &'static str) {
+        let axis = |i: usize| ["x", "y", "z"][i];
+        match self {
+            Self::Position(i) => (format!("release.{}", axis(i)), "m"),
+            Self::Velocity(i) => (format!("release.velocity_{}", axis(i)), "m/s"),
+            Self::Surface => ("surface.height".into(), "m"),
+            Self::Height => ("release.height".into(), "m"),
+            Self::Time => ("release.time".into(), "s"),
+        }
+    }
+}
+
+/// A ball's simulation file, observed as positions or as bounce times.
+///
+/// Own unknowns of a recording of positions are whatever the file leaves out of the start position, the start velocity and
+/// the surface's height; of bounce times, the height of the first fall and its instant. A record is cut at blows and,
+/// where the release is unknown, to the samples after it.
+#[derive(Debug, Clone)]
+pub struct ObservedBall {
+    scene: Scene,
+    release: Release,
+    surface_height_m: Option<f64>,
+    parameters: Vec<Parameter>,
+    channels: Vec<Channel>,
+    kind: Kind,
+    unknown: Vec<Unknown>,
+}
+
+impl ObservedBall {
+    /// The ball of `file`, observed as `kind`.
+    ///
+    /// # Errors
+    /// [`Error::Observation`] where a ball cannot be observed so; what the file's parameters refuse.
+    pub fn new(file: &SimulationFile, kind: Kind) -> Result<Self> {
+        let release = file.release();
+        let surface_height_m = file.number("surface.height_m");
+        let (channels, unknown) = match kind {
+            Kind::Positions => (Channel::positions(), unknown_start(&release, surface_height_m)),
+            Kind::BounceTimes => {
+                let height = release.height_m.is_none().then_some(Unknown::Height);
+                (Channel::bounce_times(), height.into_iter().chain([Unknown::Time]).collect())
+            }
+            _ => {
+                let expected = "positions or bounce times for a simulation of kind \"ball\"".into();
+                return Err(Error::Observation { what: "the observation".into(), expected, found: kind.name().into() });
+            }
+        };
+        let parameters = file.parameters()?;
+        Ok(Self { scene: scene(file), release, surface_height_m, parameters, channels, kind, unknown })
+    }
+
+    /// The scene with these parameters, and the start with these own unknowns.
+    fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
+        let mut scene = Scene { restitution: parameters[0], friction: parameters[1], ..self.scene.clone() };
+        let mut start = State {
+            position_m: self.release.position_m.unwrap_or_default(),
+            velocity_m_s: self.release.velocity_m_s.unwrap_or_default(),
+            spin_rad_s: self.release.spin_rad_s.unwrap_or_default(),
+        };
+        let mut height = self.release.height_m;
+        let mut time_s = self.release.time_s.unwrap_or(0.0);
+        scene.surface_height_m = self.surface_height_m.unwrap_or(0.0);
+        for (unknown, &value) in self.unknown.iter().zip(own) {
+            match *unknown {
+                Unknown::Position(axis) => start.position_m[axis] = value,
+                Unknown::Velocity(axis) => start.velocity_m_s[axis] = value,
+                Unknown::Surface => scene.surface_height_m = value,
+                Unknown::Height => height = Some(value),
+                Unknown::Time => time_s = value,
+            }
+        }
+        if let Some(height) = height {
+            let normal = scene.normal();
+            let [x, y, _] = start.position_m;
+            let below = scene.surface_height_m - (normal[0] * x + normal[1] * y) / normal[2];
+            start.position_m[2] = below + scene.radius_m + height;
+        }
+        (scene, start, time_s)
+    }
+
+    fn prepare_positions(&self, seen: &Observation) -> Result<Preparation> {
+        let Some(arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
+        // A known start also explains the time before it.
+        let begin = if self.release.time_s.is_some() { 0 } else { arcs.usable.start };
+        let Ok(usable) = seen.slice(begin..arcs.usable.end) else {
+            let text = format!("only {} of {} samples are undisturbed free motion", arcs.usable.len(), seen.len());
+            return Ok(Preparation::Rejected(Note::new(
+                "motion.disturbed",
+                text,
+                "record a drop that nothing touches but the surface",
+            )));
+        };
+        let lowest = usable.column(2).fold(f64::INFINITY, f64::min);
+        let contact = arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min);
+        let surface = contact.unwrap_or(lowest) - self.scene.radius_m;
+        let range = (0..3).map(|axis| span(usable.column(axis))).fold(0.1, f64::max);
+        let fastest =
+            (2.0 * self.scene.gravity_m_s2 * range).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
+        let begin_s = usable.clock()[0];
+        // The start's own instant is the first sample; where only the position is known, it was released at rest then.
+        let own = self.unknown.iter().map(|&unknown| {
+            let (name, unit) = unknown.name();
+            let (value, reach) = match unknown {
+                Unknown::Position(axis) => (arcs.start_m[axis], range),
+                Unknown::Velocity(axis) => (arcs.start_m_s[axis], fastest),
+                _ => (surface, range),
+            };
+            Parameter::new(name, unit, value, value - reach, value + reach)
+        });
+        let mut prepared = Prepared::whole(usable, self.parameters.len());
+        prepared.own = own.collect::<Result<_>>()?;
+        prepared.notes.clone_from(&arcs.notes);
+        if arcs.contacts.is_empty() {
+            let duration = seen.clock()[seen.len() - 1] - seen.clock()[0];
+            let text = format!(
+                "the ball does not bounce within the {duration:.2} s of the record, so nothing is said about its contacts"
+            );
+            let note = Note::new("contact.none", text, "record until after the first bounce, better the third");
+            prepared.silent.fill(Some(note));
+        }
+        prepared.local[0] = arcs.restitution().map(|l| LocalEstimate { value: l.value.clamp(0.0, 1.0), ..l });
+        let start_s = self.release.time_s.unwrap_or(begin_s);
+        prepared.scale = Some(self.scale(&prepared.own_values(), start_s));
+        if self.unknown.contains(&Unknown::Surface) {
+            prepared.notes.push(Note::new(
+                "floor.fitted",
+                format!("the surface's height came from the data, near {surface:.4} m"),
+                "give `surface.height_m`; the interval narrows",
+            ));
+        }
+        Ok(Preparation::Usable(Box::new(prepared)))
+    }
+
+    /// The natural scales of a drop: heights from rest, in heights of fall; time from the apex of the first flight.
+    fn scale(&self, own: &[f64], start_s: f64) -> Scale {
+        let parameters: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
+        let (scene, start, _) = self.world(&parameters, own);
+        let gravity = scene.gravity_m_s2;
+        let origin = scene.surface_height_m + scene.radius_m;
+        let rise = start.velocity_m_s[2];
+        let length = (start.position_m[2] - origin + rise * rise / (2.0 * gravity)).max(1e-3);
+        Scale { origin, length, start_s: start_s + rise / gravity, time_s: (length / gravity).sqrt() }
+    }
+
+    fn prepare_bounces(&self, seen: &Observation) -> Result<Preparation> {
+        if seen.kind() != Kind::BounceTimes {
+            return Err(self.wrong_kind(seen));
+        }
+        let times = seen.values();
+        let intervals: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
+        let noise = channel_noise(seen)[0];
+        let local = leading_restitution(&intervals, noise);
+        let restitution = local.map_or(0.7, |l| l.value).clamp(0.05, 1.0);
+        let gravity = self.scene.gravity_m_s2;
+        let approach = gravity * intervals[0] / (2.0 * restitution);
+        let height = approach * approach / (2.0 * gravity);
+        let time = times[0] - self.release.height_m.map_or(approach / gravity, |h| (2.0 * h / gravity).sqrt());
+        let own = self.unknown.iter().map(|&unknown| {
+            let (name, unit) = unknown.name();
+            let (value, low, high) = match unknown {
+                Unknown::Height => (height, height * 0.01, height * 100.0),
+                _ => (time, time - 10.0 * intervals[0], time + 10.0 * intervals[0]),
+            };
+            Parameter::new(name, unit, value, low, high)
+        });
+        let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
+        prepared.own = own.collect::<Result<_>>()?;
+        prepared.local[0] = local;
+        prepared.silent[1] = Some(Note::new(
+            "friction.unseen",
+            "bounce times say nothing about friction",
+            "record positions of a throw along the surface",
+        ));
+        Ok(Preparation::Usable(Box::new(prepared)))
+    }
+
+    fn wrong_kind(&self, seen: &Observation) -> Error {
+        Error::Observation {
+            what: "the observation".into(),
+            expected: self.kind.name().into(),
+            found: seen.kind().name().into(),
+        }
+    }
+}
+
+impl Simulator for ObservedBall {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+        if self.kind == Kind::BounceTimes { self.prepare_bounces(seen) } else { self.prepare_positions(seen) }
+    }
+
+    fn rollout(
+        &self,
+        parameters: &[f64],
+        own: &[f64],
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        let (scene, start, time_s) = self.world(parameters, own);
+        if self.kind == Kind::Positions {
+            let begin = self.release.time_s.unwrap_or(clock[0]);
+            return positions(&scene, &start, begin, clock, values);
+        }
+        let last = clock[clock.len() - 1].max(0.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count of impacts, checked to be small"
+        )]
+        let count = if last < 1e6 { last as usize + 1 } else { return Err(format!("{last} impacts are too many")) };
+        let times = impact_times(&scene, &start, time_s, count)?;
+        let Some(&rest) = times.last() else { return Err("the ball never reaches the surface".into()) };
+        for (value, index) in values.iter_mut().zip(clock) {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below `count`")]
+            let index = index.max(0.0) as usize;
+            // A ball that has come to rest makes no more impacts: the sum of its intervals has converged.
+            *value = times.get(index).copied().unwrap_or(rest);
+        }
+        Ok(())
+    }
+}
+
+/// What the file leaves out of a start that is observed as positions.
+fn unknown_start(release: &Release, surface_height_m: Option<f64>) -> Vec<Unknown> {
+    let mut unknown = Vec::new();
+    match (release.position_m, release.height_m) {
+        (Some(_), _) => {}
+        // The height fixes z through the surface; a drop from rest at a known instant stays on its vertical line.
+        (None, Some(_)) => unknown.extend([Unknown::Position(0), Unknown::Position(1)]),
+        (None, None) => unknown.extend([0, 1, 2].map(Unknown::Position)),
+    }
+    if release.velocity_m_s.is_none() {
+        unknown.extend([0, 1, 2].map(Unknown::Velocity));
+    }
+    if surface_height_m.is_none() {
+        unknown.push(Unknown::Surface);
+    }
+    unknown
+}
+
+/// The scene of a ball's file; its restitution and friction come from the parameters.
+#[must_use]
+pub fn scene(file: &SimulationFile) -> Scene {
+    let number = |path: &str| file.number(path).unwrap_or(0.0);
+    let default = Scene::default();
+    Scene {
+        gravity_m_s2: file.number("world.gravity_m_s2").unwrap_or(default.gravity_m_s2),
+        radius_m: file.number("ball.radius_m").unwrap_or(default.radius_m),
+        mass_kg: file.number("ball.mass_kg").unwrap_or(default.mass_kg),
+        surface_height_m: number("surface.height_m"),
+        surface_tilt_about_x_rad: number("surface.tilt_about_x_rad"),
+        surface_tilt_about_y_rad: number("surface.tilt_about_y_rad"),
+        friction: 0.0,
+        restitution: 0.0,
+        flight: Forces {
+            quadratic_drag_1_m: number("effects.quadratic_drag.c_1_m"),
+            linear_drag_1_s: number("effects.linear_drag.b_1_s"),
+            wind_m_s2: [number("effects.wind.ax_m_s2"), number("effects.wind.ay_m_s2")],
+            magnus_1_s: [
+                number("effects.magnus.sx_1_s"),
+                number("effects.magnus.sy_1_s"),
+                number("effects.magnus.sz_1_s"),
+            ],
+            effective_gravity_m_s2: number("effects.effective_gravity.dg_m_s2"),
+        },
+    }
+}
+
+/// The restitution at the first impacts: how the logarithm of the interval falls over the first few, long intervals
+/// counting more.
+fn leading_restitution(intervals: &[f64], noise_s: f64) -> Option<LocalEstimate> {
+    let leading = &intervals[..intervals.len().min(LEADING_INTERVALS)];
+    let weight: f64 = leading.iter().map(|t| t * t).sum();
+    let mean = |of: &dyn Fn(usize, f64) -> f64| {
+        leading.iter().enumerate().map(|(k, t)| t * t * of(k, *t)).sum::<f64>() / weight
+    };
+    let (middle, level) = (mean(&|k, _| k as f64), mean(&|_, t| t.ln()));
+    let square = mean(&|k, _| (k as f64 - middle).powi(2));
+    let slope = mean(&|k, t| (k as f64 - middle) * (t.ln() - level)) / square;
+    let value = slope.exp();
+    // An interval's error is √2 of a time's; its logarithm's is that over the interval.
+    let sd = value * 2f64.sqrt() * noise_s / (weight * square).sqrt();
+    (leading.len() >= 2 && value.is_finite())
+        .then_some(LocalEstimate { value: value.clamp(0.0, 1.0), sd: sd.max(1e-9) })
+}
+
+fn span(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    high - low
+}
