@@ -391,7 +391,6 @@ fn figures_of_both_presets() {
         .unwrap();
         let seconds = started.elapsed().as_secs_f64();
         println!("{name}: {seconds:.2} s, {last:?}");
-        let clock = header(0, 400).clock;
         let mut random = <ChaCha8Rng as rand::SeedableRng>::seed_from_u64(9);
         let mut errors = [0.0; 6];
         for _ in 0..300 {
@@ -404,6 +403,6 @@ fn figures_of_both_presets() {
                 guess = (guess + change).clamp(0.0, 1.0);
             }
         }
-        println!("{name}: noise-free error by rollout {errors:.2e?} ({} samples)", clock.len());
+        println!("{name}: noise-free error by rollout {errors:?}");
     }
 }
