@@ -3,10 +3,12 @@
 mod parameter;
 mod prepared;
 mod rollouts;
+mod scale;
 
 pub use parameter::Parameter;
-pub use prepared::{Preparation, Prepared, Scale};
+pub use prepared::{Preparation, Prepared};
 pub use rollouts::{rollout, rollouts};
+pub use scale::Scale;
 
 use crate::Result;
 use crate::observation::{Channel, Kind, Observation};

@@ -1,6 +1,6 @@
 //! A recording made ready for one simulator.
 
-use super::Parameter;
+use super::{Parameter, Scale};
 use crate::observation::{LocalEstimate, Note, Observation};
 
 /// The usable part of a recording, with the unknowns that it brings of its own.
@@ -34,20 +34,6 @@ impl Prepared {
     pub fn own_values(&self) -> Vec<f64> {
         self.own.iter().map(|p| p.value).collect()
     }
-}
-
-/// The natural scales of one recording: subtracting and dividing by them makes recordings of all sizes alike.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scale {
-    /// The value at rest, in the channel's unit (a resting ball's height).
-    pub origin: f64,
-    /// The natural length, in the channel's unit (the height of fall).
-    pub length: f64,
-    /// When the event begins, s (the release).
-    pub start_s: f64,
-    /// The natural time, s (√(h/g)).
-    pub time_s: f64,
 }
 
 /// What becomes of a recording.

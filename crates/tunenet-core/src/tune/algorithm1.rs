@@ -82,7 +82,7 @@ pub fn walk(
                     clock.to_vec(),
                     values,
                 )?;
-                model.estimate(&proposed, recording.scale, &recording.seen, recording.scale)?
+                model.estimate(&proposed, recording.scale.as_ref(), &recording.seen, recording.scale.as_ref())?
             }
         };
         for (&position, step) in free.iter().zip(step) {
@@ -101,14 +101,14 @@ pub fn walk(
 
 /// Checks that the model's parameters are the simulator's, and says where they stand.
 fn positions(parameters: &[Parameter], model: &Model) -> Result<Vec<usize>> {
-    let find = |name: &String| {
-        parameters.iter().position(|p| p.name == *name).ok_or_else(|| Error::Model {
+    let find = |name: &str| {
+        parameters.iter().position(|p| p.name == name).ok_or_else(|| Error::Model {
             what: format!("tunes `{name}`"),
             expected: format!("one of {}", parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ")),
             found: format!("`{name}`"),
         })
     };
-    model.parameter_names().iter().map(find).collect()
+    model.parameters().iter().map(|p| find(&p.name)).collect()
 }
 
 /// The Gauss–Newton step whose slope is the difference to the nearest earlier rollout. At the end it is the maximum of

@@ -1,0 +1,2 @@
+//! How long training takes.
+fn main() {}

@@ -1,0 +1,172 @@
+//! Which pairs a training step sees.
+
+use candle_core::{Device, Tensor};
+use rand::seq::SliceRandom;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+use super::preset::{Course, Preset};
+use super::training_set::TrainingSet;
+use crate::Result;
+
+/// Proposed `[batch, width]`, target `[batch, width]` and difference `[batch, parameter]`.
+pub(super) struct Batch {
+    pub(super) proposed: Tensor,
+    pub(super) target: Tensor,
+    pub(super) difference: Tensor,
+}
+
+/// Draws batches. Each depends on the seed and the step alone, so that a resumed training sees what it would have seen.
+pub(super) struct Batches<'a> {
+    set: &'a TrainingSet,
+    preset: &'a Preset,
+    seed: u64,
+    /// Pairs that are trained on; those behind them are held back.
+    pairs: usize,
+    /// The whole training set as tensors, with the order of the present epoch.
+    whole: Option<(Batch, u64, Vec<u32>)>,
+}
+
+impl<'a> Batches<'a> {
+    pub(super) fn new(set: &'a TrainingSet, preset: &'a Preset, seed: u64) -> Result<Self> {
+        let held_back = (set.pairs() as f64 * preset.held_back).floor();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most half the pairs")]
+        let pairs = set.pairs() - held_back as usize;
+        let whole = match preset.course {
+            Course::Epochs { .. } => Some((plain(set, 0..pairs)?, u64::MAX, Vec::new())),
+            Course::Remixed { .. } => None,
+        };
+        Ok(Self { set, preset, seed, pairs, whole })
+    }
+
+    /// Steps in an epoch: batches that show every pair once.
+    pub(super) fn in_epoch(&self) -> u64 {
+        self.pairs.div_ceil(self.preset.batch) as u64
+    }
+
+    /// Steps in the whole training.
+    pub(super) fn steps(&self) -> u64 {
+        match self.preset.course {
+            Course::Epochs { epochs } => epochs * self.in_epoch(),
+            Course::Remixed { steps, .. } => steps,
+        }
+    }
+
+    /// The pairs held back, where there are any.
+    pub(super) fn held_back(&self) -> Result<Option<Batch>> {
+        if self.pairs == self.set.pairs() { Ok(None) } else { plain(self.set, self.pairs..self.set.pairs()).map(Some) }
+    }
+
+    /// The pairs of step `step`, from 0.
+    pub(super) fn draw(&mut self, step: u64) -> Result<Batch> {
+        let in_epoch = self.in_epoch();
+        let Some((whole, epoch, order)) = &mut self.whole else { return self.mix(step) };
+        if *epoch != step / in_epoch {
+            *epoch = step / in_epoch;
+            *order = (0..).take(self.pairs).collect();
+            order.shuffle(&mut stream(self.seed, *epoch));
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "below the number of pairs")]
+        let first = (step % in_epoch) as usize * self.preset.batch;
+        let chosen = &order[first..(first + self.preset.batch).min(order.len())];
+        let chosen = Tensor::from_slice(chosen, chosen.len(), &Device::Cpu)?;
+        Ok(Batch {
+            proposed: whole.proposed.index_select(&chosen, 0)?,
+            target: whole.target.index_select(&chosen, 0)?,
+            difference: whole.difference.index_select(&chosen, 0)?,
+        })
+    }
+
+    fn mix(&self, step: u64) -> Result<Batch> {
+        let (noise, cut) = match self.preset.course {
+            Course::Remixed { noise, cut, .. } => (noise as f32, cut),
+            Course::Epochs { .. } => (0.0, 0.0),
+        };
+        let mut draw = stream(self.seed, step);
+        let mut build = Builder::new(self.set, self.preset.batch);
+        for _ in 0..self.preset.batch {
+            let (a, b) = if self.set.mixable {
+                (draw.random_range(0..2 * self.pairs), draw.random_range(0..2 * self.pairs))
+            } else {
+                let pair = 2 * draw.random_range(0..self.pairs);
+                if draw.random() { (pair, pair + 1) } else { (pair + 1, pair) }
+            };
+            let mut seen = self.set.common(a, b);
+            if cut > 0.0 && draw.random_bool(cut) {
+                seen.end = seen.start + draw.random_range(0..=seen.len());
+            }
+            build.pair(a, b, &seen);
+            let share: f32 = draw.random();
+            let sd = noise * share * share;
+            if sd > 0.0 {
+                for value in build.last_target(&seen) {
+                    *value += sd * draw.sample::<f32, _>(StandardNormal);
+                }
+            }
+        }
+        build.batch()
+    }
+}
+
+/// Streams 1, 2, … of the seed; the initial weights took stream 0.
+fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut draw = ChaCha8Rng::seed_from_u64(seed);
+    draw.set_stream(number + 1);
+    draw
+}
+
+/// The dataset's own pairs, as they are.
+fn plain(set: &TrainingSet, pairs: std::ops::Range<usize>) -> Result<Batch> {
+    let mut build = Builder::new(set, pairs.len());
+    for pair in pairs {
+        build.pair(2 * pair, 2 * pair + 1, &set.common(2 * pair, 2 * pair + 1));
+    }
+    build.batch()
+}
+
+struct Builder<'a> {
+    set: &'a TrainingSet,
+    proposed: Vec<f32>,
+    target: Vec<f32>,
+    difference: Vec<f32>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(set: &'a TrainingSet, pairs: usize) -> Self {
+        let width = set.input.width();
+        Self {
+            set,
+            proposed: Vec::with_capacity(pairs * width),
+            target: Vec::with_capacity(pairs * width),
+            difference: Vec::with_capacity(pairs * set.parameters.len()),
+        }
+    }
+
+    /// Appends a pair, blank in both outside `seen`; see [`Encoded::pair`](super::input::Encoded::pair).
+    fn pair(&mut self, a: usize, b: usize, seen: &std::ops::Range<usize>) {
+        for (side, rollout) in [(&mut self.proposed, a), (&mut self.target, b)] {
+            let start = side.len();
+            let row = self.set.row(rollout);
+            side.resize(start + row.len(), 0.0);
+            side[start + seen.start..start + seen.end].copy_from_slice(&row[seen.clone()]);
+        }
+        self.difference.extend(self.set.difference(a, b));
+    }
+
+    /// The target of the last pair within `seen`.
+    fn last_target(&mut self, seen: &std::ops::Range<usize>) -> &mut [f32] {
+        let start = self.target.len() - self.set.input.width();
+        &mut self.target[start + seen.start..start + seen.end]
+    }
+
+    fn batch(self) -> Result<Batch> {
+        let width = self.set.input.width();
+        let pairs = self.proposed.len() / width;
+        Ok(Batch {
+            proposed: Tensor::from_vec(self.proposed, (pairs, width), &Device::Cpu)?,
+            target: Tensor::from_vec(self.target, (pairs, width), &Device::Cpu)?,
+            difference: Tensor::from_vec(self.difference, (pairs, self.set.parameters.len()), &Device::Cpu)?,
+        })
+    }
+}

@@ -1,0 +1,88 @@
+//! A training that can be killed.
+
+use std::path::Path;
+
+use candle_core::{DType, Var};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::model::{self, About};
+use super::optimiser::Descent;
+use super::two_branch::TwoBranch;
+use super::weights_file;
+use crate::{Error, Result};
+
+/// What a checkpoint says beside its numbers.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mark {
+    /// Of the dataset, the preset and the seed: a checkpoint goes on with the same training or not at all.
+    fingerprint: String,
+    /// Steps done.
+    step: u64,
+}
+
+/// What makes a training this one: every byte of its dataset, its preset and its seed.
+pub(super) fn fingerprint(dataset: &Path, about: &About) -> Result<String> {
+    let mut hash = Sha256::new();
+    let failed = |e| Error::io(dataset, "reading", e);
+    let mut file = std::io::BufReader::new(std::fs::File::open(dataset).map_err(failed)?);
+    loop {
+        let bytes = std::io::BufRead::fill_buf(&mut file).map_err(failed)?;
+        if bytes.is_empty() {
+            break;
+        }
+        hash.update(bytes);
+        let read = bytes.len();
+        std::io::BufRead::consume(&mut file, read);
+    }
+    hash.update(serde_json::to_vec(about).map_err(|e| candle_core::Error::Msg(e.to_string()))?);
+    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// Writes where the training stands; a kill leaves the one before or this one, never half of it.
+pub(super) fn save(path: &Path, fingerprint: &str, step: u64, network: &TwoBranch, descent: &Descent) -> Result<()> {
+    let mut tensors = model::named(network);
+    for (name, (mean, square)) in TwoBranch::NAMES.iter().zip(&descent.memory) {
+        tensors.push((format!("mean.{name}"), mean.clone()));
+        tensors.push((format!("square.{name}"), square.clone()));
+    }
+    let mark = Mark { fingerprint: fingerprint.to_owned(), step };
+    let mark = serde_json::to_string(&mark).map_err(|e| candle_core::Error::Msg(e.to_string()))?;
+    weights_file::write(path, &weights_file::to_bytes(mark, &tensors)?)
+}
+
+/// Goes on from `path`: sets the network and the optimiser, returns the steps done; `None` where there is no file.
+pub(super) fn load(
+    path: &Path,
+    fingerprint: &str,
+    about: &About,
+    network: &mut TwoBranch,
+    descent: &mut Descent,
+) -> Result<Option<u64>> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let mut contents = weights_file::read(path, "a checkpoint")?;
+    let refuse = |found: &str| {
+        let text = format!("expected a checkpoint of this training, found {found}");
+        Error::file(path, text, "delete it, or write to another --out")
+    };
+    let mark: Mark = serde_json::from_str(&contents.about).map_err(|_| refuse("a model or another file"))?;
+    if mark.fingerprint != fingerprint {
+        return Err(refuse("one of another dataset, preset or seed"));
+    }
+    let read = model::take_network(path, &mut contents, about)?;
+    let mut trainable = Vec::with_capacity(8);
+    for weight in read.weights() {
+        trainable.push(Var::from_tensor(weight)?.into_inner());
+    }
+    if let Ok(weights) = trainable.try_into() {
+        *network = TwoBranch::from_weights(weights, about.preset.head);
+    }
+    for (name, (mean, square)) in TwoBranch::NAMES.iter().zip(&mut descent.memory) {
+        *mean = contents.take(path, &format!("mean.{name}"), DType::F32, &mean.dims().to_vec())?;
+        *square = contents.take(path, &format!("square.{name}"), DType::F32, &square.dims().to_vec())?;
+    }
+    Ok(Some(mark.step))
+}

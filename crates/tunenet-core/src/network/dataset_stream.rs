@@ -1,0 +1,132 @@
+//! MCAP in and out, one message at a time.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter};
+use std::path::{Path, PathBuf};
+
+use byteorder::LittleEndian;
+use mcap::records::MessageHeader;
+use mcap::sans_io::LinearReaderOptions;
+use mcap::{McapError, WriteOptions, Writer};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::{Error, Result};
+
+/// Plain CDR, little-endian, as ROS 2 writes it before every message.
+const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
+
+/// Longest record that is believed; a damaged length would otherwise ask for all memory.
+const LONGEST_RECORD: usize = 1 << 30;
+
+/// A file being written.
+pub(super) struct Output {
+    path: PathBuf,
+    writer: Writer<BufWriter<File>>,
+}
+
+impl Output {
+    /// A new file at `path`. Every setting that could differ between two machines is fixed: equal messages, equal bytes.
+    pub(super) fn create(path: &Path) -> Result<Self> {
+        let file = File::create(path).map_err(|e| Error::io(path, "creating", e))?;
+        let writer = WriteOptions::new()
+            .profile("ros2")
+            .library(concat!("tunenet ", env!("CARGO_PKG_VERSION")))
+            .compression(Some(mcap::Compression::Zstd))
+            .compression_threads(0)
+            // Chunks end where `end_chunk` says, so that they do not depend on how the writing was interrupted.
+            .chunk_size(None)
+            .create(BufWriter::new(file))
+            .map_err(|e| mcap_error(path, "writing", e))?;
+        Ok(Self { path: path.to_owned(), writer })
+    }
+
+    /// A topic with its ROS 2 message definition; returns its number.
+    pub(super) fn topic(&mut self, topic: &str, message: &str, definition: &str) -> Result<u16> {
+        let failed = |e| mcap_error(&self.path, "writing", e);
+        let schema = self.writer.add_schema(message, "ros2msg", definition.as_bytes()).map_err(failed)?;
+        self.writer.add_channel(schema, topic, "cdr", &std::collections::BTreeMap::new()).map_err(failed)
+    }
+
+    /// One message. `number` is its place in the file; there is no clock time, so that equal runs write equal bytes.
+    pub(super) fn write(&mut self, topic: u16, number: u64, message: &impl Serialize) -> Result<()> {
+        let mut bytes = ENCAPSULATION.to_vec();
+        let body = cdr_encoding::to_vec::<_, LittleEndian>(message)
+            .map_err(|e| Error::file(&self.path, format!("a message cannot be written: {e}"), ""))?;
+        bytes.extend(body);
+        let header = MessageHeader {
+            channel_id: topic,
+            sequence: u32::try_from(number).unwrap_or(u32::MAX),
+            log_time: number,
+            publish_time: number,
+        };
+        self.writer.write_to_known_channel(&header, &bytes).map_err(|e| mcap_error(&self.path, "writing", e))
+    }
+
+    /// Closes the chunk, so that what was written so far can be read back after a kill.
+    pub(super) fn end_chunk(&mut self) -> Result<()> {
+        self.writer.flush().map_err(|e| mcap_error(&self.path, "writing", e))
+    }
+
+    /// Ends the file and waits until the disk has it.
+    pub(super) fn finish(mut self) -> Result<()> {
+        self.writer.finish().map_err(|e| mcap_error(&self.path, "writing", e))?;
+        let failed = |e| Error::io(&self.path, "writing", e);
+        let file = self.writer.into_inner().into_inner().map_err(|e| failed(e.into_error()))?;
+        file.sync_all().map_err(failed)
+    }
+}
+
+/// A file being read, front to back, with the memory of one chunk.
+pub(super) struct Source {
+    path: PathBuf,
+    reader: mcap::io::MessageReader<BufReader<File>>,
+}
+
+impl Source {
+    /// Opens `path`.
+    pub(super) fn open(path: &Path) -> Result<Self> {
+        let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+        // A chunk is checked before any of it is believed: half a chunk yields nothing.
+        let options =
+            LinearReaderOptions::default().with_prevalidate_chunk_crcs(true).with_record_length_limit(LONGEST_RECORD);
+        let reader = mcap::io::MessageReader::new_with_options(BufReader::new(file), options);
+        Ok(Self { path: path.to_owned(), reader })
+    }
+
+    /// The next message on `topic`, `None` at the end of the file.
+    pub(super) fn next<M: DeserializeOwned>(&mut self, topic: &str) -> Result<Option<M>> {
+        loop {
+            let Some(message) = self.reader.next() else { return Ok(None) };
+            let message = message.map_err(|e| mcap_error(&self.path, "reading", e))?;
+            if message.channel.topic != topic {
+                continue;
+            }
+            let wrong = |found: String| {
+                let text = format!("expected a message in little-endian CDR on `{topic}`, found {found}");
+                Error::file(&self.path, text, "write the dataset again with `tunenet gen`")
+            };
+            let Some(body) = message.data.strip_prefix(&ENCAPSULATION) else {
+                return Err(wrong("another encapsulation".into()));
+            };
+            let (read, _) = cdr_encoding::from_bytes::<M, LittleEndian>(body).map_err(|e| wrong(e.to_string()))?;
+            return Ok(Some(read));
+        }
+    }
+}
+
+/// What went wrong with an MCAP file, in one sentence.
+fn mcap_error(path: &Path, action: &'static str, error: McapError) -> Error {
+    match error {
+        McapError::Io(source) => Error::io(path, action, source),
+        McapError::BadMagic => {
+            Error::file(path, "expected an MCAP file, found another kind", "`tunenet gen` writes datasets")
+        }
+        McapError::UnexpectedEof | McapError::UnexpectedEoc => Error::file(
+            path,
+            "expected a complete MCAP file, found one that was cut short",
+            "run the command that wrote it again",
+        ),
+        other => Error::file(path, format!("expected a sound MCAP file, found: {other}"), "write the file again"),
+    }
+}

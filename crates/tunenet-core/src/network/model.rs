@@ -1,0 +1,235 @@
+//! A trained network that estimates parameter differences.
+
+use std::path::Path;
+
+use candle_core::{DType, Device, Tensor};
+use serde::{Deserialize, Serialize};
+
+use super::dataset::CoveredParameter;
+use super::input::{Encoded, Input};
+use super::preset::Preset;
+use super::two_branch::{TwoBranch, Widths};
+use super::weights_file::{self, Contents};
+use crate::observation::{Channel, Observation, resample};
+use crate::simulator::Scale;
+use crate::{Error, Result};
+
+/// Version of the model file's format. Raised whenever an older program would misread a newer file.
+pub const MODEL_VERSION: u32 = 1;
+
+/// Everything about a model but its numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct About {
+    pub(super) version: u32,
+    pub(super) preset: Preset,
+    pub(super) input: Input,
+    /// The tuned parameters.
+    pub(super) parameters: Vec<CoveredParameter>,
+    /// Names and units of the channels.
+    pub(super) channels: Vec<(String, String)>,
+    pub(super) seed: u64,
+}
+
+/// One side of a comparison: an observation and, where the model is dimensionless, its scale.
+#[derive(Debug, Clone, Copy)]
+pub struct Side<'a> {
+    /// What was observed; its channels are those of the training set.
+    pub observation: &'a Observation,
+    /// What makes it dimensionless; see [`Input::needs_scale`].
+    pub scale: Option<&'a Scale>,
+}
+
+/// A trained two-branch network.
+///
+/// It may be shared between threads; an estimate builds nothing but its result.
+#[derive(Debug, Clone)]
+pub struct Model {
+    about: About,
+    channels: Vec<Channel>,
+    clock: Vec<f64>,
+    network: TwoBranch,
+    wide: TwoBranch,
+}
+
+impl Model {
+    pub(super) fn new(about: About, clock: Vec<f64>, network: TwoBranch) -> Result<Self> {
+        super::products_on_one_thread();
+        let channels = about.channels.iter().map(|(name, unit)| Channel::new(name, unit)).collect();
+        let wide = network.widened()?;
+        Ok(Self { about, channels, clock, network, wide })
+    }
+
+    /// The training that made it.
+    #[must_use]
+    pub fn preset(&self) -> &Preset {
+        &self.about.preset
+    }
+
+    /// What it sees of an observation.
+    #[must_use]
+    pub fn input(&self) -> &Input {
+        &self.about.input
+    }
+
+    /// The parameters whose differences it estimates, with the range that it was trained on.
+    #[must_use]
+    pub fn parameters(&self) -> &[CoveredParameter] {
+        &self.about.parameters
+    }
+
+    /// The channels that an observation must have.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The clock of its training set, in s.
+    #[must_use]
+    pub fn clock(&self) -> &[f64] {
+        &self.clock
+    }
+
+    /// The seed of its training.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.about.seed
+    }
+
+    /// The estimated difference target − proposed of each of [`Model::parameters`], in its unit.
+    ///
+    /// Not clipped: the bounds are the caller's. With an antisymmetric preset, equal observations give exactly 0.
+    ///
+    /// # Errors
+    /// [`Error::Model`] where an observation has other channels than the training set, or lacks the scale that
+    /// [`Input::needs_scale`] asks for.
+    pub fn estimate(
+        &self,
+        proposed: &Observation,
+        proposed_scale: Option<&Scale>,
+        target: &Observation,
+        target_scale: Option<&Scale>,
+    ) -> Result<Vec<f64>> {
+        let pair =
+            (Side { observation: proposed, scale: proposed_scale }, Side { observation: target, scale: target_scale });
+        Ok(self.estimate_batch(&[pair])?.swap_remove(0))
+    }
+
+    /// As [`Model::estimate`] for many pairs (proposed, target) at once, shape `[pair, parameter]`.
+    ///
+    /// # Errors
+    /// As [`Model::estimate`].
+    pub fn estimate_batch(&self, pairs: &[(Side<'_>, Side<'_>)]) -> Result<Vec<Vec<f64>>> {
+        if pairs.is_empty() {
+            return Ok(Vec::new());
+        }
+        let width = self.about.input.width();
+        let (mut proposed, mut target) =
+            (Vec::with_capacity(pairs.len() * width), Vec::with_capacity(pairs.len() * width));
+        for (a, b) in pairs {
+            let (mut a, mut b) = (self.encode(a)?, self.encode(b)?);
+            a.pair(&mut b);
+            proposed.extend(a.values);
+            target.extend(b.values);
+        }
+        let tensor = |values| Tensor::from_vec(values, (pairs.len(), width), &Device::Cpu);
+        let shares = self.wide.forward(&tensor(proposed)?, &tensor(target)?)?.to_vec2::<f64>()?;
+        let scaled = |row: Vec<f64>| row.iter().zip(&self.about.parameters).map(|(d, p)| d * p.span()).collect();
+        Ok(shares.into_iter().map(scaled).collect())
+    }
+
+    fn encode(&self, side: &Side<'_>) -> Result<Encoded> {
+        let seen = side.observation;
+        if seen.channels() != self.channels {
+            let list = |channels: &[Channel]| {
+                channels.iter().map(|c| format!("{} ({})", c.name, c.unit)).collect::<Vec<_>>().join(", ")
+            };
+            let (expected, found) = (list(&self.channels), list(seen.channels()));
+            return Err(Error::Model { what: "input, channels".into(), expected, found });
+        }
+        let input = &self.about.input;
+        // Raw samples mean something only at the instants of the training set.
+        if matches!(input, Input::Raw { .. }) && seen.clock() != self.clock {
+            let seen = resample(seen, &self.clock)?;
+            return input.encode(seen.clock(), seen.values(), self.channels.len(), side.scale);
+        }
+        input.encode(seen.clock(), seen.values(), self.channels.len(), side.scale)
+    }
+
+    /// The model file: weights under their field names, the training set's clock as `clock`, and everything else as JSON
+    /// under `tunenet` in the metadata. The same training gives the same bytes.
+    ///
+    /// # Errors
+    /// [`Error::Network`] where a tensor cannot be read.
+    pub fn to_bytes(&self) -> Result<Vec<u8>> {
+        let about = serde_json::to_string(&self.about).map_err(|e| candle_core::Error::Msg(e.to_string()))?;
+        let mut tensors = named(&self.network);
+        tensors.push(("clock".into(), Tensor::from_slice(&self.clock, self.clock.len(), &Device::Cpu)?));
+        weights_file::to_bytes(about, &tensors)
+    }
+
+    /// Writes the model file; `path` never holds half of one.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the disk refuses.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        weights_file::write(path.as_ref(), &self.to_bytes()?)
+    }
+
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the file cannot be read; [`Error::File`] where it is not safetensors, is not a model, has another
+    /// version, or a weight is missing or has another shape.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let mut contents = weights_file::read(path, "a model")?;
+        let about = read_about(path, &contents)?;
+        let samples = contents.tensors.get("clock").map_or(0, Tensor::elem_count);
+        let clock = contents.take(path, "clock", DType::F64, &[samples])?.to_vec1()?;
+        let network = take_network(path, &mut contents, &about)?;
+        Self::new(about, clock, network)
+    }
+}
+
+fn read_about(path: &Path, contents: &Contents) -> Result<About> {
+    let refuse = |found: String| {
+        let text = format!("expected a model of version {MODEL_VERSION}, found {found}");
+        Error::file(path, text, "train it again with this version of `tunenet train`")
+    };
+    // The version decides whether the rest can be understood at all.
+    let json: serde_json::Value = serde_json::from_str(&contents.about).map_err(|e| refuse(e.to_string()))?;
+    match json.get("version").and_then(serde_json::Value::as_u64) {
+        Some(version) if version == u64::from(MODEL_VERSION) => {}
+        Some(version) => return Err(refuse(format!("version {version}"))),
+        None => return Err(refuse("none".into())),
+    }
+    let about: About = serde_json::from_value(json).map_err(|e| refuse(e.to_string()))?;
+    about.preset.check()?;
+    Ok(about)
+}
+
+/// The weights with their names.
+pub(super) fn named(network: &TwoBranch) -> Vec<(String, Tensor)> {
+    TwoBranch::NAMES.iter().map(|name| (*name).to_owned()).zip(network.weights().into_iter().cloned()).collect()
+}
+
+/// The network that `about` describes, out of a file.
+pub(super) fn take_network(path: &Path, contents: &mut Contents, about: &About) -> Result<TwoBranch> {
+    let mut weights = Vec::with_capacity(8);
+    for (name, shape) in TwoBranch::NAMES.iter().zip(TwoBranch::shapes(widths(about))) {
+        weights.push(contents.take(path, name, DType::F32, &shape)?);
+    }
+    let Ok(weights) = <[Tensor; 8]>::try_from(weights) else { unreachable!("eight names") };
+    Ok(TwoBranch::from_weights(weights, about.preset.head))
+}
+
+/// The widths that `about` asks for.
+pub(super) fn widths(about: &About) -> Widths {
+    Widths {
+        inputs: about.input.width(),
+        features: about.preset.features,
+        hidden: about.preset.hidden,
+        outputs: about.parameters.len(),
+    }
+}

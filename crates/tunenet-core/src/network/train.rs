@@ -1,0 +1,141 @@
+//! Training a network on a dataset.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use candle_core::Tensor;
+
+use super::batches::{Batch, Batches};
+use super::checkpoint;
+use super::model::{self, About, MODEL_VERSION, Model};
+use super::optimiser::Descent;
+use super::preset::{Loss, Preset};
+use super::training_set::TrainingSet;
+use super::two_branch::TwoBranch;
+use crate::{Error, Result};
+
+/// Steps between two reports: rare enough to cost nothing, often enough for a smooth bar and a prompt stop.
+const REPORT_EVERY: u64 = 20;
+
+/// A kill costs at most this much work.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
+
+/// How a network is to be trained.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainOptions {
+    /// Every hyper-parameter.
+    pub preset: Preset,
+    /// What the initial weights and all draws start from.
+    pub seed: u64,
+    /// Where to keep a checkpoint, if anywhere. It is found again by the same training after a kill, stays when training
+    /// is done, and is the caller's to delete once the model is safe.
+    pub checkpoint: Option<PathBuf>,
+}
+
+/// Where a training stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrainProgress {
+    /// Steps done.
+    pub step: u64,
+    /// Steps in all.
+    pub steps: u64,
+    /// Loss of the last batch, in units of the training span (squared where the preset says so).
+    pub loss: f64,
+    /// Mean absolute error on the pairs held back, noise-free, in units of the training span; `None` where none are held
+    /// back.
+    pub validation: Option<f64>,
+    /// Time that is left at the present pace, in s.
+    pub seconds_left: f64,
+}
+
+/// Trains a network on `dataset`.
+///
+/// The same dataset, preset and seed give the same weights, bit for bit on one kind of processor, whatever the number of
+/// threads and however often the training was interrupted. Where `progress` answers `false`, a checkpoint is written and
+/// the training stops.
+///
+/// # Errors
+/// [`Error::Setting`] for a preset out of range; [`Error::File`] and [`Error::Io`] where the dataset or the checkpoint
+/// cannot be used; [`Error::Model`] where the dataset does not fit the preset; [`Error::Stopped`] on request.
+pub fn train(
+    dataset: &Path,
+    options: &TrainOptions,
+    progress: &mut dyn FnMut(&TrainProgress) -> bool,
+) -> Result<Model> {
+    super::products_on_one_thread();
+    let preset = &options.preset;
+    preset.check()?;
+    let set = TrainingSet::read(dataset, preset)?;
+    let about = About {
+        version: MODEL_VERSION,
+        preset: preset.clone(),
+        input: set.input.clone(),
+        parameters: set.parameters.clone(),
+        channels: set.header.channels.iter().map(|c| (c.name.clone(), c.unit.clone())).collect(),
+        seed: options.seed,
+    };
+    let mut network = TwoBranch::new(model::widths(&about), preset.head, options.seed)?;
+    let mut descent = Descent::new(preset.optimiser.clone(), &network)?;
+    let mut batches = Batches::new(&set, preset, options.seed)?;
+    let fingerprint = match options.checkpoint {
+        Some(_) => checkpoint::fingerprint(dataset, &about)?,
+        None => String::new(),
+    };
+    let mut first = 0;
+    if let Some(path) = &options.checkpoint {
+        first = checkpoint::load(path, &fingerprint, &about, &mut network, &mut descent)?.unwrap_or(0);
+    }
+    let save = |step: u64, network: &TwoBranch, descent: &Descent| match &options.checkpoint {
+        Some(path) => checkpoint::save(path, &fingerprint, step, network, descent),
+        None => Ok(()),
+    };
+
+    let steps = batches.steps();
+    let held_back = batches.held_back()?;
+    // Validation costs about as much as the steps between two of its twenty.
+    let validate_every = (steps / 20).max(1);
+    let mut validation = None;
+    let (started, mut saved) = (Instant::now(), Instant::now());
+    for step in first..steps {
+        let batch = batches.draw(step)?;
+        let loss = loss(preset.loss, &network, &batch)?;
+        descent.step(&network, &loss.backward()?, step, steps, step / batches.in_epoch())?;
+        let done = step + 1;
+        if let Some(pairs) = &held_back
+            && (done % validate_every == 0 || validation.is_none())
+        {
+            validation = Some(mean_error(&network, pairs)?);
+        }
+        if done % REPORT_EVERY == 0 || done == steps {
+            let pace = started.elapsed().as_secs_f64() / (done - first) as f64;
+            let loss = f64::from(loss.to_scalar::<f32>()?);
+            if !loss.is_finite() {
+                let (what, expected) = ("training".into(), "a finite loss".into());
+                return Err(Error::Model { what, expected, found: format!("{loss} at step {done}") });
+            }
+            let report =
+                TrainProgress { step: done, steps, loss, validation, seconds_left: pace * (steps - done) as f64 };
+            if !progress(&report) && done < steps {
+                save(done, &network, &descent)?;
+                return Err(Error::Stopped);
+            }
+            if saved.elapsed() >= CHECKPOINT_EVERY || done == steps {
+                save(done, &network, &descent)?;
+                saved = Instant::now();
+            }
+        }
+    }
+    Model::new(about, set.header.clock.clone(), network)
+}
+
+fn loss(loss: Loss, network: &TwoBranch, batch: &Batch) -> Result<Tensor> {
+    let off = (network.forward(&batch.proposed, &batch.target)? - &batch.difference)?;
+    Ok(match loss {
+        Loss::Squared => off.sqr()?.mean_all()?,
+        Loss::Absolute => off.abs()?.mean_all()?,
+    })
+}
+
+fn mean_error(network: &TwoBranch, pairs: &Batch) -> Result<f64> {
+    Ok(f64::from(loss(Loss::Absolute, network, pairs)?.to_scalar::<f32>()?))
+}

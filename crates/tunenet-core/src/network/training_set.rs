@@ -1,0 +1,149 @@
+//! A dataset as the network sees it.
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::dataset::{CoveredParameter, DatasetHeader, DatasetReader, Pair};
+use super::input::Input;
+use super::preset::{InputChoice, Preset};
+use crate::{Error, Result};
+
+/// All rollouts of a dataset, encoded. Pair `i` is rows `2 i` (proposed) and `2 i + 1` (target).
+pub(super) struct TrainingSet {
+    pub(super) header: DatasetHeader,
+    pub(super) input: Input,
+    /// The tuned parameters.
+    pub(super) parameters: Vec<CoveredParameter>,
+    /// Shape `[rollout, width]`.
+    pub(super) rows: Vec<f32>,
+    /// What each rollout covers of its row.
+    pub(super) covered: Vec<Range<usize>>,
+    /// Tuned parameters less their least value, over their span, shape `[rollout, parameter]`. Double precision: the
+    /// differences are what is learned.
+    pub(super) places: Vec<f64>,
+    /// Whether any rollout can stand beside any other.
+    pub(super) mixable: bool,
+}
+
+impl TrainingSet {
+    pub(super) fn read(path: &Path, preset: &Preset) -> Result<Self> {
+        let reader = DatasetReader::open(path)?;
+        let header = reader.header().clone();
+        let tuned: Vec<usize> = (0..header.parameters.len()).filter(|&i| header.parameters[i].tuned).collect();
+        let parameters: Vec<CoveredParameter> = tuned.iter().map(|&i| header.parameters[i].clone()).collect();
+        if parameters.is_empty() {
+            return Err(Error::file(path, "expected at least one parameter to learn, found none", ""));
+        }
+        if let Some(p) = parameters.iter().find(|p| p.span() <= 0.0 || !p.span().is_finite()) {
+            let text = format!("expected a range for `{}`, found {} to {}", p.name, p.min, p.max);
+            return Err(Error::file(path, text, ""));
+        }
+        let input = fit_input(path, &header, preset)?;
+
+        let mut set = Self { header, input, parameters, rows: vec![], covered: vec![], places: vec![], mixable: true };
+        let mut own: Option<Vec<f64>> = None;
+        for pair in reader {
+            let pair = pair?;
+            set.push(&pair, &tuned)?;
+            set.mixable &= own.get_or_insert_with(|| pair.own.clone()) == &pair.own;
+        }
+        // In units of its own scale a rollout no longer remembers its height.
+        set.mixable |= set.input.needs_scale();
+        if set.covered.is_empty() {
+            return Err(Error::file(path, "expected at least one pair, found none", ""));
+        }
+        Ok(set)
+    }
+
+    fn push(&mut self, pair: &Pair, tuned: &[usize]) -> Result<()> {
+        for (values, all) in [(&pair.proposed, &pair.proposed_parameters), (&pair.target, &pair.target_parameters)] {
+            let seen =
+                self.input.encode(&self.header.clock, values, self.header.channels.len(), pair.scale.as_ref())?;
+            self.rows.extend(seen.values.iter().map(|v| *v as f32));
+            self.covered.push(seen.covered);
+            self.places.extend(tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()));
+        }
+        Ok(())
+    }
+
+    /// How many pairs.
+    pub(super) fn pairs(&self) -> usize {
+        self.covered.len() / 2
+    }
+
+    /// One rollout, shape `[width]`.
+    pub(super) fn row(&self, rollout: usize) -> &[f32] {
+        let width = self.input.width();
+        &self.rows[rollout * width..(rollout + 1) * width]
+    }
+
+    /// What both rollouts cover.
+    pub(super) fn common(&self, a: usize, b: usize) -> Range<usize> {
+        let (a, b) = (&self.covered[a], &self.covered[b]);
+        let start = a.start.max(b.start);
+        start..a.end.min(b.end).max(start)
+    }
+
+    /// The difference `b − a` in units of the span, shape `[parameter]`.
+    pub(super) fn difference(&self, a: usize, b: usize) -> impl Iterator<Item = f32> + '_ {
+        let n = self.parameters.len();
+        let place = move |rollout: usize| self.places[rollout * n..(rollout + 1) * n].iter();
+        place(b).zip(place(a)).map(|(b, a)| (b - a) as f32)
+    }
+}
+
+/// What the network is to see, with whatever must be read off the data first.
+fn fit_input(path: &Path, header: &DatasetHeader, preset: &Preset) -> Result<Input> {
+    let find = |name: &Option<String>| match name {
+        None => Ok(header.channels.len().saturating_sub(1)),
+        Some(name) => header.channels.iter().position(|c| c.name == *name).ok_or_else(|| {
+            let found: Vec<&str> = header.channels.iter().map(|c| c.name.as_str()).collect();
+            Error::file(path, format!("expected a channel `{name}`, found {}", found.join(", ")), "")
+        }),
+    };
+    match &preset.input {
+        InputChoice::Raw { channel } => {
+            let channel = find(channel)?;
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for pair in DatasetReader::open(path)? {
+                let pair = pair?;
+                for value in [&pair.proposed, &pair.target]
+                    .iter()
+                    .flat_map(|rollout| rollout[channel..].iter().step_by(header.channels.len()))
+                {
+                    low = low.min(*value);
+                    high = high.max(*value);
+                }
+            }
+            Ok(Input::Raw { channel, samples: header.clock.len(), low, high })
+        }
+        InputChoice::Dimensionless { channel, bins, tau_max } => {
+            let first = DatasetReader::open(path)?.next().transpose()?;
+            if first.is_some_and(|pair| pair.scale.is_some()) {
+                return Ok(Input::Dimensionless { channel: find(channel)?, bins: *bins, tau_max: *tau_max });
+            }
+            standardised(path, header, *bins)
+        }
+        InputChoice::Standardised { bins } => standardised(path, header, *bins),
+    }
+}
+
+fn standardised(path: &Path, header: &DatasetHeader, bins: usize) -> Result<Input> {
+    let channels = header.channels.len();
+    // Welford's running mean and sum of squares: no loss of digits where the mean is far from 0.
+    let (mut mean, mut squares, mut count) = (vec![0.0; channels], vec![0.0; channels], 0.0);
+    for pair in DatasetReader::open(path)? {
+        let pair = pair?;
+        for row in pair.proposed.chunks_exact(channels).chain(pair.target.chunks_exact(channels)) {
+            count += 1.0;
+            for ((value, mean), squares) in row.iter().zip(&mut mean).zip(&mut squares) {
+                let off: f64 = value - *mean;
+                *mean += off / count;
+                *squares += off * (value - *mean);
+            }
+        }
+    }
+    // A channel that never changes says nothing: any spread keeps it at 0.
+    let spread = |s: &f64| if *s > 0.0 { (s / f64::max(count, 1.0)).sqrt() } else { 1.0 };
+    Ok(Input::Standardised { bins, sd: squares.iter().map(spread).collect(), mean })
+}

@@ -1,0 +1,97 @@
+//! Safetensors in and out, with one JSON text beside the tensors.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::path::Path;
+
+use candle_core::{DType, Device, Tensor};
+use safetensors::tensor::TensorView;
+use safetensors::{Dtype, SafeTensors};
+
+use crate::{Error, Result};
+
+/// The one metadata key, so that no map decides the order of the bytes.
+const KEY: &str = "tunenet";
+
+/// Named tensors and what is said about them.
+pub(super) struct Contents {
+    pub(super) about: String,
+    pub(super) tensors: HashMap<String, Tensor>,
+}
+
+/// The file as bytes; equal tensors give equal bytes.
+pub(super) fn to_bytes(about: String, tensors: &[(String, Tensor)]) -> Result<Vec<u8>> {
+    let mut raw = Vec::with_capacity(tensors.len());
+    for (name, tensor) in tensors {
+        let flat = tensor.flatten_all()?;
+        let (dtype, bytes) = match tensor.dtype() {
+            DType::F64 => {
+                (Dtype::F64, flat.to_vec1::<f64>()?.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
+            }
+            _ => (Dtype::F32, flat.to_vec1::<f32>()?.iter().flat_map(|v| v.to_le_bytes()).collect()),
+        };
+        raw.push((name, dtype, tensor.dims().to_vec(), bytes));
+    }
+    let refused = |e: safetensors::SafeTensorError| candle_core::Error::Msg(e.to_string());
+    let mut views = Vec::with_capacity(raw.len());
+    for (name, dtype, shape, bytes) in &raw {
+        views.push((name.as_str(), TensorView::new(*dtype, shape.clone(), bytes).map_err(refused)?));
+    }
+    Ok(safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), about)]))).map_err(refused)?)
+}
+
+/// Writes `bytes` so that `path` holds either what it held before or all of them.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let failed = |e| Error::io(path, "writing", e);
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.as_file().sync_all().map_err(failed)?;
+    file.persist(path).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+/// Reads what [`write`] wrote. `kind` names what was expected: "a model".
+pub(super) fn read(path: &Path, kind: &str) -> Result<Contents> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "reading", e))?;
+    from_bytes(path, &bytes, kind)
+}
+
+/// As [`read`], from bytes that stand or would stand at `path`.
+pub(super) fn from_bytes(path: &Path, bytes: &[u8], kind: &str) -> Result<Contents> {
+    let refuse = |found: String| Error::file(path, format!("expected {kind} in safetensors, found {found}"), "");
+    let (_, metadata) =
+        SafeTensors::read_metadata(bytes).map_err(|e| refuse(format!("a file that is not safetensors ({e})")))?;
+    let about = metadata.metadata().as_ref().and_then(|m| m.get(KEY)).cloned();
+    let about = about.ok_or_else(|| refuse(format!("a file of another program, without `{KEY}` in its metadata")))?;
+    let file = SafeTensors::deserialize(bytes).map_err(|e| refuse(format!("a damaged file ({e})")))?;
+    let mut tensors = HashMap::new();
+    for (name, view) in file.iter() {
+        let tensor = match view.dtype() {
+            Dtype::F32 => Tensor::from_vec(numbers(view.data(), f32::from_le_bytes), view.shape(), &Device::Cpu)?,
+            Dtype::F64 => Tensor::from_vec(numbers(view.data(), f64::from_le_bytes), view.shape(), &Device::Cpu)?,
+            other => return Err(refuse(format!("numbers of kind {other:?} in `{name}`"))),
+        };
+        tensors.insert(name.to_owned(), tensor);
+    }
+    Ok(Contents { about, tensors })
+}
+
+fn numbers<const N: usize, T>(bytes: &[u8], from: impl Fn([u8; N]) -> T) -> Vec<T> {
+    bytes.as_chunks::<N>().0.iter().map(|chunk| from(*chunk)).collect()
+}
+
+impl Contents {
+    /// Takes one tensor out, of exactly this shape and kind of number.
+    pub(super) fn take(&mut self, path: &Path, name: &str, dtype: DType, shape: &[usize]) -> Result<Tensor> {
+        let expected = format!("`{name}` of shape {shape:?} in {}", dtype.as_str());
+        let refuse = |found: String| Error::file(path, format!("expected {expected}, found {found}"), "");
+        match self.tensors.remove(name) {
+            None => Err(refuse("none".into())),
+            Some(tensor) if tensor.dims() != shape || tensor.dtype() != dtype => {
+                Err(refuse(format!("shape {:?} in {}", tensor.dims(), tensor.dtype().as_str())))
+            }
+            Some(tensor) => Ok(tensor),
+        }
+    }
+}
