@@ -13,8 +13,8 @@ use super::{Impact, State};
 /// Questions to the contact solver in one rollout; a second or so of work. A ball that falls 10 m with a restitution of
 /// 0.999 asks about 50 in a minute.
 pub const MOST_CONTACTS: u64 = 200_000;
-/// Pieces of motion in one rollout.
-pub const MOST_PIECES: u64 = 5_000_000;
+/// Pieces of motion in one rollout: 4 hours of flight with drag, at 60 steps a second.
+pub const MOST_PIECES: u64 = 1_000_000;
 /// How far a ball may start inside an obstacle, m; it is lifted out at its first contact.
 pub const DEEPEST_START_M: f64 = 1e-6;
 
