@@ -69,7 +69,7 @@ pub fn add(a: Three, scale: f64, b: Three) -> Three {
 
 /// Velocity and spin of a solid sphere after an impact on a plane with unit normal `n`.
 ///
-/// Per mass, the normal impulse is (1 + e)·v_n. Stopping the slip u of the contact point takes 2/7·|u|, because an
+/// Per mass, the normal impulse is `(1 + e)·v_n`. Stopping the slip u of the contact point takes 2/7·|u|, because an
 /// impulse j changes u by j·(1 + r²/(2/5·r²)) = 7/2·j; Coulomb allows at most μ times the normal impulse.
 pub fn impact(n: Three, r: f64, e: f64, mu: f64, v: Three, w: Three) -> (Three, Three) {
     let normal = -(1.0 + e) * dot(n, v);
