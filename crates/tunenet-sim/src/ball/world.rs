@@ -11,7 +11,7 @@ use super::support::{Ground, SLOWEST_REBOUND_M_S, Supports};
 use super::{Impact, State};
 
 /// Questions to the contact solver in one rollout; a second or so of work. A ball that falls 10 m with a restitution of
-/// 0.999 asks about 50 in a minute.
+/// 0.999 asks about 20 in a minute.
 pub const MOST_CONTACTS: u64 = 200_000;
 /// Pieces of motion in one rollout: 4 hours of flight with drag, at 60 steps a second.
 pub const MOST_PIECES: u64 = 1_000_000;
