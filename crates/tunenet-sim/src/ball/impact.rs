@@ -40,10 +40,10 @@ impl Obstacle {
     }
 
     /// The signed distance from this obstacle to the ball (m) and the outward unit normal there.
-    pub(crate) fn gap(&self, centre: Vector, ball: &Ball) -> Gap {
+    pub(crate) fn gap(&self, centre: Vector, ball: Ball) -> Gap {
         let at = Pose::from_translation(centre);
         // With an endless prediction every distance is reported; nothing else makes a query of a convex shape fail.
-        match contact(&self.pose, &*self.shape, &at, ball, f64::MAX) {
+        match contact(&self.pose, &*self.shape, &at, &ball, f64::MAX) {
             Ok(Some(contact)) => Gap { distance: contact.dist, normal: contact.normal1 },
             _ => Gap { distance: f64::INFINITY, normal: Vector::ZERO },
         }
@@ -74,7 +74,7 @@ const MOST_QUERIES: usize = 64;
 /// Each query of the distance gives a plane that the obstacle lies behind, because the obstacle is convex. The ball
 /// cannot touch before it meets that plane, so the time of meeting it is a safe step, and close to the surface it is
 /// Newton's: the search converges from below and cannot jump over an obstacle, however thin.
-pub(crate) fn first_touch(obstacles: &[Obstacle], ball: &Ball, path: &Path, skip: impl Fn(usize) -> bool) -> Outlook {
+pub(crate) fn first_touch(obstacles: &[Obstacle], ball: Ball, path: &Path, skip: impl Fn(usize) -> bool) -> Outlook {
     let mut outlook = Outlook { until: path.horizon, hit: None };
     for (_, obstacle) in obstacles.iter().enumerate().filter(|(i, _)| !skip(*i)) {
         let mut t = 0.0;
@@ -126,7 +126,7 @@ mod tests {
         let ball = Ball::new(0.02);
         let start = Motion { x: Vector::new(0.01, 0.005, 0.0), v: Vector::new(0.0, 0.0, -40.0), w: Vector::ZERO };
         let path = Path::even(start, Vector::new(0.0, 0.0, -9.81), Vector::ZERO, f64::INFINITY);
-        let outlook = first_touch(&[obstacle], &ball, &path, |_| false);
+        let outlook = first_touch(&[obstacle], ball, &path, |_| false);
         let end = path.at(outlook.until).x;
         let distance = (end.y * end.y + (end.z + 3.0) * (end.z + 3.0)).sqrt() - 0.0201;
         assert!(distance.abs() < 1e-12, "{distance}");
@@ -138,7 +138,7 @@ mod tests {
         let obstacle = Obstacle::new(SharedShape::cuboid(0.1, 0.1, 0.1), Pose::IDENTITY).unwrap();
         let start = Motion { x: Vector::new(-1.0, 0.1201, 0.0), v: Vector::new(3.0, 0.0, 0.0), w: Vector::ZERO };
         let path = Path::even(start, Vector::ZERO, Vector::ZERO, f64::INFINITY);
-        let outlook = first_touch(&[obstacle], &Ball::new(0.02), &path, |_| false);
+        let outlook = first_touch(&[obstacle], Ball::new(0.02), &path, |_| false);
         assert!(outlook.hit.is_none() && outlook.until == f64::INFINITY);
     }
 }

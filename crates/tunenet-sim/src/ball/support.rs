@@ -91,7 +91,7 @@ impl Ground<'_> {
     fn settle(&self, mut motion: Motion, a: Vector) -> (Motion, Supports) {
         let mut supports = Supports::default();
         for (i, obstacle) in self.obstacles.iter().enumerate() {
-            let Gap { distance, normal } = obstacle.gap(motion.x, &self.ball);
+            let Gap { distance, normal } = obstacle.gap(motion.x, self.ball);
             let near = distance <= TOUCH_M + 8.0 * f64::EPSILON * motion.x.abs().max_element();
             let speed = normal.dot(motion.v);
             if near && normal.dot(a) < 0.0 && speed.abs() < SLOWEST_REBOUND_M_S && supports.count < MOST_SUPPORTS {
