@@ -116,7 +116,8 @@ impl ObservedBall {
         };
         let lowest = usable.column(2).fold(f64::INFINITY, f64::min);
         let contact = arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min);
-        let surface = contact.unwrap_or(lowest) - self.scene.radius_m;
+        // The start lies above the surface, however the noise has it.
+        let surface = contact.unwrap_or(lowest).min(arcs.start_m[2]) - self.scene.radius_m - 1e-9;
         let range = (0..3).map(|axis| span(usable.column(axis))).fold(0.1, f64::max);
         let fastest =
             (2.0 * self.scene.gravity_m_s2 * range).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();

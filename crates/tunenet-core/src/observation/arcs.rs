@@ -15,6 +15,19 @@ const KINK_SIGNIFICANCE: f64 = 6.0;
 /// ... and from this many times the change of speed that gravity alone makes between the two windows, so that a ball that
 /// is held or rests is no impact.
 const KINK_OVER_GRAVITY: f64 = 2.5;
+/// ... and from this many times the slope difference that the record shows everywhere, so that slow errors of a camera,
+/// which third differences do not see, are no impacts either.
+const KINK_OVER_TYPICAL: f64 = 4.0;
+/// A blow changes the velocity by more than this share of the typical speed; air does not.
+const BLOW_SHARE: f64 = 0.3;
+/// The kink detector looks at least at this many samples on either side.
+const LEAST_WINDOW: f64 = 4.0;
+/// The flights beside a contact are shortened until a parabola explains them to this many times the noise ...
+const LOCAL_MISFIT: f64 = 3.0;
+/// ... but not below this many samples.
+const LOCAL_SAMPLES: usize = 12;
+/// A restitution read off one contact with a greater standard deviation says nothing.
+const LOCAL_WORST_SD: f64 = 0.2;
 /// Above this Coulomb coefficient a change of horizontal speed is a blow, not friction.
 const GREATEST_FRICTION: f64 = 1.2;
 
@@ -132,28 +145,27 @@ impl Kinks {
             Some((after.slope(clock[k]) - before.slope(clock[k]), gain, clock[k + half] - clock[k + 1 - half]))
         };
         let range = half - 1..samples - half;
-        let up: Vec<(f64, bool)> = range
-            .clone()
-            .map(|k| {
-                jump(&straight, k).map_or((0.0, false), |(change, gain, span)| {
-                    let floor = KINK_OVER_GRAVITY * gravity * span / 2.0;
-                    (change, change > (KINK_SIGNIFICANCE * gain * sd[2]).max(floor))
-                })
-            })
-            .collect();
-        let sideways = |k: usize| -> (f64, bool) {
-            let each = [0, 1].map(|axis| {
-                jump(&axes[axis], k).map_or((0.0, false), |(change, gain, span)| {
-                    (
-                        change.abs(),
-                        change.abs()
-                            > (KINK_SIGNIFICANCE * gain * sd[axis]).max(KINK_OVER_GRAVITY * gravity * span / 2.0),
-                    )
-                })
-            });
-            (each[0].0.hypot(each[1].0), each[0].1 || each[1].1)
+        let profile = |values: &[f64]| -> Vec<(f64, f64, f64)> {
+            range.clone().map(|k| jump(values, k).unwrap_or((0.0, 0.0, 0.0))).collect()
         };
-        let across: Vec<(f64, bool)> = range.clone().map(sideways).collect();
+        // A kink stands out of the noise, of gravity's own bend, and of whatever the whole record shows.
+        let judged = |profile: &[(f64, f64, f64)], sd: f64, least: f64| -> Vec<(f64, bool)> {
+            let typical = median(profile.iter().map(|p| p.0.abs())) * 1.4826 * KINK_OVER_TYPICAL;
+            let limit = |&(_, gain, span): &(f64, f64, f64)| {
+                (KINK_SIGNIFICANCE * gain * sd).max(KINK_OVER_GRAVITY * gravity * span / 2.0).max(typical).max(least)
+            };
+            profile.iter().map(|p| (p.0, p.0 > limit(p))).collect()
+        };
+        let up = judged(&profile(&straight), sd[2], 0.0);
+        let speed = median(range.clone().map(|k| {
+            let along = |axis: usize| {
+                (axes[axis][k + half] - axes[axis][k + 1 - half]) / (clock[k + half] - clock[k + 1 - half])
+            };
+            along(0).hypot(along(1)).hypot(along(2))
+        }));
+        let across: Vec<(f64, f64, f64)> =
+            profile(&axes[0]).iter().zip(profile(&axes[1])).map(|(x, y)| (x.0.hypot(y.0), x.1, x.2)).collect();
+        let across = judged(&across, sd[0].hypot(sd[1]), BLOW_SHARE * speed);
         let peaks = |signal: &[(f64, bool)]| -> Vec<usize> {
             (0..signal.len())
                 .filter(|&i| {
@@ -238,7 +250,13 @@ fn window(clock: &[f64], heights: &[f64], sd: f64, gravity: f64) -> usize {
     let speed = (2.0 * gravity * span(heights)).sqrt();
     // The slope of m even samples has standard deviation sd·√12 / (step · m^1.5).
     let wanted = (12f64.sqrt() * sd * 8.0 / (step * speed).max(f64::MIN_POSITIVE)).powf(2.0 / 3.0).ceil();
-    (wanted.clamp(3.0, 1e6) as usize).min((clock.len() / 6).max(3))
+    (wanted.clamp(LEAST_WINDOW, 1e6) as usize).min((clock.len() / 6).max(3))
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
 fn span(values: &[f64]) -> f64 {
@@ -310,10 +328,10 @@ fn local_restitution(
         loop {
             let part = if at_end { range.end - length..range.end } else { range.start..range.start + length };
             let fit = Polynomial::fit(&clock[part.clone()], &heights[part.clone()], time_s, None)?;
-            if fit.residual_sd < 1.5 * sd || length <= 6 {
+            if fit.residual_sd < LOCAL_MISFIT * sd || length <= LOCAL_SAMPLES {
                 return (length >= 4).then_some(fit);
             }
-            length = (length * 4 / 5).max(6).min(length - 1);
+            length = (length * 4 / 5).max(LOCAL_SAMPLES).min(length - 1);
         }
     };
     let (down, up) = (widest(before, true)?, widest(after, false)?);
@@ -321,5 +339,5 @@ fn local_restitution(
     let value = rebound / approach;
     let spread = |fit: &Polynomial| fit.residual_sd.max(sd) * fit.slope_gain(time_s);
     let sd = (spread(&up).powi(2) + (value * spread(&down)).powi(2)).sqrt() / approach;
-    (approach > 0.0 && (-0.3..1.5).contains(&value) && sd < 0.5).then_some(LocalEstimate { value, sd: sd.max(1e-9) })
+    (approach > 0.0 && (-0.3..1.5).contains(&value) && sd < LOCAL_WORST_SD).then_some(LocalEstimate { value, sd: sd.max(1e-9) })
 }

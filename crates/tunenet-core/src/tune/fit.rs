@@ -97,14 +97,20 @@ impl Problem<'_> {
             .flat_map(|d| (0..self.free.len() + point.own[d].len()).map(move |column| (d, column)))
             .collect();
         let column = |&(d, column): &(usize, usize)| -> Result<Vec<f64>> {
-            let (mut parameters, mut own) = (point.parameters.clone(), point.own[d].clone());
-            let step = if column < self.free.len() {
-                nudge(&mut parameters[self.free[column]], self.parameter(column))
-            } else {
-                nudge(&mut own[column - self.free.len()], &self.recordings[d].own[column - self.free.len()])
-            };
             let samples = self.samples(d, horizon);
-            let mut moved = weighted(self.simulator, &self.recordings[d], &self.noise[d], &parameters, &own, samples)?;
+            let rolled = |direction: f64| {
+                let (mut parameters, mut own) = (point.parameters.clone(), point.own[d].clone());
+                let step = if column < self.free.len() {
+                    nudge(&mut parameters[self.free[column]], self.parameter(column), direction)
+                } else {
+                    let own_column = column - self.free.len();
+                    nudge(&mut own[own_column], &self.recordings[d].own[own_column], direction)
+                };
+                weighted(self.simulator, &self.recordings[d], &self.noise[d], &parameters, &own, samples)
+                    .map(|r| (r, step))
+            };
+            // On the edge of what can be simulated (a ball that touches the floor at its start) only one side exists.
+            let (mut moved, step) = rolled(1.0).or_else(|_| rolled(-1.0))?;
             moved.iter_mut().zip(&residuals[d]).for_each(|(m, r)| *m = (*m - r) / step);
             Ok(moved)
         };
@@ -258,11 +264,11 @@ impl Problem<'_> {
     }
 }
 
-/// Moves `value` by the difference step, inward where it stands on its upper bound; returns the step taken.
-fn nudge(value: &mut f64, parameter: &Parameter) -> f64 {
-    let wanted = DIFFERENCE_STEP * parameter.span();
+/// Moves `value` by the difference step in `direction`, inward where it stands on a bound; returns the step taken.
+fn nudge(value: &mut f64, parameter: &Parameter, direction: f64) -> f64 {
+    let wanted = direction * DIFFERENCE_STEP * parameter.span();
     let before = *value;
-    *value += if before + wanted <= parameter.max { wanted } else { -wanted };
+    *value += if (parameter.min..=parameter.max).contains(&(before + wanted)) { wanted } else { -wanted };
     *value - before
 }
 
