@@ -88,7 +88,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn a_full_device_is_an_error() {
-        let failed = write_atomically("/dev/full", |out| out.write_all(&[0; 100_000]));
+        let failed = write_atomically("/dev/full", |out| out.write_all(&vec![0; 100_000]));
         assert!(failed.unwrap_err().to_string().starts_with("/dev/full: writing failed"));
     }
 }

@@ -246,6 +246,9 @@ impl Header<'_> {
 
 type Found = BTreeMap<Quantity, Source>;
 
+/// The quantity of a joint by its number.
+pub(super) type Family = fn(u16) -> Quantity;
+
 /// How a table's columns make an observation. `mapping` holds pairs (ours, theirs) that stand above the header.
 pub(super) fn layout(header: &Header<'_>, mapping: &[(String, String)]) -> Result<Layout> {
     let mut notes = Vec::new();
@@ -390,7 +393,6 @@ fn joints_agree(header: &Header<'_>, wanted: &[Quantity]) -> Result<()> {
         _ => 0,
     };
     let joints = wanted.iter().map(joint).max().unwrap_or(0);
-    type Family = fn(u16) -> Quantity;
     let families: [Family; 4] = [Quantity::Angle, Quantity::Speed, Quantity::Torque, Quantity::Current];
     for family in families {
         let present = (1..=joints).filter(|j| wanted.contains(&family(*j))).count();

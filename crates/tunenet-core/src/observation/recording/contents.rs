@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::columns::{Meaning, meaning};
-use super::lines::{Lines, cells, separator};
+use super::lines::{Lines, cells, named, separator};
 use super::scan::scan;
 use super::topics::{Topic, survey};
 use super::{Format, Note, format};
@@ -22,7 +22,7 @@ pub enum Contents {
 /// A column of a text table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// Its name in the header.
+    /// Its name in the header, empty where there is no header.
     pub name: String,
     /// The name under which it is read, `None` where it is not known.
     pub read_as: Option<String>,
@@ -40,7 +40,7 @@ pub struct BrokenLine {
 /// What is in a text table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The columns in their order; without names where there is no header.
+    /// The columns in their order.
     pub columns: Vec<Column>,
     /// The kind of observation it makes, or why it makes none.
     pub usable: std::result::Result<Kind, String>,
@@ -139,6 +139,9 @@ fn columns(path: &Path) -> Result<Vec<Column>> {
         Meaning::Known(quantity, _) => Some(quantity.header()),
         _ => None,
     };
-    let cells = cells(&first.text, separator(&first.text));
-    Ok(cells.iter().map(|cell| Column { name: cell.text.to_owned(), read_as: read_as(cell.text) }).collect())
+    let separator = separator(&first.text);
+    let cells = cells(&first.text, separator);
+    let named = named(&cells, separator);
+    let name = |text: &str| if named { text.to_owned() } else { String::new() };
+    Ok(cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect())
 }

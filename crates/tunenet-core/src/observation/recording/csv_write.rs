@@ -1,6 +1,5 @@
 //! An observation as a text table.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use super::bounces::doubt;

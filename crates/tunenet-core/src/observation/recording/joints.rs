@@ -1,6 +1,6 @@
 //! Joint messages as rows: joints matched by name, quantities settled by the first message.
 
-use super::columns::Quantity;
+use super::columns::{Family, Quantity};
 use super::message::JointMessage;
 use super::{Note, list};
 use crate::observation::Channel;
@@ -42,7 +42,6 @@ impl Joints {
 
     /// The channels `q1`…, `dq1`…, `tau1`… of the quantities that are there.
     pub fn channels(&self) -> Vec<Channel> {
-        type Family = fn(u16) -> Quantity;
         let families: [Family; 3] = [Quantity::Angle, Quantity::Speed, Quantity::Torque];
         let joints = u16::try_from(self.names.len()).unwrap_or(u16::MAX);
         let present = families.into_iter().zip(self.present).filter(|(_, present)| *present);
@@ -88,7 +87,8 @@ impl Joints {
             notes.push(Note::new("joints.absent", text, "record them where the driver measures them"));
         }
         if self.partial > 0 {
-            let text = format!("{} messages left out that lack one of these joints or quantities", self.partial);
+            let messages = if self.partial == 1 { "message" } else { "messages" };
+            let text = format!("{} {messages} left out for lack of one of these joints or quantities", self.partial);
             notes.push(Note::new("joints.partial", text, ""));
         }
         notes
@@ -124,7 +124,7 @@ mod tests {
         let notes = joints.notes();
         assert_eq!(notes[0].text, "joints 1 to 2 are `a`, `b`");
         assert_eq!(notes[1].text, "the messages carry no velocity");
-        assert_eq!(notes[2].text, "1 messages left out that lack one of these joints or quantities");
+        assert_eq!(notes[2].text, "1 message left out for lack of one of these joints or quantities");
     }
 
     #[test]

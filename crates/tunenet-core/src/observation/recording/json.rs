@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::message::{Decoded, JointMessage, Sample};
+use super::message::{Decoded, JointMessage, NOTHING, Sample};
 use super::stamps::{joined, to_ns};
 
 /// What a JSON message says: `{header: {stamp: {sec, nanosec}}, point: {x, y, z}}`, a `pose.position`, Foxglove's
@@ -21,7 +21,7 @@ pub(super) fn decode(data: &[u8]) -> std::result::Result<Decoded, String> {
     let places = ["/point", "/pose/position", "/pose/pose/position", "/position", ""];
     match places.iter().find_map(|place| position(value.pointer(place)?)) {
         Some(position) => Ok(Decoded { stamp_ns, sample: Sample::Position(position) }),
-        None => Err("carries no positions, joints or bounces".into()),
+        None => Err(NOTHING.into()),
     }
 }
 

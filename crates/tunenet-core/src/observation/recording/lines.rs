@@ -124,6 +124,11 @@ fn cell(line: &str, start: usize, end: usize) -> Cell<'_> {
     Cell { text, offset }
 }
 
+/// Whether the first line holds names; a line of numbers is the first sample.
+pub(super) fn named(cells: &[Cell<'_>], separator: Option<char>) -> bool {
+    cells.iter().any(|cell| !cell.text.is_empty() && number(cell.text, separator) == Err("not a number"))
+}
+
 /// A finite number, or what is wrong with the cell. A comma counts as the decimal mark where it is not the separator.
 pub(super) fn number(text: &str, separator: Option<char>) -> std::result::Result<f64, &'static str> {
     let value = if separator != Some(',') && text.matches(',').count() == 1 && !text.contains('.') {

@@ -4,6 +4,9 @@ use super::mcap_read::ChannelInfo;
 use super::{json, ros};
 use crate::observation::Kind;
 
+/// Why a message of another kind cannot be used.
+pub(super) const NOTHING: &str = "carries no positions, joints or bounces";
+
 /// One message of a kind that an observation can be made of.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Decoded {
@@ -54,9 +57,7 @@ impl Decoder {
     /// For a channel, or why there is none.
     pub fn of(channel: &ChannelInfo) -> std::result::Result<Self, String> {
         match channel.message_encoding.as_str() {
-            "cdr" => ros::Type::of(&channel.schema_name)
-                .map(Self::Cdr)
-                .ok_or_else(|| "carries no positions, joints or bounces".to_owned()),
+            "cdr" => ros::Type::of(&channel.schema_name).map(Self::Cdr).ok_or_else(|| NOTHING.to_owned()),
             "json" => Ok(Self::Json),
             "" => Err("has no message encoding: expected `cdr` or `json`".into()),
             other => Err(format!("has the message encoding `{other}`: expected `cdr` or `json`")),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::columns::{Header, Layout, Source, layout};
-use super::lines::{Line, Lines, cells, number, separator};
+use super::lines::{Line, Lines, cells, named, number, separator};
 use super::{MOST_NUMBERS, Note};
 use crate::observation::Kind;
 use crate::{Error, Result};
@@ -14,6 +14,9 @@ const MOST_BROKEN: usize = 10;
 /// Largest share of samples that may repeat the time before them. Stamps rounded to the millisecond repeat now and then
 /// in a camera's series; more than this is another kind of file.
 const MOST_REPEATED: f64 = 0.05;
+
+/// How many times its neighbours' interval a time may be ahead before it, and not the next line, is called wrong.
+const LEAP: f64 = 10.0;
 
 /// A line that cannot be used, and why.
 #[derive(Debug, Clone)]
@@ -37,6 +40,7 @@ impl Broken {
         let lines: Vec<String> = further.iter().map(usize::to_string).collect();
         let more = match count.saturating_sub(1 + further.len()) {
             _ if further.is_empty() => String::new(),
+            0 if further.len() == 1 => format!("; also line {}", lines[0]),
             0 => format!("; also lines {}", lines.join(", ")),
             more => format!("; also lines {} and {more} more", lines.join(", ")),
         };
@@ -69,6 +73,8 @@ pub(super) struct Scan {
     /// The first few lines that cannot be used.
     pub broken: Vec<Broken>,
     pub broken_count: usize,
+    /// The line of the last good sample, where time counts.
+    last: Option<Line>,
     /// Samples left out because a cell is empty, and the first such line.
     empty: (usize, usize),
     /// Samples that say the same as the one before, time included.
@@ -88,10 +94,8 @@ pub(super) fn scan(path: &Path, mapping: &[(String, String)]) -> Result<Scan> {
         return Err(Error::file(path, "expected a table, found an empty file", hint));
     };
     let separator = separator(&first.text);
-    let width = cells(&first.text, separator).len();
-    let named = cells(&first.text, separator)
-        .iter()
-        .any(|cell| !cell.text.is_empty() && number(cell.text, separator) == Err("not a number"));
+    let names = cells(&first.text, separator);
+    let (width, named) = (names.len(), named(&names, separator));
     let layout = layout(&Header { path, line: &first, separator, named }, mapping)?;
     let mut scan = Scan {
         path: path.into(),
@@ -104,6 +108,7 @@ pub(super) fn scan(path: &Path, mapping: &[(String, String)]) -> Result<Scan> {
         lines: Vec::new(),
         broken: Vec::new(),
         broken_count: 0,
+        last: None,
         empty: (0, 0),
         same: 0,
         repeated: (0, None),
@@ -113,11 +118,8 @@ pub(super) fn scan(path: &Path, mapping: &[(String, String)]) -> Result<Scan> {
     let mut next = if named { lines.next()? } else { Some(first) };
     while let Some(line) = next {
         scan.rows += 1;
-        if let Err(broken) = scan.add(&line, width) {
-            scan.broken_count += 1;
-            if scan.broken.len() < MOST_BROKEN {
-                scan.broken.push(*broken);
-            }
+        if let Err(broken) = scan.add(line, width) {
+            scan.blame(*broken);
         }
         if scan.values.len() > MOST_NUMBERS {
             let bytes = std::fs::metadata(path).map_or(0, |about| about.len());
@@ -130,15 +132,38 @@ pub(super) fn scan(path: &Path, mapping: &[(String, String)]) -> Result<Scan> {
 }
 
 impl Scan {
+    fn blame(&mut self, broken: Broken) {
+        self.broken_count += 1;
+        // A leap is known one line later, so it may have to go before the line that was met since.
+        let at = self.broken.partition_point(|other| other.line < broken.line);
+        self.broken.insert(at, broken);
+        self.broken.truncate(MOST_BROKEN);
+    }
+
+    /// Takes the last sample back where its time leapt ahead and `time` goes on from the one before: one wild number must
+    /// not condemn all that follow.
+    fn unleap(&mut self, time: f64) {
+        let [.., before, last] = self.clock[..] else { return };
+        if !(before < time && time < last && last - before > LEAP * (time - before)) {
+            return;
+        }
+        let (Some(line), Some(source)) = (self.last.take(), self.layout.clock) else { return };
+        self.clock.pop();
+        self.values.truncate(self.values.len() - self.layout.channels.len());
+        let message = format!("the time leaps: expected less than {time:?}, the time after it, found {last:?}");
+        let hint = "correct the time, or delete the line";
+        self.blame(Broken::at(&line, self.separator, source.column, message, hint));
+    }
+
     /// Adds one line's sample.
-    fn add(&mut self, line: &Line, width: usize) -> std::result::Result<(), Box<Broken>> {
+    fn add(&mut self, line: Line, width: usize) -> std::result::Result<(), Box<Broken>> {
         let cells = cells(&line.text, self.separator);
         let filled = cells.iter().rposition(|cell| !cell.text.is_empty()).map_or(0, |last| last + 1);
         if cells.len() < width || filled > width {
             let found = if cells.len() < width { cells.len() } else { filled };
             let message = format!("expected {width} cells, found {found}");
             let index = found.min(cells.len()).saturating_sub(1).min(if filled > width { width } else { usize::MAX });
-            return Err(Box::new(Broken::at(line, self.separator, index, message, "complete or delete the line")));
+            return Err(Box::new(Broken::at(&line, self.separator, index, message, "complete or delete the line")));
         }
         let sources = self.layout.clock.iter().chain(self.layout.values.iter().flatten());
         if sources.clone().any(|source| cells[source.column].text.is_empty()) {
@@ -154,25 +179,26 @@ impl Scan {
                 let message =
                     format!("`{}` is {why}: expected a finite number, found `{text}`", source.quantity.header());
                 let hint = "correct the cell, or empty it to leave the sample out";
-                Box::new(Broken::at(line, self.separator, source.column, message, hint))
+                Box::new(Broken::at(&line, self.separator, source.column, message, hint))
             })
         };
         let time = self.layout.clock.as_ref().map(read).transpose()?;
         let sample = self.layout.values.iter().map(|source| source.as_ref().map_or(Ok(0.0), read));
         let sample = sample.collect::<std::result::Result<Vec<f64>, _>>()?;
         if self.layout.kind == Kind::BounceTimes {
-            self.add_bounce(line, time, sample[0])
+            self.add_bounce(&line, time, sample[0])
         } else {
             self.add_sample(line, time.unwrap_or(0.0), &sample)
         }
     }
 
-    fn add_sample(&mut self, line: &Line, time: f64, sample: &[f64]) -> std::result::Result<(), Box<Broken>> {
+    fn add_sample(&mut self, line: Line, time: f64, sample: &[f64]) -> std::result::Result<(), Box<Broken>> {
         let clock = self.layout.clock.map_or(0, |source| source.column);
+        self.unleap(time);
         if let Some(&last) = self.clock.last()
             && time <= last
         {
-            let broken = |message, hint| Broken::at(line, self.separator, clock, message, hint);
+            let broken = |message, hint| Broken::at(&line, self.separator, clock, message, hint);
             if time < last {
                 let message = format!("the time falls: expected more than {last:?}, found {time:?}");
                 return Err(Box::new(broken(message, "sort the lines by time, or delete this one")));
@@ -191,6 +217,7 @@ impl Scan {
         }
         self.clock.push(time);
         self.values.extend_from_slice(sample);
+        self.last = Some(line);
         Ok(())
     }
 

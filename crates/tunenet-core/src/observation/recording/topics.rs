@@ -5,12 +5,15 @@ use std::sync::Arc;
 
 use super::joints::Joints;
 use super::mcap_read::{ChannelInfo, RawMessage, messages};
-use super::message::{Decoder, Sample};
+use super::message::{Decoder, NOTHING, Sample};
 use crate::observation::Kind;
 use crate::{Error, Result};
 
 /// Most topics that a message names.
 const MOST_NAMED: usize = 6;
+
+/// Why a topic without messages cannot be used.
+const SILENT: &str = "has no messages";
 
 /// One topic of an MCAP file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,7 +37,7 @@ impl Topic {
             schema: channel.schema_name.clone(),
             encoding: channel.message_encoding.clone(),
             messages: 0,
-            usable: Err("has no messages".into()),
+            usable: Err(SILENT.into()),
         }
     }
 
@@ -134,7 +137,7 @@ pub(super) fn choose<'a>(path: &Path, topics: &'a [Topic], asked: Option<&str>) 
     }
 }
 
-/// "usable are `/a` (PointStamped, 7 messages); 6 more are not", or what is there where nothing is usable.
+/// The usable topics with type and count and the number of the others; all topics where nothing is usable.
 fn overview(topics: &[Topic]) -> String {
     let shown = |topics: &[&Topic]| {
         let named: Vec<String> = topics.iter().take(MOST_NAMED).map(|topic| topic.described()).collect();
@@ -147,11 +150,11 @@ fn overview(topics: &[Topic]) -> String {
     match (usable.as_slice(), other.as_slice()) {
         ([], []) => "the file has no topics".into(),
         ([], other) => {
-            // A wrong encoding is the likeliest cause that a person can do something about.
-            match other.iter().find_map(|topic| Some((topic, topic.usable.as_ref().err()?))) {
-                Some((topic, why)) if other.len() == 1 => format!("`{}` {why}", topic.name),
-                _ => format!("found {}", shown(other)),
-            }
+            // A wrong encoding or a broken message is what a person can do something about.
+            let reasons = other.iter().filter_map(|topic| Some((topic, topic.usable.as_ref().err()?)));
+            let special = reasons.into_iter().find(|(_, why)| *why != NOTHING && *why != SILENT);
+            let special = special.map_or(String::new(), |(topic, why)| format!("; `{}` {why}", topic.name));
+            format!("found {}{special}", shown(other))
         }
         (usable, []) => format!("usable are {}", shown(usable)),
         (usable, other) => format!("usable are {}; {} more carry nothing to use", shown(usable), other.len()),
