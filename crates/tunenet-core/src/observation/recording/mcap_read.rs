@@ -63,7 +63,7 @@ pub(crate) struct Messages {
 pub(crate) fn messages(path: impl AsRef<Path>) -> Result<Messages> {
     let path = path.as_ref();
     let options =
-        LinearReaderOptions::default().with_validate_chunk_crcs(true).with_record_length_limit(LONGEST_RECORD);
+        LinearReaderOptions::default().with_prevalidate_chunk_crcs(true).with_record_length_limit(LONGEST_RECORD);
     Ok(Messages {
         path: path.into(),
         file: open(path)?,

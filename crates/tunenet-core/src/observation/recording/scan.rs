@@ -88,6 +88,10 @@ pub(super) struct Scan {
 
 /// Reads all lines of a table. `Err` is a file that has no layout; broken lines are in the result.
 pub(super) fn scan(path: &Path, mapping: &[(String, String)]) -> Result<Scan> {
+    scan_at_most(path, mapping, MOST_NUMBERS)
+}
+
+fn scan_at_most(path: &Path, mapping: &[(String, String)], most: usize) -> Result<Scan> {
     let mut lines = Lines::open(path)?;
     let Some(first) = lines.next()? else {
         let hint = "give a file with a header such as `t_s,x_m,y_m,z_m` and one sample a line";
@@ -121,9 +125,9 @@ pub(super) fn scan(path: &Path, mapping: &[(String, String)]) -> Result<Scan> {
         if let Err(broken) = scan.add(line, width) {
             scan.blame(*broken);
         }
-        if scan.values.len() > MOST_NUMBERS {
+        if scan.values.len() > most {
             let bytes = std::fs::metadata(path).map_or(0, |about| about.len());
-            let message = format!("expected at most {MOST_NUMBERS} numbers, found more in its {bytes} bytes");
+            let message = format!("expected at most {most} numbers, found more in its {bytes} bytes");
             return Err(Error::file(path, message, "cut it into pieces, or keep fewer samples per second"));
         }
         next = lines.next()?;
@@ -316,4 +320,19 @@ impl Scan {
 /// "1 sample", "2 samples".
 pub(super) fn samples(count: usize) -> String {
     if count == 1 { "1 sample".into() } else { format!("{count} samples") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{file, told};
+    use super::*;
+
+    #[test]
+    fn too_large_a_table_is_refused_with_its_size() {
+        let (_folder, path) = file("a.csv", "t_s,u_px,v_px\n0,1,2\n1,1,2\n2,1,2\n");
+        assert_eq!(scan_at_most(&path, &[], 6).unwrap().values.len(), 6);
+        let (message, hint) = told(&scan_at_most(&path, &[], 5).unwrap_err());
+        assert_eq!(message, "a.csv: expected at most 5 numbers, found more in its 32 bytes");
+        assert_eq!(hint, "cut it into pieces, or keep fewer samples per second");
+    }
 }
