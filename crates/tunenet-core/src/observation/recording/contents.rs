@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::columns::{Meaning, meaning};
 use super::lines::{Lines, cells, named, separator};
+use super::quantity::{Meaning, meaning};
 use super::scan::scan;
 use super::topics::{Topic, survey};
 use super::{Format, Note, format};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::bounces::doubt;
-use super::columns::header;
+use super::quantity::header;
 use super::write_atomically;
 use crate::Result;
 use crate::observation::{Kind, Observation};

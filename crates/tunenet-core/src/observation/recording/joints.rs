@@ -1,7 +1,7 @@
 //! Joint messages as rows: joints matched by name, quantities settled by the first message.
 
-use super::columns::{Family, Quantity};
 use super::message::JointMessage;
+use super::quantity::{Family, Quantity};
 use super::{Note, list};
 use crate::observation::Channel;
 

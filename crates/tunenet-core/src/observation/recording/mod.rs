@@ -6,7 +6,7 @@
 //!
 //! | file | subject |
 //! |---|---|
-//! | `lines`, `columns`, `scan`, `csv`, `bounces` | text: lines and cells, what a header means, the numbers, an observation from them |
+//! | `lines`, `quantity`, `columns`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, what the columns make, the numbers, an observation from them |
 //! | `mcap_read`, `topics`, `message`, `ros`, `json`, `joints`, `mcap_series`, `stamps` | MCAP: records, topics, messages, an observation from them |
 //! | `csv_write`, `mcap_write`, `definitions`, `atomic` | writing |
 //! | `contents` | the listing |
@@ -25,6 +25,7 @@ mod mcap_read;
 mod mcap_series;
 mod mcap_write;
 mod message;
+mod quantity;
 mod ros;
 mod scan;
 mod stamps;
