@@ -1,0 +1,94 @@
+//! Replacing a file in one step.
+
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use crate::{Error, Result};
+
+/// Writes a file so that its name always stands for a whole one: into a new file in the same folder, to the disk, then
+/// under its name. Where anything fails, what stood there before still does, and nothing half-written stays.
+///
+/// A device or a pipe has no contents to protect and is written directly.
+///
+/// # Errors
+/// [`Error::Io`] with `path` where the system refuses or `write` returns an error.
+pub fn write_atomically(
+    path: impl AsRef<Path>,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<()> {
+    let path = path.as_ref();
+    replace(path, write).map_err(|e| Error::io(path, "writing", e))
+}
+
+fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> std::io::Result<()> {
+    match std::fs::metadata(path) {
+        Ok(about) if about.is_dir() => return Err(std::io::ErrorKind::IsADirectory.into()),
+        Ok(about) if !about.is_file() => {
+            let mut out = BufWriter::new(std::fs::OpenOptions::new().write(true).open(path)?);
+            write(&mut out)?;
+            return out.flush();
+        }
+        _ => {}
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".tunenet-");
+    // A temporary file is private by default; this one becomes the user's, under the usual mask.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut out = BufWriter::new(builder.tempfile_in(folder)?);
+    write(&mut out)?;
+    out.flush()?;
+    let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    // The name itself reaches the disk with its folder; not every system lets a folder be opened.
+    if let Ok(folder) = std::fs::File::open(folder) {
+        folder.sync_all().ok();
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        write_atomically(&path, |out| out.write_all(b"old")).unwrap();
+        let failed = write_atomically(&path, |out| {
+            out.write_all(b"half")?;
+            Err(std::io::ErrorKind::StorageFull.into())
+        });
+        let message = failed.unwrap_err().to_string();
+        assert!(message.starts_with(&format!("{}: writing failed: ", path.display())), "{message}");
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_missing_folder_names_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none/a.csv");
+        let message = write_atomically(&path, |_| Ok(())).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("{}: writing failed", path.display())), "{message}");
+    }
+
+    #[test]
+    fn a_folder_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(write_atomically(folder.path(), |_| Ok(())).is_err());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_device_is_an_error() {
+        let failed = write_atomically("/dev/full", |out| out.write_all(&vec![0; 100_000]));
+        assert!(failed.unwrap_err().to_string().starts_with("/dev/full: writing failed"));
+    }
+}

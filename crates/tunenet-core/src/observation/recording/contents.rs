@@ -1,0 +1,147 @@
+//! What is in a file, whether or not it can be used.
+
+use std::path::Path;
+
+use super::lines::{Lines, cells, named, separator};
+use super::quantity::{Meaning, meaning};
+use super::scan::scan;
+use super::topics::{Topic, survey};
+use super::{Format, Note, format};
+use crate::observation::Kind;
+use crate::{Error, Result};
+
+/// What is in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Contents {
+    /// A text table.
+    Table(Table),
+    /// An MCAP file.
+    Log(Log),
+}
+
+/// A column of a text table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Its name in the header, empty where there is no header.
+    pub name: String,
+    /// The name under which it is read, `None` where it is not known.
+    pub read_as: Option<String>,
+}
+
+/// A line that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BrokenLine {
+    /// From 1.
+    pub line: usize,
+    /// What is wrong with it.
+    pub message: String,
+}
+
+/// What is in a text table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The columns in their order.
+    pub columns: Vec<Column>,
+    /// The kind of observation it makes, or why it makes none.
+    pub usable: std::result::Result<Kind, String>,
+    /// Lines after the header that hold something; 0 where the columns make no observation.
+    pub rows: usize,
+    /// Good samples among them.
+    pub samples: usize,
+    /// First and last time in s.
+    pub span_s: Option<(f64, f64)>,
+    /// One over the median interval, in 1/s.
+    pub median_rate_hz: Option<f64>,
+    /// The longest interval, in s.
+    pub largest_gap_s: Option<f64>,
+    /// The first lines that cannot be used, at most ten.
+    pub broken: Vec<BrokenLine>,
+    /// How many lines cannot be used.
+    pub broken_count: usize,
+    /// What was noticed.
+    pub notes: Vec<Note>,
+}
+
+/// What is in an MCAP file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Log {
+    /// The convention that its messages follow: `ros2`.
+    pub profile: String,
+    /// The program that wrote it.
+    pub library: String,
+    /// Its topics by name.
+    pub topics: Vec<Topic>,
+    /// Where it is cut off or broken: what is wrong and how many messages came before. The topics count those.
+    pub ended: Option<String>,
+}
+
+/// What is in the CSV or MCAP file at `path`.
+///
+/// # Errors
+/// [`Error::Io`] where the system refuses the file; [`Error::File`] where it is empty or neither text nor MCAP.
+pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
+    let path = path.as_ref();
+    match format(path)? {
+        Format::Csv => table(path).map(Contents::Table),
+        Format::Mcap => {
+            let found = survey(path)?;
+            let ended = found.ended.map(|error| match error {
+                Error::File { message, .. } => message,
+                other => other.to_string(),
+            });
+            Ok(Contents::Log(Log { profile: found.profile, library: found.library, topics: found.topics, ended }))
+        }
+    }
+}
+
+fn table(path: &Path) -> Result<Table> {
+    let mut table = Table {
+        columns: columns(path)?,
+        usable: Err(String::new()),
+        rows: 0,
+        samples: 0,
+        span_s: None,
+        median_rate_hz: None,
+        largest_gap_s: None,
+        broken: Vec::new(),
+        broken_count: 0,
+        notes: Vec::new(),
+    };
+    let scan = match scan(path, &[]) {
+        Ok(scan) => scan,
+        Err(Error::Text { message, .. }) => {
+            table.usable = Err(message);
+            return Ok(table);
+        }
+        Err(error) => return Err(error),
+    };
+    table.usable = scan.check().map(|()| scan.layout.kind).map_err(|error| match error {
+        Error::Text { line, message, .. } => format!("line {line}: {message}"),
+        other => other.to_string(),
+    });
+    let times = if scan.layout.kind == Kind::BounceTimes { &scan.values } else { &scan.clock };
+    table.rows = scan.rows;
+    table.samples = times.len();
+    table.span_s = times.first().copied().zip(times.last().copied());
+    let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    intervals.sort_unstable_by(f64::total_cmp);
+    table.largest_gap_s = intervals.last().copied();
+    table.median_rate_hz = intervals.get(intervals.len() / 2).map(|median| 1.0 / median);
+    table.notes = scan.notes();
+    table.broken_count = scan.broken_count;
+    table.broken = scan.broken.into_iter().map(|b| BrokenLine { line: b.line, message: b.message }).collect();
+    Ok(table)
+}
+
+fn columns(path: &Path) -> Result<Vec<Column>> {
+    let Some(first) = Lines::open(path)?.next()? else { return Ok(Vec::new()) };
+    let read_as = |name: &str| match meaning(name) {
+        Meaning::Known(quantity, _) => Some(quantity.header()),
+        _ => None,
+    };
+    let separator = separator(&first.text);
+    let cells = cells(&first.text, separator);
+    let named = named(&cells, separator);
+    let name = |text: &str| if named { text.to_owned() } else { String::new() };
+    Ok(cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect())
+}
