@@ -339,5 +339,6 @@ fn local_restitution(
     let value = rebound / approach;
     let spread = |fit: &Polynomial| fit.residual_sd.max(sd) * fit.slope_gain(time_s);
     let sd = (spread(&up).powi(2) + (value * spread(&down)).powi(2)).sqrt() / approach;
-    (approach > 0.0 && (-0.3..1.5).contains(&value) && sd < LOCAL_WORST_SD).then_some(LocalEstimate { value, sd: sd.max(1e-9) })
+    (approach > 0.0 && (-0.3..1.5).contains(&value) && sd < LOCAL_WORST_SD)
+        .then_some(LocalEstimate { value, sd: sd.max(1e-9) })
 }

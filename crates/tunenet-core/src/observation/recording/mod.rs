@@ -46,7 +46,7 @@ pub(crate) use mcap_read::{ChannelInfo, Messages, RawMessage, messages};
 pub use mcap_write::write_mcap;
 pub use topics::Topic;
 
-use super::Observation;
+use super::{Note, Observation};
 use crate::{Error, Result};
 
 /// Most numbers of one observation; a file with more is refused, since fitting would not end.
@@ -59,23 +59,6 @@ pub struct Recording {
     pub observation: Observation,
     /// What the reader did that a person may want to know, in the order in which it was noticed.
     pub notes: Vec<Note>,
-}
-
-/// One thing noticed while reading. Nothing that is noted makes the observation wrong.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Note {
-    /// A fixed key: `bounces.missed`, `columns.ignored`.
-    pub code: &'static str,
-    /// What was noticed and what was done about it, one sentence without a full stop.
-    pub text: String,
-    /// What a person can do, empty where nothing is needed.
-    pub remedy: String,
-}
-
-impl Note {
-    pub(crate) fn new(code: &'static str, text: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { code, text: text.into(), remedy: remedy.into() }
-    }
 }
 
 /// How to read a file that does not speak this project's names.
