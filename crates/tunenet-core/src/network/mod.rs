@@ -41,3 +41,9 @@ pub use train::{TrainOptions, TrainProgress, train};
 fn products_on_one_thread() {
     gemm::set_threading_threshold(usize::MAX);
 }
+
+/// In single precision, in which the network learns.
+#[expect(clippy::cast_possible_truncation, reason = "losing digits is the point")]
+fn single(number: f64) -> f32 {
+    number as f32
+}

@@ -206,6 +206,7 @@ impl Observation {
     ///
     /// # Panics
     /// Where `channel` is not below the number of channels.
+    #[must_use]
     pub fn column(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
         assert!(channel < self.channels.len(), "channel {channel} of {}", self.channels.len());
         self.values[channel..].iter().step_by(self.channels.len()).copied()
