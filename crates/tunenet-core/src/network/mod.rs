@@ -14,6 +14,7 @@
 mod batches;
 mod checkpoint;
 mod dataset;
+mod dataset_file;
 mod dataset_stream;
 mod generate;
 mod input;
@@ -27,7 +28,8 @@ mod training_set;
 mod two_branch;
 mod weights_file;
 
-pub use dataset::{CoveredParameter, DATASET_VERSION, DatasetHeader, DatasetReader, DatasetWriter, Pair};
+pub use dataset::{CoveredParameter, DATASET_VERSION, DatasetHeader, Pair};
+pub use dataset_file::{DatasetReader, DatasetWriter};
 pub use generate::{PairDraw, generate};
 pub use input::{Encoded, Input, Scale};
 pub use model::{MODEL_VERSION, Model, Side};

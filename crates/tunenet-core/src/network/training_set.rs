@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::dataset::{CoveredParameter, DatasetHeader, DatasetReader, Pair};
+use super::dataset::{CoveredParameter, DatasetHeader, Pair};
+use super::dataset_file::DatasetReader;
 use super::input::Input;
 use super::preset::{InputChoice, Preset};
 use crate::{Error, Result};
