@@ -37,7 +37,9 @@ pub(super) fn fingerprint(dataset: &Path, about: &About) -> Result<String> {
         std::io::BufRead::consume(&mut file, read);
     }
     hash.update(serde_json::to_vec(about).map_err(|e| candle_core::Error::Msg(e.to_string()))?);
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    let digits = b"0123456789abcdef";
+    let hex = |byte: u8| [digits[usize::from(byte >> 4)], digits[usize::from(byte & 15)]].map(char::from);
+    Ok(hash.finalize().into_iter().flat_map(hex).collect())
 }
 
 /// Writes where the training stands; a kill leaves the one before or this one, never half of it.
@@ -81,8 +83,9 @@ pub(super) fn load(
         *network = TwoBranch::from_weights(weights, about.preset.head);
     }
     for (name, (mean, square)) in TwoBranch::NAMES.iter().zip(&mut descent.memory) {
-        *mean = contents.take(path, &format!("mean.{name}"), DType::F32, &mean.dims().to_vec())?;
-        *square = contents.take(path, &format!("square.{name}"), DType::F32, &square.dims().to_vec())?;
+        let (expected, number) = (mean.shape().clone(), DType::F32);
+        *mean = contents.take(path, &format!("mean.{name}"), number, expected.dims())?;
+        *square = contents.take(path, &format!("square.{name}"), number, expected.dims())?;
     }
     Ok(Some(mark.step))
 }

@@ -6,7 +6,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::dataset::{DatasetHeader, DatasetWriter, Pair};
+use super::dataset::{DatasetHeader, Pair};
+use super::dataset_file::DatasetWriter;
 use crate::simulator::Scale;
 use crate::simulator::{Simulator, rollout};
 use crate::{Error, Result};

@@ -22,20 +22,20 @@ pub enum Input {
         /// The greatest.
         high: f64,
     },
-    /// One channel in units of the recording's own [`Scale`], resampled linearly at `bins` instants evenly over
+    /// One channel in units of the recording's own [`Scale`], its mean over each of `bins` equal intervals of
     /// `τ = (t − start) / time` in `[0, tau_max]`. Needs a scale.
     Dimensionless {
         /// Which channel, from 0.
         channel: usize,
-        /// How many instants; the width of the input. At least 2.
+        /// How many intervals; the width of the input.
         bins: usize,
-        /// The last instant, in units of the recording's time.
+        /// The end of the last interval, in units of the recording's time.
         tau_max: f64,
     },
-    /// Every channel less its mean, divided by its standard deviation over the training set, resampled linearly at
-    /// `bins` instants evenly over the record; channel after channel.
+    /// Every channel less its mean, divided by its standard deviation over the training set, its mean over each of `bins`
+    /// equal intervals of the record; channel after channel.
     Standardised {
-        /// How many instants of each channel. At least 2.
+        /// How many intervals of each channel.
         bins: usize,
         /// The mean of each channel over the training set.
         mean: Vec<f64>,
@@ -94,7 +94,7 @@ impl Input {
         let refuse = |what: &str, expected: String, found: String| {
             Err(Error::Model { what: format!("input, {what}"), expected, found })
         };
-        if clock.is_empty() || channels == 0 || clock.len() * channels != values.len() {
+        if clock.len() < 2 || channels == 0 || clock.len() * channels != values.len() {
             return refuse(
                 "values",
                 format!("{} samples x {channels} channels", clock.len()),
@@ -122,27 +122,27 @@ impl Input {
                 if *channel >= channels {
                     return refuse("channels", format!("more than {channel}"), channels.to_string());
                 }
-                let step = tau_max / (bins - 1) as f64;
-                let instants = (0..*bins).map(|i| scale.start_s + scale.time_s * step * i as f64);
-                let (values, covered) = column(*channel).at(instants, 1e-9 * scale.time_s);
+                let step = scale.time_s * tau_max / *bins as f64;
+                let (mut values, covered) = column(*channel).means(scale.start_s, step, *bins, 1e-9 * scale.time_s);
                 if covered.is_empty() {
                     let expected = format!("samples after {} s", scale.start_s);
                     return refuse("clock", expected, format!("{} to {} s", clock[0], clock[clock.len() - 1]));
                 }
-                let inside = |i: usize| covered.contains(&i);
-                let scaled = |(i, v): (usize, f64)| if inside(i) { (v - scale.origin) / scale.length } else { 0.0 };
-                Ok(Encoded { values: values.into_iter().enumerate().map(scaled).collect(), covered })
+                for value in &mut values[covered.clone()] {
+                    *value = (*value - scale.origin) / scale.length;
+                }
+                Ok(Encoded { values, covered })
             }
             Self::Standardised { bins, mean, sd } => {
                 if mean.len() != channels {
                     return refuse("channels", mean.len().to_string(), channels.to_string());
                 }
                 let (first, last) = (clock[0], clock[clock.len() - 1]);
-                let step = (last - first) / (bins - 1) as f64;
+                let step = (last - first) / *bins as f64;
                 let mut encoded = Vec::with_capacity(self.width());
                 for (channel, (mean, sd)) in mean.iter().zip(sd).enumerate() {
-                    let instants = (0..*bins).map(|i| first + step * i as f64);
-                    let (values, _) = column(channel).at(instants, f64::INFINITY);
+                    // The last edge may miss the last sample by a rounding error.
+                    let (values, _) = column(channel).means(first, step, *bins, step);
                     encoded.extend(values.iter().map(|v| (v - mean) / sd));
                 }
                 Ok(Encoded { covered: 0..encoded.len(), values: encoded })
@@ -159,32 +159,50 @@ struct Column<'a> {
 }
 
 impl Column<'_> {
-    /// Linear interpolation at rising `instants`, and which of them lie within the record, give or take `slack`.
-    fn at(&self, instants: impl Iterator<Item = f64>, slack: f64) -> (Vec<f64>, Range<usize>) {
-        let last = self.clock.len() - 1;
-        let value = |i: usize| self.values[i * self.channels];
-        let (mut before, mut after) = (0, 0);
-        let mut covered = 0;
-        let mut values = Vec::new();
-        for t in instants {
-            if t < self.clock[0] - slack {
-                before += 1;
-            } else if t <= self.clock[last] + slack {
-                covered += 1;
+    /// The mean of each of `bins` intervals of width `step` from `first` on, and which of them lie within the record, give
+    /// or take `slack`. The others are 0.
+    ///
+    /// Means rather than single instants, because every sample then counts: with three samples to a bin, single instants
+    /// would leave half of what a noisy recording says unused. Between two samples the channel is taken as straight.
+    fn means(&self, first: f64, step: f64, bins: usize, slack: f64) -> (Vec<f64>, Range<usize>) {
+        let (begin, end) = (self.clock[0], self.clock[self.clock.len() - 1]);
+        let area = self.areas();
+        let mut covered = 0..0;
+        let mut values = vec![0.0; bins];
+        for (i, value) in values.iter_mut().enumerate() {
+            let (from, to) = (first + step * i as f64, first + step * (i + 1) as f64);
+            if from < begin - slack {
+                covered = i + 1..i + 1;
+            } else if to <= end + slack {
+                let (from, to) = (from.max(begin), to.min(end));
+                *value = (self.area(&area, to) - self.area(&area, from)) / (to - from);
+                covered.end = i + 1;
             }
-            while after <= last && self.clock[after] < t {
-                after += 1;
-            }
-            values.push(match after {
-                0 => value(0),
-                i if i > last => value(last),
-                i => {
-                    let share = (t - self.clock[i - 1]) / (self.clock[i] - self.clock[i - 1]);
-                    value(i - 1) + share * (value(i) - value(i - 1))
-                }
-            });
         }
-        (values, before..before + covered)
+        (values, covered)
+    }
+
+    fn value(&self, sample: usize) -> f64 {
+        self.values[sample * self.channels]
+    }
+
+    /// The integral from the first sample to each.
+    fn areas(&self) -> Vec<f64> {
+        let mut sum = 0.0;
+        let mut areas = vec![0.0];
+        for i in 1..self.clock.len() {
+            sum += 0.5 * (self.value(i - 1) + self.value(i)) * (self.clock[i] - self.clock[i - 1]);
+            areas.push(sum);
+        }
+        areas
+    }
+
+    /// The integral from the first sample to `t`, which lies within the record.
+    fn area(&self, areas: &[f64], t: f64) -> f64 {
+        let after = self.clock.partition_point(|c| *c <= t).min(self.clock.len() - 1).max(1);
+        let (low, high) = (self.value(after - 1), self.value(after));
+        let past = t - self.clock[after - 1];
+        areas[after - 1] + past * (low + 0.5 * past * (high - low) / (self.clock[after] - self.clock[after - 1]))
     }
 }
 
@@ -204,33 +222,44 @@ mod tests {
 
     #[test]
     fn dimensionless_forgets_height_and_time() {
-        let input = Input::Dimensionless { channel: 0, bins: 3, tau_max: 2.0 };
+        let input = Input::Dimensionless { channel: 0, bins: 3, tau_max: 3.0 };
         let low = Scale::new(1.0, 2.0, 1.0, 1.0).unwrap();
         let seen = input.encode(&CLOCK, &[3.0, 3.0, 2.0, 1.0, 1.0], 1, Some(&low)).unwrap();
-        assert_eq!(seen, Encoded { values: vec![1.0, 0.5, 0.0], covered: 0..3 });
-        let high = Scale::new(10.0, 4.0, 0.0, 2.0).unwrap();
-        let same = input.encode(&CLOCK, &[14.0, 13.0, 12.0, 11.0, 10.0], 1, Some(&high)).unwrap();
+        // Means over the intervals 3 → 2, 2 → 1, 1 → 1, less 1, over 2.
+        assert_eq!(seen, Encoded { values: vec![0.75, 0.25, 0.0], covered: 0..3 });
+        let high = Scale::new(10.0, 4.0, 2.0, 2.0).unwrap();
+        let clock = CLOCK.map(|t| 2.0 * t);
+        let same = input.encode(&clock, &[14.0, 14.0, 12.0, 10.0, 10.0], 1, Some(&high)).unwrap();
         assert_eq!(same, seen);
         assert!(input.encode(&CLOCK, &[0.0; 5], 1, None).is_err());
     }
 
     #[test]
+    fn a_mean_counts_every_sample() {
+        let input = Input::Dimensionless { channel: 0, bins: 1, tau_max: 4.0 };
+        let scale = Scale::new(0.0, 1.0, 0.0, 1.0).unwrap();
+        let seen = input.encode(&CLOCK, &[0.0, 4.0, 0.0, 0.0, 0.0], 1, Some(&scale)).unwrap();
+        assert_eq!(seen.values, [1.0]);
+    }
+
+    #[test]
     fn what_one_side_lacks_is_blank_in_both() {
-        let input = Input::Dimensionless { channel: 0, bins: 5, tau_max: 4.0 };
+        let input = Input::Dimensionless { channel: 0, bins: 4, tau_max: 4.0 };
         let scale = Scale::new(0.0, 1.0, 0.0, 1.0).unwrap();
         let mut long = input.encode(&CLOCK, &[1.0; 5], 1, Some(&scale)).unwrap();
         let mut short = input.encode(&CLOCK[1..4], &[2.0; 3], 1, Some(&scale)).unwrap();
-        assert_eq!(short.covered, 1..4);
+        assert_eq!(short.covered, 1..3);
         long.pair(&mut short);
-        assert_eq!(long.values, [0.0, 1.0, 1.0, 1.0, 0.0]);
-        assert_eq!(short.values, [0.0, 2.0, 2.0, 2.0, 0.0]);
+        assert_eq!(long.values, [0.0, 1.0, 1.0, 0.0]);
+        assert_eq!(short.values, [0.0, 2.0, 2.0, 0.0]);
+        assert!(input.encode(&[7.0, 8.0, 9.0], &[0.0; 3], 1, Some(&scale)).is_err());
     }
 
     #[test]
     fn standardised_takes_every_channel() {
         let input = Input::Standardised { bins: 2, mean: vec![1.0, 0.0], sd: vec![2.0, 1.0] };
-        let seen = input.encode(&CLOCK, &[1.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 7.0], 2, None).unwrap();
-        assert_eq!(seen.values, [0.0, 1.0, 5.0, 7.0]);
+        let seen = input.encode(&CLOCK, &[1.0, 4.0, 1.0, 4.0, 3.0, 4.0, 5.0, 4.0, 5.0, 4.0], 2, None).unwrap();
+        assert_eq!(seen.values, [0.25, 1.75, 4.0, 4.0]);
     }
 
     #[test]

@@ -14,6 +14,7 @@
 mod batches;
 mod checkpoint;
 mod dataset;
+mod dataset_file;
 mod dataset_stream;
 mod generate;
 mod input;
@@ -27,7 +28,8 @@ mod training_set;
 mod two_branch;
 mod weights_file;
 
-pub use dataset::{CoveredParameter, DATASET_VERSION, DatasetHeader, DatasetReader, DatasetWriter, Pair};
+pub use dataset::{CoveredParameter, DATASET_VERSION, DatasetHeader, Pair};
+pub use dataset_file::{DatasetReader, DatasetWriter};
 pub use generate::{PairDraw, generate};
 pub use input::{Encoded, Input};
 pub use model::{MODEL_VERSION, Model, Side};
@@ -40,4 +42,10 @@ pub use train::{TrainOptions, TrainProgress, train};
 /// from the rollouts beside it, and would leave the order of work to the number of threads.
 fn products_on_one_thread() {
     gemm::set_threading_threshold(usize::MAX);
+}
+
+/// In single precision, in which the network learns.
+#[expect(clippy::cast_possible_truncation, reason = "losing digits is the point")]
+fn single(number: f64) -> f32 {
+    number as f32
 }

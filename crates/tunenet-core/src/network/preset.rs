@@ -42,20 +42,20 @@ pub enum InputChoice {
         #[serde(default)]
         channel: Option<String>,
     },
-    /// One channel in units of each recording's own scale; where a dataset has no scales, all channels standardised at
-    /// the same number of instants.
+    /// One channel in units of each recording's own scale; where a dataset has no scales, all channels standardised over
+    /// the same number of intervals.
     Dimensionless {
         /// The channel's name; without one, the last channel (a ball's height).
         #[serde(default)]
         channel: Option<String>,
-        /// How many instants, at least 2.
+        /// How many intervals, at least 2.
         bins: usize,
-        /// The last instant in units of the recording's time.
+        /// The end of the last interval in units of the recording's time.
         tau_max: f64,
     },
     /// All channels, standardised.
     Standardised {
-        /// How many instants of each channel, at least 2.
+        /// How many intervals of each channel, at least 2.
         bins: usize,
     },
 }
@@ -216,17 +216,16 @@ impl Default for Preset {
             features: 32,
             hidden: 32,
             loss: Loss::Absolute,
-            optimiser: Optimiser::AdamW { rate: 3e-3, decay: 1e-2, beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
+            optimiser: Optimiser::AdamW { rate: 3e-3, decay: 0.0, beta1: 0.9, beta2: 0.99, epsilon: 1e-8 },
             batch: 256,
-            // Half a metre on a fall of 4.5 m: an order of magnitude above the noise expected, which makes the network
-            // nearly efficient.
-            course: Course::Remixed { steps: 4000, noise: 0.11, cut: 0.0 },
+            // An order of magnitude above the noise expected on a fall of 4.5 m, which makes the network nearly efficient.
+            course: Course::Remixed { steps: 6000, noise: 0.06, cut: 0.05 },
             held_back: 0.1,
         }
     }
 }
 
-fn setting(name: &'static str, expected: &str, found: impl ToString) -> Error {
+fn setting(name: &'static str, expected: &str, found: impl std::fmt::Display) -> Error {
     Error::Setting { name, expected: expected.into(), found: found.to_string() }
 }
 

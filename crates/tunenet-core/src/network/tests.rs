@@ -184,8 +184,11 @@ fn a_stopped_dataset_goes_on() {
     assert!(matches!(stopped, Err(Error::Stopped)));
     assert!(!out.exists());
     let mut first = None;
-    generate(&Bouncer::new(), &header(300, 10), &draw, &out, &mut |done, _| *first.get_or_insert(done) == done || true)
-        .unwrap();
+    let mut progress = |done, _| {
+        first.get_or_insert(done);
+        true
+    };
+    generate(&Bouncer::new(), &header(300, 10), &draw, &out, &mut progress).unwrap();
     assert_eq!(first, Some(128));
     assert!(std::fs::read(&out).unwrap() == whole);
 }
@@ -212,7 +215,7 @@ fn what_is_no_dataset_is_refused_in_one_sentence() {
     let refusal = |bytes: &[u8]| {
         let path = folder.path().join("bad.mcap");
         std::fs::write(&path, bytes).unwrap();
-        let all = DatasetReader::open(&path).and_then(|reader| reader.collect::<Result<Vec<_>>>());
+        let all = DatasetReader::open(&path).and_then(Iterator::collect::<Result<Vec<_>>>);
         let text = all.unwrap_err().to_string();
         assert!(!text.contains('\n'));
         text
@@ -376,34 +379,75 @@ fn without_a_scale_all_channels_are_standardised() {
     assert_eq!(batch[2], [0.0]);
 }
 
-/// Figures of the full presets; slow, so it runs on request: `cargo test --release -- --ignored --nocapture figures`.
+/// Prints the weights' bytes as a digest, for [`processes_do_not_change_the_weights`] to compare.
 #[test]
-#[ignore = "measures; takes a minute"]
+#[ignore = "a part of another test"]
+fn digest_of_a_training() {
+    let folder = folder();
+    let out = dataset(&folder, 40, 400);
+    for preset in [short(40), Preset { course: Course::Epochs { epochs: 10 }, ..Preset::paper() }] {
+        let bytes = train(
+            &out,
+            &TrainOptions { preset: Preset { batch: 256, ..preset }, ..options(short(1), None) },
+            &mut |_| true,
+        )
+        .unwrap()
+        .to_bytes()
+        .unwrap();
+        println!("digest {:?}", <sha2::Sha256 as sha2::Digest>::digest(bytes));
+    }
+}
+
+#[test]
+fn processes_do_not_change_the_weights() {
+    let digests = ["1", "2", "7"].map(|threads| {
+        let mut itself = std::process::Command::new(std::env::current_exe().unwrap());
+        itself.args(["--exact", "network::tests::digest_of_a_training", "--ignored", "--nocapture"]);
+        let printed = itself.env("RAYON_NUM_THREADS", threads).output().unwrap().stdout;
+        let lines = String::from_utf8(printed).unwrap();
+        lines.lines().filter_map(|line| Some(line.split_once("digest ")?.1.to_owned())).collect::<Vec<_>>()
+    });
+    assert_eq!(digests[0].len(), 2);
+    assert_eq!(digests[0], digests[1]);
+    assert_eq!(digests[0], digests[2]);
+}
+
+/// Figures of the full presets; slow, so it runs on request: `cargo test -- --ignored --nocapture figures`.
+#[test]
+#[ignore = "measures; takes half a minute"]
 fn figures_of_both_presets() {
     let folder = folder();
     let out = dataset(&folder, 800, 400);
     for preset in [Preset::paper(), Preset::default()] {
         let (name, started) = (preset.name.clone(), std::time::Instant::now());
-        let mut last = None;
-        let model = train(&out, &options(preset, None), &mut |at| {
-            last = Some(*at);
-            true
-        })
-        .unwrap();
-        let seconds = started.elapsed().as_secs_f64();
-        println!("{name}: {seconds:.2} s, {last:?}");
-        let mut random = <ChaCha8Rng as rand::SeedableRng>::seed_from_u64(9);
-        let mut errors = [0.0; 6];
-        for _ in 0..300 {
-            let (height, truth) = (random.random_range(4.0..5.0), random.random_range(0.3..0.7));
-            let mut guess: f64 = random.random_range(0.3..0.7);
-            for error in &mut errors {
-                *error += (guess - truth).abs() / 300.0;
-                let (one, two) = (seen(guess, height, 400), seen(truth, height, 400));
-                let change = model.estimate(&one, Some(&scale(height)), &two, Some(&scale(height))).unwrap()[0];
-                guess = (guess + change).clamp(0.0, 1.0);
+        let model = train(&out, &options(preset, None), &mut |_| true).unwrap();
+        println!("{name}: {:.2} s", started.elapsed().as_secs_f64());
+        for (low, high) in [(0.3, 0.7), (0.0, 1.0)] {
+            for noise_m in [0.0, 0.005, 0.02] {
+                let by_rollout = error_by_rollout(&model, low, high, noise_m).map(|e| format!("{e:.1e}"));
+                println!("  {low} to {high}, noise {noise_m} m: {}", by_rollout.join(" "));
             }
         }
-        println!("{name}: noise-free error by rollout {errors:?}");
     }
+}
+
+/// Mean absolute error after 0, 1, … rollouts, with white noise of `sd` metres on the target.
+fn error_by_rollout(model: &Model, low: f64, high: f64, noise_m: f64) -> [f64; 6] {
+    let mut random = <ChaCha8Rng as rand::SeedableRng>::seed_from_u64(9);
+    let mut errors = [0.0; 6];
+    for _ in 0..300 {
+        let (height, truth) = (random.random_range(4.0..5.0), random.random_range(low..high));
+        let mut guess: f64 = random.random_range(low..high);
+        let clean = seen(truth, height, 400);
+        let noisy = clean.values().iter().map(|z| z + noise_m * random.sample::<f64, _>(rand_distr::StandardNormal));
+        let two =
+            Observation::new(Kind::Positions, Channel::positions(), clean.clock().to_vec(), noisy.collect()).unwrap();
+        for error in &mut errors {
+            *error += (guess - truth).abs() / 300.0;
+            let one = seen(guess, height, 400);
+            let change = model.estimate(&one, Some(&scale(height)), &two, Some(&scale(height))).unwrap()[0];
+            guess = (guess + change).clamp(0.0, 1.0);
+        }
+    }
+    errors
 }

@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::dataset::{CoveredParameter, DatasetHeader, DatasetReader, Pair};
+use super::dataset::{CoveredParameter, DatasetHeader, Pair};
+use super::dataset_file::DatasetReader;
 use super::input::Input;
 use super::preset::{InputChoice, Preset};
 use crate::{Error, Result};
@@ -59,7 +60,7 @@ impl TrainingSet {
         for (values, all) in [(&pair.proposed, &pair.proposed_parameters), (&pair.target, &pair.target_parameters)] {
             let seen =
                 self.input.encode(&self.header.clock, values, self.header.channels.len(), pair.scale.as_ref())?;
-            self.rows.extend(seen.values.iter().map(|v| *v as f32));
+            self.rows.extend(seen.values.iter().map(|v| super::single(*v)));
             self.covered.push(seen.covered);
             self.places.extend(tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()));
         }
@@ -88,7 +89,7 @@ impl TrainingSet {
     pub(super) fn difference(&self, a: usize, b: usize) -> impl Iterator<Item = f32> + '_ {
         let n = self.parameters.len();
         let place = move |rollout: usize| self.places[rollout * n..(rollout + 1) * n].iter();
-        place(b).zip(place(a)).map(|(b, a)| (b - a) as f32)
+        place(b).zip(place(a)).map(|(b, a)| super::single(b - a))
     }
 }
 

@@ -28,7 +28,7 @@ pub(super) struct Linear {
     pub(super) bias: Tensor,
 }
 
-/// TuneNet's estimator (arXiv 1907.11200, appendix): the proposed model's and the target's observation each pass one layer
+/// The paper's estimator (arXiv 1907.11200, appendix): the proposed model's and the target's observation each pass one layer
 /// of their own; what comes out, side by side, passes a hidden layer and becomes the parameter difference
 /// target − proposed, in units of each parameter's training span.
 ///
