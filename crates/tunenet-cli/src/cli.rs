@@ -1,0 +1,272 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Makes a simulator behave like a measured real thing.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100, propagate_version = true)]
+#[command(after_help = "Exit status: 0 done, 1 a file or the system refused, 2 wrong usage, \
+3 finished and the honest answer is no.\nEvery command takes --json and then prints one JSON object on standard output.")]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Tune a simulation's parameters to observations
+    #[command(after_help = TUNE_EXAMPLES)]
+    Tune(Tune),
+    /// Roll a simulation out into an observation file
+    #[command(after_help = SIMULATE_EXAMPLES)]
+    Simulate(Simulate),
+    /// Say what is in a file, whether it can be used, and for what
+    #[command(after_help = INSPECT_EXAMPLES)]
+    Inspect(Inspect),
+    /// Generate a dataset of rollout pairs
+    #[command(after_help = GEN_EXAMPLES)]
+    Gen(Gen),
+    /// Train the two-branch network on a dataset
+    #[command(after_help = TRAIN_EXAMPLES)]
+    Train(Train),
+    /// Measure what is claimed
+    #[command(after_help = BENCH_EXAMPLES)]
+    Bench(Bench),
+    /// Print completions for a shell
+    #[command(after_help = "Examples:\n  tunenet completions bash > ~/.local/share/bash-completion/completions/tunenet")]
+    Completions {
+        /// Which shell
+        shell: clap_complete::Shell,
+    },
+}
+
+const TUNE_EXAMPLES: &str = "\
+Examples:
+  tunenet tune --sim assets/ball.toml --observation assets/observations/drop.csv --out tuned.toml
+  tunenet tune --sim ball.toml --set ball.radius_m=0.02 --observation flights/*.csv --each --json
+  tunenet tune --sim ball.toml --observation log.csv --columns t_s=time,z_m=height
+  tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
+const SIMULATE_EXAMPLES: &str = "\
+Examples:
+  tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.csv
+  tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.mcap";
+const INSPECT_EXAMPLES: &str = "\
+Examples:
+  tunenet inspect drop.csv
+  tunenet inspect log.mcap --json";
+const GEN_EXAMPLES: &str = "\
+Examples:
+  tunenet gen ball --preset easy --pairs 800 --seed 0 --out train.mcap
+  tunenet gen ball --preset wide --pairs 1000 --seed 1 --out wide.mcap
+An interrupted run goes on where it stopped when the same command is given again.";
+const TRAIN_EXAMPLES: &str = "\
+Examples:
+  tunenet train --data train.mcap --preset paper --out paper.safetensors
+  tunenet train --data wide.mcap --preset default --out default.safetensors
+An interrupted run goes on where it stopped when the same command is given again.";
+const BENCH_EXAMPLES: &str = "\
+Examples:
+  tunenet bench speed
+  tunenet bench speed --json";
+
+/// The simulation, wherever a command takes one.
+#[derive(Debug, Args)]
+pub struct Simulation {
+    /// Simulation file (TOML)
+    #[arg(long = "sim", value_name = "FILE.toml")]
+    pub sim: PathBuf,
+    /// Override a key of the simulation file; may be repeated
+    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// How files are read, wherever a command takes observations.
+#[derive(Debug, Args)]
+pub struct Reading {
+    /// Which columns of a foreign CSV are ours: t_s=time,z_m=height, or numbers from 1 where there is no header
+    #[arg(long, value_name = "OURS=THEIRS,…", value_parser = pair, value_delimiter = ',')]
+    pub columns: Vec<(String, String)>,
+    /// Which topic of an MCAP log
+    #[arg(long)]
+    pub topic: Option<String>,
+}
+
+/// What every command takes.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// Print one JSON object on standard output and nothing else there
+    #[arg(long)]
+    pub json: bool,
+    /// Start of every random draw
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// `tunenet tune`.
+#[derive(Debug, Args)]
+pub struct Tune {
+    #[command(flatten)]
+    pub simulation: Simulation,
+    /// Measured files (CSV or MCAP); several are tuned to together
+    #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
+    pub observation: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Tune to each observation on its own
+    #[arg(long)]
+    pub each: bool,
+    /// Trained network; its preset decides how the iterations go
+    #[arg(long, value_name = "MODEL.safetensors")]
+    pub model: Option<PathBuf>,
+    /// Start value, instead of the simulation file's
+    #[arg(long, value_name = "NAME=VALUE", value_parser = start, value_delimiter = ',')]
+    pub initial: Vec<(String, f64)>,
+    /// Iterations of the network, one rollout each
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub iterations: u16,
+    /// Keep values within their bounds at every iteration, with a model of preset `paper` too
+    #[arg(long)]
+    pub clamp: bool,
+    /// Write the simulation file with the tuned values here
+    #[arg(long, value_name = "TUNED.toml")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet simulate`.
+#[derive(Debug, Args)]
+pub struct Simulate {
+    #[command(flatten)]
+    pub simulation: Simulation,
+    /// Where to write: .csv or .mcap
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Write impact times instead of positions
+    #[arg(long)]
+    pub bounces: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet inspect`.
+#[derive(Debug, Args)]
+pub struct Inspect {
+    /// What to look at: CSV, MCAP, simulation file, dataset or model
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What `gen` generates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Domain {
+    /// A ball dropped from 4 to 5 m, as in the paper
+    Ball,
+}
+
+/// Which parameters the pairs are drawn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Pairs {
+    /// Restitution .3 to .7, both sides: the paper's training and Easy sets
+    Easy,
+    /// Proposed .3 to .7, target 0 to 1: the paper's Hard set
+    Hard,
+    /// 0 to 1, both sides: for preset `default`
+    Wide,
+}
+
+/// `tunenet gen`.
+#[derive(Debug, Args)]
+pub struct Gen {
+    /// Of what
+    pub domain: Domain,
+    /// Distribution of the pairs
+    #[arg(long, value_enum, default_value = "easy")]
+    pub preset: Pairs,
+    /// How many
+    #[arg(long, default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
+    pub pairs: u64,
+    /// Scene, instead of the paper's ball
+    #[arg(long = "sim", value_name = "FILE.toml")]
+    pub sim: Option<PathBuf>,
+    /// Override a key of the scene; may be repeated
+    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Where to write (MCAP)
+    #[arg(long, value_name = "FILE.mcap")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Which hyper-parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Training {
+    /// The paper's appendix to the letter
+    Paper,
+    /// This project's own
+    Default,
+}
+
+impl Training {
+    /// Its name in the library.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Default => "default",
+        }
+    }
+}
+
+/// `tunenet train`.
+#[derive(Debug, Args)]
+pub struct Train {
+    /// Dataset that `gen` wrote
+    #[arg(long, value_name = "FILE.mcap")]
+    pub data: PathBuf,
+    /// Hyper-parameters
+    #[arg(long, value_enum, default_value = "default")]
+    pub preset: Training,
+    /// Where to write the model
+    #[arg(long, value_name = "MODEL.safetensors")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Measured {
+    /// Rollouts, training and tuning per second
+    Speed,
+}
+
+/// `tunenet bench`.
+#[derive(Debug, Args)]
+pub struct Bench {
+    /// Which
+    pub what: Measured,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+fn pair(text: &str) -> Result<(String, String), String> {
+    let (ours, theirs) = text.split_once('=').ok_or_else(|| format!("expected OURS=THEIRS, found `{text}`"))?;
+    if ours.is_empty() || theirs.is_empty() {
+        return Err(format!("expected OURS=THEIRS, found `{text}`"));
+    }
+    Ok((ours.into(), theirs.into()))
+}
+
+fn start(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = pair(text).map_err(|_| format!("expected NAME=VALUE, found `{text}`"))?;
+    let number: f64 = value.parse().map_err(|_| format!("expected a number for `{name}`, found `{value}`"))?;
+    if number.is_finite() { Ok((name, number)) } else { Err(format!("expected a finite number for `{name}`, found `{value}`")) }
+}

@@ -1,0 +1,48 @@
+//! Loading what several commands need.
+
+use std::io::Read;
+use std::path::Path;
+
+use anyhow::Result;
+use sha2::{Digest, Sha256};
+use tunenet_core::Error;
+use tunenet_core::observation::recording::{ReadOptions, Recording, read};
+use tunenet_sim::SimulationFile;
+
+use crate::cli::{Reading, Simulation};
+
+/// A simulation file with its overrides.
+pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
+    let mut file = SimulationFile::read(&options.sim)?;
+    for assignment in &options.set {
+        file.set(assignment)?;
+    }
+    Ok(file)
+}
+
+/// A recording from a file.
+pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
+    let options = ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() };
+    Ok(read(path, &options)?)
+}
+
+/// The SHA-256 of a file's bytes, in hexadecimal.
+pub fn hash(path: &Path) -> Result<String> {
+    let failed = |source| Error::io(path, "reading", source);
+    let mut file = std::fs::File::open(path).map_err(failed)?;
+    let mut hasher = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        let count = file.read(&mut buffer).map_err(failed)?;
+        if count == 0 {
+            break;
+        }
+        hasher.update(&buffer[..count]);
+    }
+    Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// A file's own name, for output that must not depend on where it lies.
+pub fn name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

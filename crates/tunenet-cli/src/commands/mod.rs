@@ -1,0 +1,37 @@
+//! The commands: each loads, calls the libraries, renders.
+
+mod bench;
+mod gen_pairs;
+mod inspect;
+mod load;
+mod simulate;
+mod train;
+mod tune;
+
+use clap::CommandFactory;
+use serde_json::Value;
+
+use crate::cli::{Arguments, Command};
+use crate::failure::Exit;
+
+/// Runs what the command line asks for.
+pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
+    match arguments.command {
+        Command::Tune(options) => tune::run(&options),
+        Command::Simulate(options) => simulate::run(&options),
+        Command::Inspect(options) => inspect::run(&options),
+        Command::Gen(options) => gen_pairs::run(&options),
+        Command::Train(options) => train::run(&options),
+        Command::Bench(options) => bench::run(&options),
+        Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Arguments::command(), "tunenet", &mut std::io::stdout());
+            Ok(Exit::Done)
+        }
+    }
+}
+
+/// Prints the one JSON object of a command. A reader that has gone away is no error.
+fn print_json(value: &Value) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout(), "{value:#}");
+}

@@ -1,0 +1,254 @@
+//! `tunenet tune`.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use serde_json::{Map, Value, json};
+use toml_edit::{Array, InlineTable};
+use tunenet_core::Error;
+use tunenet_core::network::Model;
+use tunenet_core::observation::recording::{Recording, write_atomically};
+use tunenet_core::observation::Note;
+use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
+use tunenet_sim::{ObservedBall, SimulationFile};
+
+use super::{load, print_json};
+use crate::cli::Tune;
+use crate::failure::Exit;
+use crate::terminal::{in_words, rounded, stage, table, warn};
+
+const SCHEMA: &str = "tunenet.tune/1";
+
+pub fn run(options: &Tune) -> Result<Exit> {
+    let file = load::simulation(&options.simulation)?;
+    let model = options.model.as_ref().map(Model::load).transpose()?;
+    if options.each {
+        return each(options, &file, model.as_ref());
+    }
+    let began = Instant::now();
+    let recordings = options.observation.iter().map(|path| read(path, options)).collect::<Result<Vec<_>>>()?;
+    let outcome = tune_to(options, &file, model.as_ref(), &recordings)?;
+    if let Some(out) = &options.out {
+        write_tuned(options, &file, &outcome, out)?;
+    }
+    let seconds = began.elapsed().as_secs_f64();
+    if options.common.json {
+        print_json(&as_json(&outcome, seconds));
+    }
+    tell(options, &outcome, seconds);
+    Ok(exit(outcome.verdict))
+}
+
+/// Each observation on its own: one that cannot be used does not keep the others from being tuned to.
+fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<Exit> {
+    if options.out.is_some() {
+        let (expected, found) = ("no `--out` beside `--each`, which has several answers".into(), "both".into());
+        return Err(Error::Setting { name: "--out", expected, found }.into());
+    }
+    let (mut all, mut worst, mut refused) = (Vec::new(), Exit::Done, 0);
+    for path in &options.observation {
+        let began = Instant::now();
+        let tuned = read(path, options).and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)));
+        let name = load::name(path);
+        match tuned {
+            Ok(outcome) => {
+                if exit(outcome.verdict) == Exit::Inconclusive {
+                    worst = Exit::Inconclusive;
+                }
+                let mut one = as_json(&outcome, began.elapsed().as_secs_f64());
+                one["file"] = Value::String(name.clone());
+                anstream::eprintln!("{name}: {}", sentence(&outcome));
+                all.push(one);
+            }
+            Err(error) => {
+                refused += 1;
+                anstream::eprintln!("{name}: {error:#}");
+                all.push(json!({ "schema": SCHEMA, "file": name, "error": format!("{error:#}") }));
+            }
+        }
+    }
+    if options.common.json {
+        print_json(&json!({ "schema": "tunenet.tune.each/1", "observations": all }));
+    }
+    stage("done", &format!("{} observations, {refused} refused", options.observation.len()));
+    Ok(if refused > 0 { Exit::Refused } else { worst })
+}
+
+fn read(path: &PathBuf, options: &Tune) -> Result<Recording> {
+    let recording = load::recording(path, &options.reading)?;
+    let seen = &recording.observation;
+    let clock = seen.clock();
+    let span = if seen.kind() == tunenet_core::observation::Kind::BounceTimes {
+        format!("{} bounces", seen.len())
+    } else {
+        format!("{} samples, {:.2} s", seen.len(), clock[clock.len() - 1] - clock[0])
+    };
+    if !options.each {
+        stage("read", &format!("{}, {span}", load::name(path)));
+    }
+    Ok(recording)
+}
+
+fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordings: &[Recording]) -> Result<Outcome> {
+    let kind = recordings[0].observation.kind();
+    if let Some(other) = recordings.iter().find(|r| r.observation.kind() != kind) {
+        let found = format!("{} as well", other.observation.kind().name());
+        let what = "the observations".into();
+        return Err(Error::Observation { what, expected: format!("all of one kind, {}", kind.name()), found }.into());
+    }
+    let ball = ObservedBall::new(file, kind)?;
+    let paper = model.is_some_and(|m| m.preset().name == "paper");
+    let settings = Settings {
+        iterations: usize::from(options.iterations),
+        initial: options.initial.clone(),
+        clamp: options.clamp || !paper,
+        finish: !paper,
+    };
+    let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
+    let mut outcome = tune(&ball, &seen, model, &settings).with_context(|| names(options))?;
+    outcome.notes.splice(0..0, recordings.iter().flat_map(|r| r.notes.iter().cloned()));
+    Ok(outcome)
+}
+
+fn names(options: &Tune) -> String {
+    if options.observation.len() == 1 { load::name(&options.observation[0]) } else { "these observations".into() }
+}
+
+fn exit(verdict: Verdict) -> Exit {
+    if verdict == Verdict::Tuned { Exit::Done } else { Exit::Inconclusive }
+}
+
+fn as_json(outcome: &Outcome, seconds: f64) -> Value {
+    let parameters: Map<String, Value> = outcome
+        .parameters
+        .iter()
+        .map(|p| {
+            let (low, high) = p.interval95;
+            let one = json!({
+                "value": p.value, "unit": p.unit, "interval95": [low, high],
+                "before": p.before, "bounds": [p.bounds.0, p.bounds.1], "identified": p.identified,
+            });
+            (p.name.clone(), one)
+        })
+        .collect();
+    let tuned: Vec<&String> = outcome.parameters.iter().filter(|p| p.identified).map(|p| &p.name).collect();
+    let iterations: Vec<Value> = outcome
+        .iterations
+        .iter()
+        .map(|i| {
+            let named: Map<String, Value> = tuned.iter().zip(&i.parameters).map(|(n, v)| ((*n).clone(), json!(v))).collect();
+            json!({ "k": i.k, "parameters": named, "rmse": i.rmse })
+        })
+        .collect();
+    let mut object = json!({
+        "schema": SCHEMA,
+        "verdict": outcome.verdict,
+        "parameters": parameters,
+        "iterations": iterations,
+        "stop": outcome.stop,
+        "gap": outcome.gap.as_ref().map(|g| json!({
+            "unit": g.unit, "before": g.before, "after": g.after, "noise_floor": g.noise_floor,
+        })),
+        "rollouts": outcome.rollouts,
+        "seconds": seconds,
+        "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
+    });
+    if outcome.correlation.nrows() > 1 {
+        let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
+        object["correlation"] = json!({ "parameters": tuned, "matrix": rows });
+    }
+    object
+}
+
+/// A note as every command's JSON has it.
+pub(super) fn warning(note: &Note) -> Value {
+    json!({ "code": note.code, "text": note.text, "remedy": note.remedy })
+}
+
+/// The verdict in one sentence.
+fn sentence(outcome: &Outcome) -> String {
+    let word = match outcome.verdict {
+        Verdict::Tuned => "TUNED",
+        Verdict::Rejected => "REJECTED",
+        Verdict::PoorFit => "POOR FIT",
+        Verdict::NotIdentifiable => "NOT IDENTIFIABLE",
+    };
+    let values: Vec<String> = outcome
+        .parameters
+        .iter()
+        .map(|p| {
+            let (low, high) = p.interval95;
+            let half = (high - low) / 2.0;
+            let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+            if p.identified {
+                let range = format!("{}–{}", rounded(low, half), rounded(high, half));
+                format!("{} {}{unit} (95 %: {range}), was {}", p.name, rounded(p.value, half), p.before)
+            } else {
+                format!("{} unknown", p.name)
+            }
+        })
+        .collect();
+    let reason = outcome.notes.iter().find(|n| outcome.verdict == Verdict::Rejected || n.code == "contact.none");
+    match (values.is_empty(), reason) {
+        (true, Some(note)) => format!("{word}  {}", note.text),
+        (false, Some(note)) => format!("{word}  {}: {}", values.join(", "), note.text),
+        _ => format!("{word}  {}", values.join(", ")),
+    }
+}
+
+fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
+    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
+    anstream::eprintln!("\n{bold}{}{reset}", sentence(outcome));
+    if let Some(gap) = &outcome.gap {
+        let unit = &gap.unit;
+        let (before, after, floor) = (in_words(gap.before, unit), in_words(gap.after, unit), in_words(gap.noise_floor, unit));
+        let rows = [vec!["gap (RMS)".into(), "before".into(), "after".into(), "noise floor".into()], vec![String::new(), before, after, floor]];
+        anstream::eprintln!("{}\n", table(&rows));
+    }
+    outcome.notes.iter().for_each(warn);
+    let wrote = match &options.out {
+        Some(out) if is_written(outcome) => format!("wrote {}, ", load::name(out)),
+        Some(out) => format!("{} not written, since nothing was tuned; ", load::name(out)),
+        None => String::new(),
+    };
+    anstream::eprintln!("{wrote}{} rollouts, {seconds:.1} s, seed {}", outcome.rollouts, options.common.seed);
+}
+
+/// Only an answer is worth a file.
+fn is_written(outcome: &Outcome) -> bool {
+    matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
+}
+
+fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &Path) -> Result<()> {
+    let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
+    let mut tuned = file.clone();
+    let mut intervals = InlineTable::new();
+    for p in &outcome.parameters {
+        tuned.set_value(&p.name, p.value);
+        intervals.insert(&p.name, Array::from_iter([p.interval95.0, p.interval95.1]).into());
+    }
+    let mut observations = Array::new();
+    for path in &options.observation {
+        let mut one = InlineTable::new();
+        one.insert("file", load::name(path).into());
+        one.insert("sha256", load::hash(path)?.into());
+        observations.push(one);
+    }
+    let verdict = serde_json::to_value(outcome.verdict)?;
+    let seed = i64::try_from(options.common.seed).unwrap_or(i64::MAX);
+    tuned.set_provenance(&[
+        ("tool", concat!("tunenet ", env!("CARGO_PKG_VERSION")).into()),
+        ("command", "tune".into()),
+        ("seed", seed.into()),
+        ("verdict", verdict.as_str().unwrap_or_default().into()),
+        ("observations", observations.into()),
+        ("interval95", intervals.into()),
+        ("gap_unit", gap.unit.as_str().into()),
+        ("gap_before", gap.before.into()),
+        ("gap_after", gap.after.into()),
+        ("gap_noise_floor", gap.noise_floor.into()),
+    ]);
+    write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
+    Ok(())
+}

@@ -1,0 +1,63 @@
+//! What went wrong, told once, and the exit codes.
+
+use std::process::ExitCode;
+
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use tunenet_core::Error;
+
+/// How a command ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exit {
+    /// Done.
+    Done = 0,
+    /// A file's contents or the system refused.
+    Refused = 1,
+    /// The command line is wrong.
+    Usage = 2,
+    /// Finished, and the honest answer is no.
+    Inconclusive = 3,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// Settings that stand in a file; all others come from flags.
+const FROM_FILES: [&str; 1] = ["parameters"];
+
+/// Prints an error to standard error and says how the process ends.
+pub fn tell(error: &anyhow::Error) -> Exit {
+    let known = error.chain().find_map(|cause| cause.downcast_ref::<Error>());
+    let exit = match known {
+        Some(Error::Setting { name, .. }) if !FROM_FILES.contains(name) => Exit::Usage,
+        _ => Exit::Refused,
+    };
+    if let Some(Error::Text { path, line, column, width, source_line, message, hint }) = known {
+        anstream::eprintln!("{}", snippet(&path.display().to_string(), *line, *column, *width, source_line, message, hint));
+        return exit;
+    }
+    let chain: Vec<String> = error.chain().map(ToString::to_string).collect();
+    let (red, reset) = (anstyle::AnsiColor::Red.on_default().bold(), anstyle::Reset);
+    anstream::eprintln!("{red}error{reset}: {}", chain.join(": "));
+    if let Some(hint) = known.and_then(Error::hint) {
+        anstream::eprintln!("help: {hint}");
+    }
+    exit
+}
+
+/// The offending line with a caret under what is wrong.
+fn snippet(path: &str, line: usize, column: usize, width: usize, source: &str, message: &str, hint: &str) -> String {
+    let byte = |characters: usize| source.char_indices().nth(characters).map_or(source.len(), |(at, _)| at);
+    let (start, end) = (byte(column - 1), byte(column - 1 + width));
+    let place = Snippet::source(source)
+        .line_start(line)
+        .path(path)
+        .annotation(AnnotationKind::Primary.span(start..end.max(start)));
+    let mut report: Vec<Group> = vec![Level::ERROR.primary_title(message).element(place)];
+    if !hint.is_empty() {
+        report.push(Level::HELP.secondary_title(hint).into());
+    }
+    Renderer::styled().render(&report).to_string()
+}

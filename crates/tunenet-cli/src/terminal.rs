@@ -1,0 +1,94 @@
+//! What people see on standard error: progress, warnings, tables.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tunenet_core::observation::Note;
+
+/// A progress bar on standard error; invisible where that is no terminal.
+pub fn progress(total: u64, what: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new(total).with_message(what);
+    let style = ProgressStyle::with_template("{msg:<10} [{bar:24}] {human_pos}/{human_len}, {eta} left {prefix}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// Prints a finished stage: `read     drop.csv, 360 samples`.
+pub fn stage(what: &str, text: &str) {
+    anstream::eprintln!("{what:<9}{text}");
+}
+
+/// Prints a warning with its remedy.
+pub fn warn(note: &Note) {
+    let (yellow, reset) = (anstyle::AnsiColor::Yellow.on_default().bold(), anstyle::Reset);
+    anstream::eprintln!("{yellow}warning{reset}[{}]: {}", note.code, note.text);
+    if !note.remedy.is_empty() {
+        anstream::eprintln!("  try: {}", note.remedy);
+    }
+}
+
+/// Lines of left-aligned first and right-aligned further columns, two spaces apart.
+pub fn table(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().enumerate().map(|(c, cell)| {
+            let pad = " ".repeat(widths[c] - cell.chars().count());
+            if c == 0 { format!("{cell}{pad}") } else { format!("{pad}{cell}") }
+        });
+        format!("  {}", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    rows.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// A number with as many decimals as two digits of its uncertainty need.
+pub fn rounded(value: f64, half_width: f64) -> String {
+    if !half_width.is_finite() || half_width <= 0.0 {
+        return format!("{value:.6}");
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0 to 12")]
+    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// A length or time in the unit that reads best: 0.0091 m is `9.1 mm`.
+pub fn in_words(value: f64, unit: &str) -> String {
+    let small = match unit {
+        "m" => Some("mm"),
+        "s" => Some("ms"),
+        _ => None,
+    };
+    match small {
+        Some(small) if value.abs() < 0.1 => format!("{} {small}", three_digits(value * 1e3)),
+        _ => format!("{} {unit}", three_digits(value)),
+    }
+}
+
+fn three_digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "an exponent")]
+    let exponent = value.abs().log10().floor() as i32;
+    if exponent < -4 {
+        return format!("{value:.1e}");
+    }
+    let decimals = usize::try_from(2 - exponent).unwrap_or(0);
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(rounded(0.732_04, 0.0015), "0.7320");
+        assert_eq!(in_words(0.009_14, "m"), "9.14 mm");
+        assert_eq!(in_words(12.345, "m"), "12.3 m");
+        assert_eq!(in_words(2e-9, "m"), "2.0e-6 mm");
+        assert_eq!(table(&[vec!["a".into(), "10".into()], vec!["bcd".into(), "2".into()]]), "  a    10\n  bcd   2");
+    }
+}
