@@ -36,7 +36,10 @@ fn an_interrupted_dataset_goes_on_to_the_same_bytes() {
     let whole = std::fs::read(dataset(&folder, 70, 40)).unwrap();
     let out = folder.path().join("again.mcap");
     let partial = folder.path().join("again.mcap.partial");
-    for cut in [0, 5, 100, whole.len() / 5, whole.len() / 2, whole.len() * 4 / 5, whole.len() - 1, whole.len()] {
+    let mut random = <ChaCha8Rng as rand::SeedableRng>::seed_from_u64(3);
+    let mut cuts = vec![0, 5, 100, whole.len() / 2, whole.len() - 1, whole.len()];
+    cuts.extend((0..20).map(|_| random.random_range(0..whole.len())));
+    for cut in cuts {
         std::fs::write(&partial, &whole[..cut]).unwrap();
         let mut from = u64::MAX;
         let mut progress = |done, _| {
