@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Makes a simulator behave like a measured real thing.
 #[derive(Debug, Parser)]
-#[command(version, about, max_term_width = 100, propagate_version = true)]
+#[command(name = "tunenet", version, about, max_term_width = 100, propagate_version = true)]
 #[command(after_help = "Exit status: 0 done, 1 a file or the system refused, 2 wrong usage, \
 3 finished and the honest answer is no.\nEvery command takes --json and then prints one JSON object on standard output.")]
 pub struct Arguments {
