@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Makes a simulator behave like a measured real thing.
 #[derive(Debug, Parser)]
-#[command(version, about, max_term_width = 100, propagate_version = true)]
+#[command(name = "tunenet", version, about, max_term_width = 100, propagate_version = true)]
 #[command(after_help = "Exit status: 0 done, 1 a file or the system refused, 2 wrong usage, \
 3 finished and the honest answer is no.\nEvery command takes --json and then prints one JSON object on standard output.")]
 pub struct Arguments {
@@ -37,7 +37,9 @@ pub enum Command {
     #[command(after_help = BENCH_EXAMPLES)]
     Bench(Bench),
     /// Print completions for a shell
-    #[command(after_help = "Examples:\n  tunenet completions bash > ~/.local/share/bash-completion/completions/tunenet")]
+    #[command(
+        after_help = "Examples:\n  tunenet completions bash > ~/.local/share/bash-completion/completions/tunenet"
+    )]
     Completions {
         /// Which shell
         shell: clap_complete::Shell,
@@ -87,7 +89,7 @@ pub struct Simulation {
 /// How files are read, wherever a command takes observations.
 #[derive(Debug, Args)]
 pub struct Reading {
-    /// Which columns of a foreign CSV are ours: t_s=time,z_m=height, or numbers from 1 where there is no header
+    /// Which columns of a foreign CSV are ours, such as `t_s=time,z_m=height`, or numbers from 1 where there is no header
     #[arg(long, value_name = "OURS=THEIRS,…", value_parser = pair, value_delimiter = ',')]
     pub columns: Vec<(String, String)>,
     /// Which topic of an MCAP log
@@ -268,5 +270,9 @@ fn pair(text: &str) -> Result<(String, String), String> {
 fn start(text: &str) -> Result<(String, f64), String> {
     let (name, value) = pair(text).map_err(|_| format!("expected NAME=VALUE, found `{text}`"))?;
     let number: f64 = value.parse().map_err(|_| format!("expected a number for `{name}`, found `{value}`"))?;
-    if number.is_finite() { Ok((name, number)) } else { Err(format!("expected a finite number for `{name}`, found `{value}`")) }
+    if number.is_finite() {
+        Ok((name, number))
+    } else {
+        Err(format!("expected a finite number for `{name}`, found `{value}`"))
+    }
 }

@@ -35,7 +35,10 @@ pub fn tell(error: &anyhow::Error) -> Exit {
         _ => Exit::Refused,
     };
     if let Some(Error::Text { path, line, column, width, source_line, message, hint }) = known {
-        anstream::eprintln!("{}", snippet(&path.display().to_string(), *line, *column, *width, source_line, message, hint));
+        anstream::eprintln!(
+            "{}",
+            snippet(&path.display().to_string(), *line, *column, *width, source_line, message, hint)
+        );
         return exit;
     }
     let chain: Vec<String> = error.chain().map(ToString::to_string).collect();
@@ -57,7 +60,7 @@ fn snippet(path: &str, line: usize, column: usize, width: usize, source: &str, m
         .annotation(AnnotationKind::Primary.span(start..end.max(start)));
     let mut report: Vec<Group> = vec![Level::ERROR.primary_title(message).element(place)];
     if !hint.is_empty() {
-        report.push(Level::HELP.secondary_title(hint).into());
+        report.push(Group::with_title(Level::HELP.secondary_title(hint)));
     }
-    Renderer::styled().render(&report).to_string()
+    Renderer::styled().render(&report)
 }

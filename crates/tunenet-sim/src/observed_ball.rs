@@ -156,8 +156,27 @@ impl ObservedBall {
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 
-    /// The natural scales of a drop: heights from rest, in heights of fall; time from the apex of the first flight.
-    fn scale(&self, own: &[f64], start_s: f64) -> Scale {
+    /// The own unknowns of a rollout that is not compared with anything: let go at `time_s` above the origin.
+    #[must_use]
+    pub fn own_at_rest(&self, time_s: f64) -> Vec<f64> {
+        self.unknown.iter().map(|u| if *u == Unknown::Time { time_s } else { 0.0 }).collect()
+    }
+
+    /// How many impacts happen until `end_s`, at most a thousand.
+    ///
+    /// # Errors
+    /// [`Error::Simulator`] where the ball cannot be followed.
+    pub fn impacts_within(&self, parameters: &[f64], own: &[f64], end_s: f64) -> Result<usize> {
+        let (scene, start, time_s) = self.world(parameters, own);
+        let times = impact_times(&scene, &start, time_s, 1000)
+            .map_err(|message| Error::Simulator { at: "the scene's values".into(), message })?;
+        Ok(times.partition_point(|t| *t <= end_s))
+    }
+
+    /// The natural scales of a drop with these own unknowns, released at `start_s`: heights from rest, in heights of fall;
+    /// time from the apex of the first flight.
+    #[must_use]
+    pub fn scale(&self, own: &[f64], start_s: f64) -> Scale {
         let parameters: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
         let (scene, start, _) = self.world(&parameters, own);
         let gravity = scene.gravity_m_s2;

@@ -19,7 +19,7 @@ pub fn run(options: &Inspect) -> Result<Exit> {
         "toml" => (simulation(&SimulationFile::read(path)?)?, true),
         "safetensors" => (model(&Model::load(path)?), true),
         _ => match contents(path)? {
-            Contents::Table(found) => series(&found, options)?,
+            Contents::Table(found) => series(&found, options),
             Contents::Log(found) => log(&found),
         },
     };
@@ -43,7 +43,7 @@ fn purpose(kind: Kind) -> &'static str {
     }
 }
 
-fn series(found: &Table, options: &Inspect) -> Result<(Value, bool)> {
+fn series(found: &Table, options: &Inspect) -> (Value, bool) {
     // With `--columns` the file is what the mapping makes of it.
     let usable = if options.reading.columns.is_empty() {
         found.usable.clone()
@@ -51,11 +51,8 @@ fn series(found: &Table, options: &Inspect) -> Result<(Value, bool)> {
         load::recording(&options.file, &options.reading).map(|r| r.observation.kind()).map_err(|e| format!("{e:#}"))
     };
     stage("table", &format!("{} rows, {} samples", found.rows, found.samples));
-    let columns: Vec<Vec<String>> = found
-        .columns
-        .iter()
-        .map(|c| vec![c.name.clone(), c.read_as.clone().unwrap_or_else(|| "-".into())])
-        .collect();
+    let columns: Vec<Vec<String>> =
+        found.columns.iter().map(|c| vec![c.name.clone(), c.read_as.clone().unwrap_or_else(|| "-".into())]).collect();
     anstream::eprintln!("{}", table(&columns));
     if let (Some((first, last)), Some(rate)) = (found.span_s, found.median_rate_hz) {
         let gap = found.largest_gap_s.unwrap_or(0.0);
@@ -80,7 +77,7 @@ fn series(found: &Table, options: &Inspect) -> Result<(Value, bool)> {
         "broken_count": found.broken_count,
         "warnings": found.notes.iter().map(super::tune::warning).collect::<Vec<_>>(),
     });
-    Ok((object, usable.is_ok()))
+    (object, usable.is_ok())
 }
 
 fn tell_usable(usable: &Result<Kind, String>) {
@@ -91,13 +88,16 @@ fn tell_usable(usable: &Result<Kind, String>) {
 }
 
 fn log(found: &Log) -> (Value, bool) {
-    stage("log", &format!("{} topics, profile `{}`, written by `{}`", found.topics.len(), found.profile, found.library));
+    stage(
+        "log",
+        &format!("{} topics, profile `{}`, written by `{}`", found.topics.len(), found.profile, found.library),
+    );
     let rows: Vec<Vec<String>> = found
         .topics
         .iter()
         .map(|t| {
             let usable = t.usable.as_ref().map_or_else(|reason| format!("- {reason}"), |kind| kind.name().to_string());
-            vec![t.topic.clone(), t.schema.clone(), t.encoding.clone(), t.messages.to_string(), usable]
+            vec![t.name.clone(), t.schema.clone(), t.encoding.clone(), t.messages.to_string(), usable]
         })
         .collect();
     anstream::eprintln!("{}", table(&rows));
@@ -107,13 +107,13 @@ fn log(found: &Log) -> (Value, bool) {
     let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
     match usable.as_slice() {
         [] => stage("unusable", "no topic carries positions, joints or bounces"),
-        [one] => stage("usable", &one.topic),
+        [one] => stage("usable", &one.name),
         several => stage("usable", &format!("{} topics, choose one with --topic", several.len())),
     }
     let object = json!({
         "kind": "log", "profile": found.profile, "library": found.library,
         "topics": found.topics.iter().map(|t| json!({
-            "name": t.topic, "schema": t.schema, "encoding": t.encoding, "messages": t.messages,
+            "name": t.name, "schema": t.schema, "encoding": t.encoding, "messages": t.messages,
             "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(),
         })).collect::<Vec<_>>(),
         "ended": found.ended,

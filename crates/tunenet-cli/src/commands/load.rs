@@ -1,5 +1,6 @@
 //! Loading what several commands need.
 
+use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 
@@ -39,7 +40,11 @@ pub fn hash(path: &Path) -> Result<String> {
         }
         hasher.update(&buffer[..count]);
     }
-    Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hasher.finalize().iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    }))
 }
 
 /// A file's own name, for output that must not depend on where it lies.

@@ -17,7 +17,9 @@ pub fn run(options: &Simulate) -> Result<Exit> {
     let extension = options.out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     if !matches!(extension.as_str(), "csv" | "mcap") {
         let found = format!("`{}`", options.out.display());
-        return Err(Error::Setting { name: "--out", expected: "a name that ends in .csv or .mcap".into(), found }.into());
+        return Err(
+            Error::Setting { name: "--out", expected: "a name that ends in .csv or .mcap".into(), found }.into()
+        );
     }
     let mut file = load::simulation(&options.simulation)?;
     let release = file.release();

@@ -1,6 +1,6 @@
 //! `tunenet tune`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -8,8 +8,8 @@ use serde_json::{Map, Value, json};
 use toml_edit::{Array, InlineTable};
 use tunenet_core::Error;
 use tunenet_core::network::Model;
-use tunenet_core::observation::recording::{Recording, write_atomically};
 use tunenet_core::observation::Note;
+use tunenet_core::observation::recording::{Recording, write_atomically};
 use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
 use tunenet_sim::{ObservedBall, SimulationFile};
 
@@ -75,7 +75,7 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
     Ok(if refused > 0 { Exit::Refused } else { worst })
 }
 
-fn read(path: &PathBuf, options: &Tune) -> Result<Recording> {
+fn read(path: &Path, options: &Tune) -> Result<Recording> {
     let recording = load::recording(path, &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
@@ -137,7 +137,8 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         .iterations
         .iter()
         .map(|i| {
-            let named: Map<String, Value> = tuned.iter().zip(&i.parameters).map(|(n, v)| ((*n).clone(), json!(v))).collect();
+            let named: Map<String, Value> =
+                tuned.iter().zip(&i.parameters).map(|(n, v)| ((*n).clone(), json!(v))).collect();
             json!({ "k": i.k, "parameters": named, "rmse": i.rmse })
         })
         .collect();
@@ -202,8 +203,12 @@ fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
     anstream::eprintln!("\n{bold}{}{reset}", sentence(outcome));
     if let Some(gap) = &outcome.gap {
         let unit = &gap.unit;
-        let (before, after, floor) = (in_words(gap.before, unit), in_words(gap.after, unit), in_words(gap.noise_floor, unit));
-        let rows = [vec!["gap (RMS)".into(), "before".into(), "after".into(), "noise floor".into()], vec![String::new(), before, after, floor]];
+        let (before, after, floor) =
+            (in_words(gap.before, unit), in_words(gap.after, unit), in_words(gap.noise_floor, unit));
+        let rows = [
+            vec!["gap (RMS)".into(), "before".into(), "after".into(), "noise floor".into()],
+            vec![String::new(), before, after, floor],
+        ];
         anstream::eprintln!("{}\n", table(&rows));
     }
     outcome.notes.iter().for_each(warn);

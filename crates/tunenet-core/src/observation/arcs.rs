@@ -250,7 +250,9 @@ fn window(clock: &[f64], heights: &[f64], sd: f64, gravity: f64) -> usize {
     let speed = (2.0 * gravity * span(heights)).sqrt();
     // The slope of m even samples has standard deviation sd·√12 / (step · m^1.5).
     let wanted = (12f64.sqrt() * sd * 8.0 / (step * speed).max(f64::MIN_POSITIVE)).powf(2.0 / 3.0).ceil();
-    (wanted.clamp(LEAST_WINDOW, 1e6) as usize).min((clock.len() / 6).max(3))
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let wanted = wanted.clamp(LEAST_WINDOW, 1e6) as usize;
+    wanted.min((clock.len() / 6).max(3))
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {

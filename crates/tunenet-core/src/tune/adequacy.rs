@@ -27,13 +27,13 @@ impl Adequacy {
         let width = noise.len();
         let samples = seen.len();
         let mut worst: f64 = 0.0;
-        for channel in 0..width {
+        for (channel, noise) in noise.iter().enumerate() {
             let column = || residuals.iter().skip(channel).step_by(width);
             let freedom = (samples as f64 - unknowns as f64 / width as f64).max(1.0);
             let ratio = (column().map(|r| r * r).sum::<f64>() / freedom).sqrt();
             let (low, high) =
                 seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-            if ratio * noise[channel] > PRACTICAL_SHARE * (high - low) {
+            if ratio * noise > PRACTICAL_SHARE * (high - low) {
                 worst = worst.max(ratio);
             }
         }

@@ -73,17 +73,12 @@ pub fn walk(
             })
             .flatten();
         seen.push((now[0], values.clone(), rmse));
-        let step = match secant {
-            Some(step) => vec![step],
-            None => {
-                let proposed = Observation::new(
-                    recording.seen.kind(),
-                    recording.seen.channels().to_vec(),
-                    clock.to_vec(),
-                    values,
-                )?;
-                model.estimate(&proposed, recording.scale.as_ref(), &recording.seen, recording.scale.as_ref())?
-            }
+        let step = if let Some(step) = secant {
+            vec![step]
+        } else {
+            let (kind, channels) = (recording.seen.kind(), recording.seen.channels().to_vec());
+            let proposed = Observation::new(kind, channels, clock.to_vec(), values)?;
+            model.estimate(&proposed, recording.scale.as_ref(), &recording.seen, recording.scale.as_ref())?
         };
         for (&position, step) in free.iter().zip(step) {
             let p = &simulator.parameters()[position];

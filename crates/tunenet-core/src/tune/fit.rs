@@ -59,7 +59,9 @@ impl Problem<'_> {
 
     fn samples(&self, recording: usize, horizon: f64) -> usize {
         let all = self.recordings[recording].seen.len();
-        ((all as f64 * horizon).ceil() as usize).clamp(crate::observation::FEWEST_SAMPLES.min(all), all)
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
+        let share = (all as f64 * horizon).ceil() as usize;
+        share.clamp(crate::observation::FEWEST_SAMPLES.min(all), all)
     }
 
     /// Weighted residuals of every recording, over the first share `horizon` of each.

@@ -63,7 +63,7 @@ pub(super) fn parameters(root: &Table) -> Option<(String, Range<usize>, String, 
         if !(min..=max).contains(&value) {
             return Some((format!("parameters.{name}.value"), span, format!("{min} to {max}"), value.to_string()));
         }
-        if *name == "restitution" && (min < 0.0 || max > 1.0) || min < 0.0 {
+        if min < 0.0 || *name == "restitution" && max > 1.0 {
             let what = if min < 0.0 { ("min", min) } else { ("max", max) };
             let expected = if *name == "restitution" {
                 "bounds within 0 to 1 (above 1 a bounce gains energy)"

@@ -10,7 +10,7 @@ use toml_edit::{Document, DocumentMut, Item, Table, Value};
 use tunenet_core::simulator::Parameter;
 use tunenet_core::{Error, Result};
 
-use schema::{Shape, find, item_number, siblings};
+use schema::{find, item_number, siblings};
 
 /// How a ball's scene may start, record by record: what is `None` is estimated from the data.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -116,6 +116,15 @@ impl SimulationFile {
         table[parts[parts.len() - 1]] = Item::Value(value);
         check::parameters(self.document.as_table())
             .map_or(Ok(()), |(path, _, expected, found)| refuse(format!("{expected} for `{path}`"), found))
+    }
+
+    /// Removes the key at `path`, as if the file had left it out.
+    pub fn unset(&mut self, path: &str) {
+        if let Some((table, key)) = path.rsplit_once('.')
+            && let Some(table) = self.document.get_mut(table).and_then(Item::as_table_like_mut)
+        {
+            table.remove(key);
+        }
     }
 
     /// The file's path.
@@ -232,10 +241,4 @@ fn table<'a>(parent: &'a mut Table, name: &str, implicit: bool) -> &'a mut Table
         *item = std::mem::take(item).into_table().map_or_else(|_| Item::Table(Table::new()), Item::Table);
     }
     item.as_table_mut().expect("made a table above")
-}
-
-/// Whether `shape` is of a number, for docs.
-#[must_use]
-pub fn is_number(shape: Shape) -> bool {
-    matches!(shape, Shape::Number(..) | Shape::Whole(..))
 }

@@ -1,0 +1,98 @@
+//! `tunenet gen`.
+
+use std::path::Path;
+
+use anyhow::Result;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate};
+use tunenet_core::observation::Kind;
+use tunenet_core::simulator::Simulator;
+use tunenet_sim::{ObservedBall, SimulationFile};
+
+use super::{load, print_json};
+use crate::cli::{Domain, Gen, Pairs};
+use crate::failure::Exit;
+use crate::terminal::{progress, stage};
+
+/// The paper's ball: .5 m, seen at 60 Hz for 400 frames.
+const PAPER_BALL: &str = include_str!("../../../../assets/ball_easy.toml");
+/// The paper drops its ball's centre from these heights, m.
+const CENTRE_HEIGHT_M: std::ops::Range<f64> = 4.0..5.0;
+
+pub fn run(options: &Gen) -> Result<Exit> {
+    let Domain::Ball = options.domain;
+    let mut file = match &options.sim {
+        Some(path) => SimulationFile::read(path)?,
+        None => SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?,
+    };
+    for assignment in &options.set {
+        file.set(assignment)?;
+    }
+    // Every pair is dropped from a height of its own, at rest, at the record's first instant.
+    file.unset("release.height_m");
+    file.unset("release.position_m");
+    for key in ["release.velocity_m_s=[0,0,0]", "release.time_s=0"] {
+        file.set(key)?;
+    }
+    if file.number("surface.height_m").is_none() {
+        file.set("surface.height_m=0")?;
+    }
+    let ball = ObservedBall::new(&file, Kind::Positions)?;
+    let floor = file.number("surface.height_m").unwrap_or(0.0);
+    let (proposed, target) = ranges(options.preset);
+    let covered = proposed.0.min(target.0)..proposed.1.max(target.1);
+    let header = DatasetHeader {
+        preset: format!("ball/{:?}", options.preset).to_lowercase(),
+        seed: options.common.seed,
+        pairs: options.pairs,
+        parameters: ball
+            .parameters()
+            .iter()
+            .map(|p| {
+                let learned = p.name == "restitution";
+                let (min, max) = if learned { (covered.start, covered.end) } else { (p.min, p.max) };
+                CoveredParameter { name: p.name.clone(), unit: p.unit.clone(), min, max, tuned: learned }
+            })
+            .collect(),
+        channels: ball.channels().to_vec(),
+        clock: file.record().clock(),
+        scene: file.text(),
+    };
+    let friction = ball.parameters()[1].value;
+    let draw = |_: u64, random: &mut ChaCha8Rng| {
+        let own = vec![0.0, 0.0, floor + random.random_range(CENTRE_HEIGHT_M)];
+        let mut restitution = |(low, high): (f64, f64)| vec![random.random_range(low..=high), friction];
+        let (proposed, target) = (restitution(proposed), restitution(target));
+        let scale = Some(ball.scale(&own, 0.0));
+        PairDraw { proposed, target, own, scale }
+    };
+    let bar = progress(options.pairs, "rollouts");
+    let mut report = |done: u64, _: u64| {
+        bar.set_position(done);
+        true
+    };
+    generate(&ball, &header, &draw, &options.out, &mut report)?;
+    bar.finish_and_clear();
+    stage(
+        "wrote",
+        &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), options.pairs, header.preset, header.seed),
+    );
+    if options.common.json {
+        print_json(&json!({
+            "schema": "tunenet.gen/1", "file": load::name(&options.out), "preset": header.preset,
+            "pairs": options.pairs, "seed": header.seed, "frames": header.clock.len(), "warnings": [],
+        }));
+    }
+    Ok(Exit::Done)
+}
+
+/// The restitutions that proposed and target are drawn from.
+pub fn ranges(pairs: Pairs) -> ((f64, f64), (f64, f64)) {
+    match pairs {
+        Pairs::Easy => ((0.3, 0.7), (0.3, 0.7)),
+        Pairs::Hard => ((0.3, 0.7), (0.0, 1.0)),
+        Pairs::Wide => ((0.0, 1.0), (0.0, 1.0)),
+    }
+}

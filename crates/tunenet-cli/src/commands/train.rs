@@ -1,0 +1,54 @@
+//! `tunenet train`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Result;
+use serde_json::json;
+use tunenet_core::Error;
+use tunenet_core::network::{Preset, TrainOptions, train};
+
+use super::{load, print_json};
+use crate::cli::Train;
+use crate::failure::Exit;
+use crate::terminal::{progress, stage};
+
+pub fn run(options: &Train) -> Result<Exit> {
+    let began = Instant::now();
+    let mut checkpoint = options.out.clone().into_os_string();
+    checkpoint.push(".checkpoint");
+    let checkpoint = PathBuf::from(checkpoint);
+    let preset = Preset::named(options.preset.name())?;
+    let settings = TrainOptions { preset, seed: options.common.seed, checkpoint: Some(checkpoint.clone()) };
+    let bar = progress(0, "training");
+    let mut last = None;
+    let mut report = |now: &tunenet_core::network::TrainProgress| {
+        bar.set_length(now.steps);
+        bar.set_position(now.step);
+        let validation = now.validation.map_or_else(String::new, |v| format!(", validation {v:.2e}"));
+        bar.set_prefix(format!("loss {:.2e}{validation}", now.loss));
+        last = Some(*now);
+        true
+    };
+    let model = train(&options.data, &settings, &mut report)?;
+    bar.finish_and_clear();
+    model.save(&options.out)?;
+    // Only a saved model makes the checkpoint useless.
+    if checkpoint.exists() {
+        std::fs::remove_file(&checkpoint).map_err(|source| Error::io(&checkpoint, "removing", source))?;
+    }
+    let seconds = began.elapsed().as_secs_f64();
+    let (steps, loss) = last.map_or((0, 0.0), |l| (l.steps, l.loss));
+    let validation = last.and_then(|l| l.validation);
+    let named = model.parameters().iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
+    stage("trained", &format!("{steps} steps for {named}, loss {loss:.2e}, {seconds:.1} s"));
+    stage("wrote", &options.out.display().to_string());
+    if options.common.json {
+        print_json(&json!({
+            "schema": "tunenet.train/1", "file": load::name(&options.out), "preset": options.preset.name(),
+            "seed": options.common.seed, "steps": steps, "loss": loss, "validation": validation,
+            "seconds": seconds, "warnings": [],
+        }));
+    }
+    Ok(Exit::Done)
+}
