@@ -35,6 +35,10 @@ use crate::{Error, Result};
 const UNINFORMATIVE_SHARE: f64 = 0.9;
 /// A fit whose residual exceeds the noise this many times may sit in a wrong valley and is tried again from elsewhere.
 const SUSPICIOUS_SCALE: f64 = 3.0;
+/// A fit that ends within this share of the bounds from one of them is looked at again ...
+const NEAR_BOUND: f64 = 0.1;
+/// ... from these shares away from it.
+const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1];
 /// Starts across the bounds, for the case that neither the file nor the data suggest a good one.
 const SPREAD_STARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
@@ -300,10 +304,47 @@ impl Session<'_> {
                 break;
             }
         }
+        if let Some(found) = best.take() {
+            let (found, used) = self.look_along_bounds(found)?;
+            rollouts += used;
+            best = Some(found);
+        }
         best.map(|b| (b, rollouts)).ok_or_else(|| Error::Simulator {
             at: "every start".into(),
             message: "no start within the bounds could be simulated".into(),
         })
+    }
+
+    /// Near a bound the slope may vanish (a restitution of a few hundredths leaves next to no rebound), so that a step which
+    /// overshoots never comes back: tries the neighbourhood of the bound by plain rollouts, and fits again from the best.
+    fn look_along_bounds(&self, found: Fit) -> Result<(Fit, usize)> {
+        let problem = self.problem();
+        let mut rollouts = 0;
+        let mut best: Option<(f64, Point)> = None;
+        let level = problem.rmse(&found.residuals);
+        for &i in self.free {
+            let p = &self.simulator.parameters()[i];
+            let value = found.point.parameters[i];
+            let (bound, inward) = if value - p.min < NEAR_BOUND * p.span() {
+                (p.min, 1.0)
+            } else if p.max - value < NEAR_BOUND * p.span() {
+                (p.max, -1.0)
+            } else {
+                continue;
+            };
+            for share in BOUND_STARTS {
+                let point = found.point.with(&[i], &[bound + inward * share * p.span()]);
+                rollouts += self.recordings.len();
+                let rmse = problem.residuals(&point, 1.0).map(|r| problem.rmse(&r)).unwrap_or(f64::INFINITY);
+                if rmse < best.as_ref().map_or(level, |b| b.0) {
+                    best = Some((rmse, point));
+                }
+            }
+        }
+        let Some((_, start)) = best else { return Ok((found, rollouts)) };
+        let again = problem.fit(start, 1.0)?;
+        rollouts += again.rollouts;
+        Ok((if again.cost < found.cost { again } else { found }, rollouts))
     }
 
     /// The parameters as the recordings' events alone suggest them.
