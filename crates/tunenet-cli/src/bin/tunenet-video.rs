@@ -39,7 +39,7 @@ fn main() -> ExitCode {
     match done.and_then(|object| print(&object)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            anstream::eprintln!("{error:#}");
+            anstream::eprintln!("{error}");
             if let Some(hint) = error.downcast_ref::<tunenet_core::Error>().and_then(tunenet_core::Error::hint) {
                 anstream::eprintln!("{hint}");
             }
