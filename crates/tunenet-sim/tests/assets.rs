@@ -42,7 +42,7 @@ fn every_scene_of_a_ball_is_read_and_keeps_its_bytes() {
 
 /// Tunes a scene to an observation made by another integrator; returns each parameter's value and interval.
 fn tuned(scene: &str, observation: &str, set: &[&str]) -> Vec<(f64, (f64, f64))> {
-    let mut file = SimulationFile::read(assets().join(scene)).unwrap();
+    let mut file = SimulationFile::read(&assets().join(scene)).unwrap();
     for assignment in set {
         file.set(assignment).unwrap();
     }
