@@ -1,13 +1,13 @@
 //! Safetensors in and out, with one JSON text beside the tensors.
 
 use std::collections::HashMap;
-use std::io::Write;
 use std::path::Path;
 
 use candle_core::{DType, Device, Tensor};
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 
+use crate::observation::recording::write_atomically;
 use crate::{Error, Result};
 
 /// The one metadata key, so that no map decides the order of the bytes.
@@ -42,13 +42,7 @@ pub(super) fn to_bytes(about: String, tensors: &[(String, Tensor)]) -> Result<Ve
 
 /// Writes `bytes` so that `path` holds either what it held before or all of them.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let failed = |e| Error::io(path, "writing", e);
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-    file.write_all(bytes).map_err(failed)?;
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(path).map_err(|e| failed(e.error))?;
-    Ok(())
+    write_atomically(path, |file| file.write_all(bytes))
 }
 
 /// Reads what [`write`] wrote. `kind` names what was expected: "a model".

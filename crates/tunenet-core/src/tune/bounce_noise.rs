@@ -3,6 +3,9 @@
 /// Timing noise assumed where a list is too short to tell, s: a microphone's click is found to about a third of a
 /// millisecond.
 const SHORT_LIST_SD_S: f64 = 3e-4;
+/// No clock that hears impacts is worse than this share of the interval between them; a list that looks so is not noisy but
+/// wrong, and must not pass for a good fit.
+const WORST_SHARE: f64 = 0.015;
 /// A list says something about its own noise from this many bounces on: one quadratic through the logarithms of the
 /// intervals takes three degrees of freedom.
 const FEWEST_FOR_NOISE: usize = 7;
@@ -26,7 +29,8 @@ pub fn bounce_time_sd(index: &[f64], time_s: &[f64]) -> f64 {
     let freedom = ((left.len() as f64) / (left.len() as f64 - 3.0)).sqrt();
     left.sort_unstable_by(f64::total_cmp);
     let median = left[left.len() / 2];
-    (1.4826 * median * freedom / 2f64.sqrt()).max(1e-6)
+    let mean_interval = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+    (1.4826 * median * freedom / 2f64.sqrt()).max(1e-6).min(WORST_SHARE * mean_interval)
 }
 
 fn quadratic(c: &nalgebra::Vector3<f64>, x: f64) -> f64 {

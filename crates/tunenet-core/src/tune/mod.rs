@@ -215,10 +215,13 @@ impl Session<'_> {
         let (mut interval95, used) = intervals(&problem, &fit)?;
         rollouts += used;
         let poor = self.poor(&fit, &mut notes);
-        if poor {
+        // The paper's last iterate stands as it is; anything else would not be the paper's.
+        if poor && self.settings.finish {
             self.fall_back_on_local(&mut fit, &mut interval95, &mut notes);
-            fit.residuals = problem.residuals(&fit.point, 1.0)?;
-            rollouts += self.recordings.len();
+            // The recordings' own unknowns follow the parameters that now stand.
+            let own = Problem { free: &[], ..self.problem() }.fit(fit.point, 1.0)?;
+            rollouts += own.rollouts;
+            (fit.point, fit.residuals) = (own.point, own.residuals);
         }
         let gap = Gap {
             unit: self.simulator.channels()[0].unit.clone(),
