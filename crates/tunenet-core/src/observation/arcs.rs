@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::line::Polynomial;
+use super::release::release;
 use super::{Kind, Note, Observation, noise_sd};
 
 /// A slope difference counts as a kink from this many of its standard deviations on. Noise alone reaches it once in
@@ -28,10 +29,6 @@ const LOCAL_MISFIT: f64 = 1.6;
 const LOCAL_SAMPLES: usize = 12;
 /// A restitution read off one contact with a greater standard deviation says nothing.
 const LOCAL_WORST_SD: f64 = 0.2;
-/// A held start must raise the log-likelihood by half of this over plain flight (a Bayes factor beyond e^10).
-const RELEASE_EVIDENCE: f64 = 20.0;
-/// Most instants of release tried before the neighbourhood of the best is looked at sample by sample.
-const MOST_RELEASES: usize = 200;
 /// Above this Coulomb coefficient a change of horizontal speed is a blow, not friction.
 const GREATEST_FRICTION: f64 = 1.2;
 
@@ -269,73 +266,9 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-fn span(values: &[f64]) -> f64 {
+pub(super) fn span(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     high - low
-}
-
-/// The first sample of free flight: the flight before the first impact is followed backwards for as long as one parabola
-/// (its acceleration free, so that drag is no release) explains it.
-fn release(clock: &[f64], heights: &[f64], from: usize, impact: usize) -> usize {
-    if let Some(begin) = held_until(&clock[from..impact], &heights[from..impact]) {
-        return (from + begin + 1).min(impact - 2);
-    }
-    let sd = noise_sd(&heights[from..impact.min(heights.len())]).max(1e-9);
-    let seed = ((impact - from) / 3).max(6);
-    if impact < from + seed + 2 {
-        return from;
-    }
-    let mut begin = impact - seed;
-    while begin > from {
-        let Some(fit) = Polynomial::fit(&clock[begin..impact], &heights[begin..impact], clock[begin], None) else {
-            return from;
-        };
-        let misfit = |i: usize| (fit.at(clock[i]) - heights[i]).abs();
-        let limit = 6.0 * sd.max(fit.residual_sd) + 1e-3 * span(&heights[from..impact]);
-        // Two misfits in a row end the flight; one is an outlier.
-        if misfit(begin - 1) > limit && (begin < from + 2 || misfit(begin - 2) > limit) {
-            return (begin + 1).min(impact - 2);
-        }
-        begin -= 1;
-    }
-    from
-}
-
-/// The last held sample of a flight that begins with the ball held still and let go: a level line, then a parabola from
-/// its end, must explain the samples far better than one parabola does. `None` where they do not.
-fn held_until(clock: &[f64], heights: &[f64]) -> Option<usize> {
-    if clock.len() < 8 {
-        return None;
-    }
-    let whole = Polynomial::fit(clock, heights, clock[0], None)?;
-    let squares: f64 = clock.iter().zip(heights).map(|(&t, &z)| (z - whole.at(t)).powi(2)).sum();
-    // z = level + fall · (t − release)²₊, by least squares in (level, fall) for a release at sample `i`.
-    let misfit = |i: usize| -> Option<f64> {
-        let bend = |t: f64| (t - clock[i]).max(0.0).powi(2);
-        let (n, mut b, mut bb, mut z, mut bz, mut zz) = (clock.len() as f64, 0.0, 0.0, 0.0, 0.0, 0.0);
-        for (&t, &height) in clock.iter().zip(heights) {
-            // Heights from the first one keep the sums of squares small.
-            let (bend, height) = (bend(t), height - heights[0]);
-            b += bend;
-            bb += bend * bend;
-            z += height;
-            bz += bend * height;
-            zz += height * height;
-        }
-        let fall = (n * bz - b * z) / (n * bb - b * b);
-        let level = (z - fall * b) / n;
-        // Only a fall is a release; 1 to 20 m/s² is gravity in any unit that a ball's record may honestly have.
-        (-10.0..-0.5).contains(&fall).then_some((zz - level * z - fall * bz).max(0.0))
-    };
-    let last = clock.len() - 4;
-    let step = (last / MOST_RELEASES).max(1);
-    let least = |range: &mut dyn Iterator<Item = usize>| {
-        range.filter_map(|i| Some((i, misfit(i)?))).min_by(|a, b| a.1.total_cmp(&b.1))
-    };
-    let (coarse, _) = least(&mut (2..last).step_by(step))?;
-    let (found, remaining) = least(&mut (coarse.saturating_sub(step).max(2)..(coarse + step).min(last)))?;
-    let gain = clock.len() as f64 * (squares / remaining.max(f64::MIN_POSITIVE)).ln();
-    (gain > RELEASE_EVIDENCE).then_some(found)
 }
 
 /// Locates every impact where the flights beside it cross and measures its restitution.

@@ -335,7 +335,7 @@ impl Session<'_> {
             for share in BOUND_STARTS {
                 let point = found.point.with(&[i], &[bound + inward * share * p.span()]);
                 rollouts += self.recordings.len();
-                let rmse = problem.residuals(&point, 1.0).map(|r| problem.rmse(&r)).unwrap_or(f64::INFINITY);
+                let rmse = problem.residuals(&point, 1.0).map_or(f64::INFINITY, |r| problem.rmse(&r));
                 if rmse < best.as_ref().map_or(level, |b| b.0) {
                     best = Some((rmse, point));
                 }
