@@ -11,6 +11,7 @@ mod algorithm1;
 mod bounce_noise;
 mod fit;
 mod interval;
+mod judge;
 mod outcome;
 mod residual;
 mod starts;
@@ -22,7 +23,6 @@ pub use fit::{Fit, Problem};
 pub use interval::{LEVEL, Spread, intervals};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Stop, Verdict};
 pub use residual::channel_noise;
-use starts::local_estimate;
 pub use unknowns::{Point, free};
 
 use nalgebra::DMatrix;
@@ -32,9 +32,6 @@ use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Prepared, Simulator};
 use crate::{Error, Result};
 
-/// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
-/// 95 % interval of .95.
-const UNINFORMATIVE_SHARE: f64 = 0.9;
 /// How to tune.
 #[derive(Debug, Clone)]
 pub struct Settings {
@@ -129,6 +126,7 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         stop: Stop::Nothing,
         notes,
         point: None,
+        free: Vec::new(),
         used,
     }
 }
@@ -234,7 +232,9 @@ impl Session<'_> {
         } else {
             Verdict::Tuned
         };
-        let correlation = correlation(&fit.covariance);
+        judge::name_directions(self, &fit, &mut notes);
+        let correlation = judge::correlation(&fit.covariance);
+        let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
         let (gap, point) = (Some(gap), Some(fit.point));
         Ok(Outcome {
             verdict,
@@ -246,111 +246,8 @@ impl Session<'_> {
             stop,
             notes,
             point,
+            free,
             used: Vec::new(),
         })
     }
-
-    /// Whether any recording keeps more than its noise explains; says by how much.
-    fn poor(&self, fit: &Fit, notes: &mut Vec<Note>) -> bool {
-        let mut poor = false;
-        for (d, recording) in self.recordings.iter().enumerate() {
-            let share = self.free.len().div_ceil(self.recordings.len());
-            let adequacy =
-                Adequacy::of(&recording.seen, &self.noise[d], &fit.residuals[d], recording.own.len() + share);
-            if adequacy.poor() {
-                poor = true;
-                let which = if self.recordings.len() > 1 { format!("recording {}: ", d + 1) } else { String::new() };
-                let text = format!(
-                    "{which}the tuned rollout leaves {:.1} times the noise, more than the {:.1} that chance explains",
-                    adequacy.ratio, adequacy.limit
-                );
-                notes.push(Note::new(
-                    "fit.poor",
-                    text,
-                    "an effect is missing from the simulation, or the recording is of something else",
-                ));
-            } else if !adequacy.tested {
-                let text = format!("{} samples are too few to tell noise from misfit", recording.seen.len());
-                notes.push(Note::new("fit.untested", text, "bring a longer recording"));
-            }
-        }
-        poor
-    }
-
-    /// Where the record as a whole is not explained, what its events alone say stands: a force missing in flight must not
-    /// be booked as restitution.
-    fn fall_back_on_local(&self, fit: &mut Fit, interval95: &mut [(f64, f64)], notes: &mut Vec<Note>) {
-        for (&i, interval) in self.free.iter().zip(interval95) {
-            let p = &self.simulator.parameters()[i];
-            if let Some((value, sd)) = local_estimate(self.recordings, i) {
-                let text = format!(
-                    "`{}` is read off the contacts alone ({value:.4}); the whole record would give {:.4}",
-                    p.name, fit.point.parameters[i]
-                );
-                fit.point.parameters[i] = value.clamp(p.min, p.max);
-                *interval = ((value - 1.96 * sd).max(p.min), (value + 1.96 * sd).min(p.max));
-                notes.push(Note::new("fit.local", text, ""));
-            }
-        }
-    }
-
-    fn noise_floor(&self) -> f64 {
-        let squares: f64 = self
-            .recordings
-            .iter()
-            .zip(self.noise)
-            .map(|(r, n)| r.seen.len() as f64 * n.iter().map(|s| s * s).sum::<f64>())
-            .sum();
-        (squares / self.recordings.iter().map(|r| r.seen.len()).sum::<usize>() as f64).sqrt()
-    }
-
-    fn estimates(&self, start: &Point, fit: &Fit, interval95: &[(f64, f64)], notes: &mut Vec<Note>) -> Vec<Estimate> {
-        let mut all = Vec::new();
-        for (i, p) in self.simulator.parameters().iter().enumerate().filter(|(_, p)| p.tune) {
-            let place = self.free.iter().position(|&f| f == i);
-            let interval = place.map_or((p.min, p.max), |k| (interval95[k].0.max(p.min), interval95[k].1.min(p.max)));
-            let identified = place.is_some() && interval.1 - interval.0 < UNINFORMATIVE_SHARE * p.span();
-            let value = fit.point.parameters[i];
-            if !identified {
-                let reason = self.recordings.iter().find_map(|r| r.silent[i].clone());
-                notes.push(reason.unwrap_or_else(|| {
-                    let text = format!(
-                        "the data do not determine `{}`: any value from {:.3} to {:.3} fits",
-                        p.name, interval.0, interval.1
-                    );
-                    Note::new("parameter.not_identifiable", text, "bring a recording in which it matters")
-                }));
-            } else if value <= p.min || value >= p.max {
-                let text = format!("`{}` ends on its bound {value}", p.name);
-                notes.push(Note::new(
-                    "parameter.at_bound",
-                    text,
-                    "check the bounds, the units and the surface's height",
-                ));
-            }
-            all.push(Estimate {
-                name: p.name.clone(),
-                unit: p.unit.clone(),
-                before: start.parameters[i],
-                value,
-                interval95: interval,
-                bounds: (p.min, p.max),
-                identified,
-            });
-        }
-        all
-    }
-}
-
-fn correlation(covariance: &DMatrix<f64>) -> DMatrix<f64> {
-    DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
-        let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-        if i == j {
-            1.0
-        } else if scale.is_finite() && scale > 0.0 {
-            covariance[(i, j)] / scale
-        } else {
-            0.0
-        }
-    })
 }
