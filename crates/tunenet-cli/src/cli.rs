@@ -73,7 +73,9 @@ An interrupted run goes on where it stopped when the same command is given again
 const BENCH_EXAMPLES: &str = "\
 Examples:
   tunenet bench speed
-  tunenet bench speed --json";
+  tunenet bench speed --json
+  tunenet bench tuning --quick --only easy-0 easy-2cm
+An interrupted `bench tuning` goes on where it stopped when the same command is given again.";
 
 /// The simulation, wherever a command takes one.
 #[derive(Debug, Args)]
@@ -243,18 +245,64 @@ pub struct Train {
     pub common: Common,
 }
 
-/// What is measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Measured {
-    /// Rollouts, training and tuning per second
-    Speed,
-}
-
 /// `tunenet bench`.
 #[derive(Debug, Args)]
 pub struct Bench {
     /// Which
+    #[command(subcommand)]
     pub what: Measured,
+}
+
+/// What is measured.
+#[derive(Debug, Subcommand)]
+pub enum Measured {
+    /// Rollouts, training and tuning per second
+    Speed(BenchSpeed),
+    /// Error against rollouts, beside rivals, a maximum-likelihood fit and the Cramér–Rao bound
+    Tuning(BenchTuning),
+}
+
+/// `tunenet bench speed`.
+#[derive(Debug, Args)]
+pub struct BenchSpeed {
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// A row of `bench tuning`: restitutions .3 to .7 (easy) or 0 to 1 (hard), and the noise on the height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Row {
+    #[value(name = "easy-0")]
+    Easy0,
+    #[value(name = "hard-0")]
+    Hard0,
+    #[value(name = "easy-5mm")]
+    Easy5mm,
+    #[value(name = "easy-2cm")]
+    Easy2cm,
+    #[value(name = "hard-5mm")]
+    Hard5mm,
+    #[value(name = "hard-2cm")]
+    Hard2cm,
+    /// Drops from other engines, in the folder that TUNENET_PEERS names
+    Cross,
+}
+
+/// `tunenet bench tuning`.
+#[derive(Debug, Args)]
+pub struct BenchTuning {
+    /// Where finished cells, models and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-tuning")]
+    pub out: PathBuf,
+    /// Only these rows
+    #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
+    pub only: Vec<Row>,
+    /// Targets in each row [default: 1000; 200 with --quick]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub targets: Option<u64>,
+    /// One short training of each preset instead of three whole ones
+    #[arg(long)]
+    pub quick: bool,
     #[command(flatten)]
     pub common: Common,
 }

@@ -7,7 +7,8 @@ use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, Simulator, rollout};
 use crate::{Error, Result};
 
-/// Two iterates farther apart than this share of the bounds give a chord, not a slope, so no secant step is taken.
+/// Two rollouts farther apart than this share of the bounds give a chord, not a slope, so no secant step is taken; nor does
+/// one reach farther than that.
 const LONGEST_SECANT: f64 = 0.03;
 /// ... and closer than this the rollouts differ by rounding alone.
 const SHORTEST_SECANT: f64 = 1e-9;
@@ -19,8 +20,8 @@ pub struct Loop {
     pub iterations: usize,
     /// Whether values are kept within their bounds.
     pub clamp: bool,
-    /// Whether steps after the first two may use the slope between earlier rollouts (Gauss–Newton by secants) where the
-    /// network's own are too coarse. Only sensible for one parameter.
+    /// Whether steps may start from the best rollout and use the slope to another near it (Gauss–Newton by secants) where
+    /// the network's own are too coarse. Only sensible for one parameter.
     pub secant: bool,
     /// Whether the best iterate by trajectory error is returned, instead of the last.
     pub best: bool,
@@ -51,14 +52,14 @@ pub fn walk(
     let free = positions(simulator.parameters(), model)?;
     let clock = recording.seen.clock();
     let mut point = start;
-    let mut seen: Vec<(f64, Vec<f64>, f64)> = Vec::new();
+    let secant = settings.secant && free.len() == 1;
+    let mut seen: Vec<Rolled> = Vec::new();
     let mut iterations = Vec::new();
     let mut best: Option<(f64, Point)> = None;
     for k in 0..=settings.iterations {
         let values = rollout(simulator, &point.parameters, &point.own[0], clock)?;
-        let rmse = (values.iter().zip(recording.seen.values()).map(|(p, s)| (s - p).powi(2)).sum::<f64>()
-            / clock.len() as f64)
-            .sqrt();
+        let squares = values.iter().zip(recording.seen.values()).map(|(p, s)| (s - p).powi(2)).sum::<f64>();
+        let rmse = (squares / clock.len() as f64).sqrt();
         iterations.push(Iteration { k, parameters: point.at(&free), rmse });
         if best.as_ref().is_none_or(|(least, _)| rmse < *least) {
             best = Some((rmse, point.clone()));
@@ -67,22 +68,22 @@ pub fn walk(
             break;
         }
         let now = point.at(&free);
-        let secant = (settings.secant && free.len() == 1 && k >= 1)
-            .then(|| {
-                secant_step(&seen, now[0], &values, recording.seen.values(), simulator.parameters()[free[0]].span())
-            })
-            .flatten();
-        seen.push((now[0], values.clone(), rmse));
-        let step = if let Some(step) = secant {
-            vec![step]
+        let mut next = None;
+        if secant {
+            seen.push(Rolled { at: now[0], values: values.clone(), rmse });
+            next = secant_step(&seen, recording.seen.values(), simulator.parameters()[free[0]].span());
+        }
+        let next = if let Some(next) = next {
+            vec![next]
         } else {
             let (kind, channels) = (recording.seen.kind(), recording.seen.channels().to_vec());
             let proposed = Observation::new(kind, channels, clock.to_vec(), values)?;
-            model.estimate(&proposed, recording.scale.as_ref(), &recording.seen, recording.scale.as_ref())?
+            let step =
+                model.estimate(&proposed, recording.scale.as_ref(), &recording.seen, recording.scale.as_ref())?;
+            now.iter().zip(step).map(|(value, step)| value + step).collect()
         };
-        for (&position, step) in free.iter().zip(step) {
+        for (&position, value) in free.iter().zip(next) {
             let p = &simulator.parameters()[position];
-            let value = point.parameters[position] + step;
             point.parameters[position] = if settings.clamp { value.clamp(p.min, p.max) } else { value };
         }
     }
@@ -106,17 +107,31 @@ fn positions(parameters: &[Parameter], model: &Model) -> Result<Vec<usize>> {
     model.parameters().iter().map(|p| find(&p.name)).collect()
 }
 
-/// The Gauss–Newton step whose slope is the difference to the nearest earlier rollout. At the end it is the maximum of
-/// the likelihood for white noise. `None` where no earlier rollout is near enough, or too near.
-fn secant_step(earlier: &[(f64, Vec<f64>, f64)], at: f64, values: &[f64], seen: &[f64], span: f64) -> Option<f64> {
-    let distance = |x: f64| (x - at).abs() / span;
-    let near = earlier.iter().filter(|(x, ..)| distance(*x) > SHORTEST_SECANT && distance(*x) < LONGEST_SECANT);
-    let (x, other, _) = near.min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)))?;
+/// A rollout that has been made: where, what it gave, and how far off.
+struct Rolled {
+    at: f64,
+    values: Vec<f64>,
+    rmse: f64,
+}
+
+/// Where the Gauss–Newton step from the best rollout leads, its slope the difference to the nearest other. At the end it is
+/// the maximum of the likelihood for white noise. `None` where no other is near enough.
+///
+/// All others are worse, so the best value lies nearer to the best rollout than to any of them: a step goes at most half
+/// the way to the next. That keeps it from the wilderness where a slope is hardly there (a restitution near 0).
+fn secant_step(rolled: &[Rolled], seen: &[f64], span: f64) -> Option<f64> {
+    let best = rolled.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;
+    let distance = |other: &Rolled| (other.at - best.at).abs() / span;
+    let others = || rolled.iter().filter(|other| distance(other) > SHORTEST_SECANT);
+    let near = others().min_by(|a, b| distance(a).total_cmp(&distance(b))).filter(|o| distance(o) < LONGEST_SECANT)?;
     let (mut square, mut product) = (0.0, 0.0);
-    for ((new, old), seen) in values.iter().zip(other).zip(seen) {
-        let slope = (new - old) / (at - x);
+    for ((new, old), seen) in best.values.iter().zip(&near.values).zip(seen) {
+        let slope = (new - old) / (best.at - near.at);
         square += slope * slope;
         product += slope * (seen - new);
     }
-    (square > 0.0).then(|| product / square)
+    let step = (square > 0.0).then(|| product / square)?;
+    let ahead = others().map(|other| (other.at - best.at) * step.signum()).filter(|way| *way > 0.0);
+    let reach = ahead.fold(LONGEST_SECANT * span, |least, way| least.min(0.5 * way));
+    Some(best.at + step.clamp(-reach, reach))
 }

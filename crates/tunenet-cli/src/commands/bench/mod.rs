@@ -2,6 +2,7 @@
 
 mod process;
 mod speed;
+mod tuning;
 
 use anyhow::Result;
 
@@ -9,7 +10,8 @@ use crate::cli::{Bench, Measured};
 use crate::failure::Exit;
 
 pub fn run(options: &Bench) -> Result<Exit> {
-    match options.what {
-        Measured::Speed => speed::run(options),
+    match &options.what {
+        Measured::Speed(options) => speed::run(options),
+        Measured::Tuning(options) => tuning::run(options),
     }
 }

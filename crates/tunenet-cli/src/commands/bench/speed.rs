@@ -10,7 +10,7 @@ use tunenet_core::network::{Preset, TrainOptions, train};
 use tunenet_sim::ball::{Scene, State, positions};
 
 use super::process;
-use crate::cli::Bench;
+use crate::cli::BenchSpeed;
 use crate::commands::print_json;
 use crate::failure::Exit;
 use crate::terminal::{stage, table};
@@ -25,7 +25,7 @@ const MANY_PAIRS: &str = "100000";
 /// The simulation that a whole `tune` is timed on: the paper's ball, its height known.
 const SCENE: &str = include_str!("../../../../../assets/ball_easy.toml");
 
-pub fn run(options: &Bench) -> Result<Exit> {
+pub fn run(options: &BenchSpeed) -> Result<Exit> {
     let clock: Vec<f64> = (0..FRAMES).map(|i| i as f64 / RATE_HZ).collect();
     let mut random = ChaCha8Rng::seed_from_u64(options.common.seed);
     let drops: Vec<(f64, f64)> =

@@ -1,0 +1,211 @@
+//! `tunenet bench tuning`: how near, after how many rollouts, beside what else the rollouts could be spent on.
+//!
+//! ```text
+//! targets (closed_form) → measure (ours, rivals | likelihood) → results → write
+//! ```
+//!
+//! Every finished cell is kept by [`resume`].
+
+mod closed_form;
+mod cross;
+mod likelihood;
+mod measure;
+mod ours;
+mod results;
+mod resume;
+mod rivals;
+mod rows;
+mod targets;
+mod write;
+
+use anyhow::{Context, Result};
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use serde_json::json;
+use tunenet_core::network::{Model, Preset};
+
+use self::measure::{Accuracy, Rival, Tuner};
+use self::ours::Seconds;
+use self::results::{Method, Results, Table};
+use self::resume::Store;
+use self::rivals::Stored;
+use self::rows::{BUDGETS, Goal, Limit, Statistic};
+use self::targets::{Simulation, Target};
+use crate::cli::{BenchTuning, Row};
+use crate::commands::{load, print_json};
+use crate::failure::Exit;
+use crate::terminal::{progress, stage};
+
+/// Trainings of each preset.
+const TRAININGS: u64 = 3;
+/// `gen` and `train` of preset `default` together, s.
+const MAKING_LIMIT_S: f64 = 30.0;
+/// Targets of a row, and of a quick one.
+const TARGETS: u64 = 1000;
+const QUICK_TARGETS: u64 = 200;
+
+pub fn run(options: &BenchTuning) -> Result<Exit> {
+    let rows: Vec<Row> = Row::ALL.into_iter().filter(|r| options.only.is_empty() || options.only.contains(r)).collect();
+    let targets = options.targets.unwrap_or(if options.quick { QUICK_TARGETS } else { TARGETS });
+    let seed = options.common.seed;
+    let trainings: Vec<u64> = (0..if options.quick { 1 } else { TRAININGS }).map(|i| seed * TRAININGS + i).collect();
+    // The version alone would not tell a rebuilt program from the one that made a cell.
+    let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
+    let key = json!({ "program": program, "seed": seed, "targets": targets, "quick": options.quick });
+    let store = Store::open(&options.out, key)?;
+
+    let per_row = 2 * trainings.len() as u64 + 4;
+    let steps = rows.iter().map(|r| if *r == Row::Cross { 4 * per_row } else { per_row }).sum::<u64>();
+    let bar = progress(steps + 2 * trainings.len() as u64, "tuning");
+    let simulation = Simulation::new()?;
+    let models = Models::make(&store, &trainings, options.quick, &bar)?;
+    let stored = Stored::new(&simulation)?;
+    let bench = Bench { simulation: &simulation, store: &store, models: &models, stored: &stored, bar: &bar };
+
+    let (mut tables, mut warnings) = (Vec::new(), Vec::new());
+    for row in rows {
+        if row != Row::Cross {
+            tables.extend(bench.row(row, seed, targets)?);
+            continue;
+        }
+        match cross::folder() {
+            Some(folder) => tables.extend(bench.cross(&folder)?),
+            None => warnings.push(format!("cross, since {} names no folder", cross::FOLDER)),
+        }
+    }
+    bar.finish_and_clear();
+    let results = Results {
+        schema: "tunenet.bench.tuning/1",
+        command: command(options, targets),
+        version: env!("CARGO_PKG_VERSION"),
+        seed,
+        targets,
+        quick: options.quick,
+        trainings,
+        rollouts: BUDGETS.to_vec(),
+        rows: tables,
+        making: models.making,
+        making_limit_s: MAKING_LIMIT_S,
+        warnings,
+    };
+    write::all(&options.out, &results)?;
+    anstream::eprintln!("{}", write::markdown(&results));
+    stage("wrote", &options.out.join("tuning.md").display().to_string());
+    if options.common.json {
+        print_json(&serde_json::to_value(&results)?);
+    }
+    Ok(Exit::Done)
+}
+
+/// The command that makes these results again.
+fn command(options: &BenchTuning, targets: u64) -> String {
+    let only = match &options.only[..] {
+        [] => String::new(),
+        rows => format!(" --only {}", rows.iter().map(|r| r.name()).collect::<Vec<_>>().join(" ")),
+    };
+    let quick = if options.quick { " --quick" } else { "" };
+    format!("tunenet bench tuning --targets {targets}{quick} --seed {}{only}", options.common.seed)
+}
+
+/// The trained networks.
+struct Models {
+    /// By preset, `default` first, and training seed.
+    all: Vec<(&'static str, u64, Model)>,
+    making: Option<Seconds>,
+}
+
+impl Models {
+    fn make(store: &Store, trainings: &[u64], quick: bool, bar: &ProgressBar) -> Result<Self> {
+        let (own, paper) = (Preset::default(), Preset::paper());
+        let make = |(name, preset, seed): (&'static str, &Preset, u64)| {
+            let (model, seconds) = ours::trained(store, preset, seed, quick)?;
+            bar.inc(1);
+            Ok(((name, seed, model), seconds))
+        };
+        let each = |name, preset| trainings.iter().map(move |seed| (name, preset, *seed));
+        let mut jobs: Vec<_> = each("default", &own).chain(each("paper", &paper)).collect();
+        // The first alone, because its time is stated.
+        let first = make(jobs.remove(0))?;
+        let rest: Vec<_> = jobs.into_par_iter().map(make).collect::<Result<_>>()?;
+        let making = (!quick).then_some(first.1);
+        Ok(Self { all: std::iter::once(first).chain(rest).map(|(model, _)| model).collect(), making })
+    }
+
+    fn of<'a>(&'a self, preset: &'static str) -> impl Iterator<Item = (u64, &'a Model)> + 'a {
+        self.all.iter().filter(move |m| m.0 == preset).map(|m| (m.1, &m.2))
+    }
+}
+
+/// Everything that a cell needs.
+struct Bench<'a> {
+    simulation: &'a Simulation,
+    store: &'a Store,
+    models: &'a Models,
+    stored: &'a Stored,
+    bar: &'a ProgressBar,
+}
+
+impl Bench<'_> {
+    fn row(&self, row: Row, seed: u64, count: u64) -> Result<Option<Table>> {
+        let Some(conditions) = row.conditions() else { return Ok(None) };
+        let draw = |number| self.simulation.target(conditions, seed, row as u64, number);
+        let targets: Vec<Target> = (0..count).into_par_iter().map(draw).collect::<Result<_>>()?;
+        let methods = self.methods(row.name(), |tuner| {
+            Ok(measure::accuracy(&measure::courses(self.simulation, tuner, &targets)?, &targets))
+        })?;
+        let fit = || Ok(measure::reference(self.simulation, conditions, &targets));
+        let reference = Some(self.store.keep(&format!("{}-likelihood", row.name()), fit)?);
+        self.bar.inc(1);
+        let goals = row.goals().iter().filter_map(|g| results::hold(g, &methods, reference.as_ref())).collect();
+        Ok(Some(Table {
+            row: row.name().into(),
+            unit: "error of restitution",
+            targets: targets.len(),
+            noise_m: Some(conditions.noise_m),
+            reference,
+            methods,
+            goals,
+        }))
+    }
+
+    fn cross(&self, folder: &std::path::Path) -> Result<Vec<Table>> {
+        let mut tables = Vec::new();
+        for (set, range, rival_cm) in cross::SETS {
+            let targets = cross::targets(self.simulation, &folder.join(set), range)?;
+            let name = format!("cross-{set}");
+            let methods = self.methods(&name, |tuner| {
+                measure::distances_cm(self.simulation, &measure::courses(self.simulation, tuner, &targets)?, &targets)
+            })?;
+            self.bar.inc(1);
+            let goal = Goal { rollouts: 5, statistic: Statistic::Mean, limit: Limit::Absolute(rival_cm) };
+            let goals = results::hold(&goal, &methods, None).into_iter().collect();
+            let unit = "mean distance in height, cm";
+            let table =
+                Table { row: name, unit, targets: targets.len(), noise_m: None, reference: None, methods, goals };
+            tables.push(table);
+        }
+        Ok(tables)
+    }
+
+    /// All ways of tuning, `default` first.
+    fn methods(&self, row: &str, measure: impl Fn(&Tuner) -> Result<Accuracy>) -> Result<Vec<Method>> {
+        let mut methods = Vec::new();
+        for preset in ["default", "paper"] {
+            let mut runs = Vec::new();
+            for (seed, model) in self.models.of(preset) {
+                let run = || measure(&Tuner::Network(model));
+                runs.push(self.store.keep(&format!("{row}-{preset}-{seed}"), run)?);
+                self.bar.inc(1);
+            }
+            let title = format!("preset `{preset}`, {} trainings", runs.len());
+            methods.push(Method::of(preset, title, &runs));
+        }
+        for rival in Rival::ALL {
+            let run = || measure(&Tuner::Rival(rival, self.stored));
+            let accuracy = self.store.keep(&format!("{row}-{}", rival.name()), run)?;
+            methods.push(Method::of(rival.name(), rival.title().into(), &[accuracy]));
+            self.bar.inc(1);
+        }
+        Ok(methods)
+    }
+}

@@ -1,0 +1,62 @@
+//! Our own networks: generated for, trained and asked in the loop of Algorithm 1.
+
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use tunenet_core::network::{Course as Shown, Model, Preset, TrainOptions, train};
+use tunenet_core::tune::{Loop, walk};
+
+use super::super::process;
+use super::resume::Store;
+use super::rivals::Course;
+use super::rows::MOST;
+use super::targets::{Simulation, Target};
+
+/// What making a model took, s.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Seconds {
+    pub generate: f64,
+    pub train: f64,
+}
+
+/// A preset's own data set and how much shorter a quick training is.
+fn recipe(preset: &Preset, quick: bool) -> (&'static str, &'static str, Preset) {
+    let mut preset = preset.clone();
+    if quick && let Shown::Remixed { steps, .. } = &mut preset.course {
+        *steps /= 4;
+    }
+    if preset.name == "paper" { ("easy", "800", preset) } else { ("wide", "1000", preset) }
+}
+
+/// The model of a preset and a seed, from disk where it has been trained already.
+pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result<(Model, Seconds)> {
+    let name = format!("{}-{seed}", preset.name);
+    let path = store.model(&name);
+    let seconds = store.keep(&format!("training-{name}"), || {
+        let (pairs, count, preset) = recipe(preset, quick);
+        let data = path.with_extension("mcap");
+        let began = Instant::now();
+        let seed_text = seed.to_string();
+        let out = data.to_str().context("the folder's name is not Unicode")?;
+        // Whatever another program left there is not ours to go on with.
+        let _ = std::fs::remove_file(&data);
+        process::run(&["gen", "ball", "--preset", pairs, "--pairs", count, "--seed", &seed_text, "--out", out])?;
+        let generate = began.elapsed().as_secs_f64();
+        let began = Instant::now();
+        train(&data, &TrainOptions { preset, seed, checkpoint: None }, &mut |_| true)?.save(&path)?;
+        let train = began.elapsed().as_secs_f64();
+        std::fs::remove_file(&data).with_context(|| format!("removing {}", data.display()))?;
+        Ok(Seconds { generate, train })
+    })?;
+    Ok((Model::load(&path)?, seconds))
+}
+
+/// The estimate after every rollout; the one that only judges the last iterate moves nothing.
+pub fn course(simulation: &Simulation, model: &Model, target: &Target) -> Result<Course> {
+    // As `tune` asks for the two: the paper's loop is the bare one. Values without a rollout are none, so both are clamped.
+    let own = model.preset().name != "paper";
+    let how = Loop { iterations: MOST, clamp: true, secant: own, best: own };
+    let walk = walk(&simulation.ball, &target.prepared, model, simulation.start(target), how)?;
+    Ok(walk.iterations.iter().map(|i| i.parameters[0]).collect())
+}

@@ -1,0 +1,195 @@
+//! What else a rollout can be spent on. Each gives its estimate before the first rollout and after every one.
+
+use anyhow::Result;
+
+use super::closed_form::GRAVITY_M_S2;
+use super::rows::MOST;
+use super::targets::{Simulation, Target};
+
+/// Rollouts stored for [`nearest_stored`], evenly over the restitutions.
+const STORED: u32 = 201;
+/// The fall that they were rolled out from, and their rate: dimensionless, they serve every height. Finer than the target, so
+/// that reading between two samples costs nothing beside it.
+const STORED_FALL_M: f64 = 4.0;
+const STORED_RATE_HZ: f64 = 1920.0;
+const STORED_FRAMES: u32 = 13_800;
+
+/// Estimates after 0, 1, … [`MOST`] rollouts.
+pub type Course = Vec<f64>;
+
+/// The rule `e = √(first rebound / fall)` inside the paper's own loop, `c ← c + rule(target) − rule(rollout(c))`, started
+/// at the rule itself.
+pub fn apex_loop(simulation: &Simulation, target: &Target) -> Result<Course> {
+    let rule = |heights: &[f64]| apex(target.fall_m, &simulation.clock, heights);
+    let wanted = rule(&target.heights_m);
+    let mut course = vec![wanted.clamp(0.0, 1.0)];
+    for k in 0..MOST {
+        let seen = rule(&simulation.roll(target, course[k])?);
+        course.push((course[k] + wanted - seen).clamp(0.0, 1.0));
+    }
+    Ok(course)
+}
+
+/// `√(apex of the first rebound / fall)`. The apex is that of a parabola, its curvature that of gravity, through the inner
+/// four fifths of the arc, so that every sample there counts; exact without noise. Where the arc holds fewer than three
+/// samples, the highest of them.
+pub fn apex(fall_m: f64, clock: &[f64], heights_m: &[f64]) -> f64 {
+    let first = (2.0 * fall_m / GRAVITY_M_S2).sqrt();
+    // No later rebound is higher, and the first ends by 3 × the fall's time.
+    let within = |from: f64, to: f64| {
+        clock.iter().zip(heights_m).filter(move |(t, _)| (from..=to).contains(*t)).map(|(t, z)| (*t, *z))
+    };
+    let highest = within(first, 3.0 * first).map(|(_, z)| z).fold(0.0, f64::max);
+    let mut guess = (highest / fall_m).sqrt().min(1.0);
+    for _ in 0..3 {
+        let (middle, half) = (first * (1.0 + guess), 0.8 * first * guess);
+        // z + g s²/2 is a straight line a + b s, whose parabola has its apex at a + b²/2g.
+        let line = |s: f64, z: f64| (s, z + 0.5 * GRAVITY_M_S2 * s * s);
+        let points: Vec<_> = within(middle - half, middle + half).map(|(t, z)| line(t - middle, z)).collect();
+        if points.len() < 3 {
+            break;
+        }
+        let n = points.len() as f64;
+        let (mean_s, mean_y) =
+            (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+        let square: f64 = points.iter().map(|p| (p.0 - mean_s).powi(2)).sum();
+        let slope = points.iter().map(|p| (p.0 - mean_s) * (p.1 - mean_y)).sum::<f64>() / square;
+        let apex = mean_y - slope * mean_s + slope * slope / (2.0 * GRAVITY_M_S2);
+        guess = (apex.max(0.0) / fall_m).sqrt().min(1.0);
+    }
+    guess
+}
+
+/// Rollouts made beforehand, as heights in units of the fall at its own times.
+pub struct Stored {
+    restitutions: Vec<f64>,
+    rollouts: Vec<Vec<f64>>,
+}
+
+impl Stored {
+    pub fn new(simulation: &Simulation) -> Result<Self> {
+        let clock: Vec<f64> = (0..STORED_FRAMES).map(|i| f64::from(i) / STORED_RATE_HZ).collect();
+        let restitutions: Vec<f64> = (0..STORED).map(|i| f64::from(i) / f64::from(STORED - 1)).collect();
+        let roll = |e: &f64| {
+            let heights = simulation.roll_on(&clock, STORED_FALL_M, *e)?;
+            Ok(heights.iter().map(|z| z / STORED_FALL_M).collect())
+        };
+        let rollouts = restitutions.iter().map(roll).collect::<Result<_>>()?;
+        Ok(Self { restitutions, rollouts })
+    }
+
+    /// The rollout number `i` as it would have been seen from another height: lengths scale with it, times with its root.
+    fn seen(&self, i: usize, fall_m: f64, clock: &[f64]) -> Vec<f64> {
+        let stretch = (STORED_FALL_M / fall_m).sqrt() * STORED_RATE_HZ;
+        let at = |t: &f64| {
+            let place = t * stretch;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in the record")]
+            let before = (place as usize).min(self.rollouts[i].len() - 2);
+            let share = place - before as f64;
+            fall_m * (self.rollouts[i][before] * (1.0 - share) + self.rollouts[i][before + 1] * share)
+        };
+        clock.iter().map(at).collect()
+    }
+}
+
+/// Starts at the stored rollout that lies nearest, then Gauss–Newton with the slope to the nearest rollout known, stored
+/// or made.
+pub fn nearest_stored(simulation: &Simulation, stored: &Stored, target: &Target) -> Result<Course> {
+    let all: Vec<(f64, Vec<f64>)> = (0..stored.restitutions.len())
+        .map(|i| (stored.restitutions[i], stored.seen(i, target.fall_m, &simulation.clock)))
+        .collect();
+    let off = |heights: &[f64]| heights.iter().zip(&target.heights_m).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+    let nearest = all.iter().map(|(e, heights)| (*e, off(heights))).min_by(|a, b| a.1.total_cmp(&b.1));
+    let mut known = all;
+    let mut course = vec![nearest.map_or(target.proposed, |(e, _)| e)];
+    for k in 0..MOST {
+        let (here, heights) = (course[k], simulation.roll(target, course[k])?);
+        let others = known.iter().filter(|(e, _)| (e - here).abs() > 1e-9);
+        let other = others.min_by(|a, b| (a.0 - here).abs().total_cmp(&(b.0 - here).abs()));
+        let step = other.map_or(0.0, |(e, other)| {
+            let (mut square, mut product) = (0.0, 0.0);
+            for ((new, old), seen) in heights.iter().zip(other).zip(&target.heights_m) {
+                let slope = (new - old) / (here - e);
+                square += slope * slope;
+                product += slope * (seen - new);
+            }
+            if square > 0.0 { product / square } else { 0.0 }
+        });
+        known.push((here, heights));
+        course.push((here + step).clamp(0.0, 1.0));
+    }
+    Ok(course)
+}
+
+/// Brent's bounded search (1973) on the sum of squares, told the range that the target was drawn from; the best so far.
+pub fn brent(simulation: &Simulation, target: &Target) -> Result<Course> {
+    let cost = |e: f64| -> Result<f64> {
+        let heights = simulation.roll(target, e)?;
+        Ok(heights.iter().zip(&target.heights_m).map(|(a, b)| (a - b).powi(2)).sum())
+    };
+    let golden = 0.5 * (3.0 - 5f64.sqrt());
+    let (mut low, mut high) = target.range;
+    let mut x = low + golden * (high - low);
+    let mut at_x = cost(x)?;
+    let mut course = vec![target.proposed, x];
+    // The second and third best, and the last two steps.
+    let ((mut w, mut at_w), (mut v, mut at_v)) = ((x, at_x), (x, at_x));
+    let (mut step, mut before) = (0.0_f64, 0.0_f64);
+    while course.len() <= MOST {
+        let middle = 0.5 * (low + high);
+        let tolerance = 1e-8 * x.abs() + 1e-10;
+        let r = (x - w) * (at_x - at_v);
+        let q = (x - v) * (at_x - at_w);
+        let (p, q) = ((x - v) * q - (x - w) * r, 2.0 * (q - r));
+        let (p, q) = if q > 0.0 { (-p, q) } else { (p, -q) };
+        let last = std::mem::replace(&mut before, step);
+        // A parabola through the three best, where it falls inside and shrinks; else a golden section.
+        if p.abs() < (0.5 * q * last).abs() && p > q * (low - x) && p < q * (high - x) {
+            step = p / q;
+        } else {
+            before = if x < middle { high - x } else { low - x };
+            step = golden * before;
+        }
+        if step.abs() < tolerance {
+            step = tolerance.copysign(middle - x);
+        }
+        let u = (x + step).clamp(low, high);
+        let at_u = cost(u)?;
+        if at_u <= at_x {
+            if u < x {
+                high = x
+            } else {
+                low = x
+            }
+            ((v, at_v), (w, at_w), (x, at_x)) = ((w, at_w), (x, at_x), (u, at_u));
+        } else {
+            if u < x {
+                low = u
+            } else {
+                high = u
+            }
+            if at_u <= at_w || w == x {
+                ((v, at_v), (w, at_w)) = ((w, at_w), (u, at_u));
+            } else if at_u <= at_v || v == x || v == w {
+                (v, at_v) = (u, at_u);
+            }
+        }
+        course.push(x);
+    }
+    Ok(course)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::closed_form::Drop;
+    use super::*;
+
+    #[test]
+    fn the_apex_rule_is_exact_without_noise() {
+        let clock: Vec<f64> = (0..400).map(|i| f64::from(i) / 60.0).collect();
+        for restitution in [0.1, 0.3, 0.512_3, 0.7, 0.95, 1.0] {
+            let seen = Drop { fall_m: 4.2, restitution }.heights(&clock);
+            assert!((apex(4.2, &clock, &seen) - restitution).abs() < 1e-12, "{}", apex(4.2, &clock, &seen));
+        }
+    }
+}
