@@ -132,7 +132,7 @@ impl Error {
 fn io_hint(action: &str, kind: std::io::ErrorKind) -> Option<&'static str> {
     use std::io::ErrorKind;
     match kind {
-        ErrorKind::NotFound if action == "writing" => Some("make the folder first"),
+        ErrorKind::NotFound if matches!(action, "writing" | "creating") => Some("make the folder first"),
         ErrorKind::NotFound => Some("check the path"),
         ErrorKind::PermissionDenied => Some("check who may use the file"),
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {

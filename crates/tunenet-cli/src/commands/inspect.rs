@@ -9,7 +9,7 @@ use tunenet_sim::SimulationFile;
 
 use super::{load, print_json};
 use crate::cli::Inspect;
-use crate::failure::Exit;
+use crate::failure::{Exit, sentence};
 use crate::terminal::{stage, table, warn};
 
 pub fn run(options: &Inspect) -> Result<Exit> {
@@ -48,7 +48,7 @@ fn series(found: &Table, options: &Inspect) -> (Value, bool) {
     let usable = if options.reading.columns.is_empty() {
         found.usable.clone()
     } else {
-        load::recording(&options.file, &options.reading).map(|r| r.observation.kind()).map_err(|e| format!("{e:#}"))
+        load::recording(&options.file, &options.reading).map(|r| r.observation.kind()).map_err(|e| sentence(&e))
     };
     stage("table", &format!("{} rows, {} samples", found.rows, found.samples));
     let columns: Vec<Vec<String>> =

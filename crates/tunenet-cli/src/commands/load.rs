@@ -27,6 +27,19 @@ pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
     Ok(read(path, &options)?)
 }
 
+/// Refuses an output that a long run could not be saved to: a folder, or a name in a folder that does not exist.
+pub fn writable(out: &Path) -> Result<()> {
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let kind = if out.is_dir() {
+        std::io::ErrorKind::IsADirectory
+    } else if folder.is_some_and(|folder| !folder.is_dir()) {
+        std::io::ErrorKind::NotFound
+    } else {
+        return Ok(());
+    };
+    Err(Error::io(out, "writing", kind.into()).into())
+}
+
 /// The SHA-256 of a file's bytes, in hexadecimal.
 pub fn hash(path: &Path) -> Result<String> {
     let failed = |source| Error::io(path, "reading", source);

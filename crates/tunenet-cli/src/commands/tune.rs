@@ -15,7 +15,7 @@ use tunenet_sim::{ObservedBall, SimulationFile};
 
 use super::{load, print_json};
 use crate::cli::Tune;
-use crate::failure::Exit;
+use crate::failure::{Exit, sentence as error_sentence};
 use crate::terminal::{in_words, rounded, stage, table, warn};
 
 /// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
@@ -23,6 +23,9 @@ const MOST_SAMPLES: usize = 20_000;
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
+    if let Some(out) = &options.out {
+        load::writable(out)?;
+    }
     let file = load::simulation(&options.simulation)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {
@@ -65,7 +68,7 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
             }
             Err(error) => {
                 refused += 1;
-                let text = format!("{error:#}");
+                let text = error_sentence(&error);
                 // Most errors begin with the path already.
                 let place = if text.contains(&name) { String::new() } else { format!("{name}: ") };
                 anstream::eprintln!("{place}{text}");
