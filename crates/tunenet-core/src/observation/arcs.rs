@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::line::Polynomial;
+use super::release::release;
 use super::{Kind, Note, Observation, noise_sd};
 
 /// A slope difference counts as a kink from this many of its standard deviations on. Noise alone reaches it once in
@@ -23,7 +24,7 @@ const BLOW_SHARE: f64 = 0.3;
 /// The kink detector looks at least at this many samples on either side.
 const LEAST_WINDOW: f64 = 4.0;
 /// The flights beside a contact are shortened until a parabola explains them to this many times the noise ...
-const LOCAL_MISFIT: f64 = 3.0;
+const LOCAL_MISFIT: f64 = 1.6;
 /// ... but not below this many samples.
 const LOCAL_SAMPLES: usize = 12;
 /// A restitution read off one contact with a greater standard deviation says nothing.
@@ -265,33 +266,9 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-fn span(values: &[f64]) -> f64 {
+pub(super) fn span(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     high - low
-}
-
-/// The first sample of free flight: the flight before the first impact is followed backwards for as long as one parabola
-/// (its acceleration free, so that drag is no release) explains it.
-fn release(clock: &[f64], heights: &[f64], from: usize, impact: usize) -> usize {
-    let sd = noise_sd(&heights[from..impact.min(heights.len())]).max(1e-9);
-    let seed = ((impact - from) / 3).max(6);
-    if impact < from + seed + 2 {
-        return from;
-    }
-    let mut begin = impact - seed;
-    while begin > from {
-        let Some(fit) = Polynomial::fit(&clock[begin..impact], &heights[begin..impact], clock[begin], None) else {
-            return from;
-        };
-        let misfit = |i: usize| (fit.at(clock[i]) - heights[i]).abs();
-        let limit = 6.0 * sd.max(fit.residual_sd) + 1e-3 * span(&heights[from..impact]);
-        // Two misfits in a row end the flight; one is an outlier.
-        if misfit(begin - 1) > limit && (begin < from + 2 || misfit(begin - 2) > limit) {
-            return (begin + 1).min(impact - 2);
-        }
-        begin -= 1;
-    }
-    from
 }
 
 /// Locates every impact where the flights beside it cross and measures its restitution.

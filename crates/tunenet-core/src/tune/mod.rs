@@ -13,6 +13,7 @@ mod fit;
 mod interval;
 mod outcome;
 mod residual;
+mod starts;
 mod unknowns;
 
 pub use adequacy::Adequacy;
@@ -21,6 +22,7 @@ pub use fit::{Fit, Problem};
 pub use interval::{LEVEL, Spread, intervals};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Stop, Verdict};
 pub use residual::channel_noise;
+use starts::local_estimate;
 pub use unknowns::{Point, free};
 
 use nalgebra::DMatrix;
@@ -33,15 +35,6 @@ use crate::{Error, Result};
 /// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
 /// 95 % interval of .95.
 const UNINFORMATIVE_SHARE: f64 = 0.9;
-/// A fit whose residual exceeds the noise this many times may sit in a wrong valley and is tried again from elsewhere.
-const SUSPICIOUS_SCALE: f64 = 3.0;
-/// A fit that ends within this share of the bounds from one of them is looked at again ...
-const NEAR_BOUND: f64 = 0.1;
-/// ... from these shares away from it.
-const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1];
-/// Starts across the bounds, for the case that neither the file nor the data suggest a good one.
-const SPREAD_STARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
-
 /// How to tune.
 #[derive(Debug, Clone)]
 pub struct Settings {
@@ -257,110 +250,6 @@ impl Session<'_> {
         })
     }
 
-    /// The best of several starts; more of them where the first leaves too much.
-    fn best_fit(&self, near: &Point) -> Result<(Fit, usize)> {
-        let problem = self.problem();
-        if self.free.is_empty() {
-            let fit = problem.fit(near.clone(), 1.0)?;
-            let rollouts = fit.rollouts;
-            return Ok((fit, rollouts));
-        }
-        let mut starts = vec![near.clone()];
-        starts.extend(self.local_start(near));
-        for share in SPREAD_STARTS {
-            let value = |&i: &usize| self.simulator.parameters()[i].min + share * self.simulator.parameters()[i].span();
-            starts.push(near.with(self.free, &self.free.iter().map(value).collect::<Vec<_>>()));
-        }
-        for start in starts.clone() {
-            // The recordings' first guesses as well, where the start carries own unknowns fitted to other parameters.
-            starts.push(Point { own: self.recordings.iter().map(Prepared::own_values).collect(), ..start });
-        }
-        let mut rollouts = starts.len() * self.recordings.len();
-        let mut ranked: Vec<(f64, Point)> = Vec::with_capacity(starts.len());
-        for start in starts {
-            if let Ok(residuals) = problem.residuals(&start, 1.0) {
-                ranked.push((problem.rmse(&residuals), start));
-            }
-        }
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut best: Option<Fit> = None;
-        for (tried, (_, start)) in ranked.into_iter().enumerate() {
-            let grow = tried >= 2;
-            let mut point = start;
-            if grow {
-                for horizon in [0.45, 0.7] {
-                    let fit = problem.fit(point, horizon)?;
-                    rollouts += fit.rollouts;
-                    point = fit.point;
-                }
-            }
-            let fit = problem.fit(point, 1.0)?;
-            rollouts += fit.rollouts;
-            if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
-                best = Some(fit);
-            }
-            let settled = best.as_ref().is_some_and(|b| fit::robust_scale(&b.residuals) < SUSPICIOUS_SCALE);
-            if settled || tried >= 5 {
-                break;
-            }
-        }
-        if let Some(found) = best.take() {
-            let (found, used) = self.look_along_bounds(found)?;
-            rollouts += used;
-            best = Some(found);
-        }
-        best.map(|b| (b, rollouts)).ok_or_else(|| Error::Simulator {
-            at: "every start".into(),
-            message: "no start within the bounds could be simulated".into(),
-        })
-    }
-
-    /// Near a bound the slope may vanish (a restitution of a few hundredths leaves next to no rebound), so that a step which
-    /// overshoots never comes back: tries the neighbourhood of the bound by plain rollouts, and fits again from the best.
-    fn look_along_bounds(&self, found: Fit) -> Result<(Fit, usize)> {
-        let problem = self.problem();
-        let mut rollouts = 0;
-        let mut best: Option<(f64, Point)> = None;
-        let level = problem.rmse(&found.residuals);
-        for &i in self.free {
-            let p = &self.simulator.parameters()[i];
-            let value = found.point.parameters[i];
-            let (bound, inward) = if value - p.min < NEAR_BOUND * p.span() {
-                (p.min, 1.0)
-            } else if p.max - value < NEAR_BOUND * p.span() {
-                (p.max, -1.0)
-            } else {
-                continue;
-            };
-            for share in BOUND_STARTS {
-                let point = found.point.with(&[i], &[bound + inward * share * p.span()]);
-                rollouts += self.recordings.len();
-                let rmse = problem.residuals(&point, 1.0).map(|r| problem.rmse(&r)).unwrap_or(f64::INFINITY);
-                if rmse < best.as_ref().map_or(level, |b| b.0) {
-                    best = Some((rmse, point));
-                }
-            }
-        }
-        let Some((_, start)) = best else { return Ok((found, rollouts)) };
-        let again = problem.fit(start, 1.0)?;
-        rollouts += again.rollouts;
-        Ok((if again.cost < found.cost { again } else { found }, rollouts))
-    }
-
-    /// The parameters as the recordings' events alone suggest them.
-    fn local_start(&self, near: &Point) -> Option<Point> {
-        let local = |&i: &usize| {
-            let p = &self.simulator.parameters()[i];
-            local_estimate(self.recordings, i).map_or(near.parameters[i], |(value, _)| value.clamp(p.min, p.max))
-        };
-        let values: Vec<f64> = self.free.iter().map(local).collect();
-        let own = self.recordings.iter().map(Prepared::own_values).collect();
-        self.free
-            .iter()
-            .any(|&i| local_estimate(self.recordings, i).is_some())
-            .then(|| Point { own, ..near.with(self.free, &values) })
-    }
-
     /// Whether any recording keeps more than its noise explains; says by how much.
     fn poor(&self, fit: &Fit, notes: &mut Vec<Note>) -> bool {
         let mut poor = false;
@@ -451,14 +340,6 @@ impl Session<'_> {
         }
         all
     }
-}
-
-/// What the events of all recordings together say of parameter `i`: the mean weighted by certainty, and its standard
-/// deviation.
-fn local_estimate(recordings: &[Prepared], i: usize) -> Option<(f64, f64)> {
-    let each = || recordings.iter().filter_map(|r| r.local[i]);
-    let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
-    (weight > 0.0).then(|| (each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight, weight.sqrt().recip()))
 }
 
 fn correlation(covariance: &DMatrix<f64>) -> DMatrix<f64> {
