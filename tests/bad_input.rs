@@ -227,12 +227,6 @@ fn models_that_do_not_fit() {
     // Trained on positions, asked about bounce times.
     let bounces = "tune --sim drop.toml --observation bounces.csv --json --model m.safetensors";
     refused(&folder, bounces, &["the model", "expected", "found"]);
-    // Trained on restitution alone, asked for friction too, which a throw shows.
-    let friction = "[parameters.friction]\nvalue = 0.3\nmin = 0.0\nmax = 1.0\n";
-    folder.write("throw.toml", format!("{}{friction}", DROP.replace("[0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]")));
-    folder.run("simulate --sim throw.toml --out throw.csv").ends(0);
-    let throw = "tune --sim throw.toml --observation throw.csv --json --model m.safetensors";
-    refused(&folder, throw, &["the model", "friction"]);
 }
 
 #[test]

@@ -66,6 +66,7 @@ fn drops_come_back_with_honest_intervals() {
     let share = |count: usize| count as f64 / all.len() as f64;
     let tuned = share(all.iter().filter(|f| f.tuned).count());
     let covered = share(all.iter().filter(|f| f.covered).count());
+    eprintln!("{DROPS} drops: {tuned:.3} tuned, {covered:.3} covered");
     let stories = |wanted: fn(&Found) -> bool| {
         all.iter().filter(|f| wanted(f)).map(|f| f.story.as_str()).collect::<Vec<_>>().join("\n")
     };

@@ -4,7 +4,7 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_core::network::Model;
 use tunenet_core::observation::Kind;
-use tunenet_core::observation::recording::{Contents, Log, Table, contents};
+use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
 use tunenet_sim::SimulationFile;
 
 use super::{load, print_json};
@@ -18,7 +18,7 @@ pub fn run(options: &Inspect) -> Result<Exit> {
     let (mut object, usable) = match extension.as_str() {
         "toml" => (simulation(&SimulationFile::read(path)?)?, true),
         "safetensors" => (model(&Model::load(path)?), true),
-        _ => match contents(path)? {
+        _ => match contents_with(path, &load::reading(&options.reading))? {
             Contents::Table(found) => series(&found, options),
             Contents::Log(found) => log(&found),
         },

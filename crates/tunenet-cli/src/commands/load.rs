@@ -23,8 +23,12 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
 
 /// A recording from a file.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
-    let options = ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() };
-    Ok(read(path, &options)?)
+    Ok(read(path, &self::reading(reading))?)
+}
+
+/// The command line's say in how files are read.
+pub fn reading(reading: &Reading) -> ReadOptions {
+    ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() }
 }
 
 /// Refuses an output that a long run could not be saved to: a folder, or a name in a folder that does not exist.

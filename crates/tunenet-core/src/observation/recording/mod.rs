@@ -39,7 +39,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 pub use atomic::write_atomically;
-pub use contents::{BrokenLine, Column, Contents, Log, Table, contents};
+pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv_write::write_csv;
 #[allow(unused_imports, reason = "the reader of other files made of messages")]
 pub(crate) use mcap_read::{ChannelInfo, Messages, RawMessage, messages};
