@@ -4,12 +4,12 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_core::network::Model;
 use tunenet_core::observation::Kind;
-use tunenet_core::observation::recording::{Contents, Log, Table, contents};
+use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
 use tunenet_sim::SimulationFile;
 
 use super::{load, print_json};
 use crate::cli::Inspect;
-use crate::failure::Exit;
+use crate::failure::{Exit, sentence};
 use crate::terminal::{stage, table, warn};
 
 pub fn run(options: &Inspect) -> Result<Exit> {
@@ -18,7 +18,7 @@ pub fn run(options: &Inspect) -> Result<Exit> {
     let (mut object, usable) = match extension.as_str() {
         "toml" => (simulation(&SimulationFile::read(path)?)?, true),
         "safetensors" => (model(&Model::load(path)?), true),
-        _ => match contents(path)? {
+        _ => match contents_with(path, &load::reading(&options.reading))? {
             Contents::Table(found) => series(&found, options),
             Contents::Log(found) => log(&found),
         },
@@ -48,7 +48,7 @@ fn series(found: &Table, options: &Inspect) -> (Value, bool) {
     let usable = if options.reading.columns.is_empty() {
         found.usable.clone()
     } else {
-        load::recording(&options.file, &options.reading).map(|r| r.observation.kind()).map_err(|e| format!("{e:#}"))
+        load::recording(&options.file, &options.reading).map(|r| r.observation.kind()).map_err(|e| sentence(&e))
     };
     stage("table", &format!("{} rows, {} samples", found.rows, found.samples));
     let columns: Vec<Vec<String>> =

@@ -15,12 +15,17 @@ use tunenet_sim::{ObservedBall, SimulationFile};
 
 use super::{load, print_json};
 use crate::cli::Tune;
-use crate::failure::Exit;
+use crate::failure::{Exit, sentence as error_sentence};
 use crate::terminal::{in_words, rounded, stage, table, warn};
 
+/// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
+const MOST_SAMPLES: usize = 20_000;
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
+    if let Some(out) = &options.out {
+        load::writable(out)?;
+    }
     let file = load::simulation(&options.simulation)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {
@@ -63,8 +68,11 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
             }
             Err(error) => {
                 refused += 1;
-                anstream::eprintln!("{name}: {error:#}");
-                all.push(json!({ "schema": SCHEMA, "file": name, "error": format!("{error:#}") }));
+                let text = error_sentence(&error);
+                // Most errors begin with the path already.
+                let place = if text.contains(&name) { String::new() } else { format!("{name}: ") };
+                anstream::eprintln!("{place}{text}");
+                all.push(json!({ "schema": SCHEMA, "file": name, "error": text }));
             }
         }
     }
@@ -76,7 +84,7 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
 }
 
 fn read(path: &Path, options: &Tune) -> Result<Recording> {
-    let recording = load::recording(path, &options.reading)?;
+    let mut recording = load::recording(path, &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
     let span = if seen.kind() == tunenet_core::observation::Kind::BounceTimes {
@@ -87,17 +95,24 @@ fn read(path: &Path, options: &Tune) -> Result<Recording> {
     if !options.each {
         stage("read", &format!("{}, {span}", load::name(path)));
     }
+    if let Some(fewer) = recording.observation.thinned(MOST_SAMPLES)? {
+        let text = format!("{} of {} samples are used, evenly chosen", fewer.len(), recording.observation.len());
+        recording.notes.push(Note::new("samples.thinned", text, ""));
+        recording.observation = fewer;
+    }
     Ok(recording)
 }
 
 fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordings: &[Recording]) -> Result<Outcome> {
     let kind = recordings[0].observation.kind();
-    if let Some(other) = recordings.iter().find(|r| r.observation.kind() != kind) {
-        let found = format!("{} as well", other.observation.kind().name());
-        let what = "the observations".into();
-        return Err(Error::Observation { what, expected: format!("all of one kind, {}", kind.name()), found }.into());
+    if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
+        let found = recordings[other].observation.kind().name();
+        let message = format!("expected {} as in {}, found {found}", kind.name(), load::name(&options.observation[0]));
+        return Err(
+            Error::file(&options.observation[other], message, "tune to each kind alone, or use `--each`").into()
+        );
     }
-    let ball = ObservedBall::new(file, kind)?;
+    let ball = ObservedBall::new(file, kind).with_context(|| names(options))?;
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
         iterations: usize::from(options.iterations),
