@@ -34,7 +34,7 @@ fn survives(line: &str, out: &str, rounds: u64, prepare: &dyn Fn(&Folder)) {
     prepare(&reference);
     let duration = whole(&reference, line);
     let expected = reference.read(out);
-    let mut hits = 0;
+    let mut hits: u64 = 0;
     for seed in 0..rounds {
         let folder = Folder::new();
         prepare(&folder);
@@ -61,7 +61,7 @@ fn survives(line: &str, out: &str, rounds: u64, prepare: &dyn Fn(&Folder)) {
         wanted.sort();
         assert_eq!(folder.names(), wanted, "seed {seed}: something stays behind");
     }
-    assert!(hits as u64 >= rounds / 2, "only {hits} runs were killed before their end");
+    assert!(hits >= rounds / 2, "only {hits} runs were killed before their end");
 }
 
 #[test]
