@@ -31,7 +31,11 @@ fn with_drop() -> Folder {
 
 #[test]
 fn tune_has_its_keys() {
-    let folder = with_drop();
+    let folder = Folder::with_scene();
+    let csv = Drop::default().csv();
+    let wider: Vec<String> =
+        csv.lines().enumerate().map(|(i, line)| format!("{line},{}", if i == 0 { "warmth_c" } else { "20" })).collect();
+    folder.write("drop.csv", wider.join("\n"));
     let ran = folder.run("tune --sim scene.toml --observation drop.csv --json").ends(0);
     let json = ran.json();
     has(&json, &["schema", "verdict", "parameters", "iterations", "gap", "rollouts", "seconds", "warnings"]);
@@ -54,10 +58,10 @@ fn tune_has_its_keys() {
     assert_eq!(keys(&json["gap"]), ["after", "before", "noise_floor", "unit"]);
     assert_eq!(json["gap"]["unit"], "m");
     assert!(json["gap"]["after"].as_f64() < json["gap"]["before"].as_f64());
-    // The floor was fitted, which is a warning: it stands in the object, and its text on standard error alone.
+    // A column was ignored, which is a warning: it stands in the object, and its text on standard error alone.
     let warnings = json["warnings"].as_array().unwrap();
-    assert!(warnings.iter().any(|w| w["code"] == "floor.fitted" && w["text"].is_string()), "{warnings:?}");
-    assert!(ran.stderr.contains("floor.fitted"));
+    assert!(warnings.iter().any(|w| w["code"] == "columns.ignored" && w["text"].is_string()), "{warnings:?}");
+    assert!(ran.stderr.contains("columns.ignored"));
 }
 
 #[test]

@@ -153,13 +153,6 @@ impl ObservedBall {
         prepared.local[0] = arcs.restitution().map(|l| LocalEstimate { value: l.value.clamp(0.0, 1.0), ..l });
         let start_s = self.release.time_s.unwrap_or(begin_s);
         prepared.scale = Some(self.scale(&prepared.own_values(), start_s));
-        if self.unknown.contains(&Unknown::Surface) {
-            prepared.notes.push(Note::new(
-                "floor.fitted",
-                format!("the surface's height came from the data, near {surface:.4} m"),
-                "give `surface.height_m`; the interval narrows",
-            ));
-        }
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 
