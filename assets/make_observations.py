@@ -111,12 +111,12 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     ball = Ball((0.3, -0.2, 0.113 + 0.02 + 1.0), floor=0.113, restitution=0.83)
     positions(folder / "drop.csv", ball, rate=120, frames=360, lead=0.25, noise=2e-3, seed=1)
-    ball = Ball((0.0, 0.0, 0.6), (1.5, 0.4, 0.5), floor=0.0, restitution=0.75, friction=0.2)
+    ball = Ball((0.0, 0.0, 0.6), (5.0, 1.2, 0.5), floor=0.0, restitution=0.75, friction=0.2)
     positions(folder / "throw.csv", ball, rate=120, frames=180, lead=0.0, noise=2e-3, seed=2)
     ball = Ball((0.0, 0.0, 0.02 + 0.8), floor=0.0, restitution=0.9)
     bounces(folder / "bounces.csv", ball, count=12, start=1.37, noise=2e-4, seed=3)
     ball = Ball((0.0, 0.0, 0.76 + 0.02 + 1.5), floor=0.76, restitution=0.88, drag=0.1317)
-    positions(folder / "table_tennis.csv", ball, rate=120, frames=300, lead=0.1, noise=2e-3, seed=4)
+    positions(folder / "table_tennis.csv", ball, rate=120, frames=300, lead=0.25, noise=2e-3, seed=4)
 
 
 if __name__ == "__main__":

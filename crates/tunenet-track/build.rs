@@ -1,6 +1,6 @@
 //! Says in one sentence what is missing, before the long build of the OpenCV bindings fails with a page of its own.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Whoever sets one of these points the bindings to an OpenCV of his own.
@@ -79,12 +79,15 @@ fn runs(program: &str, arguments: &[&str]) -> bool {
 
 fn libclang() -> bool {
     let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.path());
-    let versions = entries(Path::new("/usr/lib")).filter(|p| p.join("lib").is_dir()).map(|p| p.join("lib"));
-    let folders = LIBRARY_FOLDERS.iter().map(|f| Path::new(f).to_path_buf()).chain(versions);
-    let library = |path: std::path::PathBuf| {
-        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default().to_owned();
-        (name.starts_with("libclang.so") || name.starts_with("libclang-")) && name.contains(".so")
+    let versions = entries(Path::new("/usr/lib")).map(|p| p.join("lib"));
+    let told = Command::new("llvm-config").arg("--libdir").stderr(Stdio::null()).output();
+    let told = told.ok().and_then(|o| String::from_utf8(o.stdout).ok()).map(|text| PathBuf::from(text.trim()));
+    let library = |path: PathBuf| {
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        // The C++ library comes with the compiler; the bindings load the C library. A link to nothing does not exist.
+        (name.starts_with("libclang.so") || name.starts_with("libclang-") && name.contains(".so"))
+            && !name.starts_with("libclang-cpp")
+            && path.exists()
     };
-    // A system with its libraries elsewhere has told `llvm-config`.
-    folders.into_iter().any(|folder| entries(&folder).any(library)) || runs("llvm-config", &["--libdir"])
+    LIBRARY_FOLDERS.iter().map(PathBuf::from).chain(versions).chain(told).any(|folder| entries(&folder).any(library))
 }

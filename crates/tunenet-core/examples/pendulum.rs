@@ -27,7 +27,7 @@ impl Simulator for Pendulum {
         Ok(())
     }
 }
-pub fn tuned() -> Result<Outcome, Error> {
+pub(crate) fn tuned() -> Result<Outcome, Error> {
     let known = [Parameter::new("length", "m", 1.0, 0.2, 2.0)?, Parameter::new("damping", "1/s", 0.1, 0.0, 1.0)?];
     let pendulum = Pendulum(known, [Channel::new("angle", "rad")]);
     let clock: Vec<f64> = (0..300).map(|i| f64::from(i) / 60.0).collect();
@@ -35,6 +35,6 @@ pub fn tuned() -> Result<Outcome, Error> {
     let seen = Observation::new(Kind::Other, pendulum.channels().to_vec(), clock, angles)?;
     tune(&pendulum, &[seen], None, &Settings::default())
 }
-pub fn main() -> Result<(), Error> {
+pub(crate) fn main() -> Result<(), Error> {
     tuned().map(|outcome| outcome.parameters.iter().for_each(|p| println!("{} = {:.4} {}", p.name, p.value, p.unit)))
 }

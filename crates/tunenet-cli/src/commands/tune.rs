@@ -132,13 +132,12 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
             (p.name.clone(), one)
         })
         .collect();
-    let tuned: Vec<&String> = outcome.parameters.iter().filter(|p| p.identified).map(|p| &p.name).collect();
     let iterations: Vec<Value> = outcome
         .iterations
         .iter()
         .map(|i| {
             let named: Map<String, Value> =
-                tuned.iter().zip(&i.parameters).map(|(n, v)| ((*n).clone(), json!(v))).collect();
+                outcome.free.iter().zip(&i.parameters).map(|(n, v)| (n.clone(), json!(v))).collect();
             json!({ "k": i.k, "parameters": named, "rmse": i.rmse })
         })
         .collect();
@@ -157,7 +156,7 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
     });
     if outcome.correlation.nrows() > 1 {
         let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
-        object["correlation"] = json!({ "parameters": tuned, "matrix": rows });
+        object["correlation"] = json!({ "parameters": outcome.free, "matrix": rows });
     }
     object
 }

@@ -8,8 +8,8 @@
 //! 2. [`train`] learns from that file, as a [`Preset`] says;
 //! 3. [`Model::estimate`] compares two observations.
 //!
-//! What a branch sees is an [`Input`]; in units of a recording's own [`Scale`], what was learned at one height serves
-//! every other.
+//! What a branch sees is an [`Input`]; in units of a recording's own [`Scale`](crate::simulator::Scale), what was learned
+//! at one height serves every other.
 
 mod batches;
 mod checkpoint;

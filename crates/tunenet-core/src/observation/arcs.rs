@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::line::Polynomial;
+use super::release::release;
 use super::{Kind, Note, Observation, noise_sd};
 
 /// A slope difference counts as a kink from this many of its standard deviations on. Noise alone reaches it once in
@@ -23,7 +24,7 @@ const BLOW_SHARE: f64 = 0.3;
 /// The kink detector looks at least at this many samples on either side.
 const LEAST_WINDOW: f64 = 4.0;
 /// The flights beside a contact are shortened until a parabola explains them to this many times the noise ...
-const LOCAL_MISFIT: f64 = 3.0;
+const LOCAL_MISFIT: f64 = 1.6;
 /// ... but not below this many samples.
 const LOCAL_SAMPLES: usize = 12;
 /// A restitution read off one contact with a greater standard deviation says nothing.
@@ -179,19 +180,23 @@ impl Kinks {
         let (mut impacts, mut blows) = (Vec::new(), Vec::new());
         let mut surface: Option<f64> = None;
         for k in peaks(&up) {
-            let (before, after) = (slope(&straight, k + 1 - half..k + 1), slope(&straight, k + 1..k + 1 + half));
-            let fall = before.map_or(0.0, |l| l.slope(clock[k]) - gravity * clock[k]);
-            let rise = after.map_or(0.0, |l| l.slope(clock[k]) - gravity * clock[k]);
-            let height = axes[2][k].min(axes[2][k + 1]);
-            let shift = across[k - range.start].0;
-            let slack =
-                KINK_SIGNIFICANCE * sd[2] + 0.5 * fall.abs() * (clock[k + 1] - clock[k]) + 0.02 * span(&axes[2]);
+            let lines = (slope(&straight, k + 1 - half..k + 1), slope(&straight, k + 1..k + 1 + half));
+            let (Some(before), Some(after)) = lines else { continue };
+            let time = crossing(&before, &after, clock[k], clock[k + 1]);
+            let height = before.at(time) - gravity / 2.0 * time * time;
+            let (fall, rise) = (before.slope(time) - gravity * time, after.slope(time) - gravity * time);
+            // What the noise leaves unsure of a speed, and of a height.
+            let doubt = 0.5 * KINK_SIGNIFICANCE * sd[2] * before.slope_gain(time).hypot(after.slope_gain(time));
+            let slack = KINK_SIGNIFICANCE * sd[2]
+                + 0.5 * (fall.abs() + doubt) * (clock[k + 1] - clock[k])
+                + 0.02 * span(&axes[2]);
             let level = surface.is_none_or(|s: f64| (height - s).abs() < slack);
-            let rubbed = shift
-                <= GREATEST_FRICTION * (rise - fall)
-                    + KINK_SIGNIFICANCE * (sd[0].hypot(sd[1])) / (clock[k + 1] - clock[k]) / half as f64;
-            let energetic = rise > -0.3 * fall.abs() && rise < 1.3 * fall.abs();
-            if fall < 0.0 && level && rubbed && energetic {
+            let shift = across[k - range.start].0;
+            let unsure =
+                0.5 * KINK_SIGNIFICANCE * sd[0].hypot(sd[1]) * before.slope_gain(time).hypot(after.slope_gain(time));
+            let rubbed = shift <= GREATEST_FRICTION * (rise - fall) + doubt + unsure;
+            let energetic = rise > -0.3 * fall.abs() - doubt && rise < 1.3 * fall.abs() + doubt;
+            if fall < doubt && level && rubbed && energetic {
                 surface = Some(surface.map_or(height, |s: f64| s.min(height)));
                 impacts.push(k);
             } else {
@@ -243,13 +248,13 @@ impl Kinks {
     }
 }
 
-/// Half the width of the kink detector, in samples: the fewest whose slopes are known to an eighth of the speed of a fall
+/// Half the width of the kink detector, in samples: the fewest whose slopes are known to a fourteenth of the speed of a fall
 /// through the range of heights seen.
 fn window(clock: &[f64], heights: &[f64], sd: f64, gravity: f64) -> usize {
     let step = (clock[clock.len() - 1] - clock[0]) / (clock.len() - 1) as f64;
     let speed = (2.0 * gravity * span(heights)).sqrt();
     // The slope of m even samples has standard deviation sd·√12 / (step · m^1.5).
-    let wanted = (12f64.sqrt() * sd * 8.0 / (step * speed).max(f64::MIN_POSITIVE)).powf(2.0 / 3.0).ceil();
+    let wanted = (12f64.sqrt() * sd * 14.0 / (step * speed).max(f64::MIN_POSITIVE)).powf(2.0 / 3.0).ceil();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let wanted = wanted.clamp(LEAST_WINDOW, 1e6) as usize;
     wanted.min((clock.len() / 6).max(3))
@@ -261,33 +266,9 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-fn span(values: &[f64]) -> f64 {
+pub(super) fn span(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     high - low
-}
-
-/// The first sample of free flight: the flight before the first impact is followed backwards for as long as one parabola
-/// (its acceleration free, so that drag is no release) explains it.
-fn release(clock: &[f64], heights: &[f64], from: usize, impact: usize) -> usize {
-    let sd = noise_sd(&heights[from..impact.min(heights.len())]).max(1e-9);
-    let seed = ((impact - from) / 3).max(6);
-    if impact < from + seed + 2 {
-        return from;
-    }
-    let mut begin = impact - seed;
-    while begin > from {
-        let Some(fit) = Polynomial::fit(&clock[begin..impact], &heights[begin..impact], clock[begin], None) else {
-            return from;
-        };
-        let misfit = |i: usize| (fit.at(clock[i]) - heights[i]).abs();
-        let limit = 6.0 * sd.max(fit.residual_sd) + 1e-3 * span(&heights[from..impact]);
-        // Two misfits in a row end the flight; one is an outlier.
-        if misfit(begin - 1) > limit && (begin < from + 2 || misfit(begin - 2) > limit) {
-            return (begin + 1).min(impact - 2);
-        }
-        begin -= 1;
-    }
-    from
 }
 
 /// Locates every impact where the flights beside it cross and measures its restitution.
@@ -311,7 +292,9 @@ fn contacts(clock: &[f64], heights: &[f64], usable: &Range<usize>, impacts: &[us
 
 /// Where two flights with equal curvature cross; the middle of the gap where they do so outside its neighbourhood.
 fn crossing(down: &Polynomial, up: &Polynomial, before: f64, after: f64) -> f64 {
-    let time = down.origin - (up.coefficients[0] - down.coefficients[0]) / (up.coefficients[1] - down.coefficients[1]);
+    // Their difference is a line; it is zero where they cross.
+    let (difference, slope) = (up.at(before) - down.at(before), up.slope(before) - down.slope(before));
+    let time = before - difference / slope;
     let slack = after - before;
     if (before - slack..=after + slack).contains(&time) { time } else { before.midpoint(after) }
 }

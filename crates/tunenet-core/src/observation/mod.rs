@@ -8,6 +8,7 @@ mod line;
 mod noise;
 mod note;
 pub mod recording;
+mod release;
 mod resample;
 
 pub use arcs::{Arcs, Contact, LocalEstimate};

@@ -9,6 +9,8 @@ use crate::Result;
 pub const LEVEL: f64 = 0.95;
 /// Residuals that follow each other (ρ above 2/√n, where white noise stays below) carry less than they count.
 const WORST_CORRELATION: f64 = 0.95;
+/// A channel whose squared residuals are below this share of the largest channel's is exact.
+const EXACT_SHARE: f64 = 1e-4;
 /// Steps of the profile, as a share of the standard deviation and of the bounds.
 const PROFILE_STEP_SD: f64 = 0.25;
 const PROFILE_STEP_SPAN: f64 = 1.0 / 160.0;
@@ -28,7 +30,8 @@ impl Spread {
     /// The spread of `fit`'s residuals.
     #[must_use]
     pub fn of(problem: &Problem, fit: &Fit) -> Self {
-        let count: usize = fit.residuals.iter().map(Vec::len).sum();
+        let width = problem.simulator.channels().len();
+        let count = fit.residuals.iter().map(|r| moving(r, width) * r.len() / width).sum::<usize>();
         let unknowns = problem.free.len() + fit.point.own.iter().map(Vec::len).sum::<usize>();
         let freedom = count as f64 - unknowns as f64;
         if freedom < 1.0 {
@@ -36,7 +39,6 @@ impl Spread {
         }
         let limit = 4.0 * robust_scale(&fit.residuals);
         let squares: f64 = fit.residuals.iter().flatten().map(|r| r.abs().min(limit).powi(2)).sum();
-        let width = problem.simulator.channels().len();
         let correlations = fit.residuals.iter().flat_map(|r| (0..width).map(move |c| correlation(r, c, width)));
         // Channels that carry next to nothing of the residual do not matter for its colour.
         let (top, bottom) = correlations.fold((0.0, 0.0), |(t, b), (product, square)| (t + product, b + square));
@@ -56,6 +58,15 @@ impl Spread {
     pub fn sd(&self, variance: f64) -> f64 {
         (variance * self.variance * self.inflation).sqrt()
     }
+}
+
+/// How many channels have residuals at all. One that is exact (a ball dropped straight down in simulated data) says
+/// nothing of the noise of the others.
+fn moving(residuals: &[f64], width: usize) -> usize {
+    let size = |channel: usize| residuals.iter().skip(channel).step_by(width).map(|r| r * r).sum::<f64>();
+    let sizes: Vec<f64> = (0..width).map(size).collect();
+    let greatest = sizes.iter().copied().fold(0.0, f64::max);
+    sizes.iter().filter(|s| **s > EXACT_SHARE * greatest).count().max(1)
 }
 
 /// Lag-one product and square sum of one channel's residuals.
@@ -78,11 +89,9 @@ pub fn intervals(problem: &Problem, fit: &Fit) -> Result<(Vec<(f64, f64)>, usize
     let mut all = Vec::with_capacity(problem.free.len());
     for (i, &position) in problem.free.iter().enumerate() {
         let p = &problem.simulator.parameters()[position];
-        let (value, sd) = (fit.point.parameters[position], spread.sd(fit.covariance[(i, i)]));
-        if !sd.is_finite() {
-            all.push((p.min, p.max));
-            continue;
-        }
+        // Where the slope vanishes (a restitution near 0) the curvature says nothing, but the profile still does.
+        let sd = spread.sd(fit.covariance[(i, i)]).min(p.span());
+        let value = fit.point.parameters[position];
         let near = value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max;
         let reach = spread.quantile() * sd;
         all.push(if near {

@@ -11,8 +11,10 @@ mod algorithm1;
 mod bounce_noise;
 mod fit;
 mod interval;
+mod judge;
 mod outcome;
 mod residual;
+mod starts;
 mod unknowns;
 
 pub use adequacy::Adequacy;
@@ -29,14 +31,6 @@ use crate::network::Model;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Prepared, Simulator};
 use crate::{Error, Result};
-
-/// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
-/// 95 % interval of .95.
-const UNINFORMATIVE_SHARE: f64 = 0.9;
-/// A fit whose residual exceeds the noise this many times may sit in a wrong valley and is tried again from elsewhere.
-const SUSPICIOUS_SCALE: f64 = 3.0;
-/// Starts across the bounds, for the case that neither the file nor the data suggest a good one.
-const SPREAD_STARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
 /// How to tune.
 #[derive(Debug, Clone)]
@@ -132,6 +126,7 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         stop: Stop::Nothing,
         notes,
         point: None,
+        free: Vec::new(),
         used,
     }
 }
@@ -237,7 +232,9 @@ impl Session<'_> {
         } else {
             Verdict::Tuned
         };
-        let correlation = correlation(&fit.covariance);
+        judge::name_directions(self, &fit, &mut notes);
+        let correlation = judge::correlation(&fit.covariance);
+        let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
         let (gap, point) = (Some(gap), Some(fit.point));
         Ok(Outcome {
             verdict,
@@ -249,186 +246,8 @@ impl Session<'_> {
             stop,
             notes,
             point,
+            free,
             used: Vec::new(),
         })
     }
-
-    /// The best of several starts; more of them where the first leaves too much.
-    fn best_fit(&self, near: &Point) -> Result<(Fit, usize)> {
-        let problem = self.problem();
-        if self.free.is_empty() {
-            let fit = problem.fit(near.clone(), 1.0)?;
-            let rollouts = fit.rollouts;
-            return Ok((fit, rollouts));
-        }
-        let mut starts = vec![near.clone()];
-        starts.extend(self.local_start(near));
-        for share in SPREAD_STARTS {
-            let value = |&i: &usize| self.simulator.parameters()[i].min + share * self.simulator.parameters()[i].span();
-            starts.push(near.with(self.free, &self.free.iter().map(value).collect::<Vec<_>>()));
-        }
-        for start in starts.clone() {
-            // The recordings' first guesses as well, where the start carries own unknowns fitted to other parameters.
-            starts.push(Point { own: self.recordings.iter().map(Prepared::own_values).collect(), ..start });
-        }
-        let mut rollouts = starts.len() * self.recordings.len();
-        let mut ranked: Vec<(f64, Point)> = Vec::with_capacity(starts.len());
-        for start in starts {
-            if let Ok(residuals) = problem.residuals(&start, 1.0) {
-                ranked.push((problem.rmse(&residuals), start));
-            }
-        }
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut best: Option<Fit> = None;
-        for (tried, (_, start)) in ranked.into_iter().enumerate() {
-            let grow = tried >= 2;
-            let mut point = start;
-            if grow {
-                for horizon in [0.45, 0.7] {
-                    let fit = problem.fit(point, horizon)?;
-                    rollouts += fit.rollouts;
-                    point = fit.point;
-                }
-            }
-            let fit = problem.fit(point, 1.0)?;
-            rollouts += fit.rollouts;
-            if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
-                best = Some(fit);
-            }
-            let settled = best.as_ref().is_some_and(|b| fit::robust_scale(&b.residuals) < SUSPICIOUS_SCALE);
-            if settled || tried >= 5 {
-                break;
-            }
-        }
-        best.map(|b| (b, rollouts)).ok_or_else(|| Error::Simulator {
-            at: "every start".into(),
-            message: "no start within the bounds could be simulated".into(),
-        })
-    }
-
-    /// The parameters as the recordings' events alone suggest them.
-    fn local_start(&self, near: &Point) -> Option<Point> {
-        let local = |&i: &usize| {
-            let p = &self.simulator.parameters()[i];
-            local_estimate(self.recordings, i).map_or(near.parameters[i], |(value, _)| value.clamp(p.min, p.max))
-        };
-        let values: Vec<f64> = self.free.iter().map(local).collect();
-        let own = self.recordings.iter().map(Prepared::own_values).collect();
-        self.free
-            .iter()
-            .any(|&i| local_estimate(self.recordings, i).is_some())
-            .then(|| Point { own, ..near.with(self.free, &values) })
-    }
-
-    /// Whether any recording keeps more than its noise explains; says by how much.
-    fn poor(&self, fit: &Fit, notes: &mut Vec<Note>) -> bool {
-        let mut poor = false;
-        for (d, recording) in self.recordings.iter().enumerate() {
-            let share = self.free.len().div_ceil(self.recordings.len());
-            let adequacy =
-                Adequacy::of(&recording.seen, &self.noise[d], &fit.residuals[d], recording.own.len() + share);
-            if adequacy.poor() {
-                poor = true;
-                let which = if self.recordings.len() > 1 { format!("recording {}: ", d + 1) } else { String::new() };
-                let text = format!(
-                    "{which}the tuned rollout leaves {:.1} times the noise, more than the {:.1} that chance explains",
-                    adequacy.ratio, adequacy.limit
-                );
-                notes.push(Note::new(
-                    "fit.poor",
-                    text,
-                    "an effect is missing from the simulation, or the recording is of something else",
-                ));
-            } else if !adequacy.tested {
-                let text = format!("{} samples are too few to tell noise from misfit", recording.seen.len());
-                notes.push(Note::new("fit.untested", text, "bring a longer recording"));
-            }
-        }
-        poor
-    }
-
-    /// Where the record as a whole is not explained, what its events alone say stands: a force missing in flight must not
-    /// be booked as restitution.
-    fn fall_back_on_local(&self, fit: &mut Fit, interval95: &mut [(f64, f64)], notes: &mut Vec<Note>) {
-        for (&i, interval) in self.free.iter().zip(interval95) {
-            let p = &self.simulator.parameters()[i];
-            if let Some((value, sd)) = local_estimate(self.recordings, i) {
-                let text = format!(
-                    "`{}` is read off the contacts alone ({value:.4}); the whole record would give {:.4}",
-                    p.name, fit.point.parameters[i]
-                );
-                fit.point.parameters[i] = value.clamp(p.min, p.max);
-                *interval = ((value - 1.96 * sd).max(p.min), (value + 1.96 * sd).min(p.max));
-                notes.push(Note::new("fit.local", text, ""));
-            }
-        }
-    }
-
-    fn noise_floor(&self) -> f64 {
-        let squares: f64 = self
-            .recordings
-            .iter()
-            .zip(self.noise)
-            .map(|(r, n)| r.seen.len() as f64 * n.iter().map(|s| s * s).sum::<f64>())
-            .sum();
-        (squares / self.recordings.iter().map(|r| r.seen.len()).sum::<usize>() as f64).sqrt()
-    }
-
-    fn estimates(&self, start: &Point, fit: &Fit, interval95: &[(f64, f64)], notes: &mut Vec<Note>) -> Vec<Estimate> {
-        let mut all = Vec::new();
-        for (i, p) in self.simulator.parameters().iter().enumerate().filter(|(_, p)| p.tune) {
-            let place = self.free.iter().position(|&f| f == i);
-            let interval = place.map_or((p.min, p.max), |k| (interval95[k].0.max(p.min), interval95[k].1.min(p.max)));
-            let identified = place.is_some() && interval.1 - interval.0 < UNINFORMATIVE_SHARE * p.span();
-            let value = fit.point.parameters[i];
-            if !identified {
-                let reason = self.recordings.iter().find_map(|r| r.silent[i].clone());
-                notes.push(reason.unwrap_or_else(|| {
-                    let text = format!(
-                        "the data do not determine `{}`: any value from {:.3} to {:.3} fits",
-                        p.name, interval.0, interval.1
-                    );
-                    Note::new("parameter.not_identifiable", text, "bring a recording in which it matters")
-                }));
-            } else if value <= p.min || value >= p.max {
-                let text = format!("`{}` ends on its bound {value}", p.name);
-                notes.push(Note::new(
-                    "parameter.at_bound",
-                    text,
-                    "check the bounds, the units and the surface's height",
-                ));
-            }
-            all.push(Estimate {
-                name: p.name.clone(),
-                unit: p.unit.clone(),
-                before: start.parameters[i],
-                value,
-                interval95: interval,
-                bounds: (p.min, p.max),
-                identified,
-            });
-        }
-        all
-    }
-}
-
-/// What the events of all recordings together say of parameter `i`: the mean weighted by certainty, and its standard
-/// deviation.
-fn local_estimate(recordings: &[Prepared], i: usize) -> Option<(f64, f64)> {
-    let each = || recordings.iter().filter_map(|r| r.local[i]);
-    let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
-    (weight > 0.0).then(|| (each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight, weight.sqrt().recip()))
-}
-
-fn correlation(covariance: &DMatrix<f64>) -> DMatrix<f64> {
-    DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
-        let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-        if i == j {
-            1.0
-        } else if scale.is_finite() && scale > 0.0 {
-            covariance[(i, j)] / scale
-        } else {
-            0.0
-        }
-    })
 }

@@ -43,7 +43,7 @@ pub struct Estimate {
 pub struct Iteration {
     /// Its number, 0 for the start.
     pub k: usize,
-    /// The tuned parameters, in the order of [`Outcome::parameters`].
+    /// The fitted parameters, in the order of [`Outcome::free`].
     pub parameters: Vec<f64>,
     /// Root mean square of measured − predicted, in [`Gap::unit`].
     pub rmse: f64,
@@ -81,7 +81,10 @@ pub struct Outcome {
     pub verdict: Verdict,
     /// The tuned parameters; empty where rejected.
     pub parameters: Vec<Estimate>,
-    /// Correlations between them, shape `[parameter, parameter]`.
+    /// The names of those that were fitted: the order of [`Iteration::parameters`] and of the correlations. A parameter on
+    /// which no recording has any bearing is not among them.
+    pub free: Vec<String>,
+    /// Correlations between the fitted ones, shape `[parameter, parameter]`.
     pub correlation: DMatrix<f64>,
     /// Every iteration, the start first.
     pub iterations: Vec<Iteration>,

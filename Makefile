@@ -1,0 +1,62 @@
+# What people and machines type. `make help` lists it.
+
+# rustup's cargo, also where a shell has not been told of it.
+export PATH := $(PATH):$(HOME)/.cargo/bin
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+
+# What building with video needs on Debian and Ubuntu.
+PACKAGES := libopencv-dev clang libclang-dev pkg-config
+
+.PHONY: help test build demo fmt packages cargo
+
+help: ## list these targets
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 16
+
+test: packages ## install what is missing, then check format, lints, tests, doctests and documentation
+	@echo "==> format"
+	@cargo fmt --all --check
+	@echo "==> lints"
+	@cargo clippy --workspace --all-targets --quiet -- -D warnings
+	@echo "==> tests and doctests"
+	@cargo test --workspace --quiet
+	@echo "==> documentation"
+	@RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
+	@echo "==> all hold"
+
+build: packages ## build the executables with video into target/release
+	@echo "==> release build with video"
+	@cargo build --release --workspace
+
+demo: cargo ## build without video, then inspect, tune and simulate with ready observations
+	@assets/demo.sh
+
+fmt: cargo ## format all code
+	@cargo fmt --all
+
+# Nothing happens, and nobody is asked for a password, where everything is there.
+packages: cargo
+	@if ! command -v dpkg-query > /dev/null; then \
+	    if pkg-config --exists opencv4 2> /dev/null && command -v clang > /dev/null; then exit 0; fi; \
+	    echo 'OpenCV or clang is missing, and this is not Debian or Ubuntu: install OpenCV 4 with its headers, clang, libclang and pkg-config, or run "make demo", which needs none of them' >&2; \
+	    exit 1; \
+	fi; \
+	missing=(); \
+	for package in $(PACKAGES); do \
+	    [[ "$$(dpkg-query -W -f '$${db:Status-Status}' "$$package" 2> /dev/null || true)" == installed ]] || missing+=("$$package"); \
+	done; \
+	if (( $${#missing[@]} == 0 )); then exit 0; fi; \
+	echo "==> install $${missing[*]}"; \
+	if ! command -v apt-get > /dev/null; then echo "apt-get is not there: install $${missing[*]} by hand" >&2; exit 1; fi; \
+	root=(); \
+	if (( EUID != 0 )); then \
+	    if ! command -v sudo > /dev/null; then echo "sudo is not there: as root, run apt-get install $${missing[*]}" >&2; exit 1; fi; \
+	    root=(sudo); \
+	fi; \
+	quiet=("$${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0); \
+	"$${quiet[@]}" update > /dev/null && "$${quiet[@]}" install --yes --no-install-recommends "$${missing[@]}" > /dev/null
+
+cargo:
+	@command -v cargo > /dev/null || { echo 'cargo is not there: install Rust with rustup (https://rustup.rs)' >&2; exit 1; }
+	@command -v cc > /dev/null || { echo 'a C compiler is not there: run "apt-get install build-essential" (Debian, Ubuntu)' >&2; exit 1; }

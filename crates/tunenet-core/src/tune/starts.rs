@@ -1,0 +1,134 @@
+//! Where a fit begins: several starts, so that neither a poor guess in the file nor a flat stretch decides the answer.
+
+use super::Session;
+use super::fit::{Fit, robust_scale};
+use super::unknowns::Point;
+use crate::simulator::Prepared;
+use crate::{Error, Result};
+
+/// A fit whose residual exceeds the noise this many times may sit in a wrong valley and is tried again from elsewhere.
+const SUSPICIOUS_SCALE: f64 = 3.0;
+/// A fit that ends within this share of the bounds from one of them is looked at again ...
+const NEAR_BOUND: f64 = 0.1;
+/// ... from these shares away from it.
+const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1];
+/// Starts across the bounds, for the case that neither the file nor the data suggest a good one. Small ones lie closer: where
+/// friction is large enough to stop the slip, more of it changes nothing.
+const SPREAD_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
+
+impl Session<'_> {
+    /// The best of several starts; more of them where the first leaves too much.
+    pub(super) fn best_fit(&self, near: &Point) -> Result<(Fit, usize)> {
+        let problem = self.problem();
+        if self.free.is_empty() {
+            let fit = problem.fit(near.clone(), 1.0)?;
+            let rollouts = fit.rollouts;
+            return Ok((fit, rollouts));
+        }
+        let mut starts = vec![near.clone()];
+        starts.extend(self.local_start(near));
+        // One parameter at a time across its bounds, the others where the file or the events have them.
+        for base in starts.clone() {
+            for &i in self.free {
+                let p = &self.simulator.parameters()[i];
+                starts.extend(SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()])));
+            }
+        }
+        for start in starts.clone() {
+            // The recordings' first guesses as well, where the start carries own unknowns fitted to other parameters.
+            starts.push(Point { own: self.recordings.iter().map(Prepared::own_values).collect(), ..start });
+        }
+        let mut rollouts = starts.len() * self.recordings.len();
+        let mut ranked: Vec<(f64, Point)> = Vec::with_capacity(starts.len());
+        for start in starts {
+            if let Ok(residuals) = problem.residuals(&start, 1.0) {
+                ranked.push((problem.rmse(&residuals), start));
+            }
+        }
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best: Option<Fit> = None;
+        for (tried, (_, start)) in ranked.into_iter().enumerate() {
+            let grow = tried >= 2;
+            let mut point = start;
+            if grow {
+                for horizon in [0.45, 0.7] {
+                    let fit = problem.fit(point, horizon)?;
+                    rollouts += fit.rollouts;
+                    point = fit.point;
+                }
+            }
+            let fit = problem.fit(point, 1.0)?;
+            rollouts += fit.rollouts;
+            if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
+                best = Some(fit);
+            }
+            let settled = best.as_ref().is_some_and(|b| robust_scale(&b.residuals) < SUSPICIOUS_SCALE);
+            if settled || tried >= 5 {
+                break;
+            }
+        }
+        if let Some(found) = best.take() {
+            let (found, used) = self.look_along_bounds(found)?;
+            rollouts += used;
+            best = Some(found);
+        }
+        best.map(|b| (b, rollouts)).ok_or_else(|| Error::Simulator {
+            at: "every start".into(),
+            message: "no start within the bounds could be simulated".into(),
+        })
+    }
+
+    /// Near a bound the slope may vanish (a restitution of a few hundredths leaves next to no rebound), so that a step which
+    /// overshoots never comes back: tries the neighbourhood of the bound by plain rollouts, and fits again from the best.
+    fn look_along_bounds(&self, found: Fit) -> Result<(Fit, usize)> {
+        let problem = self.problem();
+        let mut rollouts = 0;
+        let mut best: Option<(f64, Point)> = None;
+        let level = problem.rmse(&found.residuals);
+        for &i in self.free {
+            let p = &self.simulator.parameters()[i];
+            let value = found.point.parameters[i];
+            let (bound, inward) = if value - p.min < NEAR_BOUND * p.span() {
+                (p.min, 1.0)
+            } else if p.max - value < NEAR_BOUND * p.span() {
+                (p.max, -1.0)
+            } else {
+                continue;
+            };
+            for share in BOUND_STARTS {
+                let point = found.point.with(&[i], &[bound + inward * share * p.span()]);
+                rollouts += self.recordings.len();
+                let rmse = problem.residuals(&point, 1.0).map_or(f64::INFINITY, |r| problem.rmse(&r));
+                if rmse < best.as_ref().map_or(level, |b| b.0) {
+                    best = Some((rmse, point));
+                }
+            }
+        }
+        let Some((_, start)) = best else { return Ok((found, rollouts)) };
+        let again = problem.fit(start, 1.0)?;
+        rollouts += again.rollouts;
+        Ok((if again.cost < found.cost { again } else { found }, rollouts))
+    }
+
+    /// The parameters as the recordings' events alone suggest them.
+    fn local_start(&self, near: &Point) -> Option<Point> {
+        let local = |&i: &usize| {
+            let p = &self.simulator.parameters()[i];
+            local_estimate(self.recordings, i).map_or(near.parameters[i], |(value, _)| value.clamp(p.min, p.max))
+        };
+        let values: Vec<f64> = self.free.iter().map(local).collect();
+        let own = self.recordings.iter().map(Prepared::own_values).collect();
+        self.free
+            .iter()
+            .any(|&i| local_estimate(self.recordings, i).is_some())
+            .then(|| Point { own, ..near.with(self.free, &values) })
+    }
+}
+
+/// What the events of all recordings together say of parameter `i`: the mean weighted by certainty, and its standard
+/// deviation.
+pub(super) fn local_estimate(recordings: &[Prepared], i: usize) -> Option<(f64, f64)> {
+    let each = || recordings.iter().filter_map(|r| r.local[i]);
+    let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
+    (weight > 0.0).then(|| (each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight, weight.sqrt().recip()))
+}
