@@ -13,6 +13,8 @@ const STORED: u32 = 201;
 const STORED_FALL_M: f64 = 4.0;
 const STORED_RATE_HZ: f64 = 1920.0;
 const STORED_FRAMES: u32 = 13_800;
+/// A secant step reaches no farther, lest a slope that is hardly there throws the estimate away.
+const FARTHEST_STEP: f64 = 0.03;
 
 /// Estimates after 0, 1, … [`MOST`] rollouts.
 pub type Course = Vec<f64>;
@@ -113,7 +115,7 @@ pub fn nearest_stored(simulation: &Simulation, stored: &Stored, target: &Target)
                 square += slope * slope;
                 product += slope * (seen - new);
             }
-            if square > 0.0 { product / square } else { 0.0 }
+            if square > 0.0 { (product / square).clamp(-FARTHEST_STEP, FARTHEST_STEP) } else { 0.0 }
         });
         known.push((here, heights));
         course.push((here + step).clamp(0.0, 1.0));
