@@ -296,7 +296,7 @@ pub enum Row {
     Hard5mm,
     #[value(name = "hard-2cm")]
     Hard2cm,
-    /// Drops from other engines, in the folder that `TUNENET_PEERS` names
+    /// Drops from other engines, in the folder that the environment variable `TUNENET_PEERS` names
     Cross,
 }
 

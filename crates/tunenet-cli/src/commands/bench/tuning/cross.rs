@@ -20,6 +20,11 @@ pub const SETS: [(&str, (f64, f64), f64); 4] = [
     ("pybullet_hard", (0.0, 1.0), 0.04),
 ];
 
+/// Why a goal there is out of reach.
+pub const OTHER_LAWS: &str = "These drops were made by PyBullet, with air damping and contacts in steps of 1/60 s, and the \
+     goal was reached by tuning PyBullet itself. A ball without air cannot follow them nearer than its likeliest \
+     restitution does, whatever the tuner: that is where all columns end.";
+
 /// The folder, where the environment names one.
 pub fn folder() -> Option<PathBuf> {
     std::env::var_os(FOLDER).filter(|v| !v.is_empty()).map(|v| Path::new(&v).join("cross"))

@@ -165,6 +165,7 @@ impl Bench<'_> {
             reference,
             methods,
             goals,
+            note: None,
         }))
     }
 
@@ -180,9 +181,9 @@ impl Bench<'_> {
             let goal = Goal { rollouts: 5, statistic: Statistic::Mean, limit: Limit::Absolute(rival_cm) };
             let goals = results::hold(&goal, &methods, None).into_iter().collect();
             let unit = "mean distance in height, cm";
-            let table =
-                Table { row: name, unit, targets: targets.len(), noise_m: None, reference: None, methods, goals };
-            tables.push(table);
+            let note = set.starts_with("pybullet").then_some(cross::OTHER_LAWS);
+            let targets = targets.len();
+            tables.push(Table { row: name, unit, targets, noise_m: None, reference: None, methods, goals, note });
         }
         Ok(tables)
     }

@@ -18,6 +18,16 @@ use super::targets::{Simulation, Target};
 pub struct Seconds {
     pub generate: f64,
     pub train: f64,
+    /// How much of the training the processor spent on it: less, where other programs held the cores. None where the
+    /// system does not tell.
+    pub train_on_core: Option<f64>,
+}
+
+/// Time that this thread has spent on a core, s, from Linux's process table.
+fn on_core_s() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(nanoseconds * 1e-9)
 }
 
 /// A preset's own data set and how much shorter a quick training is.
@@ -43,11 +53,12 @@ pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result
         let _ = std::fs::remove_file(&data);
         process::run(&["gen", "ball", "--preset", pairs, "--pairs", count, "--seed", &seed_text, "--out", out])?;
         let generate = began.elapsed().as_secs_f64();
-        let began = Instant::now();
+        let (began, core_began) = (Instant::now(), on_core_s());
         train(&data, &TrainOptions { preset, seed, checkpoint: None }, &mut |_| true)?.save(&path)?;
         let train = began.elapsed().as_secs_f64();
+        let train_on_core = on_core_s().zip(core_began).map(|(now, then)| now - then);
         std::fs::remove_file(&data).with_context(|| format!("removing {}", data.display()))?;
-        Ok(Seconds { generate, train })
+        Ok(Seconds { generate, train, train_on_core })
     })?;
     Ok((Model::load(&path)?, seconds))
 }

@@ -55,6 +55,8 @@ pub struct Table {
     pub reference: Option<Reference>,
     pub methods: Vec<Method>,
     pub goals: Vec<Held>,
+    /// What the goals leave unsaid.
+    pub note: Option<&'static str>,
 }
 
 /// A goal and what became of it.

@@ -13,6 +13,8 @@ const STORED: u32 = 201;
 const STORED_FALL_M: f64 = 4.0;
 const STORED_RATE_HZ: f64 = 1920.0;
 const STORED_FRAMES: u32 = 13_800;
+/// A secant step reaches no farther, lest a slope that is hardly there throws the estimate away.
+const FARTHEST_STEP: f64 = 0.03;
 
 /// Estimates after 0, 1, … [`MOST`] rollouts.
 pub type Course = Vec<f64>;
@@ -113,7 +115,7 @@ pub fn nearest_stored(simulation: &Simulation, stored: &Stored, target: &Target)
                 square += slope * slope;
                 product += slope * (seen - new);
             }
-            if square > 0.0 { product / square } else { 0.0 }
+            if square > 0.0 { (product / square).clamp(-FARTHEST_STEP, FARTHEST_STEP) } else { 0.0 }
         });
         known.push((here, heights));
         course.push((here + step).clamp(0.0, 1.0));
@@ -156,18 +158,12 @@ pub fn brent(simulation: &Simulation, target: &Target) -> Result<Course> {
         let u = (x + step).clamp(low, high);
         let at_u = cost(u)?;
         if at_u <= at_x {
-            if u < x {
-                high = x;
-            } else {
-                low = x;
-            }
+            let worse_side = if u < x { &mut high } else { &mut low };
+            *worse_side = x;
             ((v, at_v), (w, at_w), (x, at_x)) = ((w, at_w), (x, at_x), (u, at_u));
         } else {
-            if u < x {
-                low = u;
-            } else {
-                high = u;
-            }
+            let this_side = if u < x { &mut low } else { &mut high };
+            *this_side = u;
             if at_u <= at_w || w == x {
                 ((v, at_v), (w, at_w)) = ((w, at_w), (u, at_u));
             } else if at_u <= at_v || v == x || v == w {

@@ -39,10 +39,11 @@ pub fn markdown(results: &Results) -> String {
     }
     if let Some(seconds) = results.making {
         let sum = seconds.generate + seconds.train;
+        let core = seconds.train_on_core.map_or(String::new(), |s| format!(" (one core, {s:.1} s of it on that core)"));
         let met = verdict(sum <= results.making_limit_s);
         let _ = writeln!(
             out,
-            "## Making a model of preset `default`\n\n`gen` {:.1} s + `train` {:.1} s = {sum:.1} s; goal {} s: {met}\n",
+            "## Making a model of preset `default`\n\n`gen` {:.1} s + `train` {:.1} s{core} = {sum:.1} s; goal {} s: {met}\n",
             seconds.generate, seconds.train, results.making_limit_s
         );
     }
@@ -85,6 +86,9 @@ fn one_table(out: &mut String, table: &Table) {
         let (limit, measured) = (short(goal.limit), short(goal.measured));
         let met = verdict(goal.met);
         let _ = writeln!(out, "- K={}, {} ≤ {limit}{source}: {measured}, {met}", goal.rollouts, goal.statistic);
+    }
+    if let Some(note) = &table.note {
+        let _ = writeln!(out, "- {note}");
     }
     if !table.goals.is_empty() {
         out.push('\n');
