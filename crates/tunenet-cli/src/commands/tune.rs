@@ -112,8 +112,12 @@ fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordi
             Error::file(&options.observation[other], message, "tune to each kind alone, or use `--each`").into()
         );
     }
-    if model.is_some() && (kind != Kind::Positions || recordings.len() > 1) {
-        let expected = "no model for bounce times, nor for several observations together (see --each)".into();
+    if model.is_some() && kind != Kind::Positions {
+        let (expected, found) = ("positions".into(), format!("{}, which need no model", kind.name()));
+        return Err(Error::Model { what: "input".into(), expected, found }.into());
+    }
+    if model.is_some() && recordings.len() > 1 {
+        let expected = "no model beside several observations, or --each".into();
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
     let ball = ObservedBall::new(file, kind).with_context(|| names(options))?;

@@ -106,6 +106,9 @@ pub fn tune(
         let expected = "at least one parameter with `tune = true`".into();
         return Err(Error::Setting { name: "parameters", expected, found: "none".into() });
     }
+    if let Some(model) = model.filter(|_| !settings.finish) {
+        covers(model, simulator)?;
+    }
     let noise: Vec<Vec<f64>> = recordings.iter().map(|r| channel_noise(&r.seen)).collect();
     let free = free(simulator.parameters(), &recordings);
     let session = Session { simulator, recordings: &recordings, noise: &noise, free: &free, settings };
@@ -137,6 +140,16 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         own: Vec::new(),
         used,
     }
+}
+
+/// A model whose last word stands has to tune what is to be tuned, no less.
+fn covers(model: &Model, simulator: &dyn Simulator) -> Result<()> {
+    let learned: Vec<&str> = model.parameters().iter().map(|p| p.name.as_str()).collect();
+    let asked: Vec<&str> = simulator.parameters().iter().filter(|p| p.tune).map(|p| p.name.as_str()).collect();
+    if asked.iter().all(|name| learned.contains(name)) {
+        return Ok(());
+    }
+    Err(Error::Model { what: "tunes other parameters".into(), expected: asked.join(", "), found: learned.join(", ") })
 }
 
 /// One call of [`tune`] with everything prepared.
