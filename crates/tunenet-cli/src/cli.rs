@@ -260,6 +260,18 @@ pub enum Measured {
     Speed(BenchSpeed),
     /// Error against rollouts, beside rivals, a maximum-likelihood fit and the Cramér–Rao bound
     Tuning(BenchTuning),
+    /// How often the stated intervals hold the truth, and how often a good drop is called a poor fit
+    Intervals(BenchIntervals),
+}
+
+/// `tunenet bench intervals`.
+#[derive(Debug, Args)]
+pub struct BenchIntervals {
+    /// Drops in each cell
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub drops: u32,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `tunenet bench speed`.
@@ -284,7 +296,7 @@ pub enum Row {
     Hard5mm,
     #[value(name = "hard-2cm")]
     Hard2cm,
-    /// Drops from other engines, in the folder that the environment variable `TUNENET_PEERS` names
+    /// Drops from other engines, in the folder that `TUNENET_PEERS` names
     Cross,
 }
 

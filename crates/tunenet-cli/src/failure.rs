@@ -41,13 +41,25 @@ pub fn tell(error: &anyhow::Error) -> Exit {
         );
         return exit;
     }
-    let chain: Vec<String> = error.chain().map(ToString::to_string).collect();
     let (red, reset) = (anstyle::AnsiColor::Red.on_default().bold(), anstyle::Reset);
-    anstream::eprintln!("{red}error{reset}: {}", chain.join(": "));
+    anstream::eprintln!("{red}error{reset}: {}", sentence(error));
     if let Some(hint) = known.and_then(Error::hint) {
         anstream::eprintln!("help: {hint}");
     }
     exit
+}
+
+/// The whole chain in one sentence; what a message already ends with is not said again.
+pub fn sentence(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if text.is_empty() {
+            text = cause;
+        } else if !text.ends_with(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
 }
 
 /// The offending line with a caret under what is wrong.

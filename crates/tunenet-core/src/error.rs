@@ -111,6 +111,8 @@ impl Error {
     pub fn hint(&self) -> Option<&str> {
         match self {
             Self::Text { hint, .. } | Self::File { hint, .. } if !hint.is_empty() => Some(hint),
+            Self::Io { action, source, .. } => io_hint(action, source.kind()),
+            Self::Model { .. } => Some("train a model for this scene: `tunenet gen`, then `tunenet train`"),
             _ => None,
         }
     }
@@ -123,5 +125,21 @@ impl Error {
     /// Shorthand for [`Error::Io`].
     pub fn io(path: impl Into<PathBuf>, action: &'static str, source: std::io::Error) -> Self {
         Self::Io { path: path.into(), action, source }
+    }
+}
+
+/// What to try where the system refused.
+fn io_hint(action: &str, kind: std::io::ErrorKind) -> Option<&'static str> {
+    use std::io::ErrorKind;
+    match kind {
+        ErrorKind::NotFound if matches!(action, "writing" | "creating") => Some("make the folder first"),
+        ErrorKind::NotFound => Some("check the path"),
+        ErrorKind::PermissionDenied => Some("check who may use the file"),
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            Some("free some space, or write elsewhere; what was there before is untouched")
+        }
+        ErrorKind::IsADirectory => Some("name a file, not a folder"),
+        ErrorKind::InvalidData => Some("is this the right file?"),
+        _ => None,
     }
 }

@@ -11,6 +11,9 @@ use crate::simulation_file::{Release, SimulationFile};
 /// Bounces whose intervals give the restitution at the speed of the first impacts.
 const LEADING_INTERVALS: usize = 4;
 
+/// A record that spans less than this along every axis, m, shows no motion.
+const LEAST_MOTION_M: f64 = 1e-6;
+
 /// A number of the start that the file leaves to the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Unknown {
@@ -103,6 +106,10 @@ impl ObservedBall {
     }
 
     fn prepare_positions(&self, seen: &Observation) -> Result<Preparation> {
+        if (0..3).all(|axis| span(seen.column(axis)) < LEAST_MOTION_M) {
+            let text = format!("the ball does not move in any of the {} samples", seen.len());
+            return Ok(Preparation::Rejected(Note::new("motion.none", text, "check the columns and their units")));
+        }
         let Some(arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
         // A known start also explains the time before it.
         let begin = if self.release.time_s.is_some() { 0 } else { arcs.usable.start };
@@ -146,13 +153,6 @@ impl ObservedBall {
         prepared.local[0] = arcs.restitution().map(|l| LocalEstimate { value: l.value.clamp(0.0, 1.0), ..l });
         let start_s = self.release.time_s.unwrap_or(begin_s);
         prepared.scale = Some(self.scale(&prepared.own_values(), start_s));
-        if self.unknown.contains(&Unknown::Surface) {
-            prepared.notes.push(Note::new(
-                "floor.fitted",
-                format!("the surface's height came from the data, near {surface:.4} m"),
-                "give `surface.height_m`; the interval narrows",
-            ));
-        }
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 

@@ -23,6 +23,7 @@ const CENTRE_HEIGHT_M: std::ops::Range<f64> = 4.0..5.0;
 
 pub fn run(options: &Gen) -> Result<Exit> {
     let Domain::Ball = options.domain;
+    load::writable(&options.out)?;
     let mut file = match &options.sim {
         Some(path) => SimulationFile::read(path)?,
         None => SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?,

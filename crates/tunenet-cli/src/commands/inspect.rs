@@ -2,14 +2,14 @@
 
 use anyhow::Result;
 use serde_json::{Value, json};
-use tunenet_core::network::Model;
+use tunenet_core::network::{DatasetHeader, DatasetReader, Model};
 use tunenet_core::observation::Kind;
-use tunenet_core::observation::recording::{Contents, Log, Table, contents};
+use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
 use tunenet_sim::SimulationFile;
 
 use super::{load, print_json};
 use crate::cli::Inspect;
-use crate::failure::Exit;
+use crate::failure::{Exit, sentence};
 use crate::terminal::{stage, table, warn};
 
 pub fn run(options: &Inspect) -> Result<Exit> {
@@ -18,9 +18,13 @@ pub fn run(options: &Inspect) -> Result<Exit> {
     let (mut object, usable) = match extension.as_str() {
         "toml" => (simulation(&SimulationFile::read(path)?)?, true),
         "safetensors" => (model(&Model::load(path)?), true),
-        _ => match contents(path)? {
+        _ => match contents_with(path, &load::reading(&options.reading))? {
             Contents::Table(found) => series(&found, options),
-            Contents::Log(found) => log(&found),
+            // What `gen` writes is a log too, though none of measurements.
+            Contents::Log(found) => match DatasetReader::open(path) {
+                Ok(reader) => (dataset(reader.header()), true),
+                Err(_) => log(&found),
+            },
         },
     };
     object["schema"] = json!("tunenet.inspect/1");
@@ -48,7 +52,7 @@ fn series(found: &Table, options: &Inspect) -> (Value, bool) {
     let usable = if options.reading.columns.is_empty() {
         found.usable.clone()
     } else {
-        load::recording(&options.file, &options.reading).map(|r| r.observation.kind()).map_err(|e| format!("{e:#}"))
+        load::recording(&options.file, &options.reading).map(|r| r.observation.kind()).map_err(|e| sentence(&e))
     };
     stage("table", &format!("{} rows, {} samples", found.rows, found.samples));
     let columns: Vec<Vec<String>> =
@@ -120,6 +124,28 @@ fn log(found: &Log) -> (Value, bool) {
         "warnings": [],
     });
     (object, !usable.is_empty() && found.ended.is_none())
+}
+
+fn dataset(header: &DatasetHeader) -> Value {
+    stage("dataset", &format!("{} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed));
+    let rows: Vec<Vec<String>> = header
+        .parameters
+        .iter()
+        .map(|p| {
+            let learned = if p.tuned { "learned" } else { "fixed" };
+            vec![p.name.clone(), format!("{} to {}", p.min, p.max), p.unit.clone(), learned.into()]
+        })
+        .collect();
+    anstream::eprintln!("{}", table(&rows));
+    stage("usable", "train a network");
+    json!({
+        "kind": "dataset", "preset": header.preset, "pairs": header.pairs, "seed": header.seed,
+        "frames": header.clock.len(),
+        "parameters": header.parameters.iter().map(|p| json!({
+            "name": p.name, "min": p.min, "max": p.max, "unit": p.unit, "tune": p.tuned,
+        })).collect::<Vec<_>>(),
+        "warnings": [],
+    })
 }
 
 fn simulation(file: &SimulationFile) -> Result<Value> {

@@ -23,8 +23,25 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
 
 /// A recording from a file.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
-    let options = ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() };
-    Ok(read(path, &options)?)
+    Ok(read(path, &self::reading(reading))?)
+}
+
+/// The command line's say in how files are read.
+pub fn reading(reading: &Reading) -> ReadOptions {
+    ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() }
+}
+
+/// Refuses an output that a long run could not be saved to: a folder, or a name in a folder that does not exist.
+pub fn writable(out: &Path) -> Result<()> {
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let kind = if out.is_dir() {
+        std::io::ErrorKind::IsADirectory
+    } else if folder.is_some_and(|folder| !folder.is_dir()) {
+        std::io::ErrorKind::NotFound
+    } else {
+        return Ok(());
+    };
+    Err(Error::io(out, "writing", kind.into()).into())
 }
 
 /// The SHA-256 of a file's bytes, in hexadecimal.

@@ -8,19 +8,24 @@ use serde_json::{Map, Value, json};
 use toml_edit::{Array, InlineTable};
 use tunenet_core::Error;
 use tunenet_core::network::Model;
-use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{Recording, write_atomically};
+use tunenet_core::observation::{Kind, Note};
 use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
 use tunenet_sim::{ObservedBall, SimulationFile};
 
 use super::{load, print_json};
 use crate::cli::Tune;
-use crate::failure::Exit;
+use crate::failure::{Exit, sentence as error_sentence};
 use crate::terminal::{in_words, rounded, stage, table, warn};
 
+/// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
+const MOST_SAMPLES: usize = 20_000;
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
+    if let Some(out) = &options.out {
+        load::writable(out)?;
+    }
     let file = load::simulation(&options.simulation)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {
@@ -63,8 +68,11 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
             }
             Err(error) => {
                 refused += 1;
-                anstream::eprintln!("{name}: {error:#}");
-                all.push(json!({ "schema": SCHEMA, "file": name, "error": format!("{error:#}") }));
+                let text = error_sentence(&error);
+                // Most errors begin with the path already.
+                let place = if text.contains(&name) { String::new() } else { format!("{name}: ") };
+                anstream::eprintln!("{place}{text}");
+                all.push(json!({ "schema": SCHEMA, "file": name, "error": text }));
             }
         }
     }
@@ -76,10 +84,10 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
 }
 
 fn read(path: &Path, options: &Tune) -> Result<Recording> {
-    let recording = load::recording(path, &options.reading)?;
+    let mut recording = load::recording(path, &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
-    let span = if seen.kind() == tunenet_core::observation::Kind::BounceTimes {
+    let span = if seen.kind() == Kind::BounceTimes {
         format!("{} bounces", seen.len())
     } else {
         format!("{} samples, {:.2} s", seen.len(), clock[clock.len() - 1] - clock[0])
@@ -87,17 +95,28 @@ fn read(path: &Path, options: &Tune) -> Result<Recording> {
     if !options.each {
         stage("read", &format!("{}, {span}", load::name(path)));
     }
+    if let Some(fewer) = recording.observation.thinned(MOST_SAMPLES)? {
+        let text = format!("{} of {} samples are used, evenly chosen", fewer.len(), recording.observation.len());
+        recording.notes.push(Note::new("samples.thinned", text, ""));
+        recording.observation = fewer;
+    }
     Ok(recording)
 }
 
 fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordings: &[Recording]) -> Result<Outcome> {
     let kind = recordings[0].observation.kind();
-    if let Some(other) = recordings.iter().find(|r| r.observation.kind() != kind) {
-        let found = format!("{} as well", other.observation.kind().name());
-        let what = "the observations".into();
-        return Err(Error::Observation { what, expected: format!("all of one kind, {}", kind.name()), found }.into());
+    if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
+        let found = recordings[other].observation.kind().name();
+        let message = format!("expected {} as in {}, found {found}", kind.name(), load::name(&options.observation[0]));
+        return Err(
+            Error::file(&options.observation[other], message, "tune to each kind alone, or use `--each`").into()
+        );
     }
-    let ball = ObservedBall::new(file, kind)?;
+    if model.is_some() && (kind != Kind::Positions || recordings.len() > 1) {
+        let expected = "no model for bounce times, nor for several observations together (see --each)".into();
+        return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
+    }
+    let ball = ObservedBall::new(file, kind).with_context(|| names(options))?;
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
         iterations: usize::from(options.iterations),
@@ -150,6 +169,9 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         "gap": outcome.gap.as_ref().map(|g| json!({
             "unit": g.unit, "before": g.before, "after": g.after, "noise_floor": g.noise_floor,
         })),
+        "estimated": outcome.own.iter().map(|own| {
+            own.iter().map(|p| json!({ "name": p.name, "value": p.value, "unit": p.unit })).collect::<Vec<_>>()
+        }).collect::<Vec<_>>(),
         "rollouts": outcome.rollouts,
         "seconds": seconds,
         "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
@@ -210,6 +232,10 @@ fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
         ];
         anstream::eprintln!("{}\n", table(&rows));
     }
+    for own in outcome.own.iter().filter(|own| !own.is_empty()) {
+        let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
+        anstream::eprintln!("  also from the data: {}", each.join(", "));
+    }
     outcome.notes.iter().for_each(warn);
     let wrote = match &options.out {
         Some(out) if is_written(outcome) => format!("wrote {}, ", load::name(out)),
@@ -239,6 +265,11 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
         one.insert("sha256", load::hash(path)?.into());
         observations.push(one);
     }
+    let mut estimated = Array::new();
+    for own in &outcome.own {
+        let one: InlineTable = own.iter().map(|p| (p.name.replace('.', "_"), p.value)).collect();
+        estimated.push(one);
+    }
     let verdict = serde_json::to_value(outcome.verdict)?;
     let seed = i64::try_from(options.common.seed).unwrap_or(i64::MAX);
     tuned.set_provenance(&[
@@ -248,6 +279,7 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
         ("verdict", verdict.as_str().unwrap_or_default().into()),
         ("observations", observations.into()),
         ("interval95", intervals.into()),
+        ("estimated", estimated.into()),
         ("gap_unit", gap.unit.as_str().into()),
         ("gap_before", gap.before.into()),
         ("gap_after", gap.after.into()),

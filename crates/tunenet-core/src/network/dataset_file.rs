@@ -93,6 +93,9 @@ impl DatasetWriter {
     /// [`Error::Io`] where a file cannot be written; [`Error::File`] where `out.partial` belongs to another dataset.
     pub fn open(out: impl Into<PathBuf>, header: DatasetHeader) -> Result<Self> {
         let out = out.into();
+        if out.is_dir() {
+            return Err(Error::io(&out, "writing", std::io::ErrorKind::IsADirectory.into()));
+        }
         let partial = with_suffix(&out, ".partial");
         if !partial.exists() {
             return Self::begin(out, &partial.clone(), partial, header);

@@ -129,10 +129,10 @@ pub fn train(
 }
 
 fn loss(loss: Loss, network: &TwoBranch, batch: &Batch) -> Result<Tensor> {
-    let off = (network.forward(&batch.proposed, &batch.target)? - &batch.difference)?;
+    let estimate = network.forward(&batch.proposed, &batch.target)?;
     Ok(match loss {
-        Loss::Squared => off.sqr()?.mean_all()?,
-        Loss::Absolute => off.abs()?.mean_all()?,
+        Loss::Squared => candle_nn::loss::mse(&estimate, &batch.difference)?,
+        Loss::Absolute => (estimate - &batch.difference)?.abs()?.mean_all()?,
     })
 }
 

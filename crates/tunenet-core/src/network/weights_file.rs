@@ -13,6 +13,9 @@ use crate::{Error, Result};
 /// The one metadata key, so that no map decides the order of the bytes.
 const KEY: &str = "tunenet";
 
+/// What to try with a file that is no such thing.
+const HINT: &str = "`tunenet train` writes models";
+
 /// Named tensors and what is said about them.
 pub(super) struct Contents {
     pub(super) about: String,
@@ -53,7 +56,7 @@ pub(super) fn read(path: &Path, kind: &str) -> Result<Contents> {
 
 /// As [`read`], from bytes that stand or would stand at `path`.
 pub(super) fn from_bytes(path: &Path, bytes: &[u8], kind: &str) -> Result<Contents> {
-    let refuse = |found: String| Error::file(path, format!("expected {kind} in safetensors, found {found}"), "");
+    let refuse = |found: String| Error::file(path, format!("expected {kind} in safetensors, found {found}"), HINT);
     let (_, metadata) =
         SafeTensors::read_metadata(bytes).map_err(|e| refuse(format!("a file that is not safetensors ({e})")))?;
     let about = metadata.metadata().as_ref().and_then(|m| m.get(KEY)).cloned();
@@ -79,7 +82,7 @@ impl Contents {
     /// Takes one tensor out, of exactly this shape and kind of number.
     pub(super) fn take(&mut self, path: &Path, name: &str, dtype: DType, shape: &[usize]) -> Result<Tensor> {
         let expected = format!("`{name}` of shape {shape:?} in {}", dtype.as_str());
-        let refuse = |found: String| Error::file(path, format!("expected {expected}, found {found}"), "");
+        let refuse = |found: String| Error::file(path, format!("expected {expected}, found {found}"), HINT);
         match self.tensors.remove(name) {
             None => Err(refuse("none".into())),
             Some(tensor) if tensor.dims() != shape || tensor.dtype() != dtype => {

@@ -218,6 +218,20 @@ impl Observation {
         self.values[channel..].iter().step_by(self.channels.len()).copied()
     }
 
+    /// Evenly chosen samples, at most `most` of them; `None` where there are no more than that.
+    ///
+    /// # Errors
+    /// [`Error::Observation`] where `most` is below [`FEWEST_SAMPLES`].
+    pub fn thinned(&self, most: usize) -> Result<Option<Self>> {
+        if self.len() <= most {
+            return Ok(None);
+        }
+        let every = self.len().div_ceil(most.max(1));
+        let clock = self.clock.iter().step_by(every).copied().collect();
+        let values = (0..self.len()).step_by(every).flat_map(|i| self.row(i).iter().copied()).collect();
+        Self::new(self.kind, self.channels.clone(), clock, values).map(Some)
+    }
+
     /// The samples of `range` alone.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// Something noticed: what it is, in words, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Note {
-    /// A fixed code for scripts: `floor.fitted`.
+    /// A fixed code for scripts: `release.late`.
     pub code: &'static str,
     /// One sentence: what was found and where.
     pub text: String,

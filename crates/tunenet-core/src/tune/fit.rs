@@ -354,7 +354,10 @@ fn inverse(m: DMatrix<f64>) -> DMatrix<f64> {
     }
     let scale = DVector::from_fn(n, |i, _| m[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip());
     let scaled = DMatrix::from_fn(n, n, |i, j| m[(i, j)] * scale[i] * scale[j]);
-    let inverted = scaled.clone().cholesky().map(|c| c.inverse()).or_else(|| scaled.pseudo_inverse(1e-12).ok());
+    let inverted = scaled.clone().cholesky().map(|c| c.inverse()).or_else(|| {
+        // The decomposition never ends on what is not finite.
+        scaled.iter().all(|v| v.is_finite()).then(|| scaled.pseudo_inverse(1e-12).ok()).flatten()
+    });
     inverted.map_or_else(|| DMatrix::zeros(n, n), |v| DMatrix::from_fn(n, n, |i, j| v[(i, j)] * scale[i] * scale[j]))
 }
 

@@ -29,7 +29,7 @@ use nalgebra::DMatrix;
 
 use crate::network::Model;
 use crate::observation::{Note, Observation};
-use crate::simulator::{Preparation, Prepared, Simulator};
+use crate::simulator::{Parameter, Preparation, Prepared, Simulator};
 use crate::{Error, Result};
 
 /// How to tune.
@@ -112,6 +112,13 @@ pub fn tune(
     let mut outcome = session.run(model)?;
     outcome.notes.splice(0..0, notes);
     outcome.used = used;
+    if let Some(point) = &outcome.point {
+        let fitted = |(recording, values): (&Prepared, &Vec<f64>)| {
+            let each = recording.own.iter().zip(values);
+            each.map(|(unknown, &value)| Parameter { value, ..unknown.clone() }).collect()
+        };
+        outcome.own = recordings.iter().zip(&point.own).map(fitted).collect();
+    }
     Ok(outcome)
 }
 
@@ -127,6 +134,7 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         notes,
         point: None,
         free: Vec::new(),
+        own: Vec::new(),
         used,
     }
 }
@@ -247,6 +255,7 @@ impl Session<'_> {
             notes,
             point,
             free,
+            own: Vec::new(),
             used: Vec::new(),
         })
     }

@@ -2,6 +2,7 @@
 
 use super::unknowns::Point;
 use crate::observation::Note;
+use crate::simulator::Parameter;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -98,6 +99,8 @@ pub struct Outcome {
     pub notes: Vec<Note>,
     /// All parameters and own unknowns at the end.
     pub point: Option<Point>,
+    /// For each recording used: its own unknowns as they were fitted, `value` being the answer.
+    pub own: Vec<Vec<Parameter>>,
     /// For each recording given: whether it was used.
     pub used: Vec<bool>,
 }

@@ -1,5 +1,6 @@
 //! `tunenet bench`: every figure that is claimed, measured here.
 
+mod intervals;
 mod process;
 mod speed;
 mod tuning;
@@ -13,5 +14,6 @@ pub fn run(options: &Bench) -> Result<Exit> {
     match &options.what {
         Measured::Speed(options) => speed::run(options),
         Measured::Tuning(options) => tuning::run(options),
+        Measured::Intervals(options) => intervals::run(options),
     }
 }

@@ -39,7 +39,9 @@ fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()
     // A temporary file is private by default; this one becomes the user's, under the usual mask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut out = BufWriter::new(builder.tempfile_in(folder)?);
+    // The temporary name is nobody's business: only what the system said is told.
+    let file = builder.tempfile_in(folder).map_err(|e| std::io::Error::from(e.kind()))?;
+    let mut out = BufWriter::new(file);
     write(&mut out)?;
     out.flush()?;
     let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;

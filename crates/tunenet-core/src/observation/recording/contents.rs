@@ -6,7 +6,7 @@ use super::lines::{Lines, cells, named, separator};
 use super::quantity::{Meaning, meaning};
 use super::scan::scan;
 use super::topics::{Topic, survey};
-use super::{Format, Note, format};
+use super::{Format, Note, ReadOptions, format};
 use crate::observation::Kind;
 use crate::{Error, Result};
 
@@ -80,9 +80,17 @@ pub struct Log {
 /// # Errors
 /// [`Error::Io`] where the system refuses the file; [`Error::File`] where it is empty or neither text nor MCAP.
 pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
+    contents_with(path, &ReadOptions::default())
+}
+
+/// As [`contents`], with the columns of a foreign CSV file named; an MCAP file has none, and all its topics are listed.
+///
+/// # Errors
+/// As [`contents`].
+pub fn contents_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Contents> {
     let path = path.as_ref();
     match format(path)? {
-        Format::Csv => table(path).map(Contents::Table),
+        Format::Csv => table(path, &options.columns).map(Contents::Table),
         Format::Mcap => {
             let found = survey(path)?;
             let ended = found.ended.map(|error| match error {
@@ -94,7 +102,7 @@ pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
     }
 }
 
-fn table(path: &Path) -> Result<Table> {
+fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
     let mut table = Table {
         columns: columns(path)?,
         usable: Err(String::new()),
@@ -107,7 +115,7 @@ fn table(path: &Path) -> Result<Table> {
         broken_count: 0,
         notes: Vec::new(),
     };
-    let scan = match scan(path, &[]) {
+    let scan = match scan(path, mapping) {
         Ok(scan) => scan,
         Err(Error::Text { message, .. }) => {
             table.usable = Err(message);

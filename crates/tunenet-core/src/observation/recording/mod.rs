@@ -39,7 +39,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 pub use atomic::write_atomically;
-pub use contents::{BrokenLine, Column, Contents, Log, Table, contents};
+pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv_write::write_csv;
 #[allow(unused_imports, reason = "the reader of other files made of messages")]
 pub(crate) use mcap_read::{ChannelInfo, Messages, RawMessage, messages};
@@ -51,6 +51,10 @@ use crate::{Error, Result};
 
 /// Most numbers of one observation; a file with more is refused, since fitting would not end.
 pub const MOST_NUMBERS: usize = 20_000_000;
+
+/// Greatest size of a number in an observation, in SI units: seconds since 1970 fit, and nothing that a person measures
+/// is larger.
+pub const LARGEST: f64 = 1e10;
 
 /// An observation from a file, and what was noticed while reading it.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,8 +102,21 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Recording> 
             expected: "a CSV file".into(),
             found: format!("the MCAP file {}", path.display()),
         }),
-        Format::Mcap => mcap_series::read(path, options.topic.as_deref()),
+        Format::Mcap => {
+            let recording = mcap_series::read(path, options.topic.as_deref())?;
+            refuse_too_large(path, &recording.observation)?;
+            Ok(recording)
+        }
     }
+}
+
+/// Numbers beyond [`LARGEST`] are refused with their sample.
+fn refuse_too_large(path: &Path, seen: &Observation) -> Result<()> {
+    let width = seen.channels().len();
+    let Some(at) = seen.values().iter().position(|v| v.abs() > LARGEST) else { return Ok(()) };
+    let (channel, sample, found) = (&seen.channels()[at % width].name, at / width + 1, seen.values()[at]);
+    let message = format!("`{channel}` at sample {sample} is too large: expected at most {LARGEST:e}, found {found:e}");
+    Err(Error::file(path, message, "check the unit, or leave the message out"))
 }
 
 /// Content first: an MCAP file under any name is read as one, and a text file named `.mcap` is not called empty.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::columns::{Header, Layout, Source, layout};
 use super::lines::{Line, Lines, cells, named, number, separator};
-use super::{MOST_NUMBERS, Note};
+use super::{LARGEST, MOST_NUMBERS, Note};
 use crate::observation::Kind;
 use crate::{Error, Result};
 
@@ -17,6 +17,12 @@ const MOST_REPEATED: f64 = 0.05;
 
 /// How many times its neighbours' interval a time may be ahead before it, and not the next line, is called wrong.
 const LEAP: f64 = 10.0;
+
+/// Most characters of a cell that a message repeats.
+const LONGEST_SHOWN: usize = 40;
+
+/// Least time between two impacts, s. Nothing that bounces can be told apart below it.
+const SHORTEST_INTERVAL_S: f64 = 1e-6;
 
 /// A line that cannot be used, and why.
 #[derive(Debug, Clone)]
@@ -179,12 +185,21 @@ impl Scan {
         }
         let read = |source: &Source| {
             let text = cells[source.column].text;
-            number(text, self.separator).map(|value| source.scale.apply(value)).map_err(|why| {
-                let message =
-                    format!("`{}` is {why}: expected a finite number, found `{text}`", source.quantity.header());
+            let broken = |why: &str, expected: &str| {
+                // Damaged numbers can be hundreds of digits long.
+                let mut shown: String = text.chars().take(LONGEST_SHOWN).collect();
+                if shown.len() < text.len() {
+                    shown.push('…');
+                }
+                let message = format!("`{}` is {why}: expected {expected}, found `{shown}`", source.quantity.header());
                 let hint = "correct the cell, or empty it to leave the sample out";
                 Box::new(Broken::at(&line, self.separator, source.column, message, hint))
-            })
+            };
+            match number(text, self.separator).map(|value| source.scale.apply(value)) {
+                Ok(value) if value.abs() <= LARGEST => Ok(value),
+                Ok(_) => Err(broken("too large", &format!("at most {LARGEST:e}"))),
+                Err(why) => Err(broken(why, "a finite number")),
+            }
         };
         let time = self.layout.clock.as_ref().map(read).transpose()?;
         let sample = self.layout.values.iter().map(|source| source.as_ref().map_or(Ok(0.0), read));
@@ -249,6 +264,15 @@ impl Scan {
                 message,
                 "sort the times, or delete the line",
             )));
+        }
+        if let Some(&last) = self.values.last()
+            && time - last < SHORTEST_INTERVAL_S
+        {
+            let message = format!(
+                "the bounce time hardly rises: expected {SHORTEST_INTERVAL_S:e} s or more after {last:?}, found {time:?}"
+            );
+            let hint = "check the unit of the times, or delete the line";
+            return Err(Box::new(Broken::at(line, self.separator, column, message, hint)));
         }
         if let (Some(number), Some(&last), Some(source)) = (number, self.clock.last(), self.layout.clock)
             && number <= last

@@ -6,7 +6,7 @@
 //!
 //! Every finished cell is kept by [`resume`].
 
-mod closed_form;
+pub(super) mod closed_form;
 mod cross;
 mod likelihood;
 mod measure;

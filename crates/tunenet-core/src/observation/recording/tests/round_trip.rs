@@ -4,7 +4,7 @@ use mcap::Compression;
 use proptest::prelude::*;
 
 use super::super::testing::{bag, ball, file, joints, made};
-use super::super::{ReadOptions, contents, read, write_csv, write_mcap};
+use super::super::{LARGEST, ReadOptions, contents, read, write_csv, write_mcap};
 use crate::observation::{Channel, Kind, Observation};
 
 fn clock() -> impl Strategy<Value = Vec<f64>> {
@@ -32,8 +32,10 @@ fn ticks() -> impl Strategy<Value = Vec<f64>> {
     })
 }
 
+/// Every number that an observation may hold: what is larger is folded back, its bits kept.
 fn any_finite() -> impl Strategy<Value = f64> {
-    any::<f64>().prop_filter("finite", |value| value.is_finite())
+    let finite = any::<f64>().prop_filter("finite", |value| value.is_finite());
+    finite.prop_map(|value| if value.abs() > LARGEST { value % LARGEST } else { value })
 }
 
 fn filled(kind: Kind, clock: Vec<f64>, draw: &[f64]) -> Observation {
