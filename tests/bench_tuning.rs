@@ -1,15 +1,15 @@
 //! `tunenet bench tuning` as a process: it runs, writes its three files, and goes on where it stopped.
 
 use std::path::Path;
+use std::process::Command;
 use std::time::SystemTime;
 
-use assert_cmd::Command;
-
 fn bench(folder: &Path) -> String {
-    let mut command = Command::cargo_bin("tunenet").expect("built beside the tests");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tunenet"));
     command.args(["bench", "tuning", "--quick", "--only", "easy-0", "--targets", "20", "--json", "--out"]).arg(folder);
-    let output = command.assert().success().get_output().stdout.clone();
-    String::from_utf8(output).expect("JSON is Unicode")
+    let output = command.output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("JSON is Unicode")
 }
 
 fn written(path: &Path) -> SystemTime {

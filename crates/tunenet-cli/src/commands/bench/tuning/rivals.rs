@@ -158,12 +158,18 @@ pub fn brent(simulation: &Simulation, target: &Target) -> Result<Course> {
         let u = (x + step).clamp(low, high);
         let at_u = cost(u)?;
         if at_u <= at_x {
-            let worse_side = if u < x { &mut high } else { &mut low };
-            *worse_side = x;
+            if u < x {
+                high = x;
+            } else {
+                low = x;
+            }
             ((v, at_v), (w, at_w), (x, at_x)) = ((w, at_w), (x, at_x), (u, at_u));
         } else {
-            let this_side = if u < x { &mut low } else { &mut high };
-            *this_side = u;
+            if u < x {
+                low = u;
+            } else {
+                high = u;
+            }
             if at_u <= at_w || w == x {
                 ((v, at_v), (w, at_w)) = ((w, at_w), (u, at_u));
             } else if at_u <= at_v || v == x || v == w {
