@@ -22,18 +22,23 @@ WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 720, 340, 52, 14, 30, 44
 LAST_S, HIGHEST_M = 3.0, 1.2
 
 STYLE = """
-  :root { --ink: #24292f; --faint: #d0d7de; --measured: #57606a; --before: #D55E00; --after: #0072B2; }
-  @media (prefers-color-scheme: dark) {
-    :root { --ink: #e6edf3; --faint: #3d444d; --measured: #9da7b1; --before: #ff8a3d; --after: #56b4e9; }
-  }
-  text { font: 13px system-ui, sans-serif; fill: var(--ink); }
-  .grid { stroke: var(--faint); stroke-width: 1; }
+  text { font: 13px system-ui, sans-serif; fill: #24292f; }
+  .grid { stroke: #d0d7de; stroke-width: 1; }
   path { fill: none; stroke-linecap: round; stroke-linejoin: round; }
-  .measured { stroke: var(--measured); stroke-width: 4.4; }
-  .before { stroke: var(--before); stroke-width: 2; stroke-dasharray: 7 6; }
-  .after { stroke: var(--after); stroke-width: 1.8; }
-  text.before { fill: var(--before); stroke: none; }
-  text.after { fill: var(--after); stroke: none; }
+  .measured { stroke: #57606a; stroke-width: 4.4; }
+  .before { stroke: #D55E00; stroke-width: 2; stroke-dasharray: 7 6; }
+  .after { stroke: #0072B2; stroke-width: 1.8; }
+  text.before { fill: #D55E00; stroke: none; }
+  text.after { fill: #0072B2; stroke: none; }
+  @media (prefers-color-scheme: dark) {
+    text { fill: #e6edf3; }
+    .grid { stroke: #3d444d; }
+    .measured { stroke: #9da7b1; }
+    .before { stroke: #ff8a3d; }
+    .after { stroke: #56b4e9; }
+    text.before { fill: #ff8a3d; }
+    text.after { fill: #56b4e9; }
+  }
 """
 
 
@@ -94,7 +99,7 @@ def main():
         f'<path class="before" d="{line(curves[0])}"/>',
         f'<path class="after" d="{line(curves[1])}"/>',
         label(0.62, 1.05, "", "measured"),
-        label(0.927, 0.42, "before", f"before: {before}"),
+        label(1.22, 0.31, "before", f"before: {before}"),
         label(1.076, 0.86, "after", f"after: {after:.3f}"),
         "</svg>",
     ]

@@ -43,13 +43,16 @@ pub fn table(rows: &[Vec<String>]) -> String {
     rows.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
+/// No measurement of a ball is worth more digits.
+const MOST_DECIMALS: f64 = 8.0;
+
 /// A number with as many decimals as two digits of its uncertainty need.
 pub fn rounded(value: f64, half_width: f64) -> String {
     if !half_width.is_finite() || half_width <= 0.0 {
         return format!("{value:.6}");
     }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0 to 12")]
-    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 12.0) as usize;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, MOST_DECIMALS) as usize;
     format!("{value:.decimals$}")
 }
 

@@ -110,6 +110,9 @@ impl ObservedBall {
             let text = format!("the ball does not move in any of the {} samples", seen.len());
             return Ok(Preparation::Rejected(Note::new("motion.none", text, "check the columns and their units")));
         }
+        let wild = seen.wild();
+        let kept = seen.without(&wild);
+        let seen = kept.as_ref().unwrap_or(seen);
         let Some(arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
         // A known start also explains the time before it.
         let begin = if self.release.time_s.is_some() { 0 } else { arcs.usable.start };
@@ -142,6 +145,12 @@ impl ObservedBall {
         let mut prepared = Prepared::whole(usable, self.parameters.len());
         prepared.own = own.collect::<Result<_>>()?;
         prepared.notes.clone_from(&arcs.notes);
+        if kept.is_some() {
+            let places: Vec<String> = wild.iter().take(4).map(|i| (i + 1).to_string()).collect();
+            let more = if wild.len() > 4 { " and others" } else { "" };
+            let text = format!("sample {}{more} leaps far away and back, and was set aside", places.join(", "));
+            prepared.notes.push(Note::new("samples.wild", text, "correct or remove it"));
+        }
         if arcs.contacts.is_empty() {
             let duration = seen.clock()[seen.len() - 1] - seen.clock()[0];
             let text = format!(

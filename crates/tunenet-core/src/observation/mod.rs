@@ -10,6 +10,7 @@ mod note;
 pub mod recording;
 mod release;
 mod resample;
+mod wild;
 
 pub use arcs::{Arcs, Contact, LocalEstimate};
 pub use noise::noise_sd;

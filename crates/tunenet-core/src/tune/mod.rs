@@ -86,15 +86,19 @@ pub fn tune(
 ) -> Result<Outcome> {
     let mut notes = Vec::new();
     let (mut recordings, mut used) = (Vec::new(), Vec::new());
-    for seen in observations {
+    for (number, seen) in observations.iter().enumerate() {
+        let named = |note: &Note| {
+            let which = if observations.len() > 1 { format!("recording {}: ", number + 1) } else { String::new() };
+            Note { text: format!("{which}{}", note.text), ..note.clone() }
+        };
         match simulator.prepare(seen)? {
             Preparation::Usable(prepared) => {
-                notes.extend(prepared.notes.iter().cloned());
+                notes.extend(prepared.notes.iter().map(named));
                 recordings.push(*prepared);
                 used.push(true);
             }
             Preparation::Rejected(note) => {
-                notes.push(note);
+                notes.push(named(&note));
                 used.push(false);
             }
         }

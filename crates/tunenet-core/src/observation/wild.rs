@@ -1,0 +1,70 @@
+//! Single samples that cannot belong to the motion: a tracker that jumped for one frame, a digit too many.
+
+use super::{FEWEST_SAMPLES, Observation};
+
+/// Share of the samples on either side that the usual range leaves out.
+const TAIL: usize = 50;
+
+impl Observation {
+    /// The samples (from 0) that leap out of the range of the others by more than that whole range and are back at the next
+    /// sample. Two or more in a row are motion, however strange, and stay.
+    #[must_use]
+    pub fn wild(&self) -> Vec<usize> {
+        let outside: Vec<Vec<bool>> = (0..self.channels().len())
+            .map(|channel| {
+                let mut sorted: Vec<f64> = self.column(channel).collect();
+                sorted.sort_unstable_by(f64::total_cmp);
+                let tail = sorted.len().div_ceil(TAIL);
+                let (low, high) = (sorted[tail.min(sorted.len() - 1)], sorted[sorted.len().saturating_sub(tail + 1)]);
+                let range = high - low;
+                self.column(channel).map(|v| range > 0.0 && (v > high + range || v < low - range)).collect()
+            })
+            .collect();
+        let leaps = |i: usize| outside.iter().any(|channel| channel[i]);
+        let alone = |&i: &usize| leaps(i) && (i == 0 || !leaps(i - 1)) && (i + 1 == self.len() || !leaps(i + 1));
+        (0..self.len()).filter(alone).collect()
+    }
+
+    /// The same without the samples at `places`; `None` where none is to go or too few would be left.
+    #[must_use]
+    pub fn without(&self, places: &[usize]) -> Option<Self> {
+        if places.is_empty() || self.len() < places.len() + FEWEST_SAMPLES {
+            return None;
+        }
+        let kept: Vec<usize> = (0..self.len()).filter(|i| !places.contains(i)).collect();
+        let clock = kept.iter().map(|&i| self.clock()[i]).collect();
+        let values = kept.iter().flat_map(|&i| self.row(i).iter().copied()).collect();
+        Self::new(self.kind(), self.channels().to_vec(), clock, values).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drop(wild: &[(usize, f64)]) -> Observation {
+        let clock: Vec<f64> = (0..120).map(|i| f64::from(i) / 120.0).collect();
+        // A fall of 1 m in .45 s, then rest.
+        let mut position_m: Vec<[f64; 3]> = clock.iter().map(|t| [0.0, 0.0, (1.0 - 4.905 * t * t).max(0.0)]).collect();
+        for &(i, z) in wild {
+            position_m[i][2] = z;
+        }
+        Observation::positions(clock, &position_m).unwrap()
+    }
+
+    #[test]
+    fn a_leap_of_one_sample_is_wild() {
+        let seen = drop(&[(40, 1e6), (80, -3.0)]);
+        assert_eq!(seen.wild(), [40, 80]);
+        let kept = seen.without(&seen.wild()).unwrap();
+        assert!(kept.len() == 118 && kept.wild().is_empty());
+    }
+
+    #[test]
+    fn motion_is_not() {
+        assert!(drop(&[]).wild().is_empty());
+        assert!(drop(&[(40, 5.0), (41, 5.0)]).wild().is_empty(), "two in a row");
+        assert!(drop(&[(40, 0.0)]).wild().is_empty(), "within the range");
+        assert!(drop(&[]).without(&[]).is_none());
+    }
+}
