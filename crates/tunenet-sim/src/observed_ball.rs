@@ -8,6 +8,12 @@ use tunenet_core::{Error, Result};
 use crate::ball::{Forces, Scene, State, impact_times, positions};
 use crate::simulation_file::{Release, SimulationFile};
 
+/// What passes for gravity, as a share of the file's: air alone halves it for a light ball.
+const PLAUSIBLE_GRAVITY: std::ops::Range<f64> = 0.25..2.0;
+/// A flight strays from a parabola by less than this share of its range, air included.
+const WORST_MISFIT_SHARE: f64 = 0.05;
+/// Heights of the first fall that bounce times may come from, m.
+const PLAUSIBLE_FALL_M: std::ops::Range<f64> = 1e-5..1e3;
 /// Bounces whose intervals give the restitution at the speed of the first impacts.
 const LEADING_INTERVALS: usize = 4;
 
@@ -110,6 +116,9 @@ impl ObservedBall {
             let text = format!("the ball does not move in any of the {} samples", seen.len());
             return Ok(Preparation::Rejected(Note::new("motion.none", text, "check the columns and their units")));
         }
+        // Stamps count from 1970; a start that the data supply needs no more than the differences, and keeps its digits.
+        let moved = self.release.time_s.is_none().then(|| seen.from_zero());
+        let seen = moved.as_ref().unwrap_or(seen);
         let wild = seen.wild();
         let kept = seen.without(&wild);
         let seen = kept.as_ref().unwrap_or(seen);
@@ -152,6 +161,9 @@ impl ObservedBall {
             prepared.notes.push(Note::new("samples.wild", text, "correct or remove it"));
         }
         if arcs.contacts.is_empty() {
+            if let Some(note) = self.unlike_a_fall(&arcs) {
+                return Ok(Preparation::Rejected(note));
+            }
             let duration = seen.clock()[seen.len() - 1] - seen.clock()[0];
             let text = format!(
                 "the ball does not bounce within the {duration:.2} s of the record, so nothing is said about its contacts"
@@ -163,6 +175,31 @@ impl ObservedBall {
         let start_s = self.release.time_s.unwrap_or(begin_s);
         prepared.scale = Some(self.scale(&prepared.own_values(), start_s));
         Ok(Preparation::Usable(Box::new(prepared)))
+    }
+
+    /// Why a motion without a bounce is no flight either, where it is none.
+    fn unlike_a_fall(&self, arcs: &Arcs) -> Option<Note> {
+        let (apparent, misfit) = (arcs.apparent_gravity_m_s2?, arcs.misfit_share?);
+        let gravity = self.scene.gravity_m_s2;
+        // Five standard deviations: a short noisy flight is none of its own fault.
+        let slack = 5.0 * apparent.sd;
+        let plausible = PLAUSIBLE_GRAVITY.start * gravity - slack..PLAUSIBLE_GRAVITY.end * gravity + slack;
+        let like = plausible.contains(&apparent.value) && misfit < WORST_MISFIT_SHARE;
+        (!like).then(|| {
+            let text = if misfit < WORST_MISFIT_SHARE {
+                format!("this is no ball in flight: it falls at {:.3e} m/s², expected near {gravity}", apparent.value)
+            } else {
+                format!(
+                    "this is no bounce and no flight: no parabola comes nearer than {:.0} % of the motion",
+                    100.0 * misfit
+                )
+            };
+            Note::new(
+                "motion.unlike",
+                text,
+                "check the units and the sign of z, the unit of the time, and which column is which",
+            )
+        })
     }
 
     /// The own unknowns of a rollout that is not compared with anything: let go at `time_s` above the origin.
@@ -207,6 +244,14 @@ impl ObservedBall {
         let gravity = self.scene.gravity_m_s2;
         let approach = gravity * intervals[0] / (2.0 * restitution);
         let height = approach * approach / (2.0 * gravity);
+        if !PLAUSIBLE_FALL_M.contains(&height) {
+            let text = format!("the first interval of {} s would need a fall of {height:.3e} m", intervals[0]);
+            return Ok(Preparation::Rejected(Note::new(
+                "bounces.implausible",
+                text,
+                "check the unit of the times: seconds",
+            )));
+        }
         let time = times[0] - self.release.height_m.map_or(approach / gravity, |h| (2.0 * h / gravity).sqrt());
         let own = self.unknown.iter().map(|&unknown| {
             let (name, unit) = unknown.name();

@@ -6,6 +6,7 @@ use anyhow::Result;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
+use tunenet_core::Error;
 use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate};
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::Simulator;
@@ -23,7 +24,12 @@ const CENTRE_HEIGHT_M: std::ops::Range<f64> = 4.0..5.0;
 
 pub fn run(options: &Gen) -> Result<Exit> {
     let Domain::Ball = options.domain;
-    load::writable(&options.out)?;
+    let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
+    load::writable(&options.out, &inputs)?;
+    if options.out.exists() && !options.out.is_file() {
+        let message = "expected a file to write to, found a device";
+        return Err(Error::file(&options.out, message, "choose a name that ends in .mcap").into());
+    }
     let mut file = match &options.sim {
         Some(path) => SimulationFile::read(path)?,
         None => SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?,

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use serde_json::{Value, json};
+use tunenet_core::Error;
 use tunenet_core::network::{DatasetHeader, DatasetReader, Model};
 use tunenet_core::observation::Kind;
 use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
@@ -22,7 +23,12 @@ pub fn run(options: &Inspect) -> Result<Exit> {
             Contents::Table(found) => series(&found, options),
             // What `gen` writes is a log too, though none of measurements.
             Contents::Log(found) => match DatasetReader::open(path) {
-                Ok(reader) => (dataset(reader.header()), true),
+                Ok(reader) => {
+                    let header = reader.header().clone();
+                    // Whether it is whole shows only at its end.
+                    let broken = reader.into_iter().find_map(Result::err);
+                    (dataset(&header, broken.as_ref()), broken.is_none())
+                }
                 Err(_) => log(&found),
             },
         },
@@ -126,7 +132,7 @@ fn log(found: &Log) -> (Value, bool) {
     (object, !usable.is_empty() && found.ended.is_none())
 }
 
-fn dataset(header: &DatasetHeader) -> Value {
+fn dataset(header: &DatasetHeader, broken: Option<&Error>) -> Value {
     stage("dataset", &format!("{} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed));
     let rows: Vec<Vec<String>> = header
         .parameters
@@ -137,9 +143,12 @@ fn dataset(header: &DatasetHeader) -> Value {
         })
         .collect();
     anstream::eprintln!("{}", table(&rows));
-    stage("usable", "train a network");
+    match broken {
+        None => stage("usable", "train a network"),
+        Some(error) => stage("unusable", &error.to_string()),
+    }
     json!({
-        "kind": "dataset", "preset": header.preset, "pairs": header.pairs, "seed": header.seed,
+        "kind": "dataset", "reason": broken.map(ToString::to_string), "preset": header.preset, "pairs": header.pairs, "seed": header.seed,
         "frames": header.clock.len(),
         "parameters": header.parameters.iter().map(|p| json!({
             "name": p.name, "min": p.min, "max": p.max, "unit": p.unit, "tune": p.tuned,

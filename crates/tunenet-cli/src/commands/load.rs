@@ -31,8 +31,15 @@ pub fn reading(reading: &Reading) -> ReadOptions {
     ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() }
 }
 
-/// Refuses an output that a long run could not be saved to: a folder, or a name in a folder that does not exist.
-pub fn writable(out: &Path) -> Result<()> {
+/// Refuses an output that a long run could not be saved to (a folder, or a name in a folder that does not exist), and one
+/// that is an input as well: nobody means to lose a measurement.
+pub fn writable(out: &Path, inputs: &[&Path]) -> Result<()> {
+    if let Ok(same) = out.canonicalize()
+        && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == same))
+    {
+        let message = "expected another file to write to, found one of the inputs";
+        return Err(Error::file(out, message, "choose another name for --out").into());
+    }
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     let kind = if out.is_dir() {
         std::io::ErrorKind::IsADirectory

@@ -21,7 +21,7 @@ pub fn run(options: &Simulate) -> Result<Exit> {
             Error::Setting { name: "--out", expected: "a name that ends in .csv or .mcap".into(), found }.into()
         );
     }
-    load::writable(&options.out)?;
+    load::writable(&options.out, &[&options.simulation.sim])?;
     let mut file = load::simulation(&options.simulation)?;
     let release = file.release();
     if release.height_m.is_none() && release.position_m.is_none() {

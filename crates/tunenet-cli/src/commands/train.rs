@@ -16,7 +16,7 @@ use crate::terminal::{progress, stage};
 pub fn run(options: &Train) -> Result<Exit> {
     let began = Instant::now();
     // What cannot be written in the end is refused at once.
-    load::writable(&options.out)?;
+    load::writable(&options.out, &[&options.data])?;
     let mut checkpoint = options.out.clone().into_os_string();
     checkpoint.push(".checkpoint");
     let checkpoint = PathBuf::from(checkpoint);

@@ -20,11 +20,16 @@ use crate::terminal::{in_words, rounded, stage, table, warn};
 
 /// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
 const MOST_SAMPLES: usize = 20_000;
+/// What the codes of notes that reject a recording begin with.
+const REJECTING: [&str; 2] = ["motion.", "bounces.implausible"];
+
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
     if let Some(out) = &options.out {
-        load::writable(out)?;
+        let inputs: Vec<&Path> =
+            options.observation.iter().map(AsRef::as_ref).chain(options.model.as_deref()).collect();
+        load::writable(out, &inputs)?;
     }
     let file = load::simulation(&options.simulation)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
@@ -215,7 +220,9 @@ fn sentence(outcome: &Outcome) -> String {
             }
         })
         .collect();
-    let reason = outcome.notes.iter().find(|n| outcome.verdict == Verdict::Rejected || n.code == "contact.none");
+    let rejects = |code: &str| REJECTING.iter().any(|prefix| code.starts_with(prefix));
+    let rejected = outcome.verdict == Verdict::Rejected;
+    let reason = outcome.notes.iter().find(|n| if rejected { rejects(n.code) } else { n.code == "contact.none" });
     match (values.is_empty(), reason) {
         (true, Some(note)) => format!("{word}  {}", note.text),
         (false, Some(note)) => format!("{word}  {}: {}", values.join(", "), note.text),

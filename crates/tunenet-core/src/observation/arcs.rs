@@ -29,6 +29,8 @@ const LOCAL_MISFIT: f64 = 1.6;
 const LOCAL_SAMPLES: usize = 12;
 /// A restitution read off one contact with a greater standard deviation says nothing.
 const LOCAL_WORST_SD: f64 = 0.2;
+/// Fewer samples say nothing of their acceleration.
+const FEWEST_FOR_GRAVITY: usize = 6;
 /// Above this Coulomb coefficient a change of horizontal speed is a blow, not friction.
 const GREATEST_FRICTION: f64 = 1.2;
 
@@ -66,6 +68,10 @@ pub struct Arcs {
     pub start_m: [f64; 3],
     /// Start velocity there, m/s.
     pub start_m_s: [f64; 3],
+    /// The downward acceleration that explains the usable samples best where they hold no impact, m/s².
+    pub apparent_gravity_m_s2: Option<LocalEstimate>,
+    /// How far they stray from that parabola (RMS), as a share of the range of their heights.
+    pub misfit_share: Option<f64>,
     /// What was set aside and why.
     pub notes: Vec<Note>,
 }
@@ -102,7 +108,18 @@ impl Arcs {
             (start_m[axis], start_m_s[axis]) =
                 line.map_or((axes[axis][usable.start], 0.0), |l| (l.at(origin), l.slope(origin)));
         }
-        Some(Self { usable, contacts, start_m, start_m_s, notes })
+        let (times, heights) = (&seen.clock()[usable.clone()], &axes[2][usable.clone()]);
+        let free = (contacts.is_empty() && times.len() >= FEWEST_FOR_GRAVITY)
+            .then(|| Polynomial::fit(times, heights, times[0], None))
+            .flatten();
+        let misfit_share = free.map(|f| f.residual_sd / span(heights).max(f64::MIN_POSITIVE));
+        let apparent_gravity_m_s2 = free.map(|f| {
+            // The acceleration of a parabola through n even samples over T has standard deviation sd·√720 / (√n T²).
+            let duration = times[times.len() - 1] - times[0];
+            let sd = f.residual_sd * (720.0 / times.len() as f64).sqrt() / (duration * duration);
+            LocalEstimate { value: -2.0 * f.coefficients[2], sd }
+        });
+        Some(Self { usable, contacts, start_m, start_m_s, apparent_gravity_m_s2, misfit_share, notes })
     }
 
     /// The restitution of all contacts together, weighted by their certainty; the standard deviation covers the scatter

@@ -233,6 +233,13 @@ impl Observation {
         Self::new(self.kind, self.channels.clone(), clock, values).map(Some)
     }
 
+    /// The same with the clock shifted to begin at 0.
+    #[must_use]
+    pub fn from_zero(&self) -> Self {
+        let clock = self.clock.iter().map(|t| t - self.clock[0]).collect();
+        Self { clock, ..self.clone() }
+    }
+
     /// The samples of `range` alone.
     ///
     /// # Errors

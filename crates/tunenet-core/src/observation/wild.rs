@@ -1,13 +1,18 @@
 //! Single samples that cannot belong to the motion: a tracker that jumped for one frame, a digit too many.
 
-use super::{FEWEST_SAMPLES, Observation};
+use super::{FEWEST_SAMPLES, Observation, noise_sd};
 
 /// Share of the samples on either side that the usual range leaves out.
 const TAIL: usize = 50;
 
+/// A lone sample stands out from this many times the noise ...
+const OFF_NOISE: f64 = 15.0;
+/// ... and this many steps of its neighbours off their line.
+const OFF_STEPS: f64 = 1.5;
+
 impl Observation {
-    /// The samples (from 0) that leap out of the range of the others by more than that whole range and are back at the next
-    /// sample. Two or more in a row are motion, however strange, and stay.
+    /// The samples (from 0) that leap out of the range of the others by more than that whole range, or off their neighbours'
+    /// line by more than noise and motion can, and are back at the next sample. Two or more in a row are motion, however strange, and stay.
     #[must_use]
     pub fn wild(&self) -> Vec<usize> {
         let outside: Vec<Vec<bool>> = (0..self.channels().len())
@@ -20,9 +25,24 @@ impl Observation {
                 self.column(channel).map(|v| range > 0.0 && (v > high + range || v < low - range)).collect()
             })
             .collect();
-        let leaps = |i: usize| outside.iter().any(|channel| channel[i]);
+        let sd: Vec<f64> = (0..self.channels().len()).map(|c| noise_sd(&self.column(c).collect::<Vec<_>>())).collect();
+        let leaps = |i: usize| outside.iter().any(|c| c[i]) || (0..sd.len()).any(|c| self.stands_out(i, c, sd[c]));
         let alone = |&i: &usize| leaps(i) && (i == 0 || !leaps(i - 1)) && (i + 1 == self.len() || !leaps(i + 1));
         (0..self.len()).filter(alone).collect()
+    }
+
+    /// Whether sample `i` lies off the line between its neighbours by far more than the noise, and by more than the motion
+    /// about it could: an impact bends the path there by one step at most.
+    fn stands_out(&self, i: usize, channel: usize, sd: f64) -> bool {
+        if i < 2 || i + 2 >= self.len() {
+            return false;
+        }
+        let (t, v) = (|k: usize| self.clock()[k], |k: usize| self.row(k)[channel]);
+        let share = (t(i) - t(i - 1)) / (t(i + 1) - t(i - 1));
+        let off = (v(i) - v(i - 1) - share * (v(i + 1) - v(i - 1))).abs();
+        let steps = [v(i - 1) - v(i - 2), v(i + 1) - v(i - 1), v(i + 2) - v(i + 1)];
+        let step = steps.iter().fold(0.0f64, |most, s| most.max(s.abs()));
+        off > OFF_NOISE * sd + OFF_STEPS * step
     }
 
     /// The same without the samples at `places`; `None` where none is to go or too few would be left.
@@ -64,7 +84,7 @@ mod tests {
     fn motion_is_not() {
         assert!(drop(&[]).wild().is_empty());
         assert!(drop(&[(40, 5.0), (41, 5.0)]).wild().is_empty(), "two in a row");
-        assert!(drop(&[(40, 0.0)]).wild().is_empty(), "within the range");
+        assert_eq!(drop(&[(20, 0.5)]).wild(), [20], "within the range, but off the path");
         assert!(drop(&[]).without(&[]).is_none());
     }
 }

@@ -57,7 +57,8 @@ impl Session<'_> {
                     p.name, fit.point.parameters[i]
                 );
                 fit.point.parameters[i] = value.clamp(p.min, p.max);
-                *interval = ((value - 1.96 * sd).max(p.min), (value + 1.96 * sd).min(p.max));
+                let (low, high) = (value - 1.96 * sd, value + 1.96 * sd);
+                *interval = (low.clamp(p.min, p.max), high.clamp(p.min, p.max));
                 notes.push(Note::new("fit.local", text, ""));
             }
         }

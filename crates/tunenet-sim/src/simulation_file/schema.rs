@@ -48,7 +48,7 @@ impl Shape {
 }
 
 fn range(min: f64, max: f64) -> String {
-    match (min.abs() < GREATEST, max.abs() < GREATEST) {
+    match (min.abs() <= GREATEST, max.abs() <= GREATEST) {
         (true, true) => format!("from {min} to {max}"),
         (true, false) => format!("from {min} up"),
         _ => "of any size".into(),
