@@ -186,7 +186,9 @@ impl ObservedBall {
         let plausible = PLAUSIBLE_GRAVITY.start * gravity - slack..PLAUSIBLE_GRAVITY.end * gravity + slack;
         let like = plausible.contains(&apparent.value) && misfit < WORST_MISFIT_SHARE;
         (!like).then(|| {
-            let text = if misfit < WORST_MISFIT_SHARE {
+            let text = if misfit > 1.0 {
+                "the height does not change".to_string()
+            } else if misfit < WORST_MISFIT_SHARE {
                 format!("this is no ball in flight: it falls at {:.3e} m/s², expected near {gravity}", apparent.value)
             } else {
                 format!(
