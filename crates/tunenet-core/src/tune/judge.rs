@@ -6,7 +6,7 @@ use super::fit::Fit;
 use super::outcome::Estimate;
 use super::starts::local_estimate;
 use super::unknowns::Point;
-use super::{Adequacy, Session};
+use super::{Adequacy, Tuning};
 use crate::observation::Note;
 
 /// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
@@ -18,7 +18,7 @@ const LOOSE_DIRECTION: f64 = 0.29;
 /// A parameter takes part in a direction from this share on.
 const TAKES_PART: f64 = 0.3;
 
-impl Session<'_> {
+impl Tuning<'_> {
     /// Whether any recording keeps more than its noise explains; says by how much.
     pub(super) fn poor(&self, fit: &Fit, notes: &mut Vec<Note>) -> bool {
         let mut poor = false;
@@ -125,8 +125,8 @@ fn undetermined(name: &str, interval: (f64, f64), moot: bool) -> Note {
 }
 
 /// Names every combination of parameters along which the data leave everything open although each may seem bounded alone.
-pub(super) fn name_directions(session: &Session, fit: &Fit, notes: &mut Vec<Note>) {
-    let parameters: Vec<_> = session.free.iter().map(|&i| &session.simulator.parameters()[i]).collect();
+pub(super) fn name_directions(tuning: &Tuning, fit: &Fit, notes: &mut Vec<Note>) {
+    let parameters: Vec<_> = tuning.free.iter().map(|&i| &tuning.simulator.parameters()[i]).collect();
     let finite = fit.covariance.iter().all(|v| v.is_finite());
     if parameters.len() < 2 || !finite {
         return;

@@ -115,8 +115,8 @@ pub fn tune(
     }
     let noise: Vec<Vec<f64>> = recordings.iter().map(|r| channel_noise(&r.seen)).collect();
     let free = free(simulator.parameters(), &recordings);
-    let session = Session { simulator, recordings: &recordings, noise: &noise, free: &free, settings };
-    let mut outcome = session.run(model)?;
+    let tuning = Tuning { simulator, recordings: &recordings, noise: &noise, free: &free, settings };
+    let mut outcome = tuning.run(model)?;
     outcome.notes.splice(0..0, notes);
     outcome.used = used;
     if let Some(point) = &outcome.point {
@@ -157,7 +157,7 @@ fn covers(model: &Model, simulator: &dyn Simulator) -> Result<()> {
 }
 
 /// One call of [`tune`] with everything prepared.
-struct Session<'a> {
+struct Tuning<'a> {
     simulator: &'a dyn Simulator,
     recordings: &'a [Prepared],
     noise: &'a [Vec<f64>],
@@ -165,7 +165,7 @@ struct Session<'a> {
     settings: &'a Settings,
 }
 
-impl Session<'_> {
+impl Tuning<'_> {
     fn problem(&self) -> Problem<'_> {
         Problem { simulator: self.simulator, recordings: self.recordings, noise: self.noise, free: self.free }
     }

@@ -1,6 +1,6 @@
 //! Where a fit begins: several starts, so that neither a poor guess in the file nor a flat stretch decides the answer.
 
-use super::Session;
+use super::Tuning;
 use super::fit::{Fit, robust_scale};
 use super::unknowns::Point;
 use crate::simulator::Prepared;
@@ -16,7 +16,7 @@ const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08,
 /// friction is large enough to stop the slip, more of it changes nothing.
 const SPREAD_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
 
-impl Session<'_> {
+impl Tuning<'_> {
     /// The best of several starts; more of them where the first leaves too much.
     pub(super) fn best_fit(&self, near: &Point) -> Result<(Fit, usize)> {
         let problem = self.problem();
