@@ -224,6 +224,11 @@ fn models_that_do_not_fit() {
     folder.write("half.safetensors", &whole[..whole.len() / 2]);
     refused(&folder, &format!("{line} half.safetensors"), &["half.safetensors"]);
     refused(&folder, &format!("{line} pairs.mcap"), &["pairs.mcap"]);
+    // Trained for the restitution alone, asked for the friction as well, and the other way round.
+    let other = ["the model tunes other parameters", "found restitution"];
+    refused(&folder, &format!("{line} m.safetensors --set parameters.friction.tune=true"), &other);
+    let fixed = "--set parameters.friction.tune=true --set parameters.restitution.tune=false";
+    refused(&folder, &format!("{line} m.safetensors {fixed}"), &other);
     // Trained on positions, asked about bounce times.
     let bounces = "tune --sim drop.toml --observation bounces.csv --json --model m.safetensors";
     refused(&folder, bounces, &["the model", "expected", "found"]);

@@ -28,7 +28,11 @@ impl Tuning<'_> {
                 Adequacy::of(&recording.seen, &self.noise[d], &fit.residuals[d], recording.own.len() + share);
             if adequacy.poor() {
                 poor = true;
-                let which = if self.recordings.len() > 1 { format!("recording {}: ", d + 1) } else { String::new() };
+                let which = if self.numbers.last() > Some(&1) {
+                    format!("recording {}: ", self.numbers[d])
+                } else {
+                    String::new()
+                };
                 let text = format!(
                     "{which}the tuned rollout leaves {:.1} times the noise, more than the {:.1} that chance explains",
                     adequacy.ratio, adequacy.limit

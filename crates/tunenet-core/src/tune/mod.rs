@@ -110,12 +110,14 @@ pub fn tune(
         let expected = "at least one parameter with `tune = true`".into();
         return Err(Error::Setting { name: "parameters", expected, found: "none".into() });
     }
-    if let Some(model) = model.filter(|_| !settings.finish) {
-        covers(model, simulator)?;
+    if let Some(model) = model {
+        agrees(model, simulator)?;
     }
     let noise: Vec<Vec<f64>> = recordings.iter().map(|r| channel_noise(&r.seen)).collect();
     let free = free(simulator.parameters(), &recordings);
-    let tuning = Tuning { simulator, recordings: &recordings, noise: &noise, free: &free, settings };
+    // Numbers as a person counts the recordings, those set aside included.
+    let numbers: Vec<usize> = used.iter().enumerate().filter(|(_, used)| **used).map(|(i, _)| i + 1).collect();
+    let tuning = Tuning { simulator, recordings: &recordings, numbers: &numbers, noise: &noise, free: &free, settings };
     let mut outcome = tuning.run(model)?;
     outcome.notes.splice(0..0, notes);
     outcome.used = used;
@@ -146,11 +148,11 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
     }
 }
 
-/// A model whose last word stands has to tune what is to be tuned, no less.
-fn covers(model: &Model, simulator: &dyn Simulator) -> Result<()> {
+/// A model has to tune what is to be tuned: less would leave a parameter standing, more would move one that is fixed.
+fn agrees(model: &Model, simulator: &dyn Simulator) -> Result<()> {
     let learned: Vec<&str> = model.parameters().iter().map(|p| p.name.as_str()).collect();
     let asked: Vec<&str> = simulator.parameters().iter().filter(|p| p.tune).map(|p| p.name.as_str()).collect();
-    if asked.iter().all(|name| learned.contains(name)) {
+    if asked == learned {
         return Ok(());
     }
     Err(Error::Model { what: "tunes other parameters".into(), expected: asked.join(", "), found: learned.join(", ") })
@@ -160,6 +162,7 @@ fn covers(model: &Model, simulator: &dyn Simulator) -> Result<()> {
 struct Tuning<'a> {
     simulator: &'a dyn Simulator,
     recordings: &'a [Prepared],
+    numbers: &'a [usize],
     noise: &'a [Vec<f64>],
     free: &'a [usize],
     settings: &'a Settings,
