@@ -1,17 +1,19 @@
 //! What could be: a simulator with parameters, seen only through its rollouts.
 
+mod effect;
 mod parameter;
 mod prepared;
 mod rollouts;
 mod scale;
 
+pub use effect::{Coefficient, Effect, Phase};
 pub use parameter::Parameter;
 pub use prepared::{Preparation, Prepared};
 pub use rollouts::{rollout, rollouts};
 pub use scale::Scale;
 
-use crate::Result;
 use crate::observation::{Channel, Kind, Observation};
+use crate::{Error, Result};
 
 /// Anything that can be rolled out with given parameters. Implement this to tune a simulator of your own.
 ///
@@ -40,6 +42,21 @@ pub trait Simulator: Send + Sync {
     /// Where `seen` is a kind of observation that this simulator does not predict.
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
         Ok(Preparation::Usable(Box::new(Prepared::whole(seen.clone(), self.parameters().len()))))
+    }
+
+    /// The physical effects that it can take on beyond its base model, absent at present. None, unless it says so.
+    fn effects(&self) -> Vec<Effect> {
+        Vec::new()
+    }
+
+    /// The same simulator with these of its [`effects`](Simulator::effects) added: their coefficients follow its
+    /// parameters in the order of `names`, each at its absent value, free to tune, and named by
+    /// [`Effect::parameter_name`].
+    ///
+    /// # Errors
+    /// [`Error::Setting`] where it does not know one of them.
+    fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
+        Err(Error::Setting { name: "effects", expected: "an effect of this simulator".into(), found: names.join(", ") })
     }
 
     /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major

@@ -1,6 +1,7 @@
 //! A recording made ready for one simulator.
 
 use super::{Parameter, Scale};
+use crate::observation::preflight::Check;
 use crate::observation::{LocalEstimate, Note, Observation};
 
 /// The usable part of a recording, with the unknowns that it brings of its own.
@@ -17,6 +18,8 @@ pub struct Prepared {
     pub silent: Vec<Option<Note>>,
     /// Scales that make the recording dimensionless for a network, where the simulator knows some.
     pub scale: Option<Scale>,
+    /// Every check that was made of it.
+    pub checks: Vec<Check>,
     /// What was noticed.
     pub notes: Vec<Note>,
 }
@@ -26,7 +29,7 @@ impl Prepared {
     #[must_use]
     pub fn whole(seen: Observation, parameters: usize) -> Self {
         let (local, silent) = (vec![None; parameters], vec![None; parameters]);
-        Self { seen, own: Vec::new(), local, silent, scale: None, notes: Vec::new() }
+        Self { seen, own: Vec::new(), local, silent, scale: None, checks: Vec::new(), notes: Vec::new() }
     }
 
     /// The first guesses of the own unknowns.

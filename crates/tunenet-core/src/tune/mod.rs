@@ -85,7 +85,7 @@ pub fn tune(
     settings: &Settings,
 ) -> Result<Outcome> {
     let mut notes = Vec::new();
-    let (mut recordings, mut used) = (Vec::new(), Vec::new());
+    let (mut recordings, mut used, mut preflight) = (Vec::new(), Vec::new(), Vec::new());
     for (number, seen) in observations.iter().enumerate() {
         let named = |note: &Note| {
             let which = if observations.len() > 1 { format!("recording {}: ", number + 1) } else { String::new() };
@@ -94,17 +94,19 @@ pub fn tune(
         match simulator.prepare(seen)? {
             Preparation::Usable(prepared) => {
                 notes.extend(prepared.notes.iter().map(named));
+                preflight.push(prepared.checks.clone());
                 recordings.push(*prepared);
                 used.push(true);
             }
             Preparation::Rejected(note) => {
                 notes.push(named(&note));
+                preflight.push(Vec::new());
                 used.push(false);
             }
         }
     }
     if recordings.is_empty() {
-        return Ok(rejected(notes, used));
+        return Ok(Outcome { preflight, ..rejected(notes, used) });
     }
     if !simulator.parameters().iter().any(|p| p.tune) {
         let expected = "at least one parameter with `tune = true`".into();
@@ -120,7 +122,7 @@ pub fn tune(
     let tuning = Tuning { simulator, recordings: &recordings, numbers: &numbers, noise: &noise, free: &free, settings };
     let mut outcome = tuning.run(model)?;
     outcome.notes.splice(0..0, notes);
-    outcome.used = used;
+    (outcome.used, outcome.preflight) = (used, preflight);
     if let Some(point) = &outcome.point {
         let fitted = |(recording, values): (&Prepared, &Vec<f64>)| {
             let each = recording.own.iter().zip(values);
@@ -145,6 +147,7 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         free: Vec::new(),
         own: Vec::new(),
         used,
+        preflight: Vec::new(),
     }
 }
 
@@ -277,6 +280,7 @@ impl Tuning<'_> {
             free,
             own: Vec::new(),
             used: Vec::new(),
+            preflight: Vec::new(),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::unknowns::Point;
 use crate::observation::Note;
+use crate::observation::preflight::Check;
 use crate::simulator::Parameter;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -103,4 +104,6 @@ pub struct Outcome {
     pub own: Vec<Vec<Parameter>>,
     /// For each recording given: whether it was used.
     pub used: Vec<bool>,
+    /// For each recording given: every check that was made of it.
+    pub preflight: Vec<Vec<Check>>,
 }

@@ -1,0 +1,54 @@
+//! Preflight: what is checked of a recording before anything is tuned to it, and how each check ended.
+
+use serde::Serialize;
+
+use super::Note;
+
+/// How a check ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// Nothing is wrong.
+    Passed,
+    /// Something was found that a person should know; the recording is used.
+    Noticed,
+    /// The recording cannot be used.
+    Failed,
+    /// The check could not be made, for want of data or because it does not apply.
+    NotRun,
+}
+
+impl State {
+    /// A plain word for people: "not run".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Noticed => "noticed",
+            Self::Failed => "failed",
+            Self::NotRun => "not run",
+        }
+    }
+}
+
+/// One check of one recording.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Check {
+    /// A fixed code for scripts: `clock.repeats`.
+    pub code: &'static str,
+    /// How it ended.
+    pub state: State,
+    /// What was found, in one sentence; for a check that was not run, why.
+    pub text: String,
+    /// What to try; empty where there is nothing to do.
+    pub remedy: String,
+}
+
+impl Check {
+    /// What a person should know of it, where it noticed something or failed.
+    #[must_use]
+    pub fn note(&self) -> Option<Note> {
+        matches!(self.state, State::Noticed | State::Failed)
+            .then(|| Note::new(self.code, self.text.clone(), self.remedy.clone()))
+    }
+}

@@ -1,0 +1,78 @@
+//! An effect: something that a simulation leaves out and a measurement may show.
+
+/// Where an effect acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// On a body that nothing touches.
+    Flight,
+    /// Where bodies touch.
+    Contact,
+    /// In how the motion was seen, not in the motion.
+    Measurement,
+    /// In a joint of an arm.
+    Joint,
+}
+
+impl Phase {
+    /// A plain phrase for people: "in flight".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flight => "in flight",
+            Self::Contact => "at contact",
+            Self::Measurement => "in the measurement",
+            Self::Joint => "in a joint",
+        }
+    }
+}
+
+/// One number of an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coefficient {
+    /// Its key under `[effects.NAME]`, with its unit: `c_1_m`.
+    pub key: &'static str,
+    /// Its unit in words: `1/m`.
+    pub unit: &'static str,
+    /// The value that means "absent": 0, or 1 for a factor.
+    pub absent: f64,
+    /// The least value that is simulated and fitted.
+    pub min: f64,
+    /// The greatest value that is simulated and fitted.
+    pub max: f64,
+    /// A value that is small but visible, as a distance from [`absent`](Self::absent): fits begin this far from it.
+    pub typical: f64,
+}
+
+/// An effect as an entry of the catalogue: what it is, not how it acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effect {
+    /// Its name in simulation files and answers: `quadratic_drag`.
+    pub name: &'static str,
+    /// Where it acts.
+    pub phase: Phase,
+    /// Its numbers, in order.
+    pub coefficients: Vec<Coefficient>,
+    /// For each coefficient: where it has to lie to be believed, within what can be fitted. Narrower where mass and size
+    /// are known (the drag coefficient of a ball is .1 to 1.5).
+    pub plausible: Vec<(f64, f64)>,
+    /// One plain sentence for people: what it is and what it does.
+    pub sentence: &'static str,
+    /// Names of effects that some recordings cannot tell from it.
+    pub mistaken_for: &'static [&'static str],
+}
+
+impl Effect {
+    /// Whether coefficients with these values are physically believable, each with `slack` (its standard error, say).
+    #[must_use]
+    pub fn believable(&self, values: &[f64], slack: &[f64]) -> bool {
+        let each = values.iter().zip(slack).zip(&self.plausible);
+        each.into_iter().all(|((value, slack), (low, high))| (low - slack..=high + slack).contains(value))
+    }
+
+    /// The parameter name of coefficient `i` in a simulator that carries this effect: `quadratic_drag.c_1_m`.
+    #[must_use]
+    pub fn parameter_name(&self, i: usize) -> String {
+        format!("{}.{}", self.name, self.coefficients[i].key)
+    }
+}
