@@ -265,6 +265,21 @@ pub enum Measured {
     Tuning(BenchTuning),
     /// How often the stated intervals hold the truth, and how often a good drop is called a poor fit
     Intervals(BenchIntervals),
+    /// How often intervals and joint regions of several parameters hold the truth
+    Regions(BenchRegions),
+}
+
+/// `tunenet bench regions`.
+#[derive(Debug, Args)]
+pub struct BenchRegions {
+    /// Recordings in each cell
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub draws: u32,
+    /// Where finished cells and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-regions")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `tunenet bench intervals`.

@@ -203,7 +203,34 @@ impl Problem<'_> {
         shared.chain(own).fold(0.0, f64::max)
     }
 
+    /// What the data say of the free parameters at `fit`, each recording's own unknowns fitted: the Schur complement of the
+    /// normal equations (the inverse of a covariance for noise as stated), the pull on each parameter (the slope of −cost),
+    /// and the diagonal before the own unknowns took their share. Bounds are ignored.
+    ///
+    /// # Errors
+    /// Where the simulator refuses.
+    pub(super) fn curvature(&self, fit: &Fit) -> Result<(DMatrix<f64>, DVector<f64>, DVector<f64>)> {
+        let linear = self.linearise(&fit.point, &fit.residuals, 1.0)?;
+        let equations = self.normal_equations(&linear, &fit.point, robust_scale(&fit.residuals));
+        let (schur, pull) = equations.reduced();
+        Ok((schur, pull, equations.shared.diagonal()))
+    }
+
     fn equations(&self, linear: &[Linearised], point: &Point, scale: f64) -> Equations {
+        let mut equations = self.normal_equations(linear, point, scale);
+        // A parameter on a bound that wants to leave it is held there.
+        for i in 0..self.free.len() {
+            let (p, value) = (self.parameter(i), point.parameters[self.free[i]]);
+            let outward =
+                equations.shared_right[i] < 0.0 && value <= p.min || equations.shared_right[i] > 0.0 && value >= p.max;
+            if outward {
+                equations.hold(i);
+            }
+        }
+        equations
+    }
+
+    fn normal_equations(&self, linear: &[Linearised], point: &Point, scale: f64) -> Equations {
         let shared = self.free.len();
         let mut equations = Equations {
             shared: DMatrix::zeros(shared, shared),
@@ -236,15 +263,6 @@ impl Problem<'_> {
             }
             let coupling = normal.view((0, shared), (shared, own)).into_owned();
             equations.blocks.push(Block { coupling, own: own_normal, own_right });
-        }
-        // A parameter on a bound that wants to leave it is held there.
-        for i in 0..shared {
-            let (p, value) = (self.parameter(i), point.parameters[self.free[i]]);
-            let outward =
-                equations.shared_right[i] < 0.0 && value <= p.min || equations.shared_right[i] > 0.0 && value >= p.max;
-            if outward {
-                equations.hold(i);
-            }
         }
         equations
     }
@@ -324,13 +342,21 @@ impl Equations {
         (shared, own)
     }
 
+    /// The equations of the shared parameters alone, the own unknowns eliminated.
+    fn reduced(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let (mut schur, mut right) = (self.shared.clone(), self.shared_right.clone());
+        for block in &self.blocks {
+            let through = &block.coupling * inverse(block.own.clone());
+            schur -= &through * block.coupling.transpose();
+            right -= &through * &block.own_right;
+        }
+        (schur, right)
+    }
+
     /// Covariance of the shared parameters with the own unknowns marginalised. A parameter without influence gets an
     /// infinite variance.
     fn covariance(&self) -> DMatrix<f64> {
-        let mut schur = self.shared.clone();
-        for block in &self.blocks {
-            schur -= &block.coupling * inverse(block.own.clone()) * block.coupling.transpose();
-        }
+        let (mut schur, _) = self.reduced();
         let dead: Vec<bool> =
             (0..schur.nrows()).map(|i| schur[(i, i)] <= 1e-9 * self.shared[(i, i)].max(1e-12)).collect();
         for i in (0..schur.nrows()).filter(|&i| dead[i]) {
