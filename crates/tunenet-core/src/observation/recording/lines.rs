@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
+use super::encoding::line;
 use super::open;
 use crate::{Error, Result};
 
@@ -57,7 +58,11 @@ impl Lines {
             }
             self.number += 1;
             self.check_bytes(read)?;
-            let text = String::from_utf8_lossy(&self.buffer);
+            let text = line(&self.buffer);
+            if self.number == 1 && text.trim_end_matches(['\n', '\r']).contains('\r') {
+                let message = "expected a line feed at the end of each line, found carriage returns alone";
+                return Err(Error::file(&self.path, message, "convert it: `tr '\\r' '\\n'`"));
+            }
             let text = text.strip_prefix('\u{feff}').unwrap_or(&text).trim_end_matches(['\n', '\r']);
             if !text.trim().is_empty() && !text.trim_start().starts_with('#') {
                 return Ok(Some(Line { number: self.number, text: text.to_owned() }));
@@ -67,16 +72,10 @@ impl Lines {
 
     fn check_bytes(&self, read: usize) -> Result<()> {
         let refuse = |message: String, hint: &str| Err(Error::file(&self.path, message, hint));
-        if self.number == 1 && (self.buffer.starts_with(&[0xff, 0xfe]) || self.buffer.starts_with(&[0xfe, 0xff])) {
-            return refuse(
-                "expected UTF-8 text, found UTF-16".into(),
-                "save it as UTF-8, or convert it with `iconv -f UTF-16 -t UTF-8`",
-            );
-        }
         if self.buffer.contains(&0) {
             return refuse(
                 format!("expected text, found a zero byte in line {}", self.number),
-                "give a CSV or MCAP file; a UTF-16 text must be saved as UTF-8",
+                "give a CSV or MCAP file, or write the line again",
             );
         }
         if read as u64 == LONGEST_LINE && !self.buffer.ends_with(b"\n") {

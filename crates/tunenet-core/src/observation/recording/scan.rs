@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::columns::{Header, Layout, Source, layout};
 use super::lines::{Line, Lines, cells, named, number, separator};
-use super::{LARGEST, MOST_NUMBERS, Note};
+use super::{LARGEST, MOST_NUMBERS, Note, shortened};
 use crate::observation::Kind;
 use crate::{Error, Result};
 
@@ -17,9 +17,6 @@ const MOST_REPEATED: f64 = 0.05;
 
 /// How many times its neighbours' interval a time may be ahead before it, and not the next line, is called wrong.
 const LEAP: f64 = 10.0;
-
-/// Most characters of a cell that a message repeats.
-const LONGEST_SHOWN: usize = 40;
 
 /// Least time between two impacts, s. Nothing that bounces can be told apart below it.
 const SHORTEST_INTERVAL_S: f64 = 1e-6;
@@ -187,10 +184,7 @@ impl Scan {
             let text = cells[source.column].text;
             let broken = |why: &str, expected: &str| {
                 // Damaged numbers can be hundreds of digits long.
-                let mut shown: String = text.chars().take(LONGEST_SHOWN).collect();
-                if shown.len() < text.len() {
-                    shown.push('…');
-                }
+                let shown = shortened(text);
                 let message = format!("`{}` is {why}: expected {expected}, found `{shown}`", source.quantity.header());
                 let hint = "correct the cell, or empty it to leave the sample out";
                 Box::new(Broken::at(&line, self.separator, source.column, message, hint))
