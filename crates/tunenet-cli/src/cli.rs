@@ -59,12 +59,13 @@ pub enum Command {
 
 const FIRST_STEPS: &str = "\
 First steps:
-  tunenet inspect drop.csv                               can this recording be used?
-  tunenet init ball                                      a simulation file; write your ball's radius into it
+  tunenet inspect drop.csv                               can this be used?
+  tunenet init ball                                      write the ball's radius into ball.toml
   tunenet tune --sim ball.toml --observation drop.csv    the answer
 
-Every command takes --json and then prints one JSON object on standard output (completions and man apart).
-Exit status: 0 done, 1 a file or the system refused, 2 wrong usage, 3 finished and the honest answer is no.";
+All but completions and man take --json: one JSON object on standard output.
+Exit status: 0 done, 1 a file or the system refused, 2 wrong usage,
+             3 finished, and the honest answer is no.";
 const INIT_EXAMPLES: &str = "\
 Examples:
   tunenet init ball

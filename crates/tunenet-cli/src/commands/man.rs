@@ -15,7 +15,8 @@ pub fn run(command: Option<&str>) -> Result<Exit> {
     let page = match command {
         None => tool,
         Some(name) => tool.find_subcommand(name).cloned().ok_or_else(|| {
-            let known: Vec<&str> = tool.get_subcommands().map(clap::Command::get_name).collect();
+            let known: Vec<&str> =
+                tool.get_subcommands().map(clap::Command::get_name).filter(|name| *name != "help").collect();
             Error::Setting {
                 name: "man",
                 expected: format!("a command ({})", known.join(", ")),

@@ -88,7 +88,7 @@ impl Header<'_> {
         match guess(&names) {
             Some((option, false)) => format!("try `{option}`"),
             Some((option, true)) => {
-                format!("try `{option}`; where the unit is another, end our name with it: `t_ms`, `z_mm`, `z_cm`")
+                format!("try `{option}`; where another unit is meant, write it into our name: `t_ms`, `z_mm`")
             }
             None => {
                 "say which column is which, as in `--columns t_s=time,z_m=height` for a file with `time` and `height`"
@@ -110,7 +110,7 @@ pub(super) fn layout(header: &Header<'_>, mapping: &[(String, String)]) -> Resul
     }
     let kind = match (kinds_mapped.as_slice(), kinds(&found).as_slice()) {
         ([kind], _) | ([], [kind]) => *kind,
-        ([], []) => return missing(header, &found, "`t_s` and `z_m`, or `bounce_time_s`", None),
+        ([], []) => return missing(header, &found, "columns `t_s` and `z_m`, or `bounce_time_s`", None),
         ([], several) | (several, _) => {
             let names: Vec<&str> = several.iter().map(|kind| kind.name()).collect();
             let message = format!("expected columns of one kind, found those of {}", names.join(" and "));
@@ -198,7 +198,7 @@ fn named(header: &Header<'_>, found: &mut Found, notes: &mut Vec<Note>) {
 fn build(header: &Header<'_>, kind: Kind, found: &Found, mut notes: Vec<Note>) -> Result<Layout> {
     let need = |quantity: Quantity| match found.get(&quantity) {
         Some(source) => Ok(*source),
-        None => missing(header, found, &format!("`{}`", quantity.header()), Some(quantity)),
+        None => missing(header, found, &format!("a column `{}`", quantity.header()), Some(quantity)),
     };
     let clock = match kind {
         Kind::BounceTimes => found.get(&Quantity::BounceNumber).copied(),
@@ -278,7 +278,7 @@ fn missing<T>(header: &Header<'_>, found: &Found, what: &str, quantity: Option<Q
         }
     }
     let message = if header.named {
-        format!("expected a column {what}, found {}", header.found())
+        format!("expected {what}, found {}", header.found())
     } else {
         format!("expected a header with {what}, found a line of numbers")
     };

@@ -111,7 +111,7 @@ fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
 
 fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
     let mut table = Table {
-        columns: columns(path)?,
+        columns: columns(path, mapping)?,
         usable: Err(String::new()),
         remedy: String::new(),
         rows: 0,
@@ -164,7 +164,7 @@ fn rows(path: &Path) -> Result<usize> {
     Ok(rows)
 }
 
-fn columns(path: &Path) -> Result<Vec<Column>> {
+fn columns(path: &Path, mapping: &[(String, String)]) -> Result<Vec<Column>> {
     let Some(first) = Lines::open(path)?.next()? else { return Ok(Vec::new()) };
     let read_as = |name: &str| match meaning(name) {
         Meaning::Known(quantity, _) => Some(quantity.header()),
@@ -174,5 +174,14 @@ fn columns(path: &Path) -> Result<Vec<Column>> {
     let cells = cells(&first.text, separator);
     let named = named(&cells, separator);
     let name = |text: &str| if named { text.to_owned() } else { String::new() };
-    Ok(cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect())
+    let mut columns: Vec<Column> =
+        cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect();
+    for (ours, theirs) in mapping {
+        let by_name = columns.iter().position(|column| column.name == *theirs);
+        let by_number = || theirs.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        if let Some(column) = by_name.or_else(by_number).and_then(|at| columns.get_mut(at)) {
+            column.read_as = read_as(ours).or_else(|| column.read_as.take());
+        }
+    }
+    Ok(columns)
 }

@@ -96,15 +96,17 @@ pub(super) fn separator(header: &str) -> Option<char> {
 
 /// The cells of a line. A quoted cell may hold the separator.
 pub(super) fn cells(line: &str, separator: Option<char>) -> Vec<Cell<'_>> {
-    let mut cells = Vec::new();
+    let mut cells = Vec::with_capacity(8);
     let mut start = 0;
     let mut quoted = false;
-    for (at, mark) in line.char_indices() {
-        if mark == '"' {
+    // Quotes and separators are ASCII, so no byte of another sign is taken for one.
+    let separator = separator.and_then(|mark| u8::try_from(mark).ok());
+    for (at, mark) in line.bytes().enumerate() {
+        if mark == b'"' {
             quoted = !quoted;
         } else if Some(mark) == separator && !quoted {
             cells.push(cell(line, start, at));
-            start = at + mark.len_utf8();
+            start = at + 1;
         }
     }
     cells.push(cell(line, start, line.len()));

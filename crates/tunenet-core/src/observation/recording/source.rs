@@ -6,9 +6,9 @@ use std::time::SystemTime;
 
 use crate::{Error, Result};
 
-/// Largest text that is read, in bytes. Reading it takes a quarter of a minute; a series that is within
-/// [`MOST_NUMBERS`](super::MOST_NUMBERS) has less.
-pub(super) const LARGEST_TEXT: u64 = 2 << 30;
+/// Largest text that is read, in bytes: half a minute of reading. As many numbers as are read at most
+/// ([`MOST_NUMBERS`](super::MOST_NUMBERS)) fit in with 20 signs each.
+pub(super) const LARGEST_TEXT: u64 = 1 << 30;
 
 /// Opens a file for reading. A folder, a pipe and a device are refused before they are opened, since opening a pipe waits
 /// for its writer; and what is read is read more than once.

@@ -166,16 +166,16 @@ fn every_bad_table_says_what_and_where() {
             "a.csv:1:1: expected samples after the header, found none",
             "record again, or give the file that holds the samples",
         ),
-        ("t,h\n0,1\n", "a.csv:1:1: expected a column `t_s` and `z_m`, or `bounce_time_s`, found `t`, `h`", example),
+        ("t,h\n0,1\n", "a.csv:1:1: expected columns `t_s` and `z_m`, or `bounce_time_s`, found `t`, `h`", example),
         (
             "t,z_m\n0,1\n",
             "a.csv:1:1: expected a column `t_s`, found `t`, `z_m`",
-            "try `--columns t_s=t`; where the unit is another, end our name with it: `t_ms`, `z_mm`, `z_cm`",
+            "try `--columns t_s=t`; where another unit is meant, write it into our name: `t_ms`, `z_mm`",
         ),
         ("t_s,x_m\n0,1\n", "a.csv:1:1: expected a column `z_m`, found `t_s`, `x_m`", example),
         (
             "0,1\n1,2\n",
-            "a.csv:1:1: expected a header with `t_s` and `z_m`, or `bounce_time_s`, found a line of numbers",
+            "a.csv:1:1: expected a header with columns `t_s` and `z_m`, or `bounce_time_s`, found a line of numbers",
             "say which column is which, counted from 1, for example `--columns t_s=1,z_m=2`",
         ),
         (
