@@ -10,6 +10,9 @@ use crate::{Error, Result};
 /// Longest line in bytes. A thousand columns of 17 digits need 24 kB.
 const LONGEST_LINE: u64 = 1 << 20;
 
+/// Most lines of a file that hold no sample: a second or two of reading. Fewer in tests, which have no second to spare.
+pub(super) const MOST_IDLE: usize = if cfg!(test) { 1000 } else { 10_000_000 };
+
 /// One line of a text file, without its end.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
@@ -40,11 +43,13 @@ pub(super) struct Lines {
     reader: BufReader<std::fs::File>,
     number: usize,
     buffer: Vec<u8>,
+    /// Lines that held nothing, or only a comment.
+    idle: usize,
 }
 
 impl Lines {
     pub fn open(path: &Path) -> Result<Self> {
-        Ok(Self { path: path.into(), reader: BufReader::new(open(path)?), number: 0, buffer: Vec::new() })
+        Ok(Self { path: path.into(), reader: BufReader::new(open(path)?), number: 0, buffer: Vec::new(), idle: 0 })
     }
 
     /// The next line that holds something and is no `#` comment.
@@ -67,6 +72,10 @@ impl Lines {
             if !text.trim().is_empty() && !text.trim_start().starts_with('#') {
                 return Ok(Some(Line { number: self.number, text: text.to_owned() }));
             }
+            self.idle += 1;
+            if self.idle > MOST_IDLE {
+                return Err(idle(&self.path, "empty lines"));
+            }
         }
     }
 
@@ -86,6 +95,12 @@ impl Lines {
         }
         Ok(())
     }
+}
+
+/// What is said of a file that goes on and on without a sample.
+pub(super) fn idle(path: &Path, what: &str) -> Error {
+    let message = format!("expected samples, found more than {MOST_IDLE} {what}");
+    Error::file(path, message, "is this the right file? keep the lines that hold samples")
 }
 
 /// The separator that a header uses; `None` where it holds one cell. A tab wins over a semicolon, which wins over a comma,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::columns::{Header, Layout, Source, layout};
-use super::lines::{Line, Lines, cells, named, number, separator};
+use super::lines::{Line, Lines, MOST_IDLE, cells, idle, named, number, separator};
 use super::{LARGEST, MOST_NUMBERS, Note, shortened};
 use crate::observation::Kind;
 use crate::{Error, Result};
@@ -132,6 +132,9 @@ fn scan_at_most(path: &Path, mapping: &[(String, String)], most: usize) -> Resul
             let bytes = std::fs::metadata(path).map_or(0, |about| about.len());
             let message = format!("expected at most {most} numbers, found more in its {bytes} bytes");
             return Err(Error::file(path, message, "cut it into pieces, or keep fewer samples per second"));
+        }
+        if scan.rows - scan.values.len() / scan.layout.channels.len() > MOST_IDLE {
+            return Err(idle(path, "lines without one"));
         }
         next = lines.next()?;
     }
@@ -352,5 +355,19 @@ mod tests {
         let (message, hint) = told(&scan_at_most(&path, &[], 5).unwrap_err());
         assert_eq!(message, "a.csv: expected at most 5 numbers, found more in its 32 bytes");
         assert_eq!(hint, "cut it into pieces, or keep fewer samples per second");
+    }
+
+    #[test]
+    fn a_file_that_goes_on_without_a_sample_is_refused() {
+        for (text, what) in [
+            (format!("t_s,z_m\n{}", "\n".repeat(MOST_IDLE + 1)), "empty lines"),
+            (format!("t_s,z_m\n{}", "# \n".repeat(MOST_IDLE + 1)), "empty lines"),
+            (format!("t_s,z_m\n{}", "0,\n".repeat(MOST_IDLE + 1)), "lines without one"),
+            (format!("t_s,z_m\n0,1\n{}", "x\n".repeat(MOST_IDLE + 1)), "lines without one"),
+        ] {
+            let (_folder, path) = file("a.csv", text);
+            let (message, _) = told(&scan(&path, &[]).unwrap_err());
+            assert_eq!(message, format!("a.csv: expected samples, found more than {MOST_IDLE} {what}"));
+        }
     }
 }
