@@ -20,7 +20,10 @@ fn observation(folder: &Folder, name: &str, wanted: &[&str]) {
     assert!(began.elapsed() < 2 * AT_ONCE, "{name} took {:?}", began.elapsed());
 }
 
-fn wide(text: &str, mark: bool, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
+/// In which order the two bytes of a sign come.
+type Bytes = fn(u16) -> [u8; 2];
+
+fn wide(text: &str, mark: bool, bytes: Bytes) -> Vec<u8> {
     mark.then_some('\u{feff}')
         .into_iter()
         .chain(text.chars())
@@ -103,7 +106,7 @@ fn a_file_that_may_not_be_read() {
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::with_scene();
     let path = folder.write("a.csv", Drop::default().csv());
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0)).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
     if std::fs::File::open(&path).is_ok() {
         eprintln!("skipped: this user may read everything");
         return;
@@ -117,8 +120,8 @@ fn a_file_that_grows_while_it_is_read() {
     let folder = Folder::with_scene();
     let path = folder.write("a.csv", "t_s,z_m\n");
     let mut file = std::fs::OpenOptions::new().append(true).open(&path).unwrap();
-    let lines: String = (0..300_000).map(|i| format!("{i},1\n")).collect();
-    file.write_all(lines.as_bytes()).unwrap();
+    let lines: Vec<String> = (0..300_000).map(|i| format!("{i},1\n")).collect();
+    file.write_all(lines.concat().as_bytes()).unwrap();
     let mut child = folder
         .command()
         .args(["tune", "--sim", "scene.toml", "--observation", "a.csv", "--json"])
@@ -143,7 +146,7 @@ fn wide_texts_are_refused_with_the_command_that_converts_them() {
     let folder = Folder::with_scene();
     let table = Drop::default().csv();
     folder.write("drop.csv", &table);
-    let cases: [(bool, fn(u16) -> [u8; 2], &str); 4] = [
+    let cases: [(bool, Bytes, &str); 4] = [
         (true, u16::to_le_bytes, "UTF-16"),
         (true, u16::to_be_bytes, "UTF-16"),
         (false, u16::to_le_bytes, "UTF-16LE"),

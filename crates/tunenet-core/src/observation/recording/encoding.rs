@@ -35,7 +35,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String> {
     refuse_foreign(path, &text[..text.len().min(512)])?;
     let text = String::from_utf8(text).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
-        let line = error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
+        let line = String::from_utf8_lossy(&error.as_bytes()[..valid]).matches('\n').count() + 1;
         let message = format!("expected UTF-8 text, found other bytes in line {line}");
         Error::file(path, message, converted(path, "LATIN1"))
     })?;

@@ -126,7 +126,11 @@ mod tests {
         };
         let (message, _) = told(&unchanged(&path, replaced).unwrap_err());
         assert!(message.starts_with("a.csv: the file changed while it was read: its contents"), "{message}");
-        let (message, _) = told(&unchanged(&path, || Ok(std::fs::remove_file(&path).unwrap())).unwrap_err());
+        let removed = || {
+            std::fs::remove_file(&path).unwrap();
+            Ok(())
+        };
+        let (message, _) = told(&unchanged(&path, removed).unwrap_err());
         assert_eq!(message, "a.csv: the file changed while it was read: it is no longer there");
     }
 }

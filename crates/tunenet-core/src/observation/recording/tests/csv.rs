@@ -146,7 +146,6 @@ fn rounded_stamps_may_repeat_now_and_then() {
 }
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "a table of cases")]
 fn every_bad_table_says_what_and_where() {
     let example =
         "say which column is which, as in `--columns t_s=time,z_m=height` for a file with `time` and `height`";
