@@ -13,7 +13,7 @@ use tunenet_core::observation::{Kind, Note};
 use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
 use tunenet_sim::{SimulationFile, simulator};
 
-use super::{load, print_json};
+use super::{load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
 use crate::terminal::{in_words, rounded, stage, table, warn};
@@ -32,6 +32,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
         load::writable(out, &inputs)?;
     }
     let file = load::simulation(&options.simulation)?;
+    start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {
         return each(options, &file, model.as_ref());
