@@ -9,19 +9,25 @@
 mod adequacy;
 mod algorithm1;
 mod bounce_noise;
+mod contour;
+mod evidence;
 mod fit;
 mod interval;
 mod judge;
 mod outcome;
+mod profile;
 mod residual;
 mod starts;
 mod unknowns;
 
 pub use adequacy::Adequacy;
 pub use algorithm1::{Loop, Walk, walk};
+pub use contour::{Contour, contour};
+pub use evidence::{Comparison, Evidence, evidence};
 pub use fit::{Fit, Problem};
 pub use interval::{LEVEL, Spread, intervals};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Stop, Verdict};
+pub use profile::{Profile, profile};
 pub use residual::channel_noise;
 pub use unknowns::{Point, free};
 
@@ -130,6 +136,7 @@ pub fn tune(
         };
         outcome.own = recordings.iter().zip(&point.own).map(fitted).collect();
     }
+    outcome.recordings = recordings;
     Ok(outcome)
 }
 
@@ -143,6 +150,8 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         rollouts: 0,
         stop: Stop::Nothing,
         notes,
+        before: None,
+        recordings: Vec::new(),
         point: None,
         free: Vec::new(),
         own: Vec::new(),
@@ -276,6 +285,8 @@ impl Tuning<'_> {
             rollouts,
             stop,
             notes,
+            before: Some(before.point),
+            recordings: Vec::new(),
             point,
             free,
             own: Vec::new(),
