@@ -3,10 +3,10 @@
 mod bench;
 mod gen_pairs;
 mod inspect;
-mod load;
+pub(crate) mod load;
 mod simulate;
 mod train;
-mod tune;
+pub(crate) mod tune;
 
 use clap::CommandFactory;
 use serde_json::Value;

@@ -52,9 +52,11 @@ pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64)
     let ray = |turn: u32| -> Result<((f64, f64), usize)> {
         let (sine, cosine) = (std::f64::consts::TAU * f64::from(turn) / f64::from(RAYS)).sin_cos();
         let direction = [first * cosine, across * cosine + second * sine];
-        let room = [best.0, best.1].into_iter().zip(direction).zip(bounds).map(|((value, step), p)| {
-            if step > 0.0 { (p.max - value) / step } else { (p.min - value) / step }
-        });
+        let room = [best.0, best.1]
+            .into_iter()
+            .zip(direction)
+            .zip(bounds)
+            .map(|((value, step), p)| if step > 0.0 { (p.max - value) / step } else { (p.min - value) / step });
         let most = room.filter(|r| r.is_finite()).fold(f64::INFINITY, f64::min).max(0.0);
         let (mut length, mut rollouts) = (reach.min(most), 0);
         let at = |length: f64| (best.0 + length * direction[0], best.1 + length * direction[1]);

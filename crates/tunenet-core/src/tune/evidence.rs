@@ -79,8 +79,7 @@ pub struct Evidence {
 /// # Errors
 /// Where the simulator refuses.
 pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence> {
-    let mut found =
-        Evidence { recordings: Vec::new(), profiles: Vec::new(), contours: Vec::new(), rollouts: 0 };
+    let mut found = Evidence { recordings: Vec::new(), profiles: Vec::new(), contours: Vec::new(), rollouts: 0 };
     let (Some(before), Some(after)) = (&outcome.before, &outcome.point) else { return Ok(found) };
     let recordings = &outcome.recordings;
     let noise: Vec<Vec<f64>> = recordings.iter().map(|r| channel_noise(&r.seen)).collect();
