@@ -7,7 +7,7 @@ use tunenet_core::tune::{Contour, Profile};
 use super::axis::Axis;
 use super::panel::{ABOVE, BELOW, Panel, left_edge};
 use super::series::Size;
-use super::svg::{Anchor, Svg, text_width};
+use super::svg::{Anchor, Svg, bold_width, text_width};
 
 const ROW: f64 = 30.0;
 /// From this ratio between greatest and least on, a ladder goes by powers of ten.
@@ -27,7 +27,7 @@ pub struct Rung {
 pub fn ladder(rungs: &[Rung], label: &str) -> Markup {
     let width = Size::Narrow.width();
     let left = rungs.iter().map(|r| text_width(&r.name)).fold(0.0, f64::max) + 8.0;
-    let room = rungs.iter().map(|r| text_width(&r.shown)).fold(0.0, f64::max) + 14.0;
+    let room = rungs.iter().map(|r| bold_width(&r.shown)).fold(0.0, f64::max) + 14.0;
     let positive = |r: &&Rung| r.value > 0.0;
     let least = rungs.iter().filter(positive).map(|r| r.value).fold(f64::INFINITY, f64::min);
     let most = rungs.iter().map(|r| r.value).fold(0.0, f64::max);
@@ -58,7 +58,7 @@ pub fn ladder(rungs: &[Rung], label: &str) -> Markup {
 pub fn bars(rungs: &[Rung], (limit, limit_name): (f64, &str), label: &str) -> Markup {
     let width = Size::Narrow.width();
     let left = (rungs.iter().map(|r| text_width(&r.name)).fold(0.0, f64::max) + 8.0).min(width / 2.0);
-    let room = rungs.iter().map(|r| text_width(&r.shown)).fold(0.0, f64::max) + 14.0;
+    let room = rungs.iter().map(|r| bold_width(&r.shown)).fold(0.0, f64::max) + 14.0;
     let most = rungs.iter().map(|r| r.value).fold(limit * 1.15, f64::max);
     let x = Axis::new((0.0, most), (left, width - room));
     let bottom = 14.0 + ROW * rungs.len() as f64;
@@ -71,7 +71,7 @@ pub fn bars(rungs: &[Rung], (limit, limit_name): (f64, &str), label: &str) -> Ma
     }
     svg.line("axis", (left, 8.0), (left, bottom));
     svg.line("limit", (x.at(limit), 8.0), (x.at(limit), bottom));
-    let end = x.at(limit) + text_width(limit_name) / 2.0;
+    let end = x.at(limit) + text_width(limit_name) / 2.0 + 2.0;
     let (at, anchor) = if end > width { (width, Anchor::End) } else { (x.at(limit), Anchor::Middle) };
     svg.text("name", (at, bottom + 18.0), anchor, limit_name);
     svg.finish("small", label)

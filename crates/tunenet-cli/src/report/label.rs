@@ -1,7 +1,7 @@
 //! Labels on lines: where there is room.
 
 use super::panel::Panel;
-use super::svg::{Anchor, Spot, Svg, text_width};
+use super::svg::{Anchor, Spot, Svg, bold_width};
 
 /// Height of a label with its surroundings.
 const HEIGHT: f64 = 17.0;
@@ -35,7 +35,7 @@ impl Labels {
     /// Writes `text` beside `line`, at the place with the least in its way and far from `other`.
     pub fn on(&mut self, svg: &mut Svg, class: &str, text: &str, line: &[Spot], other: &[Spot]) {
         let (line, other) = (felt(line), felt(other));
-        let (width, every) = (text_width(text) + 6.0, line.len().div_ceil(TRIES).max(1));
+        let (width, every) = (bold_width(text) + 6.0, line.len().div_ceil(TRIES).max(1));
         let mut best: Option<(usize, Area)> = None;
         for &(x, y) in line.iter().step_by(every) {
             let near = other.iter().any(|o| (o.0 - x).hypot(o.1 - y) < AMBIGUOUS.1);

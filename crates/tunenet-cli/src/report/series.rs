@@ -11,6 +11,8 @@ use super::svg::{Anchor, Svg};
 
 /// Most dots of one drawing; beyond, an even choice is drawn.
 const MOST_DOTS: usize = 2000;
+/// Up to this many stand apart and are drawn larger.
+const FEW_DOTS: usize = 60;
 /// Noise stays within this many standard deviations in 95 of 100 samples.
 const BAND: f64 = 2.0;
 
@@ -103,6 +105,11 @@ impl Series {
         self.measured.len().max(self.residual.len()) > MOST_DOTS
     }
 
+    /// Few dots may be large.
+    fn dot(&self, class: &str) -> String {
+        if self.measured.len() > FEW_DOTS { class.into() } else { format!("{class} few") }
+    }
+
     /// The drawing; residuals on a scale of ± `limit` standard deviations.
     fn draw(&self, size: Size, limit: f64) -> Markup {
         let width = size.width();
@@ -119,7 +126,7 @@ impl Series {
         let dots = top.spots(&thinned(&self.measured, MOST_DOTS));
         let curve = |points: &Points| top.spots(&thinned(points, if size == Size::Wide { 1200 } else { 600 }));
         let (before, after) = (curve(&self.before), curve(&self.after));
-        svg.dots("dot", &dots);
+        svg.dots(&self.dot("dot"), &dots);
         svg.path("line before", &before, false);
         svg.path("line after", &after, false);
         let mut labels = Labels::new(&top, &dots, &[&before, &after]);
@@ -147,7 +154,7 @@ impl Series {
         }
         bottom.level(svg, "zero", 0.0);
         svg.text("name", (right, bottom.y.places().1 - 12.0), Anchor::End, "band: \u{b1}2 \u{3c3} of the noise");
-        svg.dots("dot small", &bottom.spots(&thinned(&self.residual, MOST_DOTS)));
+        svg.dots(&self.dot("dot small"), &bottom.spots(&thinned(&self.residual, MOST_DOTS)));
         for event in &self.events {
             for panel in [top, bottom] {
                 let (x, floor) = (panel.x.at(*event), panel.y.places().0);

@@ -88,10 +88,19 @@ impl Svg {
     }
 }
 
-/// How wide a text is at most, for fonts that are no wider than common ones.
+/// How wide a text is at most, in fonts that are no wider than common ones (DejaVu Sans at 13 units).
 pub fn text_width(text: &str) -> f64 {
-    const PER_CHARACTER: f64 = 7.4;
-    PER_CHARACTER * text.chars().count() as f64
+    let width = |c: char| match c {
+        '.' | ',' | ':' | ' ' | '\u{a0}' | 'i' | 'j' | 'l' | '|' | '\'' => 4.6,
+        'm' | 'w' | 'M' | 'W' | '%' | '+' | '\u{2212}' | '\u{2026}' => 12.7,
+        _ => 8.3,
+    };
+    text.chars().map(width).sum()
+}
+
+/// How wide a text in bold type is at most.
+pub fn bold_width(text: &str) -> f64 {
+    1.12 * text_width(text)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a place in a drawing; the cast saturates")]
