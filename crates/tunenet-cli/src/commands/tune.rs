@@ -17,7 +17,7 @@ use super::{load, print_json};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
 use crate::report::{self, tune::Answer};
-use crate::terminal::{in_words, rounded, stage, table, warn};
+use crate::terminal::{in_words, list, rounded, stage, table, warn};
 
 /// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
 const MOST_SAMPLES: usize = 20_000;
@@ -290,7 +290,7 @@ fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
     }
     for own in outcome.own.iter().filter(|own| !own.is_empty()) {
         let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
-        anstream::eprintln!("  also from the data: {}", each.join(", "));
+        anstream::eprintln!("{}", list("  also from the data:", &each));
     }
     outcome.notes.iter().for_each(warn);
     let wrote = match &options.out {

