@@ -88,7 +88,7 @@ impl Svg {
     }
 }
 
-/// How wide a text is at most, in fonts that are no wider than common ones (DejaVu Sans at 13 units).
+/// How wide a text is at most, in fonts that are no wider than common ones (`DejaVu Sans` at 13 units).
 pub fn text_width(text: &str) -> f64 {
     let width = |c: char| match c {
         '.' | ',' | ':' | ' ' | '\u{a0}' | 'i' | 'j' | 'l' | '|' | '\'' => 4.6,

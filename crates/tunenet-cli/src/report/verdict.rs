@@ -32,11 +32,11 @@ pub fn prose(text: &str) -> Markup {
     // An even number of backticks leaves an odd number of pieces.
     let pieces: Vec<&str> = text.split('`').collect();
     html! {
-        @if pieces.len() % 2 == 0 {
+        @if pieces.len().is_multiple_of(2) {
             (text)
         } @else {
             @for (i, piece) in pieces.iter().enumerate() {
-                @if i % 2 == 1 { code { (piece) } } @else { (piece) }
+                @if !i.is_multiple_of(2) { code { (piece) } } @else { (piece) }
             }
         }
     }
