@@ -75,6 +75,7 @@ Without a word about the release or the surface's height, both are estimated fro
 const TUNE_EXAMPLES: &str = "\
 Examples:
   tunenet tune --sim assets/ball.toml --observation assets/observations/drop.csv --out tuned.toml
+  tunenet tune --sim ball.toml --observation drop.csv --report drop.html
   tunenet tune --sim ball.toml --set ball.radius_m=0.02 --observation flights/*.csv --each --json
   tunenet tune --sim ball.toml --observation log.csv --columns t_s=time,z_m=height
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
@@ -186,6 +187,9 @@ pub struct Tune {
     /// Write the simulation file with the tuned values here
     #[arg(long, value_name = "TUNED.toml")]
     pub out: Option<PathBuf>,
+    /// Write a page with drawings here: verdict, residuals, intervals, checks
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
     #[command(flatten)]
     pub common: Common,
 }

@@ -103,10 +103,14 @@ fn tell_usable(usable: &Result<Kind, String>) {
     }
 }
 
+fn topics(count: usize) -> String {
+    if count == 1 { "1 topic".into() } else { format!("{count} topics") }
+}
+
 fn log(found: &Log) -> (Value, bool) {
     stage(
         "log",
-        &format!("{} topics, profile `{}`, written by `{}`", found.topics.len(), found.profile, found.library),
+        &format!("{}, profile `{}`, written by `{}`", topics(found.topics.len()), found.profile, found.library),
     );
     let rows: Vec<Vec<String>> = found
         .topics

@@ -4,12 +4,12 @@ mod bench;
 mod gen_pairs;
 mod init;
 mod inspect;
-mod load;
+pub(crate) mod load;
 mod man;
 mod simulate;
 mod start;
 mod train;
-mod tune;
+pub(crate) mod tune;
 
 use clap::CommandFactory;
 use serde_json::Value;

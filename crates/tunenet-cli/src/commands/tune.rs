@@ -9,14 +9,15 @@ use toml_edit::{Array, InlineTable};
 use tunenet_core::Error;
 use tunenet_core::network::Model;
 use tunenet_core::observation::recording::{Recording, write_atomically};
-use tunenet_core::observation::{Kind, Note};
+use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
 use tunenet_sim::{SimulationFile, simulator};
 
 use super::{load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
-use crate::terminal::{in_words, rounded, stage, table, warn};
+use crate::report::{self, tune::Answer};
+use crate::terminal::{in_words, list, rounded, stage, table, warn};
 
 /// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
 const MOST_SAMPLES: usize = 20_000;
@@ -27,9 +28,15 @@ const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
     if let Some(out) = &options.out {
-        let inputs: Vec<&Path> =
-            options.observation.iter().map(AsRef::as_ref).chain(options.model.as_deref()).collect();
-        load::writable(out, &inputs)?;
+        load::writable(out, &inputs(options).collect::<Vec<_>>())?;
+    }
+    if let Some(report) = &options.report {
+        if options.out.as_ref() == Some(report) {
+            let (expected, found) = ("another file than `--out`".into(), load::name(report));
+            return Err(Error::Setting { name: "--report", expected, found }.into());
+        }
+        let others = [options.simulation.sim.as_path()].into_iter().chain(options.out.as_deref());
+        load::writable(report, &inputs(options).chain(others).collect::<Vec<_>>())?;
     }
     let file = load::simulation(&options.simulation)?;
     start::check(options, &file)?;
@@ -48,7 +55,31 @@ pub fn run(options: &Tune) -> Result<Exit> {
         print_json(&as_json(&outcome, seconds));
     }
     tell(options, &outcome, seconds);
-    Ok(exit(outcome.verdict))
+    let exit = exit(outcome.verdict);
+    if let Some(report) = &options.report {
+        let names = options.observation.iter().map(|path| load::name(path)).collect();
+        let answer = answer(&file, names, recordings, outcome)?;
+        report::tune::together(report, &answer, &provenance(options))?;
+        stage("report", &load::name(report));
+    }
+    Ok(exit)
+}
+
+/// What is measured or learned, and must not be lost.
+fn inputs(options: &Tune) -> impl Iterator<Item = &Path> {
+    options.observation.iter().map(AsRef::as_ref).chain(options.model.as_deref())
+}
+
+fn provenance(options: &Tune) -> report::Provenance {
+    let read: Vec<&Path> = [options.simulation.sim.as_path()].into_iter().chain(inputs(options)).collect();
+    report::Provenance::new(options.common.seed, &read)
+}
+
+/// An outcome with what a report draws of it.
+fn answer(file: &SimulationFile, names: Vec<String>, recordings: Vec<Recording>, outcome: Outcome) -> Result<Answer> {
+    let seen: Vec<Observation> = recordings.into_iter().map(|r| r.observation).collect();
+    let ball = simulator(file, seen[0].kind())?;
+    Ok(Answer::new(&ball, names, seen, outcome)?)
 }
 
 /// Each observation on its own: one that cannot be used does not keep the others from being tuned to.
@@ -57,13 +88,14 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
         let (expected, found) = ("no `--out` beside `--each`, which has several answers".into(), "both".into());
         return Err(Error::Setting { name: "--out", expected, found }.into());
     }
-    let (mut all, mut worst, mut refused) = (Vec::new(), Exit::Done, 0);
+    let (mut all, mut worst, mut refused, mut cases) = (Vec::new(), Exit::Done, 0, Vec::new());
     for path in &options.observation {
         let began = Instant::now();
-        let tuned = read(path, options).and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)));
+        let tuned = read(path, options)
+            .and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)).map(|outcome| (r, outcome)));
         let name = load::name(path);
         match tuned {
-            Ok(outcome) => {
+            Ok((recording, outcome)) => {
                 if exit(outcome.verdict) == Exit::Inconclusive {
                     worst = Exit::Inconclusive;
                 }
@@ -71,6 +103,9 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
                 one["file"] = Value::String(name.clone());
                 anstream::eprintln!("{name}: {}", sentence(&outcome));
                 all.push(one);
+                if options.report.is_some() {
+                    cases.push((name.clone(), Ok(answer(file, vec![name], vec![recording], outcome)?)));
+                }
             }
             Err(error) => {
                 refused += 1;
@@ -79,11 +114,16 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
                 let place = if text.contains(&name) { String::new() } else { format!("{name}: ") };
                 anstream::eprintln!("{place}{text}");
                 all.push(json!({ "schema": SCHEMA, "file": name, "error": text }));
+                cases.push((name, Err(text)));
             }
         }
     }
     if options.common.json {
         print_json(&json!({ "schema": "tunenet.tune.each/1", "observations": all }));
+    }
+    if let Some(path) = &options.report {
+        report::tune::each(path, &cases, &provenance(options))?;
+        stage("report", &load::name(path));
     }
     stage("done", &format!("{} observations, {refused} refused", options.observation.len()));
     Ok(if refused > 0 { Exit::Refused } else { worst })
@@ -213,6 +253,13 @@ pub(super) fn warning(note: &Note) -> Value {
     json!({ "code": note.code, "text": note.text, "remedy": note.remedy })
 }
 
+/// The one note that says why there is no answer, or none about a contact.
+pub(crate) fn reason(outcome: &Outcome) -> Option<&Note> {
+    let rejects = |code: &str| REJECTING.iter().any(|prefix| code.starts_with(prefix));
+    let rejected = outcome.verdict == Verdict::Rejected;
+    outcome.notes.iter().find(|n| if rejected { rejects(n.code) } else { n.code == "contact.none" })
+}
+
 /// The verdict in one sentence.
 fn sentence(outcome: &Outcome) -> String {
     let word = match outcome.verdict {
@@ -236,9 +283,7 @@ fn sentence(outcome: &Outcome) -> String {
             }
         })
         .collect();
-    let rejects = |code: &str| REJECTING.iter().any(|prefix| code.starts_with(prefix));
-    let rejected = outcome.verdict == Verdict::Rejected;
-    let reason = outcome.notes.iter().find(|n| if rejected { rejects(n.code) } else { n.code == "contact.none" });
+    let reason = reason(outcome);
     match (values.is_empty(), reason) {
         (true, Some(note)) => format!("{word}  {}", note.text),
         (false, Some(note)) => format!("{word}  {}: {}", values.join(", "), note.text),
@@ -261,7 +306,7 @@ fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
     }
     for own in outcome.own.iter().filter(|own| !own.is_empty()) {
         let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
-        anstream::eprintln!("  also from the data: {}", each.join(", "));
+        anstream::eprintln!("{}", list("  also from the data:", &each));
     }
     outcome.notes.iter().for_each(warn);
     let wrote = match &options.out {

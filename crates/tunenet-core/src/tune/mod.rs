@@ -9,11 +9,14 @@
 mod adequacy;
 mod algorithm1;
 mod bounce_noise;
+mod contour;
+mod evidence;
 mod fit;
 mod information;
 mod interval;
 mod judge;
 mod outcome;
+mod profile;
 mod region;
 mod residual;
 mod starts;
@@ -21,10 +24,13 @@ mod unknowns;
 
 pub use adequacy::Adequacy;
 pub use algorithm1::{Loop, Walk, walk};
+pub use contour::{Contour, contour};
+pub use evidence::{Comparison, Evidence, evidence};
 pub use fit::{Fit, Problem};
 pub use information::{Direction, Information};
 pub use interval::{End, Interval, LEVEL, Spread, ends, intervals};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict};
+pub use profile::{Profile, profile};
 pub use region::Region;
 pub use residual::channel_noise;
 pub use unknowns::{Point, free};
@@ -134,6 +140,7 @@ pub fn tune(
         };
         outcome.own = recordings.iter().zip(&point.own).map(fitted).collect();
     }
+    outcome.recordings = recordings;
     Ok(outcome)
 }
 
@@ -148,6 +155,8 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         rollouts: 0,
         stop: Stop::Nothing,
         notes,
+        before: None,
+        recordings: Vec::new(),
         point: None,
         free: Vec::new(),
         own: Vec::new(),
@@ -294,6 +303,8 @@ impl Tuning<'_> {
             rollouts,
             stop,
             notes,
+            before: Some(before.point),
+            recordings: Vec::new(),
             point,
             free,
             own: Vec::new(),

@@ -4,7 +4,7 @@ use super::region::Region;
 use super::unknowns::Point;
 use crate::observation::Note;
 use crate::observation::preflight::Check;
-use crate::simulator::Parameter;
+use crate::simulator::{Parameter, Prepared};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -129,6 +129,10 @@ pub struct Outcome {
     pub stop: Stop,
     /// What a person should know.
     pub notes: Vec<Note>,
+    /// The start parameters with the own unknowns fitted to them: where [`Gap::before`] was taken.
+    pub before: Option<Point>,
+    /// The recordings used, as they were prepared for the fit.
+    pub recordings: Vec<Prepared>,
     /// All parameters and own unknowns at the end.
     pub point: Option<Point>,
     /// For each recording used: its own unknowns as they were fitted, `value` being the answer.

@@ -64,6 +64,7 @@ impl ObservedBall {
         let mut prepared = Prepared::whole(usable, self.parameters.len());
         prepared.own = own.collect::<Result<_>>()?;
         prepared.notes.clone_from(&arcs.notes);
+        prepared.events = arcs.contacts.iter().map(|c| c.time_s).collect();
         if kept.is_some() {
             let places: Vec<String> = wild.iter().take(4).map(|i| (i + 1).to_string()).collect();
             let more = if wild.len() > 4 { " and others" } else { "" };
