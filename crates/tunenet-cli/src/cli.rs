@@ -123,6 +123,9 @@ pub struct Tune {
     /// Tune to each observation on its own
     #[arg(long)]
     pub each: bool,
+    /// Use recordings that their checks reject; the answer may mean nothing
+    #[arg(long)]
+    pub force: bool,
     /// Trained network; its preset decides how the iterations go
     #[arg(long, value_name = "MODEL.safetensors")]
     pub model: Option<PathBuf>,
@@ -262,6 +265,18 @@ pub enum Measured {
     Tuning(BenchTuning),
     /// How often the stated intervals hold the truth, and how often a good drop is called a poor fit
     Intervals(BenchIntervals),
+    /// How many spoilt records are found, and how many good ones are blamed
+    Preflight(BenchPreflight),
+}
+
+/// `tunenet bench preflight`.
+#[derive(Debug, Args)]
+pub struct BenchPreflight {
+    /// Records of each kind
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub records: u32,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `tunenet bench intervals`.

@@ -7,6 +7,7 @@ mod arcs;
 mod line;
 mod noise;
 mod note;
+mod parabolas;
 pub mod preflight;
 pub mod recording;
 mod release;

@@ -8,7 +8,7 @@ mod scale;
 
 pub use effect::{Coefficient, Effect, Phase};
 pub use parameter::Parameter;
-pub use prepared::{Preparation, Prepared};
+pub use prepared::{Preparation, Prepared, Rejected};
 pub use rollouts::{rollout, rollouts};
 pub use scale::Scale;
 

@@ -46,6 +46,7 @@ pub struct ObservedBall {
     channels: Vec<Channel>,
     kind: Kind,
     unknown: Vec<Unknown>,
+    forced: bool,
 }
 
 impl ObservedBall {
@@ -68,7 +69,13 @@ impl ObservedBall {
             }
         };
         let parameters = file.parameters()?;
-        Ok(Self { scene: scene(file), release, surface_height_m, parameters, channels, kind, unknown })
+        Ok(Self { scene: scene(file), release, surface_height_m, parameters, channels, kind, unknown, forced: false })
+    }
+
+    /// The same, which uses recordings that their checks reject, and says so among their notes.
+    #[must_use]
+    pub fn forced(self, forced: bool) -> Self {
+        Self { forced, ..self }
     }
 
     /// The scene with these parameters, and the start with these own unknowns.

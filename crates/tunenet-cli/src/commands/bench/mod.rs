@@ -1,6 +1,7 @@
 //! `tunenet bench`: every figure that is claimed, measured here.
 
 mod intervals;
+mod preflight;
 mod process;
 mod speed;
 mod tuning;
@@ -15,5 +16,6 @@ pub fn run(options: &Bench) -> Result<Exit> {
         Measured::Speed(options) => speed::run(options),
         Measured::Tuning(options) => tuning::run(options),
         Measured::Intervals(options) => intervals::run(options),
+        Measured::Preflight(options) => preflight::run(options),
     }
 }
