@@ -59,6 +59,7 @@ Examples:
 const INSPECT_EXAMPLES: &str = "\
 Examples:
   tunenet inspect drop.csv
+  tunenet inspect throws/*.csv
   tunenet inspect log.mcap --json";
 const GEN_EXAMPLES: &str = "\
 Examples:
@@ -163,8 +164,9 @@ pub struct Simulate {
 /// `tunenet inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
-    /// What to look at: CSV, MCAP, simulation file, dataset or model
-    pub file: PathBuf,
+    /// What to look at: CSV, MCAP, simulation file, dataset or model; of several recordings, gravity together as well
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
     #[command(flatten)]
