@@ -12,7 +12,7 @@ use super::noise_sd;
 /// The price of a piece: its three numbers and its place, at half the logarithm of a long record each, and some for luck.
 const PRICE: f64 = 30.0;
 /// Parabolas are not asked to explain more than this share of the range of heights: air bends a flight a little.
-const PRACTICAL_SHARE: f64 = 3e-3;
+const PRACTICAL_SHARE: f64 = 8e-3;
 /// More samples than this are not cut: the time grows with their square.
 pub(super) const MOST_SAMPLES: usize = 1200;
 

@@ -134,6 +134,7 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
     anstream::eprintln!("{}", table(&columns));
     if let (Some((first, last)), Some(rate)) = (found.span_s, found.median_rate_hz) {
         let gap = found.largest_gap_s.unwrap_or(0.0);
+        let [first, last] = [first, last].map(|t| (t * 1e6).round() / 1e6);
         stage("clock", &format!("{first} s to {last} s, {rate:.1} Hz, largest gap {gap:.4} s"));
     }
     for line in &found.broken {

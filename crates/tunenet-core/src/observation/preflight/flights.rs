@@ -17,6 +17,10 @@ const ALIKE: f64 = 0.25;
 const MISFIT_NOISE: f64 = 2.5;
 /// ... and this share of its range of heights, air included.
 const MISFIT_SHARE: f64 = 0.02;
+/// A flight covers at least this share of all heights: what drifts while it rests bends too.
+const LEAST_RANGE_SHARE: f64 = 0.05;
+/// Flights that fall as expected speak for the record where they last for this share of those that agree otherwise.
+const EXPECTED_SHARE: f64 = 0.2;
 /// Without noise, a record is known to this share of its range.
 const LEAST_NOISE_SHARE: f64 = 1e-9;
 
@@ -45,10 +49,10 @@ pub(super) struct Flights {
 impl Flights {
     /// The flights of `seen`. Where it has few samples enough, it is cut with no gravity assumed; else where `arcs` found
     /// kinks.
-    pub fn find(seen: &Observation, arcs: &Arcs) -> Self {
+    pub fn find(seen: &Observation, arcs: &Arcs, expected: f64) -> Self {
         let heights: Vec<f64> = seen.column(2).collect();
         if seen.len() <= MOST_SAMPLES {
-            return Self::within(seen.clock(), &heights, parabolas(seen.clock(), &heights));
+            return Self::within(seen.clock(), &heights, parabolas(seen.clock(), &heights), expected);
         }
         let bounds = [0].into_iter().chain(arcs.kinks.iter().map(|k| k + 1)).chain([seen.len()]).collect::<Vec<_>>();
         let mut pieces: Vec<Range<usize>> = bounds.windows(2).map(|w| w[0]..w[1]).collect();
@@ -58,21 +62,22 @@ impl Flights {
                 piece.start = arcs.usable.start;
             }
         }
-        let near = Self::within(seen.clock(), &heights, pieces);
+        let near = Self::within(seen.clock(), &heights, pieces, expected);
         if !near.flights.is_empty() {
             return near;
         }
         let Some(fewer) = seen.thinned(MOST_SAMPLES).ok().flatten() else { return near };
         let heights: Vec<f64> = fewer.column(2).collect();
-        let found = Self::within(fewer.clock(), &heights, parabolas(fewer.clock(), &heights));
+        let found = Self::within(fewer.clock(), &heights, parabolas(fewer.clock(), &heights), expected);
         // The places of samples are those of the whole record.
         let every = seen.len().div_ceil(MOST_SAMPLES);
         let whole = |f: Flight| Flight { samples: f.samples.start * every..(f.samples.end - 1) * every + 1, ..f };
         Self { flights: found.flights.into_iter().map(whole).collect(), ..found }
     }
 
-    fn within(clock: &[f64], heights: &[f64], pieces: Vec<Range<usize>>) -> Self {
-        let noise = noise_sd(heights).max(LEAST_NOISE_SHARE * span(heights));
+    fn within(clock: &[f64], heights: &[f64], pieces: Vec<Range<usize>>, expected: f64) -> Self {
+        let range = span(heights);
+        let noise = noise_sd(heights).max(LEAST_NOISE_SHARE * range);
         let flight = |samples: Range<usize>| -> Option<Flight> {
             if samples.len() < FEWEST {
                 return None;
@@ -82,7 +87,7 @@ impl Flights {
             let flight = Flight { samples, fit };
             let strays = MISFIT_NOISE * noise + MISFIT_SHARE * span(height);
             let sure = 2.0 * flight.fit.curvature_gain() * noise < MOST_UNSURE * flight.acceleration();
-            (sure && flight.fit.residual_sd < strays).then_some(flight)
+            (sure && flight.fit.residual_sd < strays && span(height) > LEAST_RANGE_SHARE * range).then_some(flight)
         };
         let inner = |piece: Range<usize>| {
             // The sample beside a cut may belong to the other side.
@@ -91,13 +96,13 @@ impl Flights {
         };
         let mut flights: Vec<Flight> = pieces.into_iter().filter_map(|piece| flight(inner(piece))).collect();
         meet(clock, &mut flights, &flight);
-        agree(clock, &mut flights, noise);
+        agree(clock, &mut flights, noise, expected);
         Self { flights, noise }
     }
 }
 
-/// Keeps the flights that fall alike: those that fill most of the time.
-fn agree(clock: &[f64], flights: &mut Vec<Flight>, noise: f64) {
+/// Keeps the flights that fall alike: those that fall as expected, or else those that fill most of the time.
+fn agree(clock: &[f64], flights: &mut Vec<Flight>, noise: f64, expected: f64) {
     let lasts = |f: &Flight| clock[f.samples.end - 1] - clock[f.samples.start];
     let alike = |f: &Flight, to: f64| {
         let unsure = 3.0 * 2.0 * f.fit.curvature_gain() * noise;
@@ -105,7 +110,8 @@ fn agree(clock: &[f64], flights: &mut Vec<Flight>, noise: f64) {
     };
     let supports = |to: f64| flights.iter().filter(|f| alike(f, to)).map(lasts).sum::<f64>();
     let best = flights.iter().map(|f| (f.acceleration(), supports(f.acceleration())));
-    let Some((leader, _)) = best.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+    let Some((leader, most)) = best.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+    let leader = if supports(expected) > EXPECTED_SHARE * most { expected } else { leader };
     let middle = median(flights.iter().filter(|f| alike(f, leader)).map(Flight::acceleration));
     flights.retain(|f| alike(f, middle));
 }

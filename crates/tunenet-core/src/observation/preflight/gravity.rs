@@ -2,7 +2,8 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::flights::Flights;
+use super::super::arcs::median;
+use super::flights::{Flight, Flights};
 use super::{Check, Expected, State};
 
 /// A difference below this share is nobody's concern.
@@ -17,6 +18,8 @@ const AGREES: f64 = 0.02;
 const FRAME_RATES_HZ: [f64; 7] = [24.0, 25.0, 30.0, 50.0, 60.0, 120.0, 240.0];
 /// A clock is that of a frame rate within this share.
 const SAME_RATE: f64 = 0.02;
+/// A recording this many typical spreads from the median of several is of something else.
+const FAR: f64 = 5.0;
 /// No more causes than this are worth reading.
 const MOST_CAUSES: usize = 3;
 
@@ -45,7 +48,7 @@ impl ApparentGravity {
         let samples: usize = flights.iter().map(|f| f.samples.len()).sum();
         let freedom = samples.checked_sub(2 * flights.len() + 1).filter(|f| *f > 0)? as f64;
         let weight: f64 = flights.iter().map(|f| f.fit.curvature_gain().powi(-2)).sum();
-        let each = super::flights::Flight::acceleration;
+        let each = Flight::acceleration;
         let value = flights.iter().map(|f| each(f) * f.fit.curvature_gain().powi(-2)).sum::<f64>() / weight;
         // Residuals about each flight's own parabola; how neighbours follow each other; the cubic that is left of them.
         let (mut squares, mut products, mut cubic, mut cubic_weight) = (0.0, 0.0, 0.0, 0.0);
@@ -67,12 +70,11 @@ impl ApparentGravity {
         let follow = (products / squares.max(f64::MIN_POSITIVE)).clamp(0.0, 0.9);
         // Short stretches follow each other by chance.
         let follow = if follow > 2.0 / (samples as f64).sqrt() { (1.0 + follow) / (1.0 - follow) } else { 1.0 };
-        let own_sd = |f: &super::flights::Flight| 2.0 * f.fit.curvature_gain() * sd;
+        let own_sd = |f: &Flight| 2.0 * f.fit.curvature_gain() * sd;
         let scatter: f64 = flights.iter().map(|f| ((each(f) - value) / own_sd(f).max(f64::MIN_POSITIVE)).powi(2)).sum();
         let between = if flights.len() > 1 { (scatter / (flights.len() - 1) as f64).max(1.0) } else { 1.0 };
         let sd_m_s2 = 2.0 * sd / weight.sqrt() * follow.max(between).sqrt();
-        let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |t| t.inverse_cdf(0.975));
-        let half = quantile * sd_m_s2;
+        let half = quantile(freedom) * sd_m_s2;
         Some(Self {
             value_m_s2: value,
             sd_m_s2,
@@ -84,28 +86,29 @@ impl ApparentGravity {
     }
 
     /// Several recordings of the same set-up together, each counting by its certainty; the interval covers the scatter
-    /// between them. `None` where there are none.
+    /// between them. Recordings far from the median are left out. `None` where there are none.
     #[must_use]
     pub fn pooled(all: &[Self]) -> Option<Self> {
-        let least = all.iter().map(|g| g.sd_m_s2).fold(f64::INFINITY, f64::min).max(1e-12);
-        // One recording does not outweigh all others, however quiet it is: its own camera error is not in its noise.
-        let typical = super::super::arcs::median(all.iter().map(|g| g.sd_m_s2)).max(least);
-        let weight = |g: &Self| g.sd_m_s2.hypot(typical).powi(-2);
-        let total: f64 = all.iter().map(weight).sum();
-        let value = all.iter().map(|g| weight(g) * g.value_m_s2).sum::<f64>() / total;
-        let count = all.len() as f64;
-        let scatter: f64 = all.iter().map(|g| weight(g) * (g.value_m_s2 - value).powi(2)).sum();
-        let between = if all.len() > 1 { (scatter / (count - 1.0)).max(1.0) } else { 1.0 };
+        let middle = median(all.iter().map(|g| g.value_m_s2));
+        let spread = 1.4826 * median(all.iter().map(|g| (g.value_m_s2 - middle).abs()));
+        let far = |g: &&Self| (g.value_m_s2 - middle).abs() <= FAR * spread.hypot(g.sd_m_s2);
+        let near: Vec<Self> = all.iter().filter(far).copied().collect();
+        let count = near.len() as f64;
+        // One recording does not outweigh all others, however quiet it is: its own camera's error is not in its noise.
+        let weight = |g: &Self| g.sd_m_s2.hypot(spread).max(1e-12).powi(-2);
+        let total: f64 = near.iter().map(weight).sum();
+        let value = near.iter().map(|g| weight(g) * g.value_m_s2).sum::<f64>() / total;
+        let scatter: f64 = near.iter().map(|g| weight(g) * (g.value_m_s2 - value).powi(2)).sum();
+        let between = if near.len() > 1 { (scatter / (count - 1.0)).max(1.0) } else { 1.0 };
         let sd = (between / total).sqrt();
-        let quantile = StudentsT::new(0.0, 1.0, (count - 1.0).max(1.0)).map_or(1.96, |t| t.inverse_cdf(0.975));
-        let half = if all.len() > 1 { quantile * sd } else { 1.96 * sd };
-        (!all.is_empty()).then(|| Self {
+        let quantile = if near.len() > 1 { quantile(count - 1.0) } else { 1.96 };
+        (!near.is_empty()).then(|| Self {
             value_m_s2: value,
             sd_m_s2: sd,
-            interval95_m_s2: (value - half, value + half),
-            flights: all.iter().map(|g| g.flights).sum(),
-            samples: all.iter().map(|g| g.samples).sum(),
-            bend: all.iter().map(|g| g.bend).sum::<f64>() / count.sqrt(),
+            interval95_m_s2: (value - quantile * sd, value + quantile * sd),
+            flights: near.iter().map(|g| g.flights).sum(),
+            samples: near.iter().map(|g| g.samples).sum(),
+            bend: near.iter().map(|g| g.bend).sum::<f64>() / count.sqrt(),
         })
     }
 
@@ -172,6 +175,8 @@ impl ApparentGravity {
             let way = if ratio < 1.0 { "short" } else { "long" };
             let percent = 100.0 * (ratio - 1.0).abs();
             cause(0.1, format!("lengths along the vertical are {percent:.1} % too {way} (scale, camera)"));
+            let spin = if ratio < 1.0 { "lifts" } else { "presses down" };
+            cause(0.35, format!("spin {spin} the ball"));
             let clock = 100.0 * (1.0 / ratio.sqrt() - 1.0).abs();
             let speed = if ratio < 1.0 { "slow" } else { "fast" };
             // Time read off a clock that runs fast is too long, and what falls seems to fall more slowly.
@@ -181,6 +186,11 @@ impl ApparentGravity {
         causes.sort_by(|a, b| a.0.total_cmp(&b.0));
         causes.into_iter().take(MOST_CAUSES).map(|c| c.1).collect()
     }
+}
+
+/// Half the width of a 95 % interval in standard deviations, by Student.
+fn quantile(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |t| t.inverse_cdf(0.975))
 }
 
 /// The check of gravity within what is plausible; [`units`](super::units) answers for the rest.

@@ -177,7 +177,7 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
         return Preflight { checks, kept: Some(kept), arcs: None, gravity: None };
     };
     let heights: Vec<f64> = kept.column(2).collect();
-    let flights = Flights::find(&kept, &arcs);
+    let flights = Flights::find(&kept, &arcs, expected.gravity_m_s2);
     let gravity = ApparentGravity::of(kept.clock(), &heights, &flights);
     // A wrong unit is told before its symptom.
     checks.push(units::check(gravity.as_ref(), expected));
