@@ -18,7 +18,7 @@ const MISFIT_NOISE: f64 = 2.5;
 /// ... and this share of its range of heights, air included.
 const MISFIT_SHARE: f64 = 0.02;
 /// A flight covers at least this share of all heights: what drifts while it rests bends too.
-const LEAST_RANGE_SHARE: f64 = 0.05;
+const LEAST_RANGE_SHARE: f64 = 0.02;
 /// Flights that fall as expected speak for the record where they last for this share of those that agree otherwise.
 const EXPECTED_SHARE: f64 = 0.2;
 /// Without noise, a record is known to this share of its range.
