@@ -59,7 +59,9 @@ impl Observation {
             return None;
         }
         let mut keep = vec![true; self.len()];
-        places.iter().for_each(|&i| keep[i] = false);
+        for &i in places {
+            keep[i] = false;
+        }
         let kept: Vec<usize> = (0..self.len()).filter(|&i| keep[i]).collect();
         let clock = kept.iter().map(|&i| self.clock()[i]).collect();
         let values = kept.iter().flat_map(|&i| self.row(i).iter().copied()).collect();

@@ -27,7 +27,7 @@ pub fn run(options: &Inspect) -> Result<Exit> {
         }
         return Ok(if found.usable { Exit::Done } else { Exit::Inconclusive });
     }
-    several(options)
+    Ok(several(options))
 }
 
 /// What was found in one file.
@@ -64,7 +64,7 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
 }
 
 /// Several files: each on its own, then what all of them say of gravity.
-fn several(options: &Inspect) -> Result<Exit> {
+fn several(options: &Inspect) -> Exit {
     let (mut objects, mut gravities, mut worst, mut rate_hz) = (Vec::new(), Vec::new(), Exit::Done, 0.0);
     let head = ["file", "bounces", "gravity", "noticed"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
@@ -100,7 +100,9 @@ fn several(options: &Inspect) -> Result<Exit> {
         motion::tell_gravity(gravity, &format!(" from {} recordings together", gravities.len()));
         if gravity.differs(expected) {
             causes = gravity.causes(expected, rate_hz);
-            causes.iter().for_each(|cause| stage("perhaps", cause));
+            for cause in &causes {
+                stage("perhaps", cause);
+            }
         }
     }
     if options.common.json {
@@ -109,7 +111,7 @@ fn several(options: &Inspect) -> Result<Exit> {
             "causes": causes, "warnings": [],
         }));
     }
-    Ok(worst)
+    worst
 }
 
 /// What an observation of this kind can be used for.

@@ -35,8 +35,8 @@ pub(super) fn irregular(clock: &[f64]) -> Check {
     let middle = median(all.iter().copied());
     let mut near: Vec<f64> = all.into_iter().filter(|i| *i < GAP * middle).collect();
     near.sort_unstable_by(f64::total_cmp);
-    let at = |share: f64| near[((near.len() - 1) as f64 * share).round().max(0.0) as usize];
-    let (low, high) = (at(0.05), at(0.95));
+    let at = |share: usize| near[near.len() * share / 100];
+    let (low, high) = (at(5), at(95));
     if near.len() < 8 {
         return Check::not_run(CODE, "too few intervals");
     }
@@ -83,7 +83,7 @@ pub(super) fn slow(seen: &Observation, gravity_m_s2: f64) -> Check {
     let frames = fall_s * rate;
     if frames < FEWEST_IN_FALL {
         let wanted = 2.0 * FEWEST_IN_FALL / fall_s;
-        let text = format!("{rate:.1} Hz leaves {frames:.1} frames for the {:.3} s of the longest fall", fall_s);
+        let text = format!("{rate:.1} Hz leaves {frames:.1} frames for the {fall_s:.3} s of the longest fall");
         return Check::noticed(CODE, text, format!("record at {wanted:.0} Hz or more, or drop from higher up"));
     }
     Check::passed(CODE, format!("{frames:.0} frames in the longest fall"))

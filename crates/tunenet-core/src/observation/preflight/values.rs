@@ -36,7 +36,7 @@ pub(super) fn frozen(seen: &Observation, inside: &[(usize, usize)]) -> (Check, V
         places.push(format!("from {:.3} s to the end", seen.clock()[first]));
     }
     for (from, to) in clipped(seen) {
-        out.extend(from..to + 1);
+        out.extend(from..=to);
         places.push(format!("at the border of the view from {:.3} to {:.3} s", seen.clock()[from], seen.clock()[to]));
     }
     out.sort_unstable();
