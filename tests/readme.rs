@@ -189,7 +189,8 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let (page, mut files, mut codes) = (text("docs/tune.md"), Vec::new(), 0);
+    let page = text("docs/tune.md") + &text("docs/preflight.md");
+    let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {
         for call in text(&file).split("Note::new(").skip(1) {
@@ -198,10 +199,27 @@ fn every_warning_has_its_remedy_in_the_docs() {
             };
             assert!(
                 page.contains(&format!("| `{code}` |")),
-                "docs/tune.md does not list `{code}` of {}",
+                "docs/tune.md and docs/preflight.md do not list `{code}` of {}",
                 file.display()
             );
             codes += 1;
+        }
+    }
+    assert!(codes > 20, "only {codes} codes found");
+}
+
+#[test]
+fn every_check_is_in_the_docs() {
+    let (page, mut files, mut codes) = (text("docs/preflight.md"), Vec::new(), 0);
+    sources(&root().join("crates/tunenet-core/src/observation/preflight"), &mut files);
+    for file in files {
+        // Codes are the only texts of the form "word.word" there.
+        for quoted in text(&file).split('"').skip(1).step_by(2) {
+            let Some((family, word)) = quoted.split_once('.') else { continue };
+            if [family, word].iter().all(|w| !w.is_empty() && w.chars().all(|c| c.is_ascii_lowercase())) {
+                assert!(page.contains(&format!("| `{quoted}` |")), "docs/preflight.md lacks `{quoted}`");
+                codes += 1;
+            }
         }
     }
     assert!(codes > 20, "only {codes} codes found");
@@ -214,7 +232,7 @@ fn every_key_of_the_json_is_in_the_docs() {
     let at = |name: &str| assets.join(name).display().to_string();
     let out = folder.path().join("drop.mcap").display().to_string();
     let (scene, drop, throw) = (at("ball.toml"), at("observations/drop.csv"), at("observations/throw.csv"));
-    let runs: [&[&str]; 7] = [
+    let runs: [&[&str]; 8] = [
         &["tune", "--sim", &scene, "--observation", &drop],
         &["tune", "--sim", &scene, "--set", "parameters.friction.tune=true", "--observation", &throw],
         &["tune", "--sim", &scene, "--observation", &drop, "--each"],
@@ -222,6 +240,7 @@ fn every_key_of_the_json_is_in_the_docs() {
         &["inspect", &out],
         &["inspect", &scene],
         &["inspect", &drop],
+        &["inspect", &drop, &throw],
     ];
     for arguments in runs {
         let output = Command::new(env!("CARGO_BIN_EXE_tunenet")).args(arguments).arg("--json").output().unwrap();

@@ -86,6 +86,7 @@ Examples:
 const INSPECT_EXAMPLES: &str = "\
 Examples:
   tunenet inspect drop.csv
+  tunenet inspect throws/*.csv
   tunenet inspect log.mcap --json";
 const GEN_EXAMPLES: &str = "\
 Examples:
@@ -172,6 +173,9 @@ pub struct Tune {
     /// Tune to each observation on its own
     #[arg(long)]
     pub each: bool,
+    /// Use recordings that their checks reject; the answer may mean nothing
+    #[arg(long)]
+    pub force: bool,
     /// Trained network; its preset decides how the iterations go
     #[arg(long, value_name = "MODEL.safetensors")]
     pub model: Option<PathBuf>,
@@ -215,8 +219,9 @@ pub struct Simulate {
 /// `tunenet inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
-    /// What to look at: CSV, MCAP, simulation file, dataset or model
-    pub file: PathBuf,
+    /// What to look at: CSV, MCAP, simulation file, dataset or model; of several recordings, gravity together as well
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
     #[command(flatten)]
@@ -319,6 +324,8 @@ pub enum Measured {
     Intervals(BenchIntervals),
     /// How often intervals and joint regions of several parameters hold the truth
     Regions(BenchRegions),
+    /// How many spoilt records are found, and how many good ones are blamed
+    Preflight(BenchPreflight),
 }
 
 /// `tunenet bench regions`.
@@ -330,6 +337,16 @@ pub struct BenchRegions {
     /// Where finished cells and results are kept
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-regions")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench preflight`.
+#[derive(Debug, Args)]
+pub struct BenchPreflight {
+    /// Records of each kind
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub records: u32,
     #[command(flatten)]
     pub common: Common,
 }

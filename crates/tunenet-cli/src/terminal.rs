@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use tunenet_core::observation::Note;
+use tunenet_core::observation::preflight::{Check, State};
 
 /// A progress bar on standard error; invisible where that is no terminal.
 pub fn progress(total: u64, what: &'static str) -> ProgressBar {
@@ -26,6 +27,13 @@ pub fn warn(note: &Note) {
     if !note.remedy.is_empty() {
         anstream::eprintln!("  try: {}", note.remedy);
     }
+}
+
+/// "9 passed, 2 noticed, 1 not run".
+pub fn tally(checks: &[Check]) -> String {
+    let states = [State::Passed, State::Noticed, State::Failed, State::NotRun];
+    let counts = states.map(|state| (checks.iter().filter(|c| c.state == state).count(), state.name()));
+    counts.iter().filter(|(n, _)| *n > 0).map(|(n, name)| format!("{n} {name}")).collect::<Vec<_>>().join(", ")
 }
 
 /// Lines with columns two spaces apart: those that hold numbers are right-aligned, those of words, and the first,

@@ -12,8 +12,15 @@ use crate::{ObservedBall, SimulationFile};
 /// # Errors
 /// As [`ObservedBall::new`].
 pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>> {
-    let ball = ObservedBall::new(file, kind)?;
-    if measured(file, kind).is_empty() {
+    around(file, ObservedBall::new(file, kind)?)
+}
+
+/// As [`simulator`], around a ball of `file` that was made before.
+///
+/// # Errors
+/// As [`Measured::fixed`].
+pub fn around(file: &SimulationFile, ball: ObservedBall) -> Result<Box<dyn Simulator>> {
+    if measured(file, ball.kind()).is_empty() {
         return Ok(Box::new(ball));
     }
     Ok(Box::new(seen(file, ball)?))

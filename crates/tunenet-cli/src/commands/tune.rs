@@ -8,22 +8,20 @@ use serde_json::{Map, Value, json};
 use toml_edit::{Array, InlineTable};
 use tunenet_core::Error;
 use tunenet_core::network::Model;
+use tunenet_core::observation::preflight::{Check, State};
 use tunenet_core::observation::recording::{Recording, write_atomically};
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
-use tunenet_sim::{SimulationFile, simulator};
+use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
 use super::{load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
 use crate::report::{self, tune::Answer};
-use crate::terminal::{in_words, list, rounded, stage, table, warn};
+use crate::terminal::{in_words, list, rounded, stage, table, tally, warn};
 
 /// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
 const MOST_SAMPLES: usize = 20_000;
-/// What the codes of notes that reject a recording begin with.
-const REJECTING: [&str; 2] = ["motion.", "bounces.implausible"];
-
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
@@ -166,17 +164,26 @@ fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordi
         let expected = "no model beside several observations, or --each".into();
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
-    let ball = simulator(file, kind).with_context(|| names(options))?;
+    let ball = ObservedBall::new(file, kind).map(|ball| ball.forced(options.force));
+    let ball = ball.and_then(|ball| observed::around(file, ball)).with_context(|| names(options))?;
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
         iterations: usize::from(options.iterations),
         initial: options.initial.clone(),
         clamp: options.clamp || !paper,
         finish: !paper,
+        names: if options.each { Vec::new() } else { options.observation.iter().map(|p| load::name(p)).collect() },
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let mut outcome = tune(&ball, &seen, model, &settings).with_context(|| names(options))?;
-    outcome.notes.splice(0..0, recordings.iter().flat_map(|r| r.notes.iter().cloned()));
+    let several = recordings.len() > 1;
+    let named = options.observation.iter().zip(recordings).flat_map(|(path, recording)| {
+        recording.notes.iter().map(move |note| {
+            let which = if several { format!("{}: ", load::name(path)) } else { String::new() };
+            Note { text: format!("{which}{}", note.text), ..note.clone() }
+        })
+    });
+    outcome.notes.splice(0..0, named);
     Ok(outcome)
 }
 
@@ -223,6 +230,8 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         "estimated": outcome.own.iter().map(|own| {
             own.iter().map(|p| json!({ "name": p.name, "value": p.value, "unit": p.unit })).collect::<Vec<_>>()
         }).collect::<Vec<_>>(),
+        "preflight": outcome.preflight,
+        "forced": forced(outcome),
         "rollouts": outcome.rollouts,
         "seconds": seconds,
         "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
@@ -248,6 +257,12 @@ fn region_json(region: &Region) -> Value {
     })
 }
 
+/// Whether a recording was used although its checks reject it.
+fn forced(outcome: &Outcome) -> bool {
+    let failed = |checks: &[Check]| checks.iter().any(|c| c.state == State::Failed);
+    outcome.used.iter().zip(&outcome.preflight).any(|(used, checks)| *used && failed(checks))
+}
+
 /// A note as every command's JSON has it.
 pub(super) fn warning(note: &Note) -> Value {
     json!({ "code": note.code, "text": note.text, "remedy": note.remedy })
@@ -255,9 +270,10 @@ pub(super) fn warning(note: &Note) -> Value {
 
 /// The one note that says why there is no answer, or none about a contact.
 pub(crate) fn reason(outcome: &Outcome) -> Option<&Note> {
-    let rejects = |code: &str| REJECTING.iter().any(|prefix| code.starts_with(prefix));
+    let failed: Vec<&str> =
+        outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
     let rejected = outcome.verdict == Verdict::Rejected;
-    outcome.notes.iter().find(|n| if rejected { rejects(n.code) } else { n.code == "contact.none" })
+    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { n.code == "contact.none" })
 }
 
 /// The verdict in one sentence.
@@ -284,14 +300,19 @@ fn sentence(outcome: &Outcome) -> String {
         })
         .collect();
     let reason = reason(outcome);
+    let forced = if forced(outcome) { "FORCED, " } else { "" };
     match (values.is_empty(), reason) {
         (true, Some(note)) => format!("{word}  {}", note.text),
-        (false, Some(note)) => format!("{word}  {}: {}", values.join(", "), note.text),
-        _ => format!("{word}  {}", values.join(", ")),
+        (false, Some(note)) => format!("{forced}{word}  {}: {}", values.join(", "), note.text),
+        _ => format!("{forced}{word}  {}", values.join(", ")),
     }
 }
 
 fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
+    for (path, checks) in options.observation.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
+        let which = if options.observation.len() > 1 { format!("{}: ", load::name(path)) } else { String::new() };
+        stage("checked", &format!("{which}{}", tally(checks)));
+    }
     let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
     anstream::eprintln!("\n{bold}{}{reset}", sentence(outcome));
     if let Some(gap) = &outcome.gap {

@@ -8,6 +8,7 @@ mod line;
 mod local;
 mod noise;
 mod note;
+mod parabolas;
 pub mod preflight;
 pub mod recording;
 mod release;

@@ -12,7 +12,7 @@ pub use effect::{Coefficient, Effect, Phase};
 pub use effects::measurement_effects;
 pub use measured::Measured;
 pub use parameter::Parameter;
-pub use prepared::{Preparation, Prepared};
+pub use prepared::{Preparation, Prepared, Rejected};
 pub use rollouts::{rollout, rollouts};
 pub use scale::Scale;
 

@@ -55,6 +55,15 @@ impl Prepared {
 pub enum Preparation {
     /// It can be tuned to.
     Usable(Box<Prepared>),
-    /// It cannot, for this reason.
-    Rejected(Note),
+    /// It cannot.
+    Rejected(Box<Rejected>),
+}
+
+/// A recording that cannot be used.
+#[derive(Debug, Clone)]
+pub struct Rejected {
+    /// Why.
+    pub note: Note,
+    /// Every check that was made of it.
+    pub checks: Vec<Check>,
 }

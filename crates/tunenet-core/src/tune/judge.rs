@@ -33,7 +33,7 @@ impl Tuning<'_> {
             if adequacy.poor() {
                 poor = true;
                 let which = if self.numbers.last() > Some(&1) {
-                    format!("recording {}: ", self.numbers[d])
+                    format!("{}: ", self.settings.name_of(self.numbers[d] - 1))
                 } else {
                     String::new()
                 };

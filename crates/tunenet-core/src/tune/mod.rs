@@ -54,11 +54,20 @@ pub struct Settings {
     /// Finish with a fit through rollouts and return the best iterate; off, the last iterate of Algorithm 1 stands, as in
     /// the paper.
     pub finish: bool,
+    /// What each observation is called in sentences for people, such as a file's name; numbered from 1 where left empty.
+    pub names: Vec<String>,
+}
+
+impl Settings {
+    /// What observation `number` (from 0) is called.
+    fn name_of(&self, number: usize) -> String {
+        self.names.get(number).cloned().unwrap_or_else(|| format!("recording {}", number + 1))
+    }
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { iterations: 5, initial: Vec::new(), clamp: true, finish: true }
+        Self { iterations: 5, initial: Vec::new(), clamp: true, finish: true, names: Vec::new() }
     }
 }
 
@@ -98,7 +107,7 @@ pub fn tune(
     let (mut recordings, mut used, mut preflight) = (Vec::new(), Vec::new(), Vec::new());
     for (number, seen) in observations.iter().enumerate() {
         let named = |note: &Note| {
-            let which = if observations.len() > 1 { format!("recording {}: ", number + 1) } else { String::new() };
+            let which = if observations.len() > 1 { format!("{}: ", settings.name_of(number)) } else { String::new() };
             Note { text: format!("{which}{}", note.text), ..note.clone() }
         };
         match simulator.prepare(seen)? {
@@ -108,9 +117,9 @@ pub fn tune(
                 recordings.push(*prepared);
                 used.push(true);
             }
-            Preparation::Rejected(note) => {
-                notes.push(named(&note));
-                preflight.push(Vec::new());
+            Preparation::Rejected(rejected) => {
+                notes.push(named(&rejected.note));
+                preflight.push(rejected.checks);
                 used.push(false);
             }
         }

@@ -53,6 +53,7 @@ pub struct ObservedBall {
     fixed: Vec<(BallEffect, Vec<f64>)>,
     /// Effects whose coefficients follow the parameters.
     free: Vec<BallEffect>,
+    forced: bool,
 }
 
 impl ObservedBall {
@@ -80,7 +81,14 @@ impl ObservedBall {
         let body = Body { radius_m: scene.radius_m, mass_kg, gravity_m_s2: scene.gravity_m_s2 };
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
         let free = Vec::new();
-        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free })
+        let forced = false;
+        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free, forced })
+    }
+
+    /// The same, which uses recordings that their checks reject, and says so among their notes.
+    #[must_use]
+    pub fn forced(self, forced: bool) -> Self {
+        Self { forced, ..self }
     }
 
     /// The scene with these parameters, and the start with these own unknowns.

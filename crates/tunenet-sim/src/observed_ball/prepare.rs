@@ -2,47 +2,57 @@
 //! leaves open.
 
 use tunenet_core::Result;
-use tunenet_core::observation::{Arcs, Kind, LocalEstimate, Note, Observation};
-use tunenet_core::simulator::{Parameter, Preparation, Prepared};
+use tunenet_core::observation::preflight::{Check, Expected, Preflight, State, examine};
+use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
+use tunenet_core::simulator::{Parameter, Phase, Preparation, Prepared, Rejected};
 use tunenet_core::tune::channel_noise;
 
 use super::{ObservedBall, Unknown};
+use crate::ball::Forces;
 
-/// What passes for gravity, as a share of the file's: air alone halves it for a light ball.
-const PLAUSIBLE_GRAVITY: std::ops::Range<f64> = 0.25..2.0;
-/// A flight strays from a parabola by less than this share of its range, air included.
-const WORST_MISFIT_SHARE: f64 = 0.05;
-/// Heights of the first fall that bounce times may come from, m.
-const PLAUSIBLE_FALL_M: std::ops::Range<f64> = 1e-5..1e3;
 /// Bounces whose intervals give the restitution at the speed of the first impacts.
 const LEADING_INTERVALS: usize = 4;
 
-/// A record that spans less than this along every axis, m, shows no motion.
-const LEAST_MOTION_M: f64 = 1e-6;
-
 impl ObservedBall {
+    /// What the file says of the set-up, for the checks.
+    fn expected(&self) -> Expected {
+        let mut scene = self.scene.clone();
+        self.fixed.iter().for_each(|(effect, values)| (effect.apply)(&mut scene, values));
+        let forces = &scene.flight;
+        let known = *forces != Forces { effective_gravity_m_s2: forces.effective_gravity_m_s2, ..Forces::default() };
+        Expected {
+            gravity_m_s2: scene.gravity_m_s2 + forces.effective_gravity_m_s2,
+            // A flight with forces of its own is none of gravity's alone.
+            forces_known: known || self.free.iter().any(|e| e.phase == Phase::Flight),
+            radius_m: Some(self.scene.radius_m),
+            surface_height_m: self.surface_height_m,
+            release_height_m: self.release.height_m,
+        }
+    }
+
+    /// A rejection, unless it is to be used nevertheless.
+    fn rejects(&self, preflight: &Preflight) -> Option<Preparation> {
+        let note = preflight.rejected().and_then(Check::note).filter(|_| !self.forced)?;
+        Some(Preparation::Rejected(Box::new(Rejected { note, checks: preflight.checks.clone() })))
+    }
+
     pub(super) fn prepare_positions(&self, seen: &Observation) -> Result<Preparation> {
-        if (0..3).all(|axis| span(seen.column(axis)) < LEAST_MOTION_M) {
-            let text = format!("the ball does not move in any of the {} samples", seen.len());
-            return Ok(Preparation::Rejected(Note::new("motion.none", text, "check the columns and their units")));
+        if seen.kind() != Kind::Positions {
+            return Err(self.wrong_kind(seen));
         }
         // Stamps count from 1970; a start that the data supply needs no more than the differences, and keeps its digits.
         let moved = self.release.time_s.is_none().then(|| seen.from_zero());
         let seen = moved.as_ref().unwrap_or(seen);
-        let wild = seen.wild();
-        let kept = seen.without(&wild);
-        let seen = kept.as_ref().unwrap_or(seen);
-        let Some(arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
+        let preflight = examine(seen, &self.expected());
+        if let Some(rejected) = self.rejects(&preflight) {
+            return Ok(rejected);
+        }
+        let (Some(kept), Some(arcs)) = (&preflight.kept, &preflight.arcs) else {
+            return Ok(impossible(&preflight, seen));
+        };
         // A known start also explains the time before it.
         let begin = if self.release.time_s.is_some() { 0 } else { arcs.usable.start };
-        let Ok(usable) = seen.slice(begin..arcs.usable.end) else {
-            let text = format!("only {} of {} samples are undisturbed free motion", arcs.usable.len(), seen.len());
-            return Ok(Preparation::Rejected(Note::new(
-                "motion.disturbed",
-                text,
-                "record a drop that nothing touches but the surface",
-            )));
-        };
+        let Ok(usable) = kept.slice(begin..arcs.usable.end.max(begin)) else { return Ok(impossible(&preflight, seen)) };
         let lowest = usable.column(2).fold(f64::INFINITY, f64::min);
         let contact = arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min);
         // The start lies above the surface, however the noise has it.
@@ -63,61 +73,32 @@ impl ObservedBall {
         });
         let mut prepared = Prepared::whole(usable, self.parameters.len());
         prepared.own = own.collect::<Result<_>>()?;
-        prepared.notes.clone_from(&arcs.notes);
         prepared.events = arcs.contacts.iter().map(|c| c.time_s).collect();
-        if kept.is_some() {
-            let places: Vec<String> = wild.iter().take(4).map(|i| (i + 1).to_string()).collect();
-            let more = if wild.len() > 4 { " and others" } else { "" };
-            let text = format!("sample {}{more} leaps far away and back, and was set aside", places.join(", "));
-            prepared.notes.push(Note::new("samples.wild", text, "correct or remove it"));
-        }
-        if arcs.contacts.is_empty() {
-            if let Some(note) = self.unlike_a_fall(&arcs) {
-                return Ok(Preparation::Rejected(note));
+        for check in &preflight.checks {
+            // Without a bounce, nothing is known of contacts; that is said where it is asked for.
+            if check.code == "contact.none" && check.state == State::Noticed {
+                prepared.silent.fill(check.note());
+            } else {
+                prepared.notes.extend(check.note());
             }
-            let duration = seen.clock()[seen.len() - 1] - seen.clock()[0];
-            let text = format!(
-                "the ball does not bounce within the {duration:.2} s of the record, so nothing is said about its contacts"
-            );
-            let note = Note::new("contact.none", text, "record until after the first bounce, better the third");
-            prepared.silent.fill(Some(note));
         }
+        if self.forced {
+            prepared.notes.extend(forced(&preflight));
+        }
+        prepared.checks.clone_from(&preflight.checks);
         prepared.local[0] = arcs.restitution().map(|l| LocalEstimate { value: l.value.clamp(0.0, 1.0), ..l });
         let start_s = self.release.time_s.unwrap_or(begin_s);
         prepared.scale = Some(self.scale(&prepared.own_values(), start_s));
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 
-    /// Why a motion without a bounce is no flight either, where it is none.
-    fn unlike_a_fall(&self, arcs: &Arcs) -> Option<Note> {
-        let (apparent, misfit) = (arcs.apparent_gravity_m_s2?, arcs.misfit_share?);
-        let gravity = self.scene.gravity_m_s2;
-        // Five standard deviations: a short noisy flight is none of its own fault.
-        let slack = 5.0 * apparent.sd;
-        let plausible = PLAUSIBLE_GRAVITY.start * gravity - slack..PLAUSIBLE_GRAVITY.end * gravity + slack;
-        let like = plausible.contains(&apparent.value) && misfit < WORST_MISFIT_SHARE;
-        (!like).then(|| {
-            let text = if misfit > 1.0 {
-                "the height does not change".to_string()
-            } else if misfit < WORST_MISFIT_SHARE {
-                format!("this is no ball in flight: it falls at {:.3e} m/s², expected near {gravity}", apparent.value)
-            } else {
-                format!(
-                    "this is no bounce and no flight: no parabola comes nearer than {:.0} % of the motion",
-                    100.0 * misfit
-                )
-            };
-            Note::new(
-                "motion.unlike",
-                text,
-                "check the units and the sign of z, the unit of the time, and which column is which",
-            )
-        })
-    }
-
     pub(super) fn prepare_bounces(&self, seen: &Observation) -> Result<Preparation> {
         if seen.kind() != Kind::BounceTimes {
             return Err(self.wrong_kind(seen));
+        }
+        let preflight = examine(seen, &self.expected());
+        if let Some(rejected) = self.rejects(&preflight) {
+            return Ok(rejected);
         }
         let times = seen.values();
         let intervals: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
@@ -127,14 +108,6 @@ impl ObservedBall {
         let gravity = self.scene.gravity_m_s2;
         let approach = gravity * intervals[0] / (2.0 * restitution);
         let height = approach * approach / (2.0 * gravity);
-        if !PLAUSIBLE_FALL_M.contains(&height) {
-            let text = format!("the first interval of {} s would need a fall of {height:.3e} m", intervals[0]);
-            return Ok(Preparation::Rejected(Note::new(
-                "bounces.implausible",
-                text,
-                "check the unit of the times: seconds",
-            )));
-        }
         let time = times[0] - self.release.height_m.map_or(approach / gravity, |h| (2.0 * h / gravity).sqrt());
         let own = self.unknown.iter().map(|&unknown| {
             let (name, unit) = unknown.name();
@@ -147,6 +120,11 @@ impl ObservedBall {
         let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
         prepared.own = own.collect::<Result<_>>()?;
         prepared.local[0] = local;
+        prepared.notes = preflight.notes();
+        if self.forced {
+            prepared.notes.extend(forced(&preflight));
+        }
+        prepared.checks = preflight.checks;
         prepared.silent[1] = Some(Note::new(
             "friction.unseen",
             "bounce times say nothing about friction",
@@ -154,6 +132,25 @@ impl ObservedBall {
         ));
         Ok(Preparation::Usable(Box::new(prepared)))
     }
+}
+
+/// That nothing can be fitted to a recording, forced or not.
+fn impossible(preflight: &Preflight, seen: &Observation) -> Preparation {
+    let failed = preflight.rejected().and_then(Check::note);
+    let none = || {
+        let text = format!("fewer than 3 of {} samples can be used", seen.len());
+        Note::new("motion.disturbed", text, "record a drop that nothing touches but the surface")
+    };
+    let note = failed.unwrap_or_else(none);
+    Preparation::Rejected(Box::new(Rejected { note, checks: preflight.checks.clone() }))
+}
+
+/// What is said of a recording that was rejected and is used all the same.
+fn forced(preflight: &Preflight) -> Option<Note> {
+    let failed = preflight.rejected()?;
+    let text =
+        format!("a rejected recording is tuned to because of --force ({}): the answer may mean nothing", failed.code);
+    Some(Note::new("preflight.forced", text, "mend the recording and leave --force out"))
 }
 
 /// The restitution at the first impacts: how the logarithm of the interval falls over the first few, long intervals

@@ -1,6 +1,7 @@
 //! `tunenet bench`: every figure that is claimed, measured here.
 
 mod intervals;
+mod preflight;
 mod process;
 mod regions;
 mod speed;
@@ -17,5 +18,6 @@ pub fn run(options: &Bench) -> Result<Exit> {
         Measured::Tuning(options) => tuning::run(options),
         Measured::Intervals(options) => intervals::run(options),
         Measured::Regions(options) => regions::run(options),
+        Measured::Preflight(options) => preflight::run(options),
     }
 }
