@@ -184,6 +184,8 @@ pub enum Pairs {
     Hard,
     /// 0 to 1, both sides: for preset `default`
     Wide,
+    /// Noisy recordings of drops from .3 to 10 m, release and floor unknown: for preset `general`
+    General,
 }
 
 /// `tunenet gen`.
@@ -217,6 +219,8 @@ pub enum Training {
     Paper,
     /// This project's own
     Default,
+    /// The same for recordings of any dropped ball
+    General,
 }
 
 impl Training {
@@ -225,6 +229,7 @@ impl Training {
         match self {
             Self::Paper => "paper",
             Self::Default => "default",
+            Self::General => "general",
         }
     }
 }

@@ -83,7 +83,7 @@ impl ObservedBall {
     }
 
     /// The scene with these parameters, and the start with these own unknowns.
-    fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
+    pub(crate) fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
         let mut scene = Scene { restitution: parameters[0], friction: parameters[1], ..self.scene.clone() };
         let mut start = State {
             position_m: self.release.position_m.unwrap_or_default(),

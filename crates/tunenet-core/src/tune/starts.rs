@@ -17,8 +17,8 @@ const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08,
 const SPREAD_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
 
 impl Tuning<'_> {
-    /// The best of several starts; more of them where the first leaves too much.
-    pub(super) fn best_fit(&self, near: &Point) -> Result<(Fit, usize)> {
+    /// The best of several starts, `near` and `also` among them; more of them where the first leaves too much.
+    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, usize)> {
         let problem = self.problem();
         if self.free.is_empty() {
             let fit = problem.fit(near.clone(), 1.0)?;
@@ -27,13 +27,14 @@ impl Tuning<'_> {
         }
         let mut starts = vec![near.clone()];
         starts.extend(self.local_start(near));
-        // One parameter at a time across its bounds, the others where the file or the events have them.
+        // One parameter at a time across its bounds, the others where the file, a network or the events have them.
         for base in starts.clone() {
             for &i in self.free {
                 let p = &self.simulator.parameters()[i];
                 starts.extend(SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()])));
             }
         }
+        starts.extend(also);
         for start in starts.clone() {
             // The recordings' first guesses as well, where the start carries own unknowns fitted to other parameters.
             starts.push(Point { own: self.recordings.iter().map(Prepared::own_values).collect(), ..start });
