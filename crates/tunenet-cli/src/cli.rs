@@ -301,6 +301,8 @@ pub enum Row {
     Hard5mm,
     #[value(name = "hard-2cm")]
     Hard2cm,
+    /// Drops from .3 to 10 m at 24 to 240 Hz, nothing known but the data: the built-in network
+    General,
     /// Drops from other engines, in the folder that the environment variable `TUNENET_PEERS` names
     Cross,
 }

@@ -5,9 +5,11 @@
 //! | [`simulation_file`] | the one file that describes a simulation |
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
+//! | [`built_in`] | the network that comes with the tool |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
 pub mod ball;
+pub mod built_in;
 pub mod drawn;
 pub mod observed_ball;
 pub mod simulation_file;

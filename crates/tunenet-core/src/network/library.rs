@@ -70,6 +70,21 @@ impl Library {
         distance.is_finite().then(|| (row.clone(), place.as_slice()))
     }
 
+    /// How far a rollout of one parameter at `place`, read between two stored ones, would lie from `seen`: mean square over
+    /// what they cover; `None` for several parameters.
+    pub(super) fn distance(&self, place: f64, seen: &Encoded) -> Option<f64> {
+        if self.places.first().is_none_or(|p| p.len() != 1) || self.rows.len() < 2 {
+            return None;
+        }
+        let after = self.places.partition_point(|p| p[0] < place).clamp(1, self.rows.len() - 1);
+        let (a, b) = (&self.rows[after - 1], &self.rows[after]);
+        let share = (place - self.places[after - 1][0]) / (self.places[after][0] - self.places[after - 1][0]);
+        let start = a.covered.start.max(b.covered.start).max(seen.covered.start);
+        let both = start..a.covered.end.min(b.covered.end).min(seen.covered.end);
+        let between = |i: usize| a.values[i] + share * (b.values[i] - a.values[i]) - seen.values[i];
+        (!both.is_empty()).then(|| both.clone().map(|i| between(i).powi(2)).sum::<f64>() / both.len() as f64)
+    }
+
     /// How a rollout of one parameter changes with it at `place`, both in units of the span; 0 outside what is covered.
     pub(super) fn slope(&self, place: f64) -> Option<Encoded> {
         if self.places.first().is_none_or(|p| p.len() != 1) {

@@ -149,12 +149,19 @@ impl Model {
     pub fn start(&self, target: Side<'_>) -> Result<Option<Vec<f64>>> {
         let Some(library) = &self.library else { return Ok(None) };
         let mut seen = self.encode(&target)?;
+        let whole = seen.clone();
         let Some((mut nearest, place)) = library.nearest(&seen) else { return Ok(None) };
         nearest.pair(&mut seen);
         let width = self.about.input.width();
         let tensor = |values| Tensor::from_vec(values, (1, width), &Device::Cpu);
         let moved = self.wide.forward(&tensor(nearest.values)?, &tensor(seen.values)?)?.to_vec2::<f64>()?;
-        let each = self.about.parameters.iter().zip(place.iter().zip(&moved[0]));
+        let worse = || {
+            let distance = |at: f64| library.distance(at, &whole);
+            Some(distance(place[0] + moved[0][0])? > distance(place[0])?)
+        };
+        // Next to where nothing changes (a restitution near 0) the network may see a difference that is not there.
+        let step = if worse().unwrap_or(false) { vec![0.0; place.len()] } else { moved[0].clone() };
+        let each = self.about.parameters.iter().zip(place.iter().zip(&step));
         Ok(Some(each.map(|(p, (place, step))| p.min + p.span() * (place + step)).collect()))
     }
 
