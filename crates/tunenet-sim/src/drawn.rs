@@ -135,7 +135,12 @@ impl Drawn {
         let each = self.ball.parameters().iter().map(|p| {
             let share: f64 = random.random();
             // More friction than stops the slip changes nothing, so small values are drawn more often.
-            let share = if p.name == "friction" { share * share } else { share };
+            let share = match p.name.as_str() {
+                "friction" => share * share,
+                // Records of small restitutions are often refused, and the hardest where they are not.
+                _ if random.random_bool(0.25) => 0.25 * share,
+                _ => share,
+            };
             if p.tune { p.min + share * p.span() } else { p.value }
         });
         each.collect()

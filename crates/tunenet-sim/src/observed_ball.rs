@@ -1,6 +1,6 @@
 //! The ball as core sees it: a [`Simulator`] whose rollouts are positions or bounce times.
 
-use tunenet_core::observation::{Arcs, Channel, Kind, LocalEstimate, Note, Observation};
+use tunenet_core::observation::{Arcs, Channel, FirstFall, Kind, LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Parameter, Preparation, Prepared, Scale, Simulator};
 use tunenet_core::tune::channel_noise;
 use tunenet_core::{Error, Result};
@@ -122,7 +122,14 @@ impl ObservedBall {
         let wild = seen.wild();
         let kept = seen.without(&wild);
         let seen = kept.as_ref().unwrap_or(seen);
-        let Some(arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
+        let Some(mut arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
+        // A record of few samples may bounce where no kink can be told.
+        let coarse = FirstFall::find(seen, self.scene.gravity_m_s2).filter(|_| arcs.contacts.is_empty());
+        if let Some(fall) = coarse {
+            arcs.usable = fall.begin..seen.len();
+            (arcs.start_m, arcs.start_m_s) = (fall.start_m, fall.start_m_s);
+            arcs.notes.clear();
+        }
         // A known start also explains the time before it.
         let begin = if self.release.time_s.is_some() { 0 } else { arcs.usable.start };
         let Ok(usable) = seen.slice(begin..arcs.usable.end) else {
@@ -134,7 +141,7 @@ impl ObservedBall {
             )));
         };
         let lowest = usable.column(2).fold(f64::INFINITY, f64::min);
-        let contact = arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min);
+        let contact = arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min).or(coarse.map(|fall| fall.low_m));
         // The start lies above the surface, however the noise has it.
         let surface = contact.unwrap_or(lowest).min(arcs.start_m[2]) - self.scene.radius_m - 1e-9;
         let range = (0..3).map(|axis| span(usable.column(axis))).fold(0.1, f64::max);
@@ -160,7 +167,7 @@ impl ObservedBall {
             let text = format!("sample {}{more} leaps far away and back, and was set aside", places.join(", "));
             prepared.notes.push(Note::new("samples.wild", text, "correct or remove it"));
         }
-        if arcs.contacts.is_empty() {
+        if arcs.contacts.is_empty() && coarse.is_none() {
             if let Some(note) = self.unlike_a_fall(&arcs) {
                 return Ok(Preparation::Rejected(note));
             }

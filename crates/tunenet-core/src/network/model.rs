@@ -92,6 +92,12 @@ impl Model {
         &self.clock
     }
 
+    /// Whether it was trained on recordings with guesses of their release, each on its own clock, instead of on rollouts.
+    #[must_use]
+    pub fn from_recordings(&self) -> bool {
+        self.clock.is_empty()
+    }
+
     /// The seed of its training.
     #[must_use]
     pub fn seed(&self) -> u64 {
@@ -159,8 +165,9 @@ impl Model {
             let distance = |at: f64| library.distance(at, &whole);
             Some(distance(place[0] + moved[0][0])? > distance(place[0])?)
         };
-        // Next to where nothing changes (a restitution near 0) the network may see a difference that is not there.
-        let step = if worse().unwrap_or(false) { vec![0.0; place.len()] } else { moved[0].clone() };
+        // Next to where nothing changes (a restitution near 0) the network may see a difference that is not there. Where
+        // it has learned how guesses of the release err, the distance is no judge of it.
+        let step = if !self.from_recordings() && worse().unwrap_or(false) { vec![0.0; place.len()] } else { moved[0].clone() };
         let each = self.about.parameters.iter().zip(place.iter().zip(&step));
         Ok(Some(each.map(|(p, (place, step))| p.min + p.span() * (place + step)).collect()))
     }

@@ -4,6 +4,7 @@
 //! samples: its constructor refuses them, so nobody downstream has to check again.
 
 mod arcs;
+mod first_fall;
 mod line;
 mod noise;
 mod note;
@@ -14,6 +15,7 @@ mod resample;
 mod wild;
 
 pub use arcs::{Arcs, Contact, LocalEstimate};
+pub use first_fall::FirstFall;
 pub use noise::noise_sd;
 pub use note::Note;
 pub use resample::resample;

@@ -62,7 +62,9 @@ pub fn walk(
     {
         point = point.with(&free, &clamped(simulator, &free, &values));
     }
-    let secant = settings.secant && free.len() == 1;
+    // Slopes compare trajectories to the last digit. Where the release is a guess they lead astray; the network has
+    // learned how guesses err.
+    let secant = settings.secant && free.len() == 1 && !model.from_recordings();
     let mut seen: Vec<Rolled> = Vec::new();
     let mut iterations = Vec::new();
     let mut best: Option<(f64, Point)> = None;

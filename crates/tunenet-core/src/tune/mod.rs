@@ -219,6 +219,12 @@ impl Tuning<'_> {
             rollouts += walk.rollouts;
             iterations = walk.iterations;
             near = walk.point;
+            if self.settings.finish {
+                // The recordings' own unknowns follow, before they pull the parameters after them.
+                let own = Problem { free: &[], ..self.problem() }.fit(near, 1.0)?;
+                rollouts += own.rollouts;
+                near = own.point;
+            }
             stop = Stop::Iterations;
         }
         let mut fit = if self.settings.finish || iterations.is_empty() {

@@ -34,12 +34,20 @@ impl Tuning<'_> {
                 starts.extend(SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()])));
             }
         }
+        let networked = also.is_some();
         starts.extend(also);
         for start in starts.clone() {
             // The recordings' first guesses as well, where the start carries own unknowns fitted to other parameters.
             starts.push(Point { own: self.recordings.iter().map(Prepared::own_values).collect(), ..start });
         }
         let mut rollouts = starts.len() * self.recordings.len();
+        // A network's start is fitted whatever lies nearer by rollouts alone: short records have several valleys.
+        let mut best: Option<Fit> = None;
+        if networked {
+            let fit = problem.fit(near.clone(), 1.0)?;
+            rollouts += fit.rollouts;
+            best = Some(fit);
+        }
         let mut ranked: Vec<(f64, Point)> = Vec::with_capacity(starts.len());
         for start in starts {
             if let Ok(residuals) = problem.residuals(&start, 1.0) {
@@ -47,7 +55,6 @@ impl Tuning<'_> {
             }
         }
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut best: Option<Fit> = None;
         for (tried, (_, start)) in ranked.into_iter().enumerate() {
             let grow = tried >= 2;
             let mut point = start;

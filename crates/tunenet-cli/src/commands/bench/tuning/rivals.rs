@@ -186,12 +186,12 @@ pub fn brent(simulation: &Simulation, target: &Target) -> Result<Course> {
 pub fn two_parabolas(seen: &[(f64, f64)]) -> f64 {
     let highest = |range: &[(f64, f64)]| range.iter().map(|p| p.1).fold(f64::MIN, f64::max);
     let fall = highest(seen) - seen.iter().map(|p| p.1).fold(f64::MAX, f64::min);
-    // The first low: the lowest sample before the ball has risen from it by a tenth of the fall, or the record ends.
+    // The first low: the lowest sample before the ball has risen from it by 3 % of the fall, or the record ends.
     let mut low = 0;
     for (i, (_, z)) in seen.iter().enumerate() {
         if *z < seen[low].1 {
             low = i;
-        } else if z - seen[low].1 > 0.1 * fall && highest(seen) - seen[low].1 > 0.5 * fall {
+        } else if z - seen[low].1 > 0.03 * fall && highest(seen) - seen[low].1 > 0.5 * fall {
             break;
         }
     }
