@@ -123,9 +123,12 @@ pub struct Tune {
     /// Tune to each observation on its own
     #[arg(long)]
     pub each: bool,
-    /// Trained network; its preset decides how the iterations go
+    /// Trained network, instead of the one that fits; its preset decides how the iterations go
     #[arg(long, value_name = "MODEL.safetensors")]
     pub model: Option<PathBuf>,
+    /// Neither look for a network trained for this scene before, nor keep one
+    #[arg(long)]
+    pub no_cache: bool,
     /// Start value, instead of the simulation file's
     #[arg(long, value_name = "NAME=VALUE", value_parser = start, value_delimiter = ',')]
     pub initial: Vec<(String, f64)>,

@@ -4,9 +4,11 @@ mod bench;
 mod gen_pairs;
 mod inspect;
 mod load;
+mod model_cache;
 mod simulate;
 mod train;
 mod tune;
+mod tune_model;
 
 use clap::CommandFactory;
 use serde_json::Value;

@@ -13,6 +13,8 @@ use tunenet_core::observation::{Kind, Note};
 use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
 use tunenet_sim::{ObservedBall, SimulationFile};
 
+use super::model_cache::Cache;
+use super::tune_model::{self, Chosen};
 use super::{load, print_json};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
@@ -38,13 +40,13 @@ pub fn run(options: &Tune) -> Result<Exit> {
     }
     let began = Instant::now();
     let recordings = options.observation.iter().map(|path| read(path, options)).collect::<Result<Vec<_>>>()?;
-    let outcome = tune_to(options, &file, model.as_ref(), &recordings)?;
+    let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
         write_tuned(options, &file, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
-        print_json(&as_json(&outcome, seconds));
+        print_json(&as_json(&outcome, &chosen, seconds));
     }
     tell(options, &outcome, seconds);
     Ok(exit(outcome.verdict))
@@ -62,11 +64,11 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
         let tuned = read(path, options).and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)));
         let name = load::name(path);
         match tuned {
-            Ok(outcome) => {
+            Ok((outcome, chosen)) => {
                 if exit(outcome.verdict) == Exit::Inconclusive {
                     worst = Exit::Inconclusive;
                 }
-                let mut one = as_json(&outcome, began.elapsed().as_secs_f64());
+                let mut one = as_json(&outcome, &chosen, began.elapsed().as_secs_f64());
                 one["file"] = Value::String(name.clone());
                 anstream::eprintln!("{name}: {}", sentence(&outcome));
                 all.push(one);
@@ -108,7 +110,12 @@ fn read(path: &Path, options: &Tune) -> Result<Recording> {
     Ok(recording)
 }
 
-fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordings: &[Recording]) -> Result<Outcome> {
+fn tune_to(
+    options: &Tune,
+    file: &SimulationFile,
+    model: Option<&Model>,
+    recordings: &[Recording],
+) -> Result<(Outcome, Chosen)> {
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
         let found = recordings[other].observation.kind().name();
@@ -134,9 +141,20 @@ fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordi
         finish: !paper,
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
-    let mut outcome = tune(&ball, &seen, model, &settings).with_context(|| names(options))?;
+    let cache = if options.no_cache { Cache::none() } else { Cache::of_user() };
+    let seed = options.common.seed;
+    let chosen = model.map_or_else(|| tune_model::choose(file, &ball, recordings, seed, &cache), Chosen::given);
+    if !options.each {
+        chosen.tell();
+    }
+    let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
+    // What the tool chose by itself must not be what fails.
+    let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
+    let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
+    let mut outcome = tuned.with_context(|| names(options))?;
     outcome.notes.splice(0..0, recordings.iter().flat_map(|r| r.notes.iter().cloned()));
-    Ok(outcome)
+    outcome.notes.extend(chosen.notes.iter().cloned());
+    Ok((outcome, chosen))
 }
 
 fn names(options: &Tune) -> String {
@@ -147,7 +165,7 @@ fn exit(verdict: Verdict) -> Exit {
     if verdict == Verdict::Tuned { Exit::Done } else { Exit::Inconclusive }
 }
 
-fn as_json(outcome: &Outcome, seconds: f64) -> Value {
+fn as_json(outcome: &Outcome, chosen: &Chosen, seconds: f64) -> Value {
     let parameters: Map<String, Value> = outcome
         .parameters
         .iter()
@@ -173,6 +191,7 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         "schema": SCHEMA,
         "verdict": outcome.verdict,
         "parameters": parameters,
+        "model": chosen.json(),
         "iterations": iterations,
         "stop": outcome.stop,
         "gap": outcome.gap.as_ref().map(|g| json!({

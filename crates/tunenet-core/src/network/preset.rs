@@ -174,12 +174,13 @@ impl Preset {
         }
     }
 
-    /// For one scene, on the spot: a small network, few steps, all parameters and channels.
+    /// For one scene, on the spot: a small network, few steps, all parameters and channels, looking as far as `tau_max`
+    /// recording's times.
     #[must_use]
-    pub fn scene() -> Self {
+    pub fn scene(tau_max: f64) -> Self {
         Self {
             name: "scene".into(),
-            input: InputChoice::Scaled { bins: 48, tau_max: 9.8 },
+            input: InputChoice::Scaled { bins: 48, tau_max },
             features: 64,
             batch: 128,
             course: Course::Remixed { steps: 2500, noise: 0.01, cut: 0.0 },
