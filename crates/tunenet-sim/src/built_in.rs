@@ -13,7 +13,7 @@ const BYTES: &[u8] = include_bytes!("../../../assets/networks/ball.safetensors")
 
 /// Heights of fall that it serves, m.
 pub const FALL_M: (f64, f64) = (0.3, 10.0);
-/// Rates that it serves, Hz.
+/// Rates that it is trained for, Hz. It sees means over intervals, so that more samples only make them surer.
 pub const RATE_HZ: (f64, f64) = (24.0, 240.0);
 /// Drag bends a fall of `h` by the share `c h / 2` or so; up to here the network's start is as good as without.
 const GREATEST_DRAG: f64 = 0.3;
@@ -43,8 +43,8 @@ pub fn serves(file: &SimulationFile, recording: &Prepared) -> std::result::Resul
     }
     let rate = median_rate_hz(recording.seen.clock());
     // A clock of whole milliseconds may miss a rate by a little.
-    if !within(rate, (RATE_HZ.0 * 0.98, RATE_HZ.1 * 1.02)) {
-        return Err(format!("{rate:.1} samples per second, expected {} to {}", RATE_HZ.0, RATE_HZ.1));
+    if rate < RATE_HZ.0 * 0.98 {
+        return Err(format!("{rate:.1} samples per second, expected {} or more", RATE_HZ.0));
     }
     let number = |path: &str| file.number(path).unwrap_or(0.0);
     let bent = number("effects.quadratic_drag.c_1_m") * scale.length > GREATEST_DRAG

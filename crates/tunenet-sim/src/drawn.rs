@@ -206,8 +206,7 @@ impl Drawn {
             positions.extend(row.iter().map(|v| v + deviation * random.sample::<f64, _>(StandardNormal)));
         }
         let clock: Vec<f64> = clock.iter().map(|t| t + begin).collect();
-        let seen =
-            Observation::new(Kind::Positions, self.ball.channels().to_vec(), clock, positions).ok()?;
+        let seen = Observation::new(Kind::Positions, self.ball.channels().to_vec(), clock, positions).ok()?;
         match self.ball.prepare(&seen) {
             Ok(Preparation::Usable(prepared)) if prepared.silent.iter().all(Option::is_none) => Some(*prepared),
             _ => None,

@@ -51,7 +51,8 @@ impl Cache {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return (None, Vec::new()),
             Err(error) => return (None, vec![unusable(&path, &error.to_string())]),
         };
-        let whole = bytes.split_at_checked(DIGEST + 1).filter(|(head, rest)| head[..DIGEST] == *digest(key, rest).as_bytes());
+        let whole =
+            bytes.split_at_checked(DIGEST + 1).filter(|(head, rest)| head[..DIGEST] == *digest(key, rest).as_bytes());
         let model = whole.and_then(|(_, rest)| Model::from_bytes(&path, rest).ok());
         let notes = if model.is_none() {
             let text = format!("{} in the cache was damaged and has been made again", super::load::name(&path));
@@ -80,7 +81,11 @@ impl Cache {
 fn unusable(path: &Path, why: &str) -> Note {
     let folder = path.parent().unwrap_or(path).display();
     let text = format!("the network for this scene is not kept: {why}");
-    Note::new("cache.unusable", text, format!("make {folder} writable, name another folder in {FOLDER}, or use --no-cache"))
+    Note::new(
+        "cache.unusable",
+        text,
+        format!("make {folder} writable, name another folder in {FOLDER}, or use --no-cache"),
+    )
 }
 
 fn digest(key: &str, bytes: &[u8]) -> String {

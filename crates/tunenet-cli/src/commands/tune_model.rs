@@ -18,11 +18,13 @@ use crate::terminal::{progress, stage};
 /// Raised where a network of the same key would be made in another way.
 const RECIPE: u32 = 1;
 /// Recordings that a scene's network learns from.
-const PAIRS: u64 = 3000;
+const PAIRS: u64 = 2000;
 /// What a scene's network is trained beyond the octave that it is looked up by.
 const MARGIN: f64 = 1.1;
 /// Greatest noise that it learns from, in heights of fall.
 const NOISE: f64 = 0.01;
+/// More samples in a recording's `√(h/g)` than this teach nothing: the network sees means.
+const MOST_SAMPLES: f64 = 60.0;
 /// Slower than this along the surface, in `√(g h)`, counts as a drop.
 const SLOWEST: f64 = 0.25;
 
@@ -62,7 +64,13 @@ impl Chosen {
 }
 
 /// Chooses for these recordings of `file`'s ball; never fails: without a network the fit has other starts.
-pub fn choose(file: &SimulationFile, ball: &ObservedBall, recordings: &[Recording], seed: u64, cache: &Cache) -> Chosen {
+pub fn choose(
+    file: &SimulationFile,
+    ball: &ObservedBall,
+    recordings: &[Recording],
+    seed: u64,
+    cache: &Cache,
+) -> Chosen {
     let none = |why: String| Chosen::new(None, "none", why);
     if ball.kind() == Kind::BounceTimes {
         return none("not needed for bounce times".into());
@@ -71,7 +79,9 @@ pub fn choose(file: &SimulationFile, ball: &ObservedBall, recordings: &[Recordin
         Ok(Preparation::Usable(prepared)) => Some(prepared),
         _ => None,
     };
-    let Some(first) = recordings.iter().find_map(usable) else { return none("not needed: no recording can be used".into()) };
+    let Some(first) = recordings.iter().find_map(usable) else {
+        return none("not needed: no recording can be used".into());
+    };
     let tuned = |i: &usize| ball.parameters()[*i].tune;
     if !(0..ball.parameters().len()).filter(tuned).any(|i| first.silent[i].is_none()) {
         return none("not needed: the recording says nothing of what is tuned".into());
@@ -98,7 +108,7 @@ fn starts(model: &Model, recording: &Prepared) -> bool {
 fn around(file: &SimulationFile, ball: &ObservedBall, recording: &Prepared) -> Option<(Ranges, f64)> {
     let (scale, clock) = (recording.scale?, recording.seen.clock());
     let duration = (clock[clock.len() - 1] - scale.start_s) / scale.time_s;
-    let rate = (clock.len() - 1) as f64 / (clock[clock.len() - 1] - clock[0]);
+    let rate = ((clock.len() - 1) as f64 / (clock[clock.len() - 1] - clock[0])).min(MOST_SAMPLES / scale.time_s);
     let start = ball.start(&recording.own_values());
     let speed = scale.length / scale.time_s;
     let across = start.velocity_m_s[0].hypot(start.velocity_m_s[1]) / speed;
@@ -140,7 +150,12 @@ fn for_scene(
 ) -> Chosen {
     let preset = Preset::scene(tau_max);
     let recipe = json!([
-        env!("CARGO_PKG_VERSION"), RECIPE, PAIRS, seed, file.essence(), format!("{ranges:?}"),
+        env!("CARGO_PKG_VERSION"),
+        RECIPE,
+        PAIRS,
+        seed,
+        file.essence(),
+        format!("{ranges:?}"),
         serde_json::to_value(&preset).unwrap_or_default(),
     ]);
     let key = recipe.to_string();

@@ -117,12 +117,7 @@ impl Library {
     }
 
     /// Out of a model file, for branches of `width` numbers; `None` where the file holds none.
-    pub(super) fn take(
-        path: &Path,
-        contents: &mut Contents,
-        width: usize,
-        parameters: usize,
-    ) -> Result<Option<Self>> {
+    pub(super) fn take(path: &Path, contents: &mut Contents, width: usize, parameters: usize) -> Result<Option<Self>> {
         let Some(count) = contents.tensors.get("library.rollouts").and_then(|t| t.dims().first().copied()) else {
             return Ok(None);
         };

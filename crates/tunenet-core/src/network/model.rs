@@ -167,7 +167,8 @@ impl Model {
         };
         // Next to where nothing changes (a restitution near 0) the network may see a difference that is not there. Where
         // it has learned how guesses of the release err, the distance is no judge of it.
-        let step = if !self.from_recordings() && worse().unwrap_or(false) { vec![0.0; place.len()] } else { moved[0].clone() };
+        let step =
+            if !self.from_recordings() && worse().unwrap_or(false) { vec![0.0; place.len()] } else { moved[0].clone() };
         let each = self.about.parameters.iter().zip(place.iter().zip(&step));
         Ok(Some(each.map(|(p, (place, step))| p.min + p.span() * (place + step)).collect()))
     }

@@ -183,7 +183,7 @@ impl Preset {
             input: InputChoice::Scaled { bins: 48, tau_max },
             features: 64,
             batch: 128,
-            course: Course::Remixed { steps: 2500, noise: 0.01, cut: 0.0 },
+            course: Course::Remixed { steps: 1500, noise: 0.01, cut: 0.0 },
             library: 128,
             ..Self::default()
         }

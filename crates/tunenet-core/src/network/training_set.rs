@@ -36,7 +36,8 @@ impl TrainingSet {
     /// From pairs at hand.
     pub(super) fn collect(header: &DatasetHeader, pairs: &[Pair], preset: &Preset) -> Result<Self> {
         let checked = |pair: &Pair| {
-            let refuse = |text: String| Error::Model { what: "training".into(), expected: "whole pairs".into(), found: text };
+            let refuse =
+                |text: String| Error::Model { what: "training".into(), expected: "whole pairs".into(), found: text };
             header.check(pair).map_err(refuse).map(|()| pair.clone())
         };
         Self::gather(Path::new("pairs"), header.clone(), &|| Ok(Box::new(pairs.iter().map(checked))), preset)

@@ -53,7 +53,9 @@ impl FirstFall {
             };
             let fall = line(2, -gravity_m_s2 / 2.0)?;
             let lines = [line(0, 0.0)?, line(1, 0.0)?, fall];
-            (fall.residual_sd < WORST_MISFIT * range).then(|| Self {
+            let top = fall.at(clock[begin]);
+            let held = heights[..begin].iter().all(|z| (z - top).abs() < 3.0 * WORST_MISFIT * range);
+            (held && fall.residual_sd < WORST_MISFIT * range).then(|| Self {
                 begin,
                 start_m: [0, 1, 2].map(|axis| lines[axis].at(clock[begin])),
                 start_m_s: [0, 1, 2].map(|axis| lines[axis].slope(clock[begin])),
@@ -69,10 +71,10 @@ mod tests {
 
     fn drop(rate_hz: f64, frames: u32, gravity: f64) -> Observation {
         // 1 m of fall, a rebound at half the speed; from 2 m up.
-        let fall = (2.0f64 / 9.81).sqrt();
+        let fall = (2.0 / gravity).sqrt();
         let height = |t: f64| {
             let s = t - fall;
-            if s < 0.0 { 3.0 - gravity / 2.0 * t * t } else { 2.0 + 0.5 * 9.81 * fall * s - 9.81 / 2.0 * s * s }
+            if s < 0.0 { 3.0 - gravity / 2.0 * t * t } else { 2.0 + 0.5 * gravity * fall * s - gravity / 2.0 * s * s }
         };
         let clock: Vec<f64> = (0..frames).map(|i| f64::from(i) / rate_hz).collect();
         let rows: Vec<[f64; 3]> = clock.iter().map(|t| [0.2 * t, 0.0, height(*t)]).collect();
@@ -89,7 +91,7 @@ mod tests {
     #[test]
     fn other_motions_have_none() {
         assert_eq!(FirstFall::find(&drop(24.0, 10, 9.81), 9.81), None, "no rebound");
-        assert_eq!(FirstFall::find(&drop(24.0, 20, 3.0), 9.81), None, "another gravity");
+        assert_eq!(FirstFall::find(&drop(24.0, 40, 3.0), 9.81), None, "another gravity");
         let sine: Vec<f64> = (0..40).map(|i| f64::from(i) / 20.0).collect();
         let rows: Vec<[f64; 3]> = sine.iter().map(|t| [0.0, 0.0, 0.1 * (6.0 * t).cos()]).collect();
         assert_eq!(FirstFall::find(&Observation::positions(sine, &rows).unwrap(), 9.81), None, "a swing");
