@@ -186,7 +186,7 @@ impl Drawn {
         // The camera does not wait for the release.
         let phase = if release.time_s.is_some() { 0.0 } else { random.random::<f64>() / rate };
         let frames = ((before + end) * rate).min(MOST_FRAMES);
-        let clock: Vec<f64> = (0..)
+        let clock: Vec<f64> = (0..1_000_000)
             .map(|i| f64::from(i) / rate + phase - before)
             .take_while(|t| *t * rate <= frames && *t <= end)
             .collect();

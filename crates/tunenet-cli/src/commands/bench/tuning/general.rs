@@ -122,7 +122,8 @@ fn draw(range: (f64, f64), seed: u64, number: u64) -> Result<Target> {
     let last_s = fall_s + (1..count).map(flight_s).sum::<f64>();
     // Nobody stops a camera at the first click: half the fall's time after it at the least.
     let end_s = (last_s + random.random::<f64>() * flight_s(count)).max(1.5 * fall_s);
-    let clock: Vec<f64> = (0..).map(|i| begin_s + f64::from(i) / rate_hz).take_while(|t| *t <= end_s).collect();
+    let clock: Vec<f64> =
+        (0..1_000_000).map(|i| begin_s + f64::from(i) / rate_hz).take_while(|t| *t <= end_s).collect();
     let noise_m = NOISE * fall_m;
     let mut noise = || noise_m * random.sample::<f64, _>(StandardNormal);
     let rows: Vec<[f64; 3]> =
