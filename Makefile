@@ -9,7 +9,7 @@ SHELL := /bin/bash
 # What building with video needs on Debian and Ubuntu.
 PACKAGES := libopencv-dev clang libclang-dev pkg-config
 
-.PHONY: help test test-mcap build demo fmt packages mcap-packages cargo
+.PHONY: help test test-mcap build demo model fmt packages mcap-packages cargo
 
 help: ## list these targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
@@ -36,6 +36,9 @@ build: packages ## build the executables with video into target/release
 
 demo: cargo ## build without video, then inspect, tune and simulate with ready observations
 	@assets/demo.sh
+
+model: cargo ## make the built-in network again: the same bytes on the same kind of CPU
+	@assets/networks/make.sh
 
 fmt: cargo ## format all code
 	@cargo fmt --all

@@ -118,6 +118,7 @@ fn every_command_of_the_readme_does_what_is_shown() {
             .args(["-c", &command])
             .current_dir(folder.path())
             .env("PATH", &path)
+            .env("TUNENET_CACHE", folder.path().join("cache"))
             .output()
             .unwrap_or_else(|e| panic!("{command}: {e}"));
         let printed = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
@@ -243,7 +244,12 @@ fn every_key_of_the_json_is_in_the_docs() {
         &["inspect", &drop, &throw],
     ];
     for arguments in runs {
-        let output = Command::new(env!("CARGO_BIN_EXE_tunenet")).args(arguments).arg("--json").output().unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_tunenet"))
+            .args(arguments)
+            .arg("--json")
+            .env("TUNENET_CACHE", folder.path().join("cache"))
+            .output()
+            .unwrap();
         let object: serde_json::Value =
             serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{arguments:?}: {e}"));
         listed(&object, &page, arguments);

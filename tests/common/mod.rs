@@ -127,6 +127,8 @@ impl Folder {
     pub fn command(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tunenet"));
         command.current_dir(self.0.path()).env_remove("CLICOLOR_FORCE").env("NO_COLOR", "1").env("COLUMNS", "100");
+        // Nothing of a person's own cache is read or written.
+        command.env("TUNENET_CACHE", self.path("cache"));
         command
     }
 
@@ -139,6 +141,7 @@ impl Folder {
     pub fn shell(&self, line: &str) -> Ran {
         let mut command = Command::new("sh");
         command.args(["-c", line]).current_dir(self.0.path()).env("TUNENET", env!("CARGO_BIN_EXE_tunenet"));
+        command.env("TUNENET_CACHE", self.path("cache"));
         command.env("NO_COLOR", "1").output().expect("a shell").into()
     }
 }

@@ -176,9 +176,12 @@ pub struct Tune {
     /// Use recordings that their checks reject; the answer may mean nothing
     #[arg(long)]
     pub force: bool,
-    /// Trained network; its preset decides how the iterations go
+    /// Trained network, instead of the one that fits; its preset decides how the iterations go
     #[arg(long, value_name = "MODEL.safetensors")]
     pub model: Option<PathBuf>,
+    /// Neither look for a network trained for this scene before, nor keep one
+    #[arg(long)]
+    pub no_cache: bool,
     /// Start value, instead of the simulation file's
     #[arg(long, value_name = "NAME=VALUE", value_parser = start, value_delimiter = ',')]
     pub initial: Vec<(String, f64)>,
@@ -244,6 +247,8 @@ pub enum Pairs {
     Hard,
     /// 0 to 1, both sides: for preset `default`
     Wide,
+    /// Noisy recordings of drops from .3 to 10 m, release and floor unknown: for preset `general`
+    General,
 }
 
 /// `tunenet gen`.
@@ -277,6 +282,8 @@ pub enum Training {
     Paper,
     /// This project's own
     Default,
+    /// The same for recordings of any dropped ball
+    General,
 }
 
 impl Training {
@@ -285,6 +292,7 @@ impl Training {
         match self {
             Self::Paper => "paper",
             Self::Default => "default",
+            Self::General => "general",
         }
     }
 }
@@ -383,6 +391,8 @@ pub enum Row {
     Hard5mm,
     #[value(name = "hard-2cm")]
     Hard2cm,
+    /// Drops from .3 to 10 m at 24 to 240 Hz, nothing known but the data: the built-in network
+    General,
     /// Drops from other engines, in the folder that the environment variable `TUNENET_PEERS` names
     Cross,
 }

@@ -6,10 +6,12 @@ mod init;
 mod inspect;
 pub(crate) mod load;
 mod man;
+mod model_cache;
 mod simulate;
 mod start;
 mod train;
 pub(crate) mod tune;
+mod tune_model;
 
 use clap::CommandFactory;
 use serde_json::Value;

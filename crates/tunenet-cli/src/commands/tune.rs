@@ -14,6 +14,8 @@ use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
+use super::model_cache::Cache;
+use super::tune_model::{self, Chosen};
 use super::{load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
@@ -44,13 +46,13 @@ pub fn run(options: &Tune) -> Result<Exit> {
     }
     let began = Instant::now();
     let recordings = options.observation.iter().map(|path| read(path, options)).collect::<Result<Vec<_>>>()?;
-    let outcome = tune_to(options, &file, model.as_ref(), &recordings)?;
+    let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
         write_tuned(options, &file, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
-        print_json(&as_json(&outcome, seconds));
+        print_json(&as_json(&outcome, &chosen, seconds));
     }
     tell(options, &outcome, seconds);
     let exit = exit(outcome.verdict);
@@ -93,11 +95,11 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
             .and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)).map(|outcome| (r, outcome)));
         let name = load::name(path);
         match tuned {
-            Ok((recording, outcome)) => {
+            Ok((recording, (outcome, chosen))) => {
                 if exit(outcome.verdict) == Exit::Inconclusive {
                     worst = Exit::Inconclusive;
                 }
-                let mut one = as_json(&outcome, began.elapsed().as_secs_f64());
+                let mut one = as_json(&outcome, &chosen, began.elapsed().as_secs_f64());
                 one["file"] = Value::String(name.clone());
                 anstream::eprintln!("{name}: {}", sentence(&outcome));
                 all.push(one);
@@ -147,7 +149,12 @@ fn read(path: &Path, options: &Tune) -> Result<Recording> {
     Ok(recording)
 }
 
-fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordings: &[Recording]) -> Result<Outcome> {
+fn tune_to(
+    options: &Tune,
+    file: &SimulationFile,
+    model: Option<&Model>,
+    recordings: &[Recording],
+) -> Result<(Outcome, Chosen)> {
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
         let found = recordings[other].observation.kind().name();
@@ -164,8 +171,8 @@ fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordi
         let expected = "no model beside several observations, or --each".into();
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
-    let ball = ObservedBall::new(file, kind).map(|ball| ball.forced(options.force));
-    let ball = ball.and_then(|ball| observed::around(file, ball)).with_context(|| names(options))?;
+    let bare = ObservedBall::new(file, kind).with_context(|| names(options))?.forced(options.force);
+    let ball = observed::around(file, bare.clone())?;
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
         iterations: usize::from(options.iterations),
@@ -175,7 +182,17 @@ fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordi
         names: if options.each { Vec::new() } else { options.observation.iter().map(|p| load::name(p)).collect() },
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
-    let mut outcome = tune(&ball, &seen, model, &settings).with_context(|| names(options))?;
+    let cache = if options.no_cache { Cache::none() } else { Cache::of_user() };
+    let seed = options.common.seed;
+    let chosen = model.map_or_else(|| tune_model::choose(file, &bare, recordings, seed, &cache), Chosen::given);
+    if !options.each {
+        chosen.tell();
+    }
+    let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
+    // What the tool chose by itself must not be what fails.
+    let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
+    let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
+    let mut outcome = tuned.with_context(|| names(options))?;
     let several = recordings.len() > 1;
     let named = options.observation.iter().zip(recordings).flat_map(|(path, recording)| {
         recording.notes.iter().map(move |note| {
@@ -184,7 +201,8 @@ fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordi
         })
     });
     outcome.notes.splice(0..0, named);
-    Ok(outcome)
+    outcome.notes.extend(chosen.notes.iter().cloned());
+    Ok((outcome, chosen))
 }
 
 fn names(options: &Tune) -> String {
@@ -195,7 +213,7 @@ fn exit(verdict: Verdict) -> Exit {
     if verdict == Verdict::Tuned { Exit::Done } else { Exit::Inconclusive }
 }
 
-fn as_json(outcome: &Outcome, seconds: f64) -> Value {
+fn as_json(outcome: &Outcome, chosen: &Chosen, seconds: f64) -> Value {
     let parameters: Map<String, Value> = outcome
         .parameters
         .iter()
@@ -222,6 +240,7 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         "schema": SCHEMA,
         "verdict": outcome.verdict,
         "parameters": parameters,
+        "model": chosen.json(),
         "iterations": iterations,
         "stop": outcome.stop,
         "gap": outcome.gap.as_ref().map(|g| json!({

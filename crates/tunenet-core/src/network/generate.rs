@@ -56,6 +56,20 @@ pub fn generate(
             });
         }
     }
+    fill(header, &|number, random| roll_pair(simulator, header, draw(number, random)), out, progress)
+}
+
+/// Writes the pairs of a dataset into `out`, or those that an interrupted run left over: `make` is asked for pair 0, 1, …
+/// with a generator that depends on the header's seed and the pair's number alone. What holds of [`generate`] holds here.
+///
+/// # Errors
+/// What `make` refuses, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
+pub fn fill(
+    header: &DatasetHeader,
+    make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
+    out: &Path,
+    progress: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<()> {
     let mut writer = DatasetWriter::open(out, header.clone())?;
     while writer.written() < header.pairs {
         if !progress(writer.written(), header.pairs) {
@@ -63,7 +77,7 @@ pub fn generate(
         }
         let block = writer.written()..(writer.written() + BLOCK).min(header.pairs);
         let pairs: Vec<Result<Pair>> =
-            block.into_par_iter().map(|number| roll_pair(simulator, header, draw, number)).collect();
+            block.into_par_iter().map(|number| make(number, &mut stream(header.seed, number))).collect();
         for pair in pairs {
             writer.write(&pair?)?;
         }
@@ -81,9 +95,7 @@ fn matters(
     i: usize,
 ) -> Result<bool> {
     for number in 0..PROBES.min(header.pairs) {
-        let mut random = ChaCha8Rng::seed_from_u64(header.seed);
-        random.set_stream(number);
-        let drawn = draw(number, &mut random);
+        let drawn = draw(number, &mut stream(header.seed, number));
         let seen = rollout(simulator, &drawn.proposed, &drawn.own, &header.clock)?;
         let range = &header.parameters[i];
         for value in [drawn.target[i], range.min, range.max] {
@@ -98,15 +110,16 @@ fn matters(
     Ok(header.pairs == 0)
 }
 
-fn roll_pair(
-    simulator: &dyn Simulator,
-    header: &DatasetHeader,
-    draw: &(dyn Fn(u64, &mut ChaCha8Rng) -> PairDraw + Sync),
-    number: u64,
-) -> Result<Pair> {
-    let mut random = ChaCha8Rng::seed_from_u64(header.seed);
+/// What pair `number` of a dataset with this seed is drawn from.
+#[must_use]
+pub fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(number);
-    let PairDraw { proposed, target, own, scale } = draw(number, &mut random);
+    random
+}
+
+fn roll_pair(simulator: &dyn Simulator, header: &DatasetHeader, draw: PairDraw) -> Result<Pair> {
+    let PairDraw { proposed, target, own, scale } = draw;
     Ok(Pair {
         proposed: rollout(simulator, &proposed, &own, &header.clock)?,
         target: rollout(simulator, &target, &own, &header.clock)?,
@@ -114,6 +127,7 @@ fn roll_pair(
         target_parameters: target,
         own,
         scale,
+        clock: Vec::new(),
     })
 }
 

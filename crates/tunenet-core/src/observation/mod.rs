@@ -4,6 +4,7 @@
 //! samples: its constructor refuses them, so nobody downstream has to check again.
 
 mod arcs;
+mod first_fall;
 mod line;
 mod local;
 mod noise;
@@ -16,6 +17,7 @@ mod resample;
 mod wild;
 
 pub use arcs::{Arcs, Contact};
+pub use first_fall::FirstFall;
 pub use local::LocalEstimate;
 pub use noise::noise_sd;
 pub use note::Note;

@@ -72,6 +72,7 @@ impl Default for Settings {
 }
 
 /// Tunes `simulator` to `observations`, all of the same thing: shared parameters, and for each recording its own unknowns.
+/// A `model` starts the fit; of several recordings it looks at the first that can be used.
 ///
 /// ```
 /// # use tunenet_core::{observation::{Channel, Observation, Kind}, simulator::{Parameter, Simulator}, tune};
@@ -228,22 +229,31 @@ impl Tuning<'_> {
         let gap_before = problem.rmse(&before.residuals);
         let (mut iterations, mut stop, mut notes) = (Vec::new(), Stop::Converged, Vec::new());
         let mut near = Point { parameters: start.parameters.clone(), own: before.point.own.clone() };
-        if let Some(model) = model.filter(|_| self.recordings.len() == 1 && !self.free.is_empty()) {
+        if let Some(model) = model.filter(|_| !self.free.is_empty()) {
             let secant = self.settings.finish && self.free.len() == 1;
             let how = Loop {
                 iterations: self.settings.iterations,
                 clamp: self.settings.clamp,
                 secant,
                 best: self.settings.finish,
+                library: self.settings.finish && self.settings.initial.is_empty(),
             };
             let walk = walk(self.simulator, &self.recordings[0], model, start.clone(), how)?;
             rollouts += walk.rollouts;
             iterations = walk.iterations;
             near = walk.point;
+            if self.settings.finish {
+                // The recordings' own unknowns follow, before they pull the parameters after them.
+                let own = Problem { free: &[], ..self.problem() }.fit(near, 1.0)?;
+                rollouts += own.rollouts;
+                near = own.point;
+            }
             stop = Stop::Iterations;
         }
         let mut fit = if self.settings.finish || iterations.is_empty() {
-            let (fit, used) = self.best_fit(&near)?;
+            // The start without a network stays among the starts: with one, the answer is never worse.
+            let plain = Point { parameters: start.parameters.clone(), own: before.point.own.clone() };
+            let (fit, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
             rollouts += used;
             if iterations.is_empty() {
                 iterations.push(Iteration { k: 0, parameters: near.at(self.free), rmse: gap_before });

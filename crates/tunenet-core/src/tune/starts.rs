@@ -26,8 +26,8 @@ const SAME_MISFIT: f64 = 1e-9;
 const FLAT_STARTS: u32 = 40;
 
 impl Tuning<'_> {
-    /// The best of several starts; more of them where the first leaves too much.
-    pub(super) fn best_fit(&self, near: &Point) -> Result<(Fit, usize)> {
+    /// The best of several starts, `near` and `also` among them; more of them where the first leaves too much.
+    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, usize)> {
         let problem = self.problem();
         if self.free.is_empty() {
             let fit = problem.fit(near.clone(), 1.0)?;
@@ -36,18 +36,27 @@ impl Tuning<'_> {
         }
         let mut starts = vec![near.clone()];
         starts.extend(self.local_start(near));
-        // One parameter at a time across its bounds, the others where the file or the events have them.
+        // One parameter at a time across its bounds, the others where the file, a network or the events have them.
         for base in starts.clone() {
             for &i in self.free {
                 let p = &self.simulator.parameters()[i];
                 starts.extend(SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()])));
             }
         }
+        let networked = also.is_some();
+        starts.extend(also);
         for start in starts.clone() {
             // The recordings' first guesses as well, where the start carries own unknowns fitted to other parameters.
             starts.push(Point { own: self.recordings.iter().map(Prepared::own_values).collect(), ..start });
         }
         let mut rollouts = starts.len() * self.recordings.len();
+        // A network's start is fitted whatever lies nearer by rollouts alone: short records have several valleys.
+        let mut best: Option<Fit> = None;
+        if networked {
+            let fit = problem.fit(near.clone(), 1.0)?;
+            rollouts += fit.rollouts;
+            best = Some(fit);
+        }
         let mut ranked: Vec<(f64, Point)> = Vec::with_capacity(starts.len());
         for start in starts {
             if let Ok(residuals) = problem.residuals(&start, 1.0) {
@@ -57,7 +66,6 @@ impl Tuning<'_> {
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Where a parameter changes nothing, one start is as good as the next: only the first of them counts.
         ranked.dedup_by(|next, kept| (next.0 - kept.0).abs() <= SAME_MISFIT * kept.0);
-        let mut best: Option<Fit> = None;
         for (tried, (_, start)) in ranked.into_iter().enumerate() {
             let grow = tried >= 2;
             let mut point = start;

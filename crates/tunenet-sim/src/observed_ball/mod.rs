@@ -91,8 +91,15 @@ impl ObservedBall {
         Self { forced, ..self }
     }
 
+    /// How a recording with these own unknowns starts.
+    #[must_use]
+    pub fn start(&self, own: &[f64]) -> State {
+        let parameters: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
+        self.world(&parameters, own).1
+    }
+
     /// The scene with these parameters, and the start with these own unknowns.
-    fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
+    pub(crate) fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
         let mut scene = Scene { restitution: parameters[0], friction: parameters[1], ..self.scene.clone() };
         self.apply_effects(&mut scene, &parameters[effects::OWN_PARAMETERS..], own);
         let mut start = State {

@@ -3,7 +3,7 @@
 
 use tunenet_core::Result;
 use tunenet_core::observation::preflight::{Check, Expected, Preflight, State, examine};
-use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
+use tunenet_core::observation::{FirstFall, Kind, LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Parameter, Phase, Preparation, Prepared, Rejected};
 use tunenet_core::tune::channel_noise;
 
@@ -47,14 +47,20 @@ impl ObservedBall {
         if let Some(rejected) = self.rejects(&preflight) {
             return Ok(rejected);
         }
-        let (Some(kept), Some(arcs)) = (&preflight.kept, &preflight.arcs) else {
+        let (Some(kept), Some(mut arcs)) = (&preflight.kept, preflight.arcs.clone()) else {
             return Ok(impossible(&preflight, seen));
         };
+        // A record of few samples may bounce where no kink can be told.
+        let coarse = FirstFall::find(kept, self.scene.gravity_m_s2).filter(|_| arcs.contacts.is_empty());
+        if let Some(fall) = coarse {
+            arcs.usable = fall.begin..kept.len();
+            (arcs.start_m, arcs.start_m_s) = (fall.start_m, fall.start_m_s);
+        }
         // A known start also explains the time before it.
         let begin = if self.release.time_s.is_some() { 0 } else { arcs.usable.start };
         let Ok(usable) = kept.slice(begin..arcs.usable.end.max(begin)) else { return Ok(impossible(&preflight, seen)) };
         let lowest = usable.column(2).fold(f64::INFINITY, f64::min);
-        let contact = arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min);
+        let contact = arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min).or(coarse.map(|fall| fall.low_m));
         // The start lies above the surface, however the noise has it.
         let surface = contact.unwrap_or(lowest).min(arcs.start_m[2]) - self.scene.radius_m - 1e-9;
         let range = (0..3).map(|axis| span(usable.column(axis))).fold(0.1, f64::max);
@@ -77,7 +83,9 @@ impl ObservedBall {
         for check in &preflight.checks {
             // Without a bounce, nothing is known of contacts; that is said where it is asked for.
             if check.code == "contact.none" && check.state == State::Noticed {
-                prepared.silent.fill(check.note());
+                if coarse.is_none() {
+                    prepared.silent.fill(check.note());
+                }
             } else {
                 prepared.notes.extend(check.note());
             }

@@ -164,6 +164,23 @@ impl SimulationFile {
         each.collect()
     }
 
+    /// What determines how this file's balls move while they are tuned, in a fixed order: neither comments, nor what is
+    /// recorded, nor the values that tuning is to find.
+    #[must_use]
+    pub fn essence(&self) -> String {
+        let keys = schema::keys().filter(|key| !key.path.starts_with("record."));
+        let scene = keys.filter_map(|key| {
+            let mut value = self.item(&key.path)?.as_value()?.clone();
+            value.decor_mut().clear();
+            Some(format!("{}={value}", key.path))
+        });
+        let parameters = self.parameters().unwrap_or_default().into_iter().map(|p| {
+            let value = if p.tune { "tuned".into() } else { p.value.to_string() };
+            format!("{}={value} in {} to {}", p.name, p.min, p.max)
+        });
+        scene.chain(parameters).collect::<Vec<_>>().join("\n")
+    }
+
     /// How the ball starts.
     #[must_use]
     pub fn release(&self) -> Release {

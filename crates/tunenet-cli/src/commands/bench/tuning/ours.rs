@@ -67,7 +67,7 @@ pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result
 pub fn course(simulation: &Simulation, model: &Model, target: &Target) -> Result<Course> {
     // As `tune` asks for the two: the paper's loop is the bare one. Values without a rollout are none, so both are clamped.
     let own = model.preset().name != "paper";
-    let how = Loop { iterations: MOST, clamp: true, secant: own, best: own };
+    let how = Loop { iterations: MOST, clamp: true, secant: own, best: own, library: own };
     let walk = walk(&simulation.ball, &target.prepared, model, simulation.start(target), how)?;
     Ok(walk.iterations.iter().map(|i| i.parameters[0]).collect())
 }
