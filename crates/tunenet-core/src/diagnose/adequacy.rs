@@ -41,7 +41,7 @@ impl Study<'_> {
         let residuals = &model.fit.residuals;
         let columns = joint.columns(&model.fit.point, residuals, 1.0, 0, true)?;
         let size = model.structure.globals.len();
-        let mut whole = DMatrix::zeros(size, size);
+        let mut whole: DMatrix<f64> = DMatrix::zeros(size, size);
         let mut parts = Vec::new();
         for (one, residual) in columns.iter().zip(residuals) {
             let own = orthonormal(one.own.clone());

@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use super::Subject;
 use crate::Result;
-use crate::simulator::{Effect, Phase, Simulator};
+use crate::simulator::{Effect, Measured, Phase, Simulator, measurement_effects};
 
 /// An effect that may be missing.
 pub(super) struct Entry {
@@ -28,6 +28,7 @@ impl Entry {
 pub(super) enum Carrier<'a> {
     Plain(&'a dyn Simulator),
     Made(Box<dyn Simulator>),
+    Seen(Measured<&'a dyn Simulator>),
 }
 
 impl<'a> Deref for Carrier<'a> {
@@ -37,26 +38,45 @@ impl<'a> Deref for Carrier<'a> {
         match self {
             Self::Plain(simulator) => *simulator,
             Self::Made(simulator) => simulator.as_ref(),
+            Self::Seen(simulator) => simulator,
         }
     }
 }
 
-/// The effects that all subjects know.
+/// The effect that is chance: no rollout shows it.
+pub(super) const SCATTER: &str = "bounce_scatter";
+
+/// The effects that all subjects know, and those of how they were seen; chance is not among them.
 pub(super) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {
-    let known: Vec<Vec<Effect>> = subjects.iter().map(|s| s.simulator.effects()).collect();
+    let known: Vec<Vec<Effect>> = subjects
+        .iter()
+        .map(|s| s.simulator.effects().into_iter().chain(measurement_effects(s.simulator.kind())).collect())
+        .collect();
     let everywhere = |effect: &Effect| {
         let of: Option<Vec<Effect>> =
             known.iter().map(|effects| effects.iter().find(|e| e.name == effect.name).cloned()).collect();
         of.map(|of| Entry { name: effect.name, of })
     };
-    known.first().map_or_else(Vec::new, |first| first.iter().filter_map(everywhere).collect())
+    let first = known.first().into_iter().flatten().filter(|e| e.name != SCATTER);
+    first.filter_map(everywhere).collect()
 }
 
 /// `subject` with these effects added.
 pub(super) fn carrier<'a>(subject: &Subject<'a>, effects: &[&Entry]) -> Result<Carrier<'a>> {
     let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
+    let (seen, physical): (Vec<&Entry>, Vec<&Entry>) = effects.iter().partition(|e| e.shared());
     if names.is_empty() {
         return Ok(Carrier::Plain(subject.simulator));
     }
-    subject.simulator.with_effects(&names).map(Carrier::Made)
+    let made = subject.simulator.with_effects(&names);
+    if seen.is_empty() || made.is_ok() {
+        return made.map(Carrier::Made);
+    }
+    let seen: Vec<&str> = seen.iter().map(|e| e.name).collect();
+    let physical: Vec<&str> = physical.iter().map(|e| e.name).collect();
+    Ok(if physical.is_empty() {
+        Carrier::Seen(Measured::new(subject.simulator, &seen)?)
+    } else {
+        Carrier::Made(Box::new(Measured::new(subject.simulator.with_effects(&physical)?, &seen)?))
+    })
 }
