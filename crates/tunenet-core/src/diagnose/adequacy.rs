@@ -11,7 +11,7 @@ use super::study::{Model, Study};
 use crate::Result;
 
 /// A test fails only below this probability ...
-const PROBABLE: f64 = 1e-3;
+const PROBABLE: f64 = 1e-4;
 /// ... and beyond these practical bounds, since enough real data fail every test.
 const PORTMANTEAU: f64 = 1.15;
 const BAND_RATIO: f64 = 1.25;
