@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::confusable::canonical_correlation;
 use super::columns::{Projector, orthonormal, stack};
 use super::evidence::bic_gain;
-use super::joint::{Columns, Effort, Point, dot};
+use super::joint::{Columns, Effort, Point, Which, dot};
 use super::study::{FULL, Model, Study};
 use crate::Result;
 
@@ -59,7 +59,7 @@ impl<'a> Study<'a> {
     pub fn stage(&self, model: &Model<'a>) -> Result<Vec<Trial<'a>>> {
         let joint = self.joint(&model.structure);
         let (point, residuals) = (&model.fit.point, &model.fit.residuals);
-        let base = joint.columns(point, residuals, 1.0, 0, true)?;
+        let base = joint.columns(point, residuals, Which::ALL)?;
         let candidates: Vec<usize> = (0..self.catalogue.len()).filter(|&e| !model.has(e)).collect();
         let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
         let projector = Projector::new(&base, &lengths, model.structure.globals.len());
@@ -106,21 +106,28 @@ impl<'a> Study<'a> {
         let joint = self.joint(&structure);
         let globals = structure.carry(&model.structure, &model.fit.point.globals);
         let point = Point { globals, own: model.fit.point.own.clone() };
-        scored.columns = joint.columns(&point, &model.fit.residuals, 1.0, known, false)?;
         let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
-        let mut seen = false;
-        let (mut whole, mut rest) = (0.0, 0.0);
         let mut projected = Vec::new();
-        for (place, global) in structure.globals.iter().enumerate().skip(known) {
-            let mut column = stack(&scored.columns, &lengths, place);
-            whole += dot(&column, &column);
-            projector.project(&mut column);
-            let size = dot(&column, &column);
-            rest += size;
-            let (absent, coefficient) = (global.absent.map_or(0.0, |a| a.0), global.effect.map_or(0, |e| e.1));
-            let (low, high) = self.catalogue[scored.entry].of[global.object.unwrap_or(0)].plausible[coefficient];
-            seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
-            projected.push(column);
+        let (mut whole, mut rest, mut seen) = (0.0, 0.0, false);
+        for visibly in [false, true] {
+            (whole, rest, seen) = (0.0, 0.0, false);
+            projected.clear();
+            let which = Which { first: known, own: false, visibly, ..Which::ALL };
+            scored.columns = joint.columns(&point, &model.fit.residuals, which)?;
+            for (place, global) in structure.globals.iter().enumerate().skip(known) {
+                let mut column = stack(&scored.columns, &lengths, place);
+                whole += dot(&column, &column);
+                projector.project(&mut column);
+                let size = dot(&column, &column);
+                rest += size;
+                let (absent, coefficient) = (global.absent.map_or(0.0, |a| a.0), global.effect.map_or(0, |e| e.1));
+                let (low, high) = self.catalogue[scored.entry].of[global.object.unwrap_or(0)].plausible[coefficient];
+                seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
+                projected.push(column);
+            }
+            if seen {
+                break;
+            }
         }
         if whole <= 0.0 {
             scored.excluded = Some("these recordings do not depend on it".into());
