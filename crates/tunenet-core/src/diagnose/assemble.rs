@@ -38,7 +38,7 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
     let last = if told { found.best.as_ref().unwrap_or(&found.base) } else { &found.base };
     let effects = if told {
         let model = last;
-        found.places.iter().enumerate().map(|(i, place)| named(study, model, i, place)).collect()
+        found.places.iter().map(|place| named(study, model, place)).collect()
     } else {
         Vec::new()
     };
@@ -73,9 +73,12 @@ fn interval(study: &Study, model: &Model, global: usize) -> (f64, f64) {
     ((value - reach).max(p.min), (value + reach).min(p.max))
 }
 
-fn named(study: &Study, model: &Model, position: usize, place: &Place) -> NamedEffect {
+fn named(study: &Study, model: &Model, place: &Place) -> NamedEffect {
     let entry = &study.catalogue[place.entry];
-    let mine = model.structure.of_effect(position);
+    let position = model.structure.effects.iter().position(|&e| e == place.entry);
+    let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
+    let tilts: usize = study.sets.iter().map(|s| s.pull.iter().filter(|pull| Some(**pull) == study.chance).count()).sum();
+    let found_chance = study.chance.map(|sd| (sd, tilts.max(1)));
     let coefficients = entry.of[0].coefficients.iter().enumerate().map(|(k, coefficient)| {
         let globals = &model.structure.globals;
         let places = mine.iter().copied().filter(|&g| globals[g].effect.is_some_and(|e| e.1 == k));
@@ -84,7 +87,15 @@ fn named(study: &Study, model: &Model, position: usize, place: &Place) -> NamedE
             value: model.fit.point.globals[g],
             interval95: interval(study, model, g),
         });
-        Fitted { key: coefficient.key, unit: coefficient.unit, values: values.collect() }
+        let values = match &found_chance {
+            Some((sd, count)) if entry.chance() => {
+                // The relative standard deviation of a spread estimated from so many draws.
+                let reach = NORMAL_95 * sd / (2.0 * *count as f64).sqrt();
+                vec![Value { object: None, value: *sd, interval95: ((sd - reach).max(0.0), sd + reach) }]
+            }
+            _ => values.collect(),
+        };
+        Fitted { key: coefficient.key, unit: coefficient.unit, values }
     });
     let next = place.others.first();
     let alternatives = in_place_of(place, study.settings.margin);

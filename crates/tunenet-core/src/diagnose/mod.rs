@@ -20,6 +20,7 @@ mod evidence;
 mod held_out;
 mod input;
 mod joint;
+mod scatter;
 mod search;
 mod sets;
 mod stage;
@@ -97,6 +98,7 @@ pub fn diagnose(
         sets,
         catalogue: catalogue::catalogue(subjects),
         settings,
+        chance: None,
         rollouts: AtomicUsize::new(0),
     };
     verdict::judge(study, held_out, recordings, Answered { uses, notes }, progress)
