@@ -3,14 +3,15 @@
 use std::sync::atomic::Ordering;
 
 use super::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, Test, Tuned, Use, Value, Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use, Value, Verdict,
 };
 use super::held_out::{HeldOut, rmse};
 use super::search::{Found, Place};
 use super::sets::Set;
 use super::study::{Model, Study};
 use super::verdict::in_place_of;
-use super::Recording;
+use super::unknown::describe;
+use super::{Recording, experiment};
 use crate::Result;
 use crate::observation::Note;
 
@@ -21,6 +22,8 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 pub(super) struct Judged<'a> {
     pub verdict: Verdict,
     pub names: Vec<&'static str>,
+    /// How far behind the best an explanation is still left.
+    pub margin: f64,
     pub found: Found<'a>,
     pub tests: Vec<Test>,
     pub before: Option<HeldOut>,
@@ -43,13 +46,17 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
         Vec::new()
     };
     let gap = gap(study, &judged, last)?;
+    let description = match judged.verdict {
+        Verdict::Unknown => Some(describe(study, found.best.as_ref().unwrap_or(&found.base))?),
+        _ => None,
+    };
     Ok(Diagnosis {
         verdict: judged.verdict,
         effects,
         candidates: candidates(study, found),
         gap: Some(gap),
-        next_experiment: None,
-        description: None,
+        next_experiment: next(study, &judged)?,
+        description,
         parameters: parameters(study, found, last),
         explained: explained(study, &judged, last, recordings)?,
         names: judged.names,
@@ -57,6 +64,19 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
         uses: judged.uses,
         notes: judged.notes,
         rollouts: study.rollouts.load(Ordering::Relaxed),
+    })
+}
+
+/// What to measure next.
+fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
+    let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
+    Ok(match judged.verdict {
+        Verdict::OneOf => experiment::next(study, &judged.found, judged.margin)?
+            .or_else(|| plain("add recordings of the same ball from other heights and in other directions")),
+        Verdict::Unknown => plain(
+            "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
+        ),
+        _ => None,
     })
 }
 

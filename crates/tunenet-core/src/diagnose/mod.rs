@@ -17,6 +17,7 @@ mod colour;
 mod columns;
 mod confusable;
 mod evidence;
+mod experiment;
 mod held_out;
 mod input;
 mod joint;
@@ -26,6 +27,7 @@ mod sets;
 mod stage;
 mod structure;
 mod study;
+mod unknown;
 mod verdict;
 
 #[cfg(test)]

@@ -80,7 +80,8 @@ pub(super) fn judge(
     }
     let control = control(&study, &found, &held_out)?;
     let (verdict, names) = decide(&study, &found, &tests);
-    let judged = Judged { verdict, names, found, tests, before, after, control, held_out, uses, notes };
+    let margin = margin(&study);
+    let judged = Judged { verdict, names, margin, found, tests, before, after, control, held_out, uses, notes };
     assemble(&study, judged, recordings)
 }
 
@@ -164,6 +165,11 @@ fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<Diagnosis> 
     })
 }
 
+/// How far behind the best an explanation is still left; more of a single recording.
+fn margin(study: &Study) -> f64 {
+    study.settings.margin * if study.sets.len() == 1 { OVERWHELMING } else { 1.0 }
+}
+
 fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'static str>) {
     let adequate = tests.iter().all(|t| t.passed);
     let name = |entry: usize| study.catalogue[entry].name;
@@ -178,7 +184,7 @@ fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'stati
         return (Verdict::Unknown, found.places.iter().map(|p| name(p.entry)).collect());
     }
     let single = study.sets.len() == 1;
-    let margin = study.settings.margin * if single { OVERWHELMING } else { 1.0 };
+    let margin = margin(study);
     let mut names: Vec<&'static str> = Vec::new();
     let mut open = false;
     for place in &found.places {
