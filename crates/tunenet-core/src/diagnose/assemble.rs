@@ -41,7 +41,7 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
     let last = if told { found.best.as_ref().unwrap_or(&found.base) } else { &found.base };
     let effects = if told {
         let model = last;
-        found.places.iter().map(|place| named(study, model, place)).collect()
+        found.places.iter().map(|place| named(study, model, place, judged.margin)).collect()
     } else {
         Vec::new()
     };
@@ -93,7 +93,7 @@ fn interval(study: &Study, model: &Model, global: usize) -> (f64, f64) {
     ((value - reach).max(p.min), (value + reach).min(p.max))
 }
 
-fn named(study: &Study, model: &Model, place: &Place) -> NamedEffect {
+fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffect {
     let entry = &study.catalogue[place.entry];
     let position = model.structure.effects.iter().position(|&e| e == place.entry);
     let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
@@ -118,7 +118,7 @@ fn named(study: &Study, model: &Model, place: &Place) -> NamedEffect {
         Fitted { key: coefficient.key, unit: coefficient.unit, values }
     });
     let next = place.others.first();
-    let alternatives = in_place_of(place, study.settings.margin);
+    let alternatives = in_place_of(place, margin);
     NamedEffect {
         effect: entry.of[0].clone(),
         coefficients: coefficients.collect(),

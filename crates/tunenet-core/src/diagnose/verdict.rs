@@ -59,6 +59,7 @@ pub(super) fn judge(
     held_out.iter_mut().for_each(|set| set.colour(rho));
     let before = unseen(&study, &found.base, &held_out)?;
     let mut tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base))?;
+    let control = control(&study, &found, &held_out)?;
     if let Some(scatter) = by_chance(&study, &found, &tests)? {
         study.admit(&scatter);
         found = with_chance(&study, found, &scatter, progress)?;
@@ -78,7 +79,6 @@ pub(super) fn judge(
         let passed = value <= HELD_OUT_WORSE;
         tests.push(Test { name: "held-out residual after over before", value, threshold: HELD_OUT_WORSE, passed });
     }
-    let control = control(&study, &found, &held_out)?;
     let (verdict, names) = decide(&study, &found, &tests);
     let margin = margin(&study);
     let judged = Judged { verdict, names, margin, found, tests, before, after, control, held_out, uses, notes };
