@@ -28,8 +28,10 @@ impl Study<'_> {
     pub fn adequacy(&self, model: &Model) -> Result<Vec<Test>> {
         let residuals = &model.fit.residuals;
         let unknowns = model.structure.globals.len() as f64;
-        let mut tests: Vec<Test> =
-            [portmanteau(&self.sets, residuals), band_power(&self.sets, residuals, unknowns)].into_iter().flatten().collect();
+        let mut tests: Vec<Test> = [portmanteau(&self.sets, residuals), band_power(&self.sets, residuals, unknowns)]
+            .into_iter()
+            .flatten()
+            .collect();
         tests.extend(self.heterogeneity(model)?);
         Ok(tests)
     }
@@ -89,7 +91,12 @@ impl Study<'_> {
         }
         let chi = chi / variance;
         let passed = upper_chi_squared(chi, freedom) > PROBABLE || chi / freedom < SCATTER;
-        Ok(Some(Test { name: "agreement between recordings", value: chi / freedom, threshold: limit(freedom, SCATTER), passed }))
+        Ok(Some(Test {
+            name: "agreement between recordings",
+            value: chi / freedom,
+            threshold: limit(freedom, SCATTER),
+            passed,
+        }))
     }
 }
 
@@ -132,7 +139,12 @@ fn portmanteau(sets: &[Set], residuals: &[Vec<f64>]) -> Option<Test> {
         return None;
     }
     let passed = upper_chi_squared(total, freedom) > PROBABLE || total / freedom < PORTMANTEAU;
-    Some(Test { name: "correlation of neighbours", value: total / freedom, threshold: limit(freedom, PORTMANTEAU), passed })
+    Some(Test {
+        name: "correlation of neighbours",
+        value: total / freedom,
+        threshold: limit(freedom, PORTMANTEAU),
+        passed,
+    })
 }
 
 /// Mean power below [`LOW_HZ`] over that between it and [`HIGH_HZ`]; `unknowns` numbers were fitted to all recordings, and
@@ -173,7 +185,12 @@ fn band_power(sets: &[Set], residuals: &[Vec<f64>], unknowns: f64) -> Option<Tes
     }
     let ratio = (low / low_freedom) / (high / high_freedom);
     let passed = upper_f(ratio, low_freedom, high_freedom) > PROBABLE || ratio < BAND_RATIO;
-    Some(Test { name: "slow against fast residual", value: ratio, threshold: f_limit(low_freedom, high_freedom), passed })
+    Some(Test {
+        name: "slow against fast residual",
+        value: ratio,
+        threshold: f_limit(low_freedom, high_freedom),
+        passed,
+    })
 }
 
 fn f_limit(above: f64, below: f64) -> f64 {

@@ -3,14 +3,15 @@
 use std::sync::atomic::Ordering;
 
 use super::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use, Value, Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use,
+    Value, Verdict,
 };
 use super::held_out::{HeldOut, rmse};
 use super::search::{Found, Place};
 use super::sets::Set;
 use super::study::{Model, Study};
-use super::verdict::in_place_of;
 use super::unknown::describe;
+use super::verdict::in_place_of;
 use super::{Recording, experiment};
 use crate::Result;
 use crate::observation::Note;
@@ -97,7 +98,8 @@ fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffec
     let entry = &study.catalogue[place.entry];
     let position = model.structure.effects.iter().position(|&e| e == place.entry);
     let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
-    let tilts: usize = study.sets.iter().map(|s| s.pull.iter().filter(|pull| Some(**pull) == study.chance).count()).sum();
+    let tilts: usize =
+        study.sets.iter().map(|s| s.pull.iter().filter(|pull| Some(**pull) == study.chance).count()).sum();
     let found_chance = study.chance.map(|sd| (sd, tilts.max(1)));
     let coefficients = entry.of[0].coefficients.iter().enumerate().map(|(k, coefficient)| {
         let globals = &model.structure.globals;
@@ -206,9 +208,8 @@ fn explained(study: &Study, judged: &Judged, last: &Model, recordings: &[Recordi
         own: set.prepared.own.iter().zip(own).map(|(p, v)| (p.name.clone(), *v, p.unit.clone())).collect(),
     };
     let (before, after) = (study.weighted(&judged.found.base)?, study.weighted(last)?);
-    let mut all: Vec<Explained> = (0..study.sets.len())
-        .map(|d| one(&study.sets[d], &before[d], &after[d], &last.fit.point.own[d]))
-        .collect();
+    let mut all: Vec<Explained> =
+        (0..study.sets.len()).map(|d| one(&study.sets[d], &before[d], &after[d], &last.fit.point.own[d])).collect();
     if let (Some(before), Some(after)) = (&judged.before, &judged.after) {
         let after = if told { after } else { before };
         for (d, set) in judged.held_out.iter().enumerate() {

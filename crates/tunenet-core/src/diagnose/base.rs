@@ -34,7 +34,8 @@ impl<'a> Study<'a> {
         let mut refused = None;
         let mut seen: Vec<Vec<f64>> = Vec::new();
         for (_, start) in ranked.into_iter().take(MOST_STARTS) {
-            let early = |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }, None).map(|f| f.point);
+            let early =
+                |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }, None).map(|f| f.point);
             let first = early(start, HORIZONS[0]);
             if let Ok(point) = &first {
                 let spans = || structure.globals.iter().map(|g| g.parameter.span());

@@ -27,7 +27,8 @@ impl Filter {
     pub fn new(clock: &[f64], noise: &[f64], keep: &[bool], rho: f64) -> Self {
         let width = noise.len();
         let usual = median(clock.windows(2).map(|w| w[1] - w[0]).collect());
-        let mut filter = Self { previous: vec![NONE; keep.len()], own: vec![0.0; keep.len()], carry: vec![0.0; keep.len()] };
+        let mut filter =
+            Self { previous: vec![NONE; keep.len()], own: vec![0.0; keep.len()], carry: vec![0.0; keep.len()] };
         for channel in 0..width {
             let mut before = NONE;
             for i in (channel..keep.len()).step_by(width).filter(|&i| keep[i]) {
@@ -71,7 +72,8 @@ pub(super) fn correlation(sets: &[Set], residuals: &[Vec<f64>]) -> f64 {
             for k in 0..clock.len().saturating_sub(2) {
                 let kept = set.keep[at(k)] && set.keep[at(k + 1)] && set.keep[at(k + 2)];
                 if kept && next(k) && next(k + 1) {
-                    let (first, second) = (residual[at(k + 1)] - residual[at(k)], residual[at(k + 2)] - residual[at(k + 1)]);
+                    let (first, second) =
+                        (residual[at(k + 1)] - residual[at(k)], residual[at(k + 2)] - residual[at(k + 1)]);
                     product += first * second;
                     square += 0.5 * (first * first + second * second);
                     count += 1;

@@ -68,7 +68,11 @@ pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<N
         let known: Vec<&str> =
             std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(knowledge).collect();
         let mut unique: Vec<&str> = Vec::new();
-        known.into_iter().for_each(|k| if !unique.contains(&k) { unique.push(k) });
+        known.into_iter().for_each(|k| {
+            if !unique.contains(&k) {
+                unique.push(k)
+            }
+        });
         let also = if text.is_empty() { "no throw tells" } else { "; no throw tells" };
         let rest = twins.join(", ");
         text.push_str(&format!("{also} {} from {rest}: {}", name(place.entry), unique.join(", or ")));
@@ -112,7 +116,8 @@ fn designs(study: &Study, best: &Model) -> Result<Vec<Set>> {
     for height in HEIGHTS_M {
         for velocity in SPEEDS_M_S {
             let mut start = own.clone();
-            let wanted = [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", velocity[0]), ("velocity_y", velocity[1])];
+            let wanted =
+                [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", velocity[0]), ("velocity_y", velocity[1])];
             for (key, value) in wanted.into_iter().chain([("velocity_z", velocity[2])]) {
                 if let Some(i) = place(key) {
                     start[i] = value;

@@ -38,7 +38,10 @@ impl Study<'_> {
         let mut residuals = plain.clone();
         for (set, values) in sets.iter().zip(&mut residuals) {
             let width = set.width();
-            values.iter_mut().enumerate().for_each(|(i, v)| *v = if set.keep[i] { *v / set.noise[i % width] } else { 0.0 });
+            values
+                .iter_mut()
+                .enumerate()
+                .for_each(|(i, v)| *v = if set.keep[i] { *v / set.noise[i % width] } else { 0.0 });
         }
         Ok(HeldOut { rmse: rmse(sets, &plain, 0.0), forecast: rmse(sets, &ahead, KNOWN), residuals, own: whole.own })
     }
@@ -78,7 +81,7 @@ mod tests {
 
     #[test]
     fn one_in_four_of_each_object_is_set_aside() {
-        assert_eq!(set_aside(&[0, 0, 0], 0), []);
+        assert!(set_aside(&[0, 0, 0], 0).is_empty());
         assert_eq!(set_aside(&[0, 0, 0, 0, 1, 1], 2), [2]);
         assert_eq!(set_aside(&[0, 1, 0, 1, 0, 1, 0, 1], 1), [2, 3]);
     }

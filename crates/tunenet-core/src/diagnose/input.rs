@@ -48,7 +48,9 @@ impl Default for Settings {
 
 impl Settings {
     pub(super) fn check(&self) -> Result<()> {
-        let refuse = |name, expected: &str, found: f64| Err(Error::Setting { name, expected: expected.into(), found: found.to_string() });
+        let refuse = |name, expected: &str, found: f64| {
+            Err(Error::Setting { name, expected: expected.into(), found: found.to_string() })
+        };
         if !(self.significance > 0.0 && self.significance < 1.0) {
             return refuse("significance", "more than 0 and less than 1", self.significance);
         }

@@ -34,8 +34,8 @@ mod verdict;
 mod tests;
 
 pub use answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use, Value,
-    Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use,
+    Value, Verdict,
 };
 pub use input::{Progress, Recording, Settings, Subject};
 
@@ -63,7 +63,8 @@ pub fn diagnose(
 ) -> Result<Diagnosis> {
     settings.check()?;
     if let Some(lost) = recordings.iter().find(|r| r.object >= subjects.len()) {
-        let (expected, found) = (format!("one of {} subjects", subjects.len()), format!("{} of {}", lost.object, lost.name));
+        let (expected, found) =
+            (format!("one of {} subjects", subjects.len()), format!("{} of {}", lost.object, lost.name));
         return Err(Error::Setting { name: "object", expected, found });
     }
     let mut uses = Vec::new();

@@ -10,9 +10,10 @@ use super::catalogue::carrier;
 use super::columns::Projector;
 use super::evidence::p_value;
 use super::joint::{Which, dot};
+use super::sets::Set;
 use super::study::{Model, Study};
 use crate::Result;
-use crate::simulator::{Parameter, Preparation, rollout};
+use crate::simulator::{Parameter, Preparation, Simulator, rollout};
 
 /// Step of a tilt for its derivative, rad.
 const STEP_RAD: f64 = 1e-4;
@@ -57,10 +58,7 @@ impl Study<'_> {
         let (mut stacked, mut unknowns, mut begin) = (Vec::new(), Vec::new(), 0);
         for (d, set) in self.sets.iter().enumerate() {
             let simulator = &*carriers[set.object];
-            let tilts = match simulator.prepare(&set.prepared.seen)? {
-                Preparation::Usable(prepared) => prepared.own.into_iter().skip(set.prepared.own.len()).collect(),
-                Preparation::Rejected(_) => Vec::new(),
-            };
+            let tilts = tilts(simulator, set)?;
             let base = model.structure.parameters(set.object, &model.fit.point.globals);
             let names = model.structure.simulator(set.object).parameters();
             // The coefficient of chance itself stays at its absent value.
@@ -98,13 +96,31 @@ impl Study<'_> {
     }
 
     /// Gives every recording these tilts as unknowns of its own, drawn towards 0 by their standard deviation.
-    pub fn admit(&mut self, scatter: &Scatter) {
+    ///
+    /// # Errors
+    /// Where a held-out recording cannot be prepared.
+    pub fn admit(&mut self, scatter: &Scatter, held_out: &mut [Set]) -> Result<()> {
+        let entries: Vec<_> = self.chance_entry().into_iter().collect();
+        for set in held_out {
+            let tilts = tilts(&*carrier(&self.subjects[set.object], &entries)?, set)?;
+            set.pull.extend(tilts.iter().map(|_| scatter.sd));
+            set.prepared.own.extend(tilts);
+        }
         for (set, tilts) in self.sets.iter_mut().zip(&scatter.unknowns) {
             set.pull.extend(tilts.iter().map(|_| scatter.sd));
             set.prepared.own.extend(tilts.iter().cloned());
         }
         self.chance = Some(scatter.sd);
+        Ok(())
     }
+}
+
+/// The tilts that a recording brings to a simulator that scatters.
+fn tilts(simulator: &dyn Simulator, set: &Set) -> Result<Vec<Parameter>> {
+    Ok(match simulator.prepare(&set.prepared.seen)? {
+        Preparation::Usable(prepared) => prepared.own.into_iter().skip(set.prepared.own.len()).collect(),
+        Preparation::Rejected(_) => Vec::new(),
+    })
 }
 
 /// Twice the gain in marginal logarithmic likelihood by a random effect with these columns, and its standard deviation in

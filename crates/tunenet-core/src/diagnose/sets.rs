@@ -48,9 +48,8 @@ impl Set {
         let keep: Vec<bool> =
             (0..seen.values().len()).map(|i| ranges[i % width] > STILL_SHARE * widest || width == 1).collect();
         let contacts = match seen.kind() {
-            Kind::Positions => Arcs::cut(seen, GRAVITY_M_S2).map_or_else(Vec::new, |arcs| {
-                arcs.contacts.iter().map(|c| c.time_s).collect()
-            }),
+            Kind::Positions => Arcs::cut(seen, GRAVITY_M_S2)
+                .map_or_else(Vec::new, |arcs| arcs.contacts.iter().map(|c| c.time_s).collect()),
             _ => Vec::new(),
         };
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::confusable::canonical_correlation;
 use super::columns::{Projector, orthonormal, stack};
+use super::confusable::canonical_correlation;
 use super::evidence::bic_gain;
 use super::joint::{Columns, Effort, Point, Which, dot};
 use super::study::{FULL, Model, Study};
@@ -61,7 +61,8 @@ impl<'a> Study<'a> {
         let joint = self.joint(&model.structure);
         let (point, residuals) = (&model.fit.point, &model.fit.residuals);
         let base = joint.columns(point, residuals, Which::ALL)?;
-        let candidates: Vec<usize> = (0..self.catalogue.len()).filter(|&e| !model.has(e) && !self.catalogue[e].chance()).collect();
+        let candidates: Vec<usize> =
+            (0..self.catalogue.len()).filter(|&e| !model.has(e) && !self.catalogue[e].chance()).collect();
         let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
         let projector = Projector::new(&base, &lengths, model.structure.globals.len());
         let mut left: Vec<f64> = residuals.concat();

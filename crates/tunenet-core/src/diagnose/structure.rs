@@ -34,7 +34,13 @@ pub(super) struct Structure<'a> {
 }
 
 impl<'a> Structure<'a> {
-    pub fn new(subjects: &[Subject<'a>], sets: &[Set], catalogue: &[Entry], effects: &[usize], chance: bool) -> Result<Self> {
+    pub fn new(
+        subjects: &[Subject<'a>],
+        sets: &[Set],
+        catalogue: &[Entry],
+        effects: &[usize],
+        chance: bool,
+    ) -> Result<Self> {
         let entries: Vec<&Entry> = effects.iter().map(|&e| &catalogue[e]).collect();
         let scatter = catalogue.iter().filter(|e| chance && e.name == SCATTER);
         let carried: Vec<&Entry> = entries.iter().copied().chain(scatter).collect();
@@ -51,7 +57,8 @@ impl<'a> Structure<'a> {
             let parameters = subject.simulator.parameters();
             let prepared: Vec<_> = sets.iter().filter(|s| s.object == object).map(|s| s.prepared.clone()).collect();
             for i in tune::free(parameters, &prepared) {
-                let global = Global { parameter: parameters[i].clone(), object: Some(object), effect: None, absent: None };
+                let global =
+                    Global { parameter: parameters[i].clone(), object: Some(object), effect: None, absent: None };
                 structure.add(global, object);
             }
         }
@@ -128,9 +135,8 @@ impl<'a> Structure<'a> {
     /// The free numbers where `from` (a structure without the last effects, or with others) leaves them; what it does not
     /// have stands as in the simulator, absent.
     pub fn carry(&self, from: &Structure, globals: &[f64]) -> Vec<f64> {
-        let same = |g: &Global| {
-            from.globals.iter().position(|f| f.object == g.object && f.parameter.name == g.parameter.name)
-        };
+        let same =
+            |g: &Global| from.globals.iter().position(|f| f.object == g.object && f.parameter.name == g.parameter.name);
         self.globals.iter().map(|g| same(g).map_or(g.parameter.value, |place| globals[place])).collect()
     }
 }

@@ -72,7 +72,10 @@ impl<'a> Study<'a> {
     /// A model with these effects, fitted from where `near` stands.
     pub fn fit_near(&self, effects: &[usize], near: &Model) -> Result<Model<'a>> {
         let structure = self.structure(effects)?;
-        let point = Point { globals: structure.carry(&near.structure, &near.fit.point.globals), own: near.fit.point.own.clone() };
+        let point = Point {
+            globals: structure.carry(&near.structure, &near.fit.point.globals),
+            own: near.fit.point.own.clone(),
+        };
         let fit = self.joint(&structure).fit(point, FULL, None)?;
         Ok(Model { structure, fit })
     }

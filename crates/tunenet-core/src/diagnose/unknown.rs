@@ -41,7 +41,8 @@ pub(super) fn describe(study: &Study, model: &Model) -> Result<String> {
     };
     let mine: Vec<&Arc> = arcs.iter().filter(|a| a.channel == worst).collect();
     let count = mine.len().max(1) as f64;
-    let (bend, line) = mine.iter().fold((0.0, 0.0), |(b, l), a| (b + a.bend_square / count, l + a.line_square / (2.0 * count)));
+    let (bend, line) =
+        mine.iter().fold((0.0, 0.0), |(b, l), a| (b + a.bend_square / count, l + a.line_square / (2.0 * count)));
     let weight: f64 = mine.iter().map(|a| a.samples as f64).sum();
     let size = (mine.iter().map(|a| a.samples as f64 * a.acceleration.powi(2)).sum::<f64>() / weight.max(1.0)).sqrt();
     let axis = &channels[worst];
@@ -99,7 +100,8 @@ fn arcs(set: &Set, residual: &[f64]) -> Vec<Arc> {
             continue;
         }
         let (middle_s, half) = (0.5 * (clock[begin] + clock[end - 1]), 0.5 * (clock[end - 1] - clock[begin]));
-        let travelled: f64 = (0..width).map(|c| (seen.row(end - 1)[c] - seen.row(begin)[c]).powi(2)).sum::<f64>().sqrt();
+        let travelled: f64 =
+            (0..width).map(|c| (seen.row(end - 1)[c] - seen.row(begin)[c]).powi(2)).sum::<f64>().sqrt();
         for channel in 0..width {
             let kept: Vec<usize> = (begin..end).filter(|&k| set.keep[k * width + channel]).collect();
             if kept.len() < LEAST_SAMPLES {

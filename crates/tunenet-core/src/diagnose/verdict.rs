@@ -2,8 +2,8 @@
 
 use super::answer::{Diagnosis, Test, Use, Verdict};
 use super::assemble::{Judged, assemble};
-use super::held_out::HeldOut;
 use super::catalogue::Entry;
+use super::held_out::HeldOut;
 use super::joint::{Outcome, Point};
 use super::scatter::Scatter;
 use super::search::{Found, Place};
@@ -61,7 +61,7 @@ pub(super) fn judge(
     let mut tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base))?;
     let control = control(&study, &found, &held_out)?;
     if let Some(scatter) = by_chance(&study, &found, &tests)? {
-        study.admit(&scatter);
+        study.admit(&scatter, &mut held_out)?;
         found = with_chance(&study, found, &scatter, progress)?;
         tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base))?;
     }
@@ -89,7 +89,8 @@ pub(super) fn judge(
 fn by_chance(study: &Study, found: &Found, tests: &[Test]) -> Result<Option<Scatter>> {
     let significant = |s: &Scatter| s.gain > study.settings.margin && s.p_value < study.settings.significance;
     let alone = study.scatter(&found.base)?.filter(significant);
-    let others = found.best.as_ref().map_or(0.0, |best| study.gain(&found.base, best, best.scale()));
+    // At the misfit's own scale, as the gain by chance is.
+    let others = found.best.as_ref().map_or(0.0, |best| study.gain(&found.base, best, found.base.scale()));
     if alone.as_ref().is_some_and(|s| s.gain > others) {
         return Ok(alone);
     }
@@ -101,7 +102,12 @@ fn by_chance(study: &Study, found: &Found, tests: &[Test]) -> Result<Option<Scat
 }
 
 /// The search again, every bounce with a tilt of its own.
-fn with_chance<'a>(study: &Study<'a>, plain: Found<'a>, scatter: &Scatter, progress: &dyn Fn(Progress)) -> Result<Found<'a>> {
+fn with_chance<'a>(
+    study: &Study<'a>,
+    plain: Found<'a>,
+    scatter: &Scatter,
+    progress: &dyn Fn(Progress),
+) -> Result<Found<'a>> {
     let entry = study.catalogue.iter().position(Entry::chance).unwrap_or(0);
     let mut own = plain.base.fit.point.own.clone();
     own.iter_mut().zip(&scatter.unknowns).for_each(|(own, tilts)| own.extend(tilts.iter().map(|t| t.value)));
@@ -138,7 +144,8 @@ fn control(study: &Study, found: &Found, sets: &[Set]) -> Result<Option<(&'stati
 fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<Diagnosis> {
     let values = study.count();
     let own: usize = study.sets.iter().map(|s| s.prepared.own.len()).sum();
-    let parameters: usize = study.subjects.iter().map(|s| s.simulator.parameters().iter().filter(|p| p.tune).count()).sum();
+    let parameters: usize =
+        study.subjects.iter().map(|s| s.simulator.parameters().iter().filter(|p| p.tune).count()).sum();
     let unknowns = own + parameters;
     let note = if study.sets.is_empty() {
         Note::new("recordings.none", "no recording can be used to fit", "see what was noted of each")
@@ -198,7 +205,11 @@ fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'stati
         names.extend(next.map(|t| name(t.entry)));
     }
     let mut unique: Vec<&'static str> = Vec::new();
-    names.into_iter().for_each(|n| if !unique.contains(&n) { unique.push(n) });
+    names.into_iter().for_each(|n| {
+        if !unique.contains(&n) {
+            unique.push(n)
+        }
+    });
     unique.truncate(MOST_NAMES.max(found.places.len()));
     (if open { Verdict::OneOf } else { Verdict::Named }, unique)
 }

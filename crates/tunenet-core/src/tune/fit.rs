@@ -237,8 +237,7 @@ impl Problem<'_> {
         // A parameter on a bound that wants to leave it is held there.
         for i in 0..shared {
             let (p, value) = (self.parameter(i), point.parameters[self.free[i]]);
-            let outward =
-                equations.right[i] < 0.0 && value <= p.min || equations.right[i] > 0.0 && value >= p.max;
+            let outward = equations.right[i] < 0.0 && value <= p.min || equations.right[i] > 0.0 && value >= p.max;
             if outward {
                 equations.hold(i);
             }
