@@ -119,7 +119,7 @@ fn series<'a>(sets: &'a [Set], residuals: &'a [Vec<f64>]) -> impl Iterator<Item 
     })
 }
 
-/// Ljung and Box (1978) over all channels and recordings: Q = n (n + 2) Σ r_k²/(n − k), summed.
+/// Ljung and Box (1978) over all channels and recordings: `Q = n (n + 2) Σ r_k²/(n − k)`, summed.
 fn portmanteau(sets: &[Set], residuals: &[Vec<f64>]) -> Option<Test> {
     let (mut total, mut freedom) = (0.0, 0.0);
     for (_, _, values) in series(sets, residuals) {

@@ -21,6 +21,8 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// Everything judged, to be put together.
 pub(super) struct Judged<'a> {
+    /// Of the best candidates: the held-out residual of each alone over that without it.
+    pub ratios: Vec<(usize, f64)>,
     pub verdict: Verdict,
     pub names: Vec<&'static str>,
     /// How far behind the best an explanation is still left.
@@ -54,7 +56,7 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
     Ok(Diagnosis {
         verdict: judged.verdict,
         effects,
-        candidates: candidates(study, found),
+        candidates: candidates(study, found, &judged.ratios),
         gap: Some(gap),
         next_experiment: next(study, &judged)?,
         description,
@@ -134,14 +136,14 @@ fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffec
     }
 }
 
-fn candidates(study: &Study, found: &Found) -> Vec<Candidate> {
+fn candidates(study: &Study, found: &Found, ratios: &[(usize, f64)]) -> Vec<Candidate> {
     let best = found.alone.iter().filter(|t| t.excluded.is_none()).map(|t| t.gain).fold(f64::NEG_INFINITY, f64::max);
     let each = found.alone.iter().map(|t| Candidate {
         name: study.catalogue[t.entry].name,
         bic_gain: t.gain,
         delta: best - t.gain,
         fitted: t.model.is_some(),
-        held_out_ratio: None,
+        held_out_ratio: ratios.iter().find(|(entry, _)| *entry == t.entry).map(|(_, ratio)| *ratio),
         excluded: t.excluded.clone(),
     });
     each.collect()

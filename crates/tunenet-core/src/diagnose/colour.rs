@@ -29,10 +29,10 @@ impl Filter {
         let usual = median(clock.windows(2).map(|w| w[1] - w[0]).collect());
         let mut filter =
             Self { previous: vec![NONE; keep.len()], own: vec![0.0; keep.len()], carry: vec![0.0; keep.len()] };
-        for channel in 0..width {
+        for (channel, sd) in noise.iter().enumerate() {
             let mut before = NONE;
             for i in (channel..keep.len()).step_by(width).filter(|&i| keep[i]) {
-                let weight = noise[channel].recip();
+                let weight = sd.recip();
                 filter.own[i] = weight;
                 if before != NONE && rho != 0.0 {
                     let spacings = (clock[i / width] - clock[before / width]) / usual;

@@ -76,7 +76,9 @@ pub(super) fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let after = dot(&column, &column);
         if after > DEPENDENT * before && after.is_finite() {
             let scale = after.sqrt().recip();
-            column.iter_mut().for_each(|c| *c *= scale);
+            for c in &mut column {
+                *c *= scale;
+            }
             basis.push(column);
         }
     }

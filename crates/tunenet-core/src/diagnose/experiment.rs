@@ -7,7 +7,7 @@ use super::joint::{Columns, Joint, Point, Which, dot};
 use super::search::Found;
 use super::sets::Set;
 use super::study::{Model, Study};
-use super::verdict::in_place_of;
+use super::verdict::{in_place_of, unique};
 use crate::Result;
 use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, rollout};
@@ -67,15 +67,10 @@ pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<N
     if !twins.is_empty() {
         let known: Vec<&str> =
             std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(knowledge).collect();
-        let mut unique: Vec<&str> = Vec::new();
-        known.into_iter().for_each(|k| {
-            if !unique.contains(&k) {
-                unique.push(k)
-            }
-        });
+        let unique = unique(known);
         let also = if text.is_empty() { "no throw tells" } else { "; no throw tells" };
         let rest = twins.join(", ");
-        text.push_str(&format!("{also} {} from {rest}: {}", name(place.entry), unique.join(", or ")));
+        text = format!("{text}{also} {} from {rest}: {}", name(place.entry), unique.join(", or "));
     }
     Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
 }

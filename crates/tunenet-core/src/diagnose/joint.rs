@@ -215,7 +215,7 @@ impl Joint<'_> {
                         break;
                     }
                     // Nothing worth having is left in this direction.
-                    if self.promise(&equations, damping) < effort.tolerance {
+                    if Self::promise(&equations, damping) < effort.tolerance {
                         break;
                     }
                 }
@@ -235,7 +235,7 @@ impl Joint<'_> {
     }
 
     /// What a linear model of this point promises to gain by the damped step.
-    fn promise(&self, equations: &Arrow, damping: f64) -> f64 {
+    fn promise(equations: &Arrow, damping: f64) -> f64 {
         let (shared, own) = equations.solve(damping);
         let own: f64 = equations.blocks.iter().zip(&own).map(|(b, step)| b.own_right.dot(step)).sum();
         shared.dot(&equations.right) + own

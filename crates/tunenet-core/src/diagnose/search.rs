@@ -6,6 +6,9 @@ use super::study::{Model, Study};
 use super::{Progress, confusable};
 use crate::Result;
 
+/// A swap may open the way to another; each is better than the one before.
+const MOST_SWAPS: usize = 6;
+
 /// What the search found.
 pub(super) struct Found<'a> {
     /// The simulation without any effect.
@@ -16,6 +19,19 @@ pub(super) struct Found<'a> {
     pub best: Option<Model<'a>>,
     /// For each effect of the best: what it is worth and what could stand in its place.
     pub places: Vec<Place>,
+}
+
+/// What becomes of a structure whose effects are judged one by one.
+enum Judged<'a> {
+    /// Each earns its place.
+    Stands(Vec<Place>),
+    /// This one is better; `None` is the simulation without any effect.
+    Yields(Option<Box<Model<'a>>>),
+}
+
+/// An effect whose worth was not looked at: it has none.
+fn unjudged(entry: &usize) -> Place {
+    Place { entry: *entry, gain: 0.0, p_value: 1.0, others: Vec::new() }
 }
 
 /// One effect of the best structure.
@@ -46,23 +62,24 @@ impl<'a> Study<'a> {
             best = Some(more);
         }
         let mut places = Vec::new();
-        // A swap may open the way to another; one round is enough in practice.
-        for _ in 0..2 {
+        for _ in 0..MOST_SWAPS {
             let Some(model) = best.take() else { break };
             // With all that may be added and still no fit, there is nothing to compare with.
             let full = model.structure.effects.len() >= self.settings.most_effects.max(2);
             if full && !self.adequacy(&model)?.iter().all(|t| t.passed) {
-                let unjudged = |&entry: &usize| Place { entry, gain: 0.0, p_value: 1.0, others: Vec::new() };
-                places = model.structure.effects.iter().map(unjudged).collect();
                 best = Some(model);
                 break;
             }
-            let (again, found) = self.judge_places(&base, &alone, model)?;
-            best = again.0;
-            places = found;
-            if !again.1 {
-                break;
+            match self.judge_places(&base, &alone, &model)? {
+                Judged::Stands(found) => {
+                    (best, places) = (Some(model), found);
+                    break;
+                }
+                Judged::Yields(other) => best = other.map(|model| *model),
             }
+        }
+        if let (Some(model), true) = (&best, places.is_empty()) {
+            places = model.structure.effects.iter().map(unjudged).collect();
         }
         Ok(Found { base, alone, best, places })
     }
@@ -88,15 +105,9 @@ impl<'a> Study<'a> {
         (self.gain(before, after, scale), p.min(1.0))
     }
 
-    /// For each effect: what it is worth, and what explains as much in its place. Swaps or drops where that is better;
-    /// then true.
-    #[expect(clippy::type_complexity, reason = "a model, whether it changed, and the places of its effects")]
-    fn judge_places(
-        &self,
-        base: &Model<'a>,
-        alone: &[Trial<'a>],
-        model: Model<'a>,
-    ) -> Result<((Option<Model<'a>>, bool), Vec<Place>)> {
+    /// For each effect: what it is worth, and what explains as much in its place; or a better structure, one swapped or
+    /// dropped.
+    fn judge_places(&self, base: &Model<'a>, alone: &[Trial<'a>], model: &Model<'a>) -> Result<Judged<'a>> {
         let effects = model.structure.effects.clone();
         let mut places = Vec::new();
         for &entry in &effects {
@@ -106,28 +117,28 @@ impl<'a> Study<'a> {
             if others.is_empty() {
                 (without, trials) = (base, alone);
             } else {
-                let fitted = self.fit_near(&others, &model)?;
+                let fitted = self.fit_near(&others, model)?;
                 let stage = self.stage(&fitted)?;
                 made = (fitted, stage);
                 (without, trials) = (&made.0, made.1.as_slice());
             }
-            let (gain, p_value) = self.worth(without, &model);
+            let (gain, p_value) = self.worth(without, model);
             if gain < self.settings.margin || p_value > self.settings.significance {
-                let fitted = if others.is_empty() { None } else { Some(self.fit_near(&others, &model)?) };
-                return Ok(((fitted, true), places));
+                let fitted = if others.is_empty() { None } else { Some(self.fit_near(&others, model)?) };
+                return Ok(Judged::Yields(fitted.map(Box::new)));
             }
-            let others = confusable::others(self, &model, entry, trials);
+            let others = confusable::others(self, model, entry, trials);
             if let Some(better) = others.iter().find(|(_, gap)| *gap < -1.0)
                 && effects.len() > 1
             {
                 let found = trials.iter().find(|t| t.entry == better.0).and_then(|t| t.model.as_ref());
                 if let Some(found) = found {
                     let structure = self.structure(&found.structure.effects)?;
-                    return Ok(((Some(Model { structure, fit: found.fit.clone() }), true), places));
+                    return Ok(Judged::Yields(Some(Box::new(Model { structure, fit: found.fit.clone() }))));
                 }
             }
             places.push(Place { entry, gain, p_value, others });
         }
-        Ok(((Some(model), false), places))
+        Ok(Judged::Stands(places))
     }
 }

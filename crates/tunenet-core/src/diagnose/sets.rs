@@ -90,7 +90,9 @@ impl Set {
             let spread = (1.4826 * median(off.iter().map(|v| v.abs()).collect())).max(0.5);
             let outlying: Vec<usize> = (0..off.len()).filter(|&k| off[k].abs() > OUTLYING * spread).collect();
             if (outlying.len() as f64) < MOST_OUTLYING * places.len() as f64 {
-                outlying.iter().for_each(|&k| self.keep[places[k]] = false);
+                for k in &outlying {
+                    self.keep[places[*k]] = false;
+                }
                 set_aside += outlying.len();
             }
         }

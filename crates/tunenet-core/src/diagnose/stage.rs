@@ -175,7 +175,7 @@ impl<'a> Study<'a> {
     fn fit_best(&self, trials: &mut [Trial<'a>], model: &Model<'a>) {
         let mut done = vec![false; trials.len()];
         for round in 0.. {
-            let best = self.leader(trials);
+            let best = Self::leader(trials);
             let limit = best.map_or(0.0, |b| trials[b].gain - BEHIND.max(BEHIND_SHARE * trials[b].gain));
             let alike = |i: usize| {
                 best.is_some_and(|b| done[b] && canonical_correlation(&trials[b].span, &trials[i].span) > ALIKE)
@@ -210,7 +210,7 @@ impl<'a> Study<'a> {
     }
 
     /// The best trial as it stands.
-    fn leader(&self, trials: &[Trial]) -> Option<usize> {
+    fn leader(trials: &[Trial]) -> Option<usize> {
         let fitted = (0..trials.len()).filter(|&i| trials[i].excluded.is_none() && trials[i].model.is_some());
         fitted.max_by(|a, b| trials[*a].gain.total_cmp(&trials[*b].gain))
     }

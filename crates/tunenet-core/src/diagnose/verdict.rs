@@ -21,6 +21,8 @@ const OVERWHELMING_GAIN: f64 = 150.0;
 const LEAST_FREEDOM: usize = 12;
 /// A model may not raise the held-out residual by more than this factor.
 const HELD_OUT_WORSE: f64 = 1.05;
+/// Candidates that are tried on held-out recordings.
+const MOST_RATIOS: usize = 3;
 /// How many names an ambiguous or unknown verdict gives at most.
 const MOST_NAMES: usize = 6;
 
@@ -56,10 +58,13 @@ pub(super) fn judge(
             found = study.search(base, progress)?;
         }
     }
-    held_out.iter_mut().for_each(|set| set.colour(rho));
+    for set in &mut held_out {
+        set.colour(rho);
+    }
     let before = unseen(&study, &found.base, &held_out)?;
     let mut tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base))?;
     let control = control(&study, &found, &held_out)?;
+    let ratios = ratios(&study, &found, &held_out, before.as_ref())?;
     if let Some(scatter) = by_chance(&study, &found, &tests)? {
         study.admit(&scatter, &mut held_out)?;
         found = with_chance(&study, found, &scatter, progress)?;
@@ -81,7 +86,7 @@ pub(super) fn judge(
     }
     let (verdict, names) = decide(&study, &found, &tests);
     let margin = margin(&study);
-    let judged = Judged { verdict, names, margin, found, tests, before, after, control, held_out, uses, notes };
+    let judged = Judged { ratios, verdict, names, margin, found, tests, before, after, control, held_out, uses, notes };
     assemble(&study, judged, recordings)
 }
 
@@ -140,6 +145,16 @@ fn control(study: &Study, found: &Found, sets: &[Set]) -> Result<Option<(&'stati
     Ok(Some((study.catalogue[wrong.entry].name, study.held_out(&model, sets)?.rmse)))
 }
 
+/// How far the best candidates, each alone, take the held-out residual down.
+fn ratios(study: &Study, found: &Found, sets: &[Set], before: Option<&HeldOut>) -> Result<Vec<(usize, f64)>> {
+    let (Some(before), Some(_)) = (before, &found.best) else { return Ok(Vec::new()) };
+    let fitted = found.alone.iter().filter_map(|t| t.model.as_ref().map(|model| (t.entry, model)));
+    fitted
+        .take(MOST_RATIOS)
+        .map(|(entry, model)| Ok((entry, study.held_out(model, sets)?.rmse / before.rmse)))
+        .collect()
+}
+
 /// The answer of recordings that cannot give one.
 fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<Diagnosis> {
     let values = study.count();
@@ -187,7 +202,7 @@ fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'stati
         let near = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0);
         return (Verdict::Unknown, near.take(2).map(|t| name(t.entry)).collect());
     }
-    if !adequate {
+    if !adequate || found.places.iter().any(|p| p.gain < study.settings.margin) {
         return (Verdict::Unknown, found.places.iter().map(|p| name(p.entry)).collect());
     }
     let single = study.sets.len() == 1;
@@ -204,17 +219,23 @@ fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'stati
         let next = found.alone.iter().find(|t| t.excluded.is_none() && name(t.entry) != names[0]);
         names.extend(next.map(|t| name(t.entry)));
     }
-    let mut unique: Vec<&'static str> = Vec::new();
-    names.into_iter().for_each(|n| {
-        if !unique.contains(&n) {
-            unique.push(n)
-        }
-    });
-    unique.truncate(MOST_NAMES.max(found.places.len()));
-    (if open { Verdict::OneOf } else { Verdict::Named }, unique)
+    let mut names = unique(names);
+    names.truncate(MOST_NAMES.max(found.places.len()));
+    (if open { Verdict::OneOf } else { Verdict::Named }, names)
 }
 
 /// What stands within `margin` of an effect of the best structure.
 pub(super) fn in_place_of(place: &Place, margin: f64) -> Vec<usize> {
     place.others.iter().filter(|(_, gap)| *gap < margin).map(|(entry, _)| *entry).collect()
+}
+
+/// Each name once, in the order in which they come.
+pub(super) fn unique<'a>(names: Vec<&'a str>) -> Vec<&'a str> {
+    let mut once: Vec<&'a str> = Vec::with_capacity(names.len());
+    for name in names {
+        if !once.contains(&name) {
+            once.push(name);
+        }
+    }
+    once
 }

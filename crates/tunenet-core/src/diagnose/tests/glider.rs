@@ -126,7 +126,9 @@ pub fn throws(truth: Truth, count: usize, samples: usize, seed: u64) -> Vec<Obse
                 values.push(path(start[0], start[1], truth.push, *t));
                 values.push(path(start[2], start[3], -GRAVITY - truth.more_gravity, *t) + sway);
             }
-            values.iter_mut().for_each(|v| *v += NOISE_M * draw.sample::<f64, _>(rand_distr::StandardNormal));
+            for v in &mut values {
+                *v += NOISE_M * draw.sample::<f64, _>(rand_distr::StandardNormal);
+            }
             Observation::new(Kind::Other, Glider::new().channels, clock, values).unwrap()
         })
         .collect()
