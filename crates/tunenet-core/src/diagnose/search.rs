@@ -30,8 +30,8 @@ enum Judged<'a> {
 }
 
 /// An effect whose worth was not looked at: it has none.
-fn unjudged(entry: &usize) -> Place {
-    Place { entry: *entry, gain: 0.0, p_value: 1.0, others: Vec::new() }
+fn unjudged(entry: usize) -> Place {
+    Place { entry, gain: 0.0, p_value: 1.0, others: Vec::new() }
 }
 
 /// One effect of the best structure.
@@ -79,7 +79,7 @@ impl<'a> Study<'a> {
             }
         }
         if let (Some(model), true) = (&best, places.is_empty()) {
-            places = model.structure.effects.iter().map(unjudged).collect();
+            places = model.structure.effects.iter().map(|&e| unjudged(e)).collect();
         }
         Ok(Found { base, alone, best, places })
     }
