@@ -143,6 +143,20 @@ impl Folder {
     }
 }
 
+/// Refused with status 1: nothing on standard output, `wanted` on standard error, no new files.
+#[track_caller]
+pub fn refused(folder: &Folder, line: &str, wanted: &[&str]) {
+    let before = folder.names();
+    let ran = folder.run(line).ends(1);
+    assert!(ran.stdout.is_empty(), "{line}: {}", ran.stdout);
+    assert_eq!(ran.stderr.lines().filter(|l| l.starts_with("error")).count(), 1, "{line}: {}", ran.stderr);
+    for text in wanted {
+        assert!(ran.stderr.contains(text), "{line}: no `{text}` in:\n{}", ran.stderr);
+    }
+    assert!(ran.stderr.contains("help: "), "{line}: no hint in:\n{}", ran.stderr);
+    assert_eq!(folder.names(), before, "{line}");
+}
+
 /// A ball let go from rest, in SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Drop {

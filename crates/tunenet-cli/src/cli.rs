@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Makes a simulator behave like a measured real thing.
+///
+/// Give it a simulation file and a recording of the real thing; it finds the parameters with which the simulation does
+/// what was recorded, and says how sure it is of each.
 #[derive(Debug, Parser)]
 #[command(name = "tunenet", version, about, max_term_width = 100, propagate_version = true)]
-#[command(after_help = "Exit status: 0 done, 1 a file or the system refused, 2 wrong usage, \
-3 finished and the honest answer is no.\nEvery command takes --json and then prints one JSON object on standard output.")]
+#[command(arg_required_else_help = true, after_help = FIRST_STEPS)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -18,6 +20,9 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a commented simulation file to start from
+    #[command(after_help = INIT_EXAMPLES)]
+    Init(Init),
     /// Tune a simulation's parameters to observations
     #[command(after_help = TUNE_EXAMPLES)]
     Tune(Tune),
@@ -44,7 +49,28 @@ pub enum Command {
         /// Which shell
         shell: clap_complete::Shell,
     },
+    /// Print a manual page
+    #[command(after_help = "Examples:\n  tunenet man | man -l -\n  tunenet man tune > tunenet-tune.1")]
+    Man {
+        /// Of which command; of the tool as a whole where left out
+        command: Option<String>,
+    },
 }
+
+const FIRST_STEPS: &str = "\
+First steps:
+  tunenet inspect drop.csv                               can this be used?
+  tunenet init ball                                      write the ball's radius into ball.toml
+  tunenet tune --sim ball.toml --observation drop.csv    the answer
+
+All but completions and man take --json: one JSON object on standard output.
+Exit status: 0 done, 1 a file or the system refused, 2 wrong usage,
+             3 finished, and the honest answer is no.";
+const INIT_EXAMPLES: &str = "\
+Examples:
+  tunenet init ball
+  tunenet init ball --out tennis.toml
+Without a word about the release or the surface's height, both are estimated from each recording.";
 
 const TUNE_EXAMPLES: &str = "\
 Examples:
@@ -108,6 +134,28 @@ pub struct Common {
     /// Start of every random draw
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+}
+
+/// What `init` describes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Scene {
+    /// A ball that falls and bounces
+    Ball,
+}
+
+/// `tunenet init`.
+#[derive(Debug, Args)]
+pub struct Init {
+    /// Of what
+    pub scene: Scene,
+    /// Where to write
+    #[arg(long, value_name = "FILE.toml", default_value = "ball.toml")]
+    pub out: PathBuf,
+    /// Overwrite a file that is there already
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `tunenet tune`.
@@ -265,6 +313,21 @@ pub enum Measured {
     Tuning(BenchTuning),
     /// How often the stated intervals hold the truth, and how often a good drop is called a poor fit
     Intervals(BenchIntervals),
+    /// How often intervals and joint regions of several parameters hold the truth
+    Regions(BenchRegions),
+}
+
+/// `tunenet bench regions`.
+#[derive(Debug, Args)]
+pub struct BenchRegions {
+    /// Recordings in each cell
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub draws: u32,
+    /// Where finished cells and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-regions")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `tunenet bench intervals`.

@@ -25,6 +25,7 @@ const CENTRE_HEIGHT_M: std::ops::Range<f64> = 4.0..5.0;
 pub fn run(options: &Gen) -> Result<Exit> {
     let Domain::Ball = options.domain;
     let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
+    load::ending(&options.out, &["mcap"])?;
     load::writable(&options.out, &inputs)?;
     if options.out.exists() && !options.out.is_file() {
         let message = "expected a file to write to, found a device";

@@ -60,7 +60,9 @@ fn series(found: &Table, options: &Inspect) -> (Value, bool) {
     } else {
         load::recording(&options.file, &options.reading).map(|r| r.observation.kind()).map_err(|e| sentence(&e))
     };
-    stage("table", &format!("{} rows, {} samples", found.rows, found.samples));
+    // A table whose columns say nothing has rows and no samples: what to type comes first.
+    let samples = if found.samples == 0 { String::new() } else { format!(", {} samples", found.samples) };
+    stage("table", &format!("{} rows{samples}", found.rows));
     let columns: Vec<Vec<String>> =
         found.columns.iter().map(|c| vec![c.name.clone(), c.read_as.clone().unwrap_or_else(|| "-".into())]).collect();
     anstream::eprintln!("{}", table(&columns));
@@ -76,9 +78,13 @@ fn series(found: &Table, options: &Inspect) -> (Value, bool) {
     }
     found.notes.iter().for_each(warn);
     tell_usable(&usable);
+    if usable.is_err() && !found.remedy.is_empty() {
+        anstream::eprintln!("  try: {}", found.remedy.strip_prefix("try ").unwrap_or(&found.remedy));
+    }
     let object = json!({
         "kind": usable.as_ref().map(|k| k.name()).ok(),
         "reason": usable.as_ref().err(),
+        "remedy": usable.as_ref().err().map(|_| &found.remedy),
         "for": usable.as_ref().ok().map(|k| purpose(*k)),
         "rows": found.rows, "samples": found.samples,
         "columns": found.columns.iter().map(|c| json!({ "name": c.name, "read_as": c.read_as })).collect::<Vec<_>>(),

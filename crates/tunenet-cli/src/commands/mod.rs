@@ -2,9 +2,12 @@
 
 mod bench;
 mod gen_pairs;
+mod init;
 mod inspect;
 mod load;
+mod man;
 mod simulate;
+mod start;
 mod train;
 mod tune;
 
@@ -23,6 +26,8 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
         Command::Gen(options) => gen_pairs::run(&options),
         Command::Train(options) => train::run(&options),
         Command::Bench(options) => bench::run(&options),
+        Command::Init(options) => init::run(&options),
+        Command::Man { command } => man::run(command.as_deref()),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Arguments::command(), "tunenet", &mut std::io::stdout());
             Ok(Exit::Done)

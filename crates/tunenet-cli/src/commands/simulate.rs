@@ -15,12 +15,7 @@ use crate::terminal::stage;
 
 pub fn run(options: &Simulate) -> Result<Exit> {
     let extension = options.out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    if !matches!(extension.as_str(), "csv" | "mcap") {
-        let found = format!("`{}`", options.out.display());
-        return Err(
-            Error::Setting { name: "--out", expected: "a name that ends in .csv or .mcap".into(), found }.into()
-        );
-    }
+    load::ending(&options.out, &["csv", "mcap"])?;
     load::writable(&options.out, &[&options.simulation.sim])?;
     let mut file = load::simulation(&options.simulation)?;
     let release = file.release();

@@ -10,10 +10,10 @@ use tunenet_core::Error;
 use tunenet_core::network::Model;
 use tunenet_core::observation::recording::{Recording, write_atomically};
 use tunenet_core::observation::{Kind, Note};
-use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
+use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
 use tunenet_sim::{SimulationFile, simulator};
 
-use super::{load, print_json};
+use super::{load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
 use crate::terminal::{in_words, rounded, stage, table, warn};
@@ -32,6 +32,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
         load::writable(out, &inputs)?;
     }
     let file = load::simulation(&options.simulation)?;
+    start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {
         return each(options, &file, model.as_ref());
@@ -156,6 +157,7 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
             let one = json!({
                 "value": p.value, "unit": p.unit, "interval95": [low, high],
                 "before": p.before, "bounds": [p.bounds.0, p.bounds.1], "identified": p.identified,
+                "status": p.status,
             });
             (p.name.clone(), one)
         })
@@ -189,7 +191,21 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
         object["correlation"] = json!({ "parameters": outcome.free, "matrix": rows });
     }
+    if let Some(region) = &outcome.region95 {
+        object["region95"] = region_json(region);
+    }
     object
+}
+
+fn region_json(region: &Region) -> Value {
+    let covariance = region
+        .covariance
+        .as_ref()
+        .map(|c| c.row_iter().map(|r| r.iter().copied().collect()).collect::<Vec<Vec<f64>>>());
+    json!({
+        "parameters": region.parameters, "centre": region.centre, "covariance": covariance,
+        "quantile": region.quantile, "boundary": region.boundary,
+    })
 }
 
 /// A note as every command's JSON has it.

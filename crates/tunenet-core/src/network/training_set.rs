@@ -53,6 +53,11 @@ impl TrainingSet {
         if set.covered.is_empty() {
             return Err(Error::file(path, "expected at least one pair, found none", ""));
         }
+        if (0..set.pairs()).all(|i| set.row(2 * i) == set.row(2 * i + 1)) {
+            let names: Vec<String> = set.parameters.iter().map(|p| format!("`{}`", p.name)).collect();
+            let text = format!("expected rollouts that differ with {}, found none that do", names.join(", "));
+            return Err(Error::file(path, text, "learn parameters that change what is observed"));
+        }
         Ok(set)
     }
 

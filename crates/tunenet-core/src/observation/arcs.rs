@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::line::Polynomial;
+use super::local::{LocalEstimate, widened};
 use super::release::release;
 use super::{Kind, Note, Observation, noise_sd};
 
@@ -46,15 +47,6 @@ pub struct Contact {
     /// Rebound over approach speed from the flights right at the contact, each with its own vertical acceleration, so that
     /// an unmodelled force in flight (drag, a wrong scale) does not bias it. `None` where a flight is too short.
     pub restitution: Option<LocalEstimate>,
-}
-
-/// A number read off a part of the data, with its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LocalEstimate {
-    /// The estimate.
-    pub value: f64,
-    /// Its standard deviation.
-    pub sd: f64,
 }
 
 /// A recording of a bouncing ball, cut into what can be used and what cannot.
@@ -127,11 +119,7 @@ impl Arcs {
     #[must_use]
     pub fn restitution(&self) -> Option<LocalEstimate> {
         let each: Vec<LocalEstimate> = self.contacts.iter().filter_map(|c| c.restitution).collect();
-        let weight: f64 = each.iter().map(|e| e.sd.powi(-2)).sum();
-        let value = each.iter().map(|e| e.value * e.sd.powi(-2)).sum::<f64>() / weight;
-        let scatter: f64 = each.iter().map(|e| ((e.value - value) / e.sd).powi(2)).sum();
-        let excess = if each.len() > 1 { (scatter / (each.len() - 1) as f64).max(1.0) } else { 1.0 };
-        value.is_finite().then(|| LocalEstimate { value, sd: (excess / weight).sqrt() })
+        LocalEstimate::mean(&each)
     }
 }
 
@@ -325,22 +313,29 @@ fn local_restitution(
     time_s: f64,
     sd: f64,
 ) -> Option<LocalEstimate> {
-    let widest = |range: Range<usize>, at_end: bool| -> Option<Polynomial> {
+    let widest = |range: Range<usize>, at_end: bool| -> Option<(f64, f64)> {
         let mut length = range.len();
+        let part =
+            |length: usize| if at_end { range.end - length..range.end } else { range.start..range.start + length };
+        let fit = |length| Polynomial::fit(&clock[part(length)], &heights[part(length)], time_s, None);
         loop {
-            let part = if at_end { range.end - length..range.end } else { range.start..range.start + length };
-            let fit = Polynomial::fit(&clock[part.clone()], &heights[part.clone()], time_s, None)?;
-            if fit.residual_sd < LOCAL_MISFIT * sd || length <= LOCAL_SAMPLES {
-                return (length >= 4).then_some(fit);
+            let whole = fit(length)?;
+            if whole.residual_sd < LOCAL_MISFIT * sd || length <= LOCAL_SAMPLES {
+                let slope = whole.slope(time_s);
+                // What the nearer samples alone would say shows how far a parabola fails here; the scatter of few samples
+                // is little known.
+                let stray = fit(length * 2 / 3).map_or(0.0, |nearer| nearer.slope(time_s) - slope);
+                let spread = whole.residual_sd.max(sd) * whole.slope_gain(time_s);
+                let spread = widened(spread.hypot(stray), length as f64 - 3.0);
+                return (length >= 4).then_some((slope, spread));
             }
             length = (length * 4 / 5).max(LOCAL_SAMPLES).min(length - 1);
         }
     };
-    let (down, up) = (widest(before, true)?, widest(after, false)?);
-    let (approach, rebound) = (-down.slope(time_s), up.slope(time_s));
+    let ((approach, down), (rebound, up)) = (widest(before, true)?, widest(after, false)?);
+    let approach = -approach;
     let value = rebound / approach;
-    let spread = |fit: &Polynomial| fit.residual_sd.max(sd) * fit.slope_gain(time_s);
-    let sd = (spread(&up).powi(2) + (value * spread(&down)).powi(2)).sqrt() / approach;
+    let sd = up.hypot(value * down) / approach;
     (approach > 0.0 && (-0.3..1.5).contains(&value) && sd < LOCAL_WORST_SD)
         .then_some(LocalEstimate { value, sd: sd.max(1e-9) })
 }

@@ -5,6 +5,7 @@
 
 mod arcs;
 mod line;
+mod local;
 mod noise;
 mod note;
 pub mod preflight;
@@ -13,7 +14,8 @@ mod release;
 mod resample;
 mod wild;
 
-pub use arcs::{Arcs, Contact, LocalEstimate};
+pub use arcs::{Arcs, Contact};
+pub use local::LocalEstimate;
 pub use noise::noise_sd;
 pub use note::Note;
 pub use resample::resample;

@@ -86,12 +86,21 @@ impl Arrow {
         (shared, own)
     }
 
+    /// The equations of the shared unknowns alone, the own eliminated.
+    pub fn reduced(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let (mut schur, mut right) = (self.shared.clone(), self.right.clone());
+        for block in &self.blocks {
+            let through = &block.coupling * inverse(block.own.clone());
+            block.take(&mut schur, &(&through * block.coupling.transpose()));
+            let known = &through * &block.own_right;
+            block.places.iter().zip(known.iter()).for_each(|(&place, known)| right[place] -= known);
+        }
+        (schur, right)
+    }
+
     /// Covariance of the shared unknowns with the own marginalised. One without influence gets an infinite variance.
     pub fn covariance(&self) -> DMatrix<f64> {
-        let mut schur = self.shared.clone();
-        for block in &self.blocks {
-            block.take(&mut schur, &(&block.coupling * inverse(block.own.clone()) * block.coupling.transpose()));
-        }
+        let (mut schur, _) = self.reduced();
         let dead: Vec<bool> =
             (0..schur.nrows()).map(|i| schur[(i, i)] <= 1e-9 * self.shared[(i, i)].max(1e-12)).collect();
         for i in (0..schur.nrows()).filter(|&i| dead[i]) {

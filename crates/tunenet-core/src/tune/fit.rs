@@ -204,7 +204,33 @@ impl Problem<'_> {
         shared.chain(own).fold(0.0, f64::max)
     }
 
+    /// What the data say of the free parameters at `fit`, each recording's own unknowns fitted: the Schur complement of the
+    /// normal equations (the inverse of a covariance for noise as stated), the pull on each parameter (the slope of −cost),
+    /// and the diagonal before the own unknowns took their share. Bounds are ignored.
+    ///
+    /// # Errors
+    /// Where the simulator refuses.
+    pub(super) fn curvature(&self, fit: &Fit) -> Result<(DMatrix<f64>, DVector<f64>, DVector<f64>)> {
+        let linear = self.linearise(&fit.point, &fit.residuals, 1.0)?;
+        let equations = self.normal_equations(&linear, &fit.point, robust_scale(&fit.residuals));
+        let (schur, pull) = equations.reduced();
+        Ok((schur, pull, equations.shared.diagonal()))
+    }
+
     fn equations(&self, linear: &[Linearised], point: &Point, scale: f64) -> Arrow {
+        let mut equations = self.normal_equations(linear, point, scale);
+        // A parameter on a bound that wants to leave it is held there.
+        for i in 0..self.free.len() {
+            let (p, value) = (self.parameter(i), point.parameters[self.free[i]]);
+            let outward = equations.right[i] < 0.0 && value <= p.min || equations.right[i] > 0.0 && value >= p.max;
+            if outward {
+                equations.hold(i);
+            }
+        }
+        equations
+    }
+
+    fn normal_equations(&self, linear: &[Linearised], point: &Point, scale: f64) -> Arrow {
         let shared = self.free.len();
         let mut equations = Arrow::new(shared, linear.len());
         for (d, one) in linear.iter().enumerate() {
@@ -233,14 +259,6 @@ impl Problem<'_> {
             }
             let coupling = normal.view((0, shared), (shared, own)).into_owned();
             equations.blocks.push(Block { places: (0..shared).collect(), coupling, own: own_normal, own_right });
-        }
-        // A parameter on a bound that wants to leave it is held there.
-        for i in 0..shared {
-            let (p, value) = (self.parameter(i), point.parameters[self.free[i]]);
-            let outward = equations.right[i] < 0.0 && value <= p.min || equations.right[i] > 0.0 && value >= p.max;
-            if outward {
-                equations.hold(i);
-            }
         }
         equations
     }

@@ -11,9 +11,11 @@ mod algorithm1;
 pub(crate) mod arrow;
 mod bounce_noise;
 mod fit;
+mod information;
 mod interval;
 mod judge;
 mod outcome;
+mod region;
 mod residual;
 mod starts;
 mod unknowns;
@@ -22,8 +24,10 @@ pub use adequacy::Adequacy;
 pub use algorithm1::{Loop, Walk, walk};
 pub use fit::{Fit, Problem};
 pub(crate) use fit::{huber_cost, huber_weight, robust_scale};
-pub use interval::{LEVEL, Spread, intervals};
-pub use outcome::{Estimate, Gap, Iteration, Outcome, Stop, Verdict};
+pub use information::{Direction, Information};
+pub use interval::{End, Interval, LEVEL, Spread, ends, intervals};
+pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict};
+pub use region::Region;
 pub use residual::channel_noise;
 pub use unknowns::{Point, free};
 
@@ -140,6 +144,7 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         verdict: Verdict::Rejected,
         parameters: Vec::new(),
         correlation: DMatrix::zeros(0, 0),
+        region95: None,
         iterations: Vec::new(),
         gap: None,
         rollouts: 0,
@@ -240,32 +245,44 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             fit
         };
-        let (mut interval95, used) = intervals(&problem, &fit)?;
+        let spread = Spread::of(&problem, &fit);
+        let known = Information::of(&problem, &fit, &spread)?;
+        rollouts += self.recordings.iter().map(|r| self.free.len() + r.own.len()).sum::<usize>();
+        fit.covariance = known.covariance.clone();
+        let (interval95, used) = ends(&problem, &fit, &spread)?;
         rollouts += used;
         let poor = self.poor(&fit, &mut notes);
-        // The paper's last iterate stands as it is; anything else would not be the paper's.
-        if poor && self.settings.finish {
-            self.fall_back_on_local(&mut fit, &mut interval95, &mut notes);
-            // The recordings' own unknowns follow the parameters that now stand.
-            let own = Problem { free: &[], ..self.problem() }.fit(fit.point, 1.0)?;
-            rollouts += own.rollouts;
-            (fit.point, fit.residuals) = (own.point, own.residuals);
-        }
+        let mut found = self.standings(&fit, &known, &spread, &interval95);
+        let joint = judge::joint(&found);
+        let region95 = if self.settings.finish && !poor && joint.len() > 1 {
+            let (region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
+            rollouts += used;
+            Some(region)
+        } else {
+            None
+        };
         let gap = Gap {
             unit: self.simulator.channels()[0].unit.clone(),
             before: gap_before,
             after: problem.rmse(&fit.residuals),
             noise_floor: self.noise_floor(),
         };
-        let parameters = self.estimates(&start, &fit, &interval95, &mut notes);
+        // The paper's last iterate stands as it is; anything else would not be the paper's.
+        if poor && self.settings.finish && self.fall_back_on_local(&mut fit, &mut found, &mut notes) {
+            // The recordings' own unknowns follow the parameters that now stand.
+            let own = Problem { free: &[], ..self.problem() }.fit(fit.point, 1.0)?;
+            rollouts += own.rollouts;
+            fit.point = own.point;
+        }
+        let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
+        judge::name_directions(self, &known, &mut notes);
         let verdict = if parameters.iter().any(|p| !p.identified) {
             Verdict::NotIdentifiable
-        } else if poor {
+        } else if poor || parameters.iter().any(|p| p.status == Status::AtBound) {
             Verdict::PoorFit
         } else {
             Verdict::Tuned
         };
-        judge::name_directions(self, &fit, &mut notes);
         let correlation = judge::correlation(&fit.covariance);
         let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
         let (gap, point) = (Some(gap), Some(fit.point));
@@ -273,6 +290,7 @@ impl Tuning<'_> {
             verdict,
             parameters,
             correlation,
+            region95,
             iterations,
             gap,
             rollouts,

@@ -4,14 +4,18 @@
 mod check;
 mod effects;
 pub mod schema;
+mod template;
 
 use std::path::{Path, PathBuf};
 
 use toml_edit::{Document, DocumentMut, Item, Table, Value};
+use tunenet_core::observation::recording::read_text;
 use tunenet_core::simulator::Parameter;
 use tunenet_core::{Error, Result};
 
 pub use effects::PresentEffect;
+pub use template::template;
+
 use schema::{find, item_number, siblings};
 
 /// How a ball's scene may start, record by record: what is `None` is estimated from the data.
@@ -63,11 +67,10 @@ impl SimulationFile {
     /// Reads and checks the file at `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] where it cannot be read; [`Error::Text`] with line and column where it is not TOML, holds an unknown
+    /// [`Error::Io`] where it cannot be read; [`Error::File`] where it is no text in UTF-8; [`Error::Text`] with line and column where it is not TOML, holds an unknown
     /// key, a value of the wrong kind or outside its bounds; [`Error::File`] where a key is missing.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, "reading", source))?;
-        Self::parse(path, &text)
+        Self::parse(path, &read_text(path)?)
     }
 
     /// Checks `text` as the content of `path`.

@@ -2,6 +2,7 @@
 
 mod intervals;
 mod process;
+mod regions;
 mod speed;
 mod tuning;
 
@@ -15,5 +16,6 @@ pub fn run(options: &Bench) -> Result<Exit> {
         Measured::Speed(options) => speed::run(options),
         Measured::Tuning(options) => tuning::run(options),
         Measured::Intervals(options) => intervals::run(options),
+        Measured::Regions(options) => regions::run(options),
     }
 }

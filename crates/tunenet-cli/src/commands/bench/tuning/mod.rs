@@ -12,7 +12,7 @@ mod likelihood;
 mod measure;
 mod ours;
 mod results;
-mod resume;
+pub(super) mod resume;
 mod rivals;
 mod rows;
 mod targets;
