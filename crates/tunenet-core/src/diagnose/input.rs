@@ -42,7 +42,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 0, significance: 0.01, margin: 6.0, most_effects: 3, set_aside: true }
+        Self { seed: 0, significance: 0.002, margin: 6.0, most_effects: 3, set_aside: true }
     }
 }
 

@@ -13,10 +13,9 @@ use super::{Answered, Progress, Recording};
 use crate::Result;
 use crate::observation::Note;
 
-/// A single recording earns a lone name only from this many times the usual margin on ...
-const OVERWHELMING: f64 = 10.0;
-/// ... and this gain of the information criterion.
-const OVERWHELMING_GAIN: f64 = 150.0;
+/// Of a single recording, explanations are left up to this many times the usual margin. It earns no lone name at all: what
+/// is in no catalogue looks like one of its entries in one throw, by any margin.
+const SINGLE: f64 = 10.0;
 /// Fewer values than this beyond the unknowns say nothing of what is missing.
 const LEAST_FREEDOM: usize = 12;
 /// A model may not raise the held-out residual by more than this factor.
@@ -189,7 +188,7 @@ fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<Diagnosis> 
 
 /// How far behind the best an explanation is still left; more of a single recording.
 fn margin(study: &Study) -> f64 {
-    study.settings.margin * if study.sets.len() == 1 { OVERWHELMING } else { 1.0 }
+    study.settings.margin * if study.sets.len() == 1 { SINGLE } else { 1.0 }
 }
 
 fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'static str>) {
@@ -212,7 +211,7 @@ fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'stati
     for place in &found.places {
         names.push(name(place.entry));
         let near = in_place_of(place, margin);
-        open |= !near.is_empty() || single && place.gain < OVERWHELMING_GAIN;
+        open |= !near.is_empty() || single;
         names.extend(near.into_iter().map(name));
     }
     if single && open && names.len() == 1 {
