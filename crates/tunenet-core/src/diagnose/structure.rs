@@ -5,7 +5,6 @@ use super::catalogue::{Carrier, Entry, SCATTER, carrier};
 use super::sets::Set;
 use crate::Result;
 use crate::simulator::{Parameter, Simulator};
-use crate::tune;
 
 /// A free number that more than one recording may share.
 pub(super) struct Global {
@@ -55,8 +54,8 @@ impl<'a> Structure<'a> {
         };
         for (object, subject) in subjects.iter().enumerate() {
             let parameters = subject.simulator.parameters();
-            let prepared: Vec<_> = sets.iter().filter(|s| s.object == object).map(|s| s.prepared.clone()).collect();
-            for i in tune::free(parameters, &prepared) {
+            let heard = |i: usize| sets.iter().any(|s| s.object == object && s.prepared.silent[i].is_none());
+            for i in (0..parameters.len()).filter(|&i| parameters[i].tune && heard(i)) {
                 let global =
                     Global { parameter: parameters[i].clone(), object: Some(object), effect: None, absent: None };
                 structure.add(global, object);

@@ -73,6 +73,12 @@ pub(super) fn judge(
         let text = format!("the noise remembers from sample to sample (correlation {rho:.2}) and is whitened");
         notes.push(Note::new("noise.coloured", text, ""));
     }
+    for (g, global) in found.base.structure.globals.iter().enumerate() {
+        if !found.base.fit.covariance[(g, g)].is_finite() {
+            let text = format!("`{}` changes nothing in these recordings", global.parameter.name);
+            notes.push(Note::new("parameter.no_effect", text, "bring a recording in which it matters"));
+        }
+    }
     progress(Progress::Judging);
     let after = match &found.best {
         Some(best) => unseen(&study, best, &held_out)?,
