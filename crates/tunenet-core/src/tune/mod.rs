@@ -8,6 +8,7 @@
 
 mod adequacy;
 mod algorithm1;
+pub(crate) mod arrow;
 mod bounce_noise;
 mod contour;
 mod evidence;
@@ -27,6 +28,7 @@ pub use algorithm1::{Loop, Walk, walk};
 pub use contour::{Contour, contour};
 pub use evidence::{Comparison, Evidence, evidence};
 pub use fit::{Fit, Problem};
+pub(crate) use fit::{huber_cost, huber_weight, robust_scale};
 pub use information::{Direction, Information};
 pub use interval::{End, Interval, LEVEL, Spread, ends, intervals};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict};
