@@ -1,5 +1,6 @@
 //! `tunenet bench`: every figure that is claimed, measured here.
 
+mod diagnose;
 mod intervals;
 mod process;
 mod speed;

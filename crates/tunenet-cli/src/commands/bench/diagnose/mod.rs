@@ -1,0 +1,2 @@
+//! `tunenet bench diagnose`
+mod blind;
