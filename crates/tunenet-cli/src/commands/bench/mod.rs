@@ -3,6 +3,7 @@
 mod diagnose;
 mod intervals;
 mod process;
+mod resume;
 mod speed;
 mod tuning;
 

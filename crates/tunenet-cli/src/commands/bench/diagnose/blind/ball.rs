@@ -19,6 +19,29 @@ pub struct Throw {
     pub scatter: Vec<[f64; 2]>,
 }
 
+/// A bounce that takes its time.
+struct Contact {
+    began_s: f64,
+    lasts_s: f64,
+    before: State,
+    after: State,
+}
+
+impl Contact {
+    /// The centre `since` seconds after the touch: on a spring with a damper normal to the floor, under an even push along
+    /// it. Half a period of x'' + 2γx' + (ω² + γ²)x = 0 returns exp(−γπ/ω) of the speed.
+    fn at(&self, since: f64, normal: Vector) -> Vector {
+        let (down, up) = (-dot(self.before.v, normal), dot(self.after.v, normal));
+        let omega = std::f64::consts::PI / self.lasts_s;
+        let gamma = -(up / down).max(1e-6).ln() / self.lasts_s;
+        let depth = down / omega * (-gamma * since).exp() * (omega * since).sin();
+        let along = |v: Vector| plus(v, normal, -dot(v, normal));
+        let gained = since * since / (2.0 * self.lasts_s);
+        let slid = plus(plus([0.0; 3], along(self.before.v), since - gained), along(self.after.v), gained);
+        plus(plus(self.before.x, slid, 1.0), normal, -depth)
+    }
+}
+
 /// A thrown ball; it is asked for instants that never fall.
 pub struct Ball<'a> {
     world: &'a World,
@@ -27,8 +50,8 @@ pub struct Ball<'a> {
     time_s: f64,
     state: State,
     bounces: usize,
-    /// Until when it stays where it has landed, s.
-    held_until_s: f64,
+    /// The contact that it is in.
+    contact: Option<Contact>,
     resting: bool,
 }
 
@@ -36,19 +59,20 @@ impl<'a> Ball<'a> {
     pub fn new(world: &'a World, throw: &'a Throw) -> Self {
         let state = State { x: throw.position_m, v: throw.velocity_m_s, w: [0.0; 3] };
         let normal = world.normal();
-        Self { world, throw, normal, time_s: 0.0, state, bounces: 0, held_until_s: 0.0, resting: false }
+        Self { world, throw, normal, time_s: 0.0, state, bounces: 0, contact: None, resting: false }
     }
 
     /// The centre at `until`, m.
     pub fn at(&mut self, until: f64) -> Vector {
         while until - self.time_s > 1e-13 {
-            let held = self.held_until_s - self.time_s;
-            if held > 0.0 {
-                // The floor carries it; what it does along the floor goes on.
-                let h = held.min(until - self.time_s);
-                let along = plus(self.state.v, self.normal, -dot(self.state.v, self.normal));
-                self.state.x = plus(self.state.x, along, h);
-                self.time_s += h;
+            if let Some(contact) = &self.contact {
+                let since = (until - contact.began_s).min(contact.lasts_s);
+                self.time_s = contact.began_s + since;
+                if since < contact.lasts_s {
+                    return contact.at(since, self.normal);
+                }
+                self.state = State { x: contact.at(since, self.normal), ..contact.after };
+                self.contact = None;
                 continue;
             }
             let h = STEP_S.min(until - self.time_s);
@@ -67,7 +91,10 @@ impl<'a> Ball<'a> {
             let scatter = self.throw.scatter.get(self.bounces).copied().unwrap_or_default();
             self.state = self.world.bounce(landed, self.normal, self.bounces, scatter);
             self.bounces += 1;
-            self.held_until_s = self.time_s + self.world.dwell_s();
+            let lasts_s = self.world.contact_s();
+            if lasts_s > 0.0 {
+                self.contact = Some(Contact { began_s: self.time_s, lasts_s, before: landed, after: self.state });
+            }
             self.resting = dot(self.state.v, self.normal) < REST_M_S;
         }
         self.state.x
@@ -123,6 +150,15 @@ mod tests {
         let x = ball.at(fall * (1.0 + 2.0 * 0.8 + 0.64));
         assert!((x[2] - RADIUS_M - 0.8_f64.powi(4)).abs() < 1e-10, "{x:?}");
         assert!((x[0] - fall * 3.24).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_contact_that_lasts_presses_the_ball_in_and_lets_it_go_as_a_short_one() {
+        let (world, throw) = (world(Some(Kind::ContactTime), 0.01), throw(1.0, [1.0, 0.0, 0.0]));
+        let (mut ball, touch) = (Ball::new(&world, &throw), (2.0_f64 / 9.81).sqrt());
+        assert!(ball.at(touch + 0.004)[2] < RADIUS_M - 0.005);
+        let x = ball.at(touch + 0.01 + touch * 0.8);
+        assert!((x[2] - RADIUS_M - 0.64).abs() < 1e-9 && (x[0] - touch * 1.8 - 0.01).abs() < 1e-9, "{x:?}");
     }
 
     #[test]

@@ -72,7 +72,8 @@ fn pictured(hidden: &Hidden, [x, y, z]: Vector, t: f64) -> Vector {
                 z * cos + (ax * y - ay * x) * sin,
             ]
         }
-        Kind::Perspective => times([x, y, z], 1.0 / (1.0 + by * y)),
+        // It looks up or down at the scene, so what is higher is farther away.
+        Kind::Perspective => times([x, y, z], 1.0 / (1.0 + by * z)),
         Kind::LensDistortion => {
             let stretch = 1.0 + by * (x * x + z * z);
             [x * stretch, y, z * stretch]

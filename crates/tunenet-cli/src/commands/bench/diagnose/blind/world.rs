@@ -65,8 +65,8 @@ impl World {
         a
     }
 
-    /// How long the ball stays on the floor at a bounce, s.
-    pub fn dwell_s(&self) -> f64 {
+    /// How long a bounce lasts, s.
+    pub fn contact_s(&self) -> f64 {
         self.hidden.iter().filter(|h| h.kind == Kind::ContactTime).map(|h| h.size).sum()
     }
 
@@ -102,25 +102,22 @@ impl World {
         let impulse = (1.0 + self.restitution(bounce, before.x, speed)) * speed;
         let mut after = State { v: plus(before.v, n, impulse), ..before };
         for hidden in &self.hidden {
-            match hidden.kind {
-                Kind::BounceFriction => {
-                    let arm = times(n, -RADIUS_M);
-                    let sliding = plus(after.v, cross(after.w, arm), 1.0);
-                    let slide = plus(sliding, n, -dot(sliding, n));
-                    let fast = length(slide);
-                    if fast > 0.0 {
-                        // Gripping takes 2/7 of the slide from the centre; friction may not suffice for it.
-                        let kick = times(slide, -(hidden.size * impulse).min(2.0 / 7.0 * fast) / fast);
-                        after.v = plus(after.v, kick, 1.0);
-                        after.w = plus(after.w, cross(arm, kick), 2.5 / (RADIUS_M * RADIUS_M));
-                    }
-                }
-                Kind::TangentialRestitution => {
-                    let along = plus(after.v, n, -dot(after.v, n));
-                    after.v = plus(after.v, along, -hidden.size);
-                }
-                _ => {}
+            let arm = times(n, -RADIUS_M);
+            let sliding = plus(after.v, cross(after.w, arm), 1.0);
+            let slide = plus(sliding, n, -dot(sliding, n));
+            let fast = length(slide);
+            if fast == 0.0 {
+                continue;
             }
+            // Stopping the slide of a sphere's skin takes 2/7 of it from the centre.
+            let taken = match hidden.kind {
+                Kind::BounceFriction => (hidden.size * impulse).min(2.0 / 7.0 * fast),
+                Kind::TangentialRestitution => 2.0 / 7.0 * fast * hidden.size,
+                _ => continue,
+            };
+            let kick = times(slide, -taken / fast);
+            after.v = plus(after.v, kick, 1.0);
+            after.w = plus(after.w, cross(arm, kick), 2.5 / (RADIUS_M * RADIUS_M));
         }
         after
     }

@@ -1,0 +1,1 @@
+//! The code under test, asked about recordings. Nothing but the recordings goes in.
