@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use tunenet_sim::simulation_file::schema::{BALL_KEYS, Key, PARAMETER_KEYS};
+use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
 
 /// Commands that are shown but not run here, and why.
 const NOT_RUN: [(&str, &str); 3] = [
@@ -163,7 +163,7 @@ fn rows(keys: &[Key]) -> String {
 #[test]
 fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     let page = text("docs/files.md");
-    for (name, keys) in [("keys", BALL_KEYS), ("parameters", PARAMETER_KEYS)] {
+    for (name, keys) in [("keys", BALL_KEYS), ("effects", &EFFECT_KEYS), ("parameters", PARAMETER_KEYS)] {
         let (begin, end) = (format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->"));
         let found = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end));
         let found = found.unwrap_or_else(|| panic!("docs/files.md lacks its mark `{name}`")).0;

@@ -153,6 +153,9 @@ pub struct Simulate {
     /// Write impact times instead of positions
     #[arg(long)]
     pub bounces: bool,
+    /// Write what happens, not what is measured: without the file's effects of the measurement
+    #[arg(long)]
+    pub truth: bool,
     #[command(flatten)]
     pub common: Common,
 }

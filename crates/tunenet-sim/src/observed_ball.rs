@@ -1,11 +1,12 @@
 //! The ball as core sees it: a [`Simulator`] whose rollouts are positions or bounce times.
 
 use tunenet_core::observation::{Arcs, Channel, Kind, LocalEstimate, Note, Observation};
-use tunenet_core::simulator::{Parameter, Preparation, Prepared, Scale, Simulator};
+use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation, Prepared, Scale, Simulator};
 use tunenet_core::tune::channel_noise;
 use tunenet_core::{Error, Result};
 
-use crate::ball::{Forces, Scene, State, impact_times, positions};
+use crate::ball::effects::{ALL, BallEffect, Body};
+use crate::ball::{Scene, State, impact_times, positions};
 use crate::simulation_file::{Release, SimulationFile};
 
 /// What passes for gravity, as a share of the file's: air alone halves it for a light ball.
@@ -16,6 +17,12 @@ const WORST_MISFIT_SHARE: f64 = 0.05;
 const PLAUSIBLE_FALL_M: std::ops::Range<f64> = 1e-5..1e3;
 /// Bounces whose intervals give the restitution at the speed of the first impacts.
 const LEADING_INTERVALS: usize = 4;
+
+/// The effect that is chance.
+const SCATTER: &str = "bounce_scatter";
+/// How far a bounce may turn the normal, rad, and at how many bounces of a record it may; later ones are next to rest.
+const GREATEST_KICK_RAD: f64 = 0.5;
+const MOST_KICKS: usize = 12;
 
 /// A record that spans less than this along every axis, m, shows no motion.
 const LEAST_MOTION_M: f64 = 1e-6;
@@ -57,6 +64,11 @@ pub struct ObservedBall {
     channels: Vec<Channel>,
     kind: Kind,
     unknown: Vec<Unknown>,
+    body: Body,
+    /// Effects of the file, at its values.
+    fixed: Vec<(BallEffect, Vec<f64>)>,
+    /// Effects whose coefficients follow the parameters.
+    free: Vec<BallEffect>,
 }
 
 impl ObservedBall {
@@ -79,12 +91,41 @@ impl ObservedBall {
             }
         };
         let parameters = file.parameters()?;
-        Ok(Self { scene: scene(file), release, surface_height_m, parameters, channels, kind, unknown })
+        let scene = scene(file);
+        let mass_kg = file.number("ball.mass_kg");
+        let body = Body { radius_m: scene.radius_m, mass_kg, gravity_m_s2: scene.gravity_m_s2 };
+        let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
+        let free = Vec::new();
+        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free })
+    }
+
+    /// Whether this kind of observation can show an effect that is not there yet.
+    fn can_take(&self, effect: &BallEffect) -> bool {
+        // Beside a tuned coefficient of friction its addition is the same thing twice.
+        let twin = effect.name == "bounce_friction" && self.parameters[1].tune;
+        !twin && (effect.heard || self.kind == Kind::Positions)
+    }
+
+    /// Whether the recording's own unknowns include the tilt of the normal at each bounce.
+    fn scatters(&self) -> bool {
+        let fixed = self.fixed.iter().any(|(e, values)| e.name == SCATTER && values[0] > 0.0);
+        self.kind == Kind::Positions && (fixed || self.free.iter().any(|e| e.name == SCATTER))
+    }
+
+    /// The tilts of the normal as own unknowns: about x and y, for each bounce of the record.
+    fn kicks(&self, seen: &Observation) -> Result<Vec<Parameter>> {
+        let bounces = Arcs::cut(seen, self.scene.gravity_m_s2).map_or(0, |arcs| arcs.contacts.len());
+        let name = |bounce: usize, axis: &str| format!("bounce.{}.tilt_about_{axis}", bounce + 1);
+        let each = (0..bounces.min(MOST_KICKS)).flat_map(|bounce| [name(bounce, "x"), name(bounce, "y")]);
+        each.map(|name| Parameter::new(name, "rad", 0.0, -GREATEST_KICK_RAD, GREATEST_KICK_RAD)).collect()
     }
 
     /// The scene with these parameters, and the start with these own unknowns.
     fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
         let mut scene = Scene { restitution: parameters[0], friction: parameters[1], ..self.scene.clone() };
+        for (effect, values) in &self.fixed {
+            (effect.apply)(&mut scene, values);
+        }
         let mut start = State {
             position_m: self.release.position_m.unwrap_or_default(),
             velocity_m_s: self.release.velocity_m_s.unwrap_or_default(),
@@ -93,6 +134,15 @@ impl ObservedBall {
         let mut height = self.release.height_m;
         let mut time_s = self.release.time_s.unwrap_or(0.0);
         scene.surface_height_m = self.surface_height_m.unwrap_or(0.0);
+        let mut rest = &parameters[2..];
+        for effect in &self.free {
+            let (values, after) = rest.split_at(effect.coefficients.len());
+            (effect.apply)(&mut scene, values);
+            rest = after;
+        }
+        if let Some(kicks) = own.get(self.unknown.len()..) {
+            scene.contact.kicks_rad = kicks.chunks_exact(2).map(|kick| [kick[0], kick[1]]).collect();
+        }
         for (unknown, &value) in self.unknown.iter().zip(own) {
             match *unknown {
                 Unknown::Position(axis) => start.position_m[axis] = value,
@@ -297,7 +347,47 @@ impl Simulator for ObservedBall {
     }
 
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
-        if self.kind == Kind::BounceTimes { self.prepare_bounces(seen) } else { self.prepare_positions(seen) }
+        let preparation =
+            if self.kind == Kind::BounceTimes { self.prepare_bounces(seen) } else { self.prepare_positions(seen) }?;
+        let Preparation::Usable(mut prepared) = preparation else { return Ok(preparation) };
+        // A record without a bounce is silent about contacts alone.
+        let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
+        for (silent, phase) in prepared.silent[2..].iter_mut().zip(phases) {
+            if phase == Phase::Flight {
+                *silent = None;
+            }
+        }
+        if self.scatters() {
+            prepared.own.extend(self.kicks(&prepared.seen)?);
+        }
+        Ok(Preparation::Usable(prepared))
+    }
+
+    fn effects(&self) -> Vec<Effect> {
+        let present =
+            |name: &str| self.fixed.iter().any(|(e, _)| e.name == name) || self.free.iter().any(|e| e.name == name);
+        ALL.iter().filter(|e| !present(e.name) && self.can_take(e)).map(|e| e.entry(&self.body)).collect()
+    }
+
+    fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
+        let mut ball = self.clone();
+        for name in names {
+            let found =
+                BallEffect::find(name).filter(|e| self.can_take(e) && !ball.free.iter().any(|f| f.name == e.name));
+            let Some(effect) = found else {
+                let known = ball.effects().iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
+                let expected = format!("an effect of a ball seen as {} ({known})", self.kind.name());
+                return Err(Error::Setting { name: "effects", expected, found: format!("`{name}`") });
+            };
+            let at = ball.fixed.iter().position(|(e, _)| e.name == *name);
+            let present = at.map(|i| ball.fixed.remove(i).1);
+            let parameters = effect.entry(&self.body).parameters(present.as_deref())?;
+            // Chance is not rolled out; its size follows from the tilts that a recording brings.
+            let tune = effect.name != SCATTER;
+            ball.parameters.extend(parameters.into_iter().map(|p| Parameter { tune, ..p }));
+            ball.free.push(effect);
+        }
+        Ok(Box::new(ball))
     }
 
     fn rollout(
@@ -349,7 +439,7 @@ fn unknown_start(release: &Release, surface_height_m: Option<f64>) -> Vec<Unknow
     unknown
 }
 
-/// The scene of a ball's file; its restitution and friction come from the parameters.
+/// The scene of a ball's file without its effects; its restitution and friction come from the parameters.
 #[must_use]
 pub fn scene(file: &SimulationFile) -> Scene {
     let number = |path: &str| file.number(path).unwrap_or(0.0);
@@ -363,17 +453,7 @@ pub fn scene(file: &SimulationFile) -> Scene {
         surface_tilt_about_y_rad: number("surface.tilt_about_y_rad"),
         friction: 0.0,
         restitution: 0.0,
-        flight: Forces {
-            quadratic_drag_1_m: number("effects.quadratic_drag.c_1_m"),
-            linear_drag_1_s: number("effects.linear_drag.b_1_s"),
-            wind_m_s2: [number("effects.wind.ax_m_s2"), number("effects.wind.ay_m_s2")],
-            magnus_1_s: [
-                number("effects.magnus.sx_1_s"),
-                number("effects.magnus.sy_1_s"),
-                number("effects.magnus.sz_1_s"),
-            ],
-            effective_gravity_m_s2: number("effects.effective_gravity.dg_m_s2"),
-        },
+        ..default
     }
 }
 

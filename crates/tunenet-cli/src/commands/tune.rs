@@ -11,7 +11,7 @@ use tunenet_core::network::Model;
 use tunenet_core::observation::recording::{Recording, write_atomically};
 use tunenet_core::observation::{Kind, Note};
 use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
-use tunenet_sim::{ObservedBall, SimulationFile};
+use tunenet_sim::{SimulationFile, simulator};
 
 use super::{load, print_json};
 use crate::cli::Tune;
@@ -125,7 +125,7 @@ fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordi
         let expected = "no model beside several observations, or --each".into();
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
-    let ball = ObservedBall::new(file, kind).with_context(|| names(options))?;
+    let ball = simulator(file, kind).with_context(|| names(options))?;
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
         iterations: usize::from(options.iterations),

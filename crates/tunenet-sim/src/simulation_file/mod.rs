@@ -2,6 +2,7 @@
 //! comments and its order kept.
 
 mod check;
+mod effects;
 pub mod schema;
 
 use std::path::{Path, PathBuf};
@@ -10,6 +11,7 @@ use toml_edit::{Document, DocumentMut, Item, Table, Value};
 use tunenet_core::simulator::Parameter;
 use tunenet_core::{Error, Result};
 
+pub use effects::PresentEffect;
 use schema::{find, item_number, siblings};
 
 /// How a ball's scene may start, record by record: what is `None` is estimated from the data.
