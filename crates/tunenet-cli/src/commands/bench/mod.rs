@@ -16,6 +16,7 @@ pub fn run(options: &Bench) -> Result<Exit> {
     match &options.what {
         Measured::Speed(options) => speed::run(options),
         Measured::Tuning(options) => tuning::run(options),
+        Measured::Diagnose(options) => diagnose::run(options),
         Measured::Intervals(options) => intervals::run(options),
     }
 }

@@ -76,7 +76,11 @@ fn read(path: &Path) -> Result<Vec<Source>> {
 }
 
 fn wrong(path: &Path, message: &str) -> Error {
-    Error::file(path, message, "each [[observation]] has `file`, and may have `object`, `held_out` and keys of the scene")
+    Error::file(
+        path,
+        message,
+        "each [[observation]] has `file`, and may have `object`, `held_out` and keys of the scene",
+    )
 }
 
 fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) -> Result<Source> {

@@ -42,11 +42,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
 
 /// Asks the library, showing what it does.
 fn ask(loaded: &load::Loaded, seed: u64) -> Result<Diagnosis> {
-    let subjects: Vec<Subject> = loaded
-        .objects
-        .iter()
-        .map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() })
-        .collect();
+    let subjects: Vec<Subject> =
+        loaded.objects.iter().map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() }).collect();
     let working = crate::terminal::working();
     let settings = Settings { seed, ..Settings::default() };
     let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| tell::progress(&working, at));

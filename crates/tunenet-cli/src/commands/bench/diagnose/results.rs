@@ -126,7 +126,11 @@ fn single(row: Row, trials: &[&Trial]) -> Parts {
     let wrong = share(&many, &[Mark::Wrong]);
     if row == Row::Ratio3 {
         goals.extend(at_least("exact, 3 drops or more, %", 85.0, share(&many, &[Mark::Exact])));
-        goals.extend(at_least("exact or in the set, 3 drops or more, %", 97.0, share(&many, &[Mark::Exact, Mark::Set])));
+        goals.extend(at_least(
+            "exact or in the set, 3 drops or more, %",
+            97.0,
+            share(&many, &[Mark::Exact, Mark::Set]),
+        ));
     } else if row != Row::Ratio1 {
         goals.extend(at_least("exact, 3 drops or more, %", 95.0, share(&many, &[Mark::Exact])));
     }

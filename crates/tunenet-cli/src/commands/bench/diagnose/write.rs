@@ -59,7 +59,13 @@ fn one(out: &mut String, table: &Table) {
     }
     let mut truth = "";
     for (hidden, answer, count) in &table.confusion {
-        let start = if hidden == truth { "; " } else if truth.is_empty() { "- " } else { "\n- " };
+        let start = if hidden == truth {
+            "; "
+        } else if truth.is_empty() {
+            "- "
+        } else {
+            "\n- "
+        };
         let head = if hidden == truth { String::new() } else { format!("{hidden}: ") };
         let _ = write!(out, "{start}{head}{answer} ×{count}");
         truth = hidden;

@@ -8,10 +8,10 @@ use tunenet_core::network::{Course as Shown, Model, Preset, TrainOptions, train}
 use tunenet_core::tune::{Loop, walk};
 
 use super::super::process;
-use crate::commands::bench::resume::Store;
 use super::rivals::Course;
 use super::rows::MOST;
 use super::targets::{Simulation, Target};
+use crate::commands::bench::resume::Store;
 
 /// What making a model took, s.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
