@@ -24,6 +24,7 @@
 #![doc = include_str!("../examples/pendulum.rs")]
 //! ```
 
+pub mod diagnose;
 pub mod error;
 pub mod network;
 pub mod observation;

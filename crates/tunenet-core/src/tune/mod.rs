@@ -8,6 +8,7 @@
 
 mod adequacy;
 mod algorithm1;
+pub(crate) mod arrow;
 mod bounce_noise;
 mod fit;
 mod interval;
@@ -20,6 +21,7 @@ mod unknowns;
 pub use adequacy::Adequacy;
 pub use algorithm1::{Loop, Walk, walk};
 pub use fit::{Fit, Problem};
+pub(crate) use fit::{huber_cost, huber_weight, robust_scale};
 pub use interval::{LEVEL, Spread, intervals};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Stop, Verdict};
 pub use residual::channel_noise;

@@ -1,0 +1,163 @@
+//! From the search to the verdict.
+
+use super::answer::{Diagnosis, Test, Use, Verdict};
+use super::assemble::{Judged, assemble};
+use super::held_out::HeldOut;
+use super::search::{Found, Place};
+use super::sets::Set;
+use super::study::{Model, Study};
+use super::{Answered, Progress, Recording};
+use crate::Result;
+use crate::observation::Note;
+
+/// A single recording earns a lone name only from this many times the usual margin on ...
+const OVERWHELMING: f64 = 10.0;
+/// ... and this gain of the information criterion.
+const OVERWHELMING_GAIN: f64 = 150.0;
+/// Fewer values than this beyond the unknowns say nothing of what is missing.
+const LEAST_FREEDOM: usize = 12;
+/// A model may not raise the held-out residual by more than this factor.
+const HELD_OUT_WORSE: f64 = 1.05;
+/// How many names an ambiguous or unknown verdict gives at most.
+const MOST_NAMES: usize = 6;
+
+/// Searches, judges and answers.
+pub(super) fn judge(
+    mut study: Study,
+    mut held_out: Vec<Set>,
+    recordings: &[Recording],
+    known: Answered,
+    progress: &dyn Fn(Progress),
+) -> Result<Diagnosis> {
+    let Answered { uses, mut notes } = known;
+    if let Some(answer) = too_little(&study, &uses, &notes) {
+        return Ok(answer);
+    }
+    progress(Progress::Tuning);
+    let mut base = study.base()?;
+    let mut rho = 0.0;
+    if study.learn_noise(&base, &mut rho)? {
+        base = study.fit_near(&[], &base)?;
+    }
+    let mut found = study.search(base, progress)?;
+    // With the effects in, the noise shows more clearly; where it differs from what was taken for it, all is done again.
+    if let Some(best) = &found.best {
+        let point = (best.structure.effects.clone(), best.fit.point.clone());
+        let again = {
+            let structure = study.structure(&point.0)?;
+            let model = Model { structure, fit: best.fit.clone() };
+            study.learn_noise(&model, &mut rho)?
+        };
+        if again {
+            let base = study.fit_near(&[], &found.base)?;
+            found = study.search(base, progress)?;
+        }
+    }
+    held_out.iter_mut().for_each(|set| set.colour(rho));
+    if rho != 0.0 {
+        let text = format!("the noise remembers from sample to sample (correlation {rho:.2}) and is whitened");
+        notes.push(Note::new("noise.coloured", text, ""));
+    }
+    progress(Progress::Judging);
+    let mut tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base))?;
+    let before = unseen(&study, &found.base, &held_out)?;
+    let after = match &found.best {
+        Some(best) => unseen(&study, best, &held_out)?,
+        None => before.clone(),
+    };
+    if let (Some(before), Some(after)) = (&before, &after) {
+        let value = after.rmse / before.rmse.max(f64::MIN_POSITIVE);
+        let passed = value <= HELD_OUT_WORSE;
+        tests.push(Test { name: "held-out residual after over before", value, threshold: HELD_OUT_WORSE, passed });
+    }
+    let control = control(&study, &found, &held_out)?;
+    let (verdict, names) = decide(&study, &found, &tests);
+    let judged = Judged { verdict, names, found, tests, before, after, control, held_out, uses, notes };
+    assemble(&study, judged, recordings)
+}
+
+fn unseen(study: &Study, model: &Model, sets: &[Set]) -> Result<Option<HeldOut>> {
+    if sets.is_empty() { Ok(None) } else { study.held_out(model, sets).map(Some) }
+}
+
+/// A wrong effect on the held-out recordings: the candidate that was fitted and gained least.
+fn control(study: &Study, found: &Found, sets: &[Set]) -> Result<Option<(&'static str, f64)>> {
+    let named = |entry: usize| {
+        found.places.iter().any(|p| {
+            p.entry == entry || p.others.iter().any(|(other, gap)| *other == entry && *gap < study.settings.margin)
+        })
+    };
+    let wrong = found.alone.iter().rev().find(|t| t.excluded.is_none() && !named(t.entry));
+    let (Some(wrong), false) = (wrong, sets.is_empty()) else { return Ok(None) };
+    let model = study.fit_near(&[wrong.entry], &found.base)?;
+    Ok(Some((study.catalogue[wrong.entry].name, study.held_out(&model, sets)?.rmse)))
+}
+
+/// The answer of recordings that cannot give one.
+fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<Diagnosis> {
+    let values = study.count();
+    let own: usize = study.sets.iter().map(|s| s.prepared.own.len()).sum();
+    let parameters: usize = study.subjects.iter().map(|s| s.simulator.parameters().iter().filter(|p| p.tune).count()).sum();
+    let unknowns = own + parameters;
+    let note = if study.sets.is_empty() {
+        Note::new("recordings.none", "no recording can be used to fit", "see what was noted of each")
+    } else if values < unknowns + LEAST_FREEDOM {
+        let text = format!("{values} values for {unknowns} unknowns leave nothing to judge by");
+        Note::new("recordings.short", text, "bring longer recordings, or more of them")
+    } else {
+        return None;
+    };
+    Some(Diagnosis {
+        verdict: Verdict::Insufficient,
+        effects: Vec::new(),
+        names: Vec::new(),
+        candidates: Vec::new(),
+        gap: None,
+        adequacy: Vec::new(),
+        next_experiment: None,
+        description: None,
+        parameters: Vec::new(),
+        explained: Vec::new(),
+        uses: uses.to_vec(),
+        notes: notes.iter().cloned().chain([note]).collect(),
+        rollouts: 0,
+    })
+}
+
+fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'static str>) {
+    let adequate = tests.iter().all(|t| t.passed);
+    let name = |entry: usize| study.catalogue[entry].name;
+    let Some(best) = &found.best else {
+        if adequate {
+            return (Verdict::None, Vec::new());
+        }
+        let near = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0);
+        return (Verdict::Unknown, near.take(2).map(|t| name(t.entry)).collect());
+    };
+    if !adequate {
+        return (Verdict::Unknown, best.structure.effects.iter().map(|&e| name(e)).collect());
+    }
+    let single = study.sets.len() == 1;
+    let margin = study.settings.margin * if single { OVERWHELMING } else { 1.0 };
+    let mut names: Vec<&'static str> = Vec::new();
+    let mut open = false;
+    for place in &found.places {
+        names.push(name(place.entry));
+        let near = in_place_of(place, margin);
+        open |= !near.is_empty() || single && place.gain < OVERWHELMING_GAIN;
+        names.extend(near.into_iter().map(name));
+    }
+    if single && open && names.len() == 1 {
+        let next = found.alone.iter().find(|t| t.excluded.is_none() && name(t.entry) != names[0]);
+        names.extend(next.map(|t| name(t.entry)));
+    }
+    let mut unique: Vec<&'static str> = Vec::new();
+    names.into_iter().for_each(|n| if !unique.contains(&n) { unique.push(n) });
+    unique.truncate(MOST_NAMES.max(found.places.len()));
+    (if open { Verdict::OneOf } else { Verdict::Named }, unique)
+}
+
+/// What stands within `margin` of an effect of the best structure.
+pub(super) fn in_place_of(place: &Place, margin: f64) -> Vec<usize> {
+    place.others.iter().filter(|(_, gap)| *gap < margin).map(|(entry, _)| *entry).collect()
+}
