@@ -186,7 +186,8 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let (page, mut files, mut codes) = (text("docs/tune.md"), Vec::new(), 0);
+    let page = text("docs/tune.md") + &text("docs/diagnose.md");
+    let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {
         for call in text(&file).split("Note::new(").skip(1) {
@@ -195,7 +196,7 @@ fn every_warning_has_its_remedy_in_the_docs() {
             };
             assert!(
                 page.contains(&format!("| `{code}` |")),
-                "docs/tune.md does not list `{code}` of {}",
+                "neither docs/tune.md nor docs/diagnose.md lists `{code}` of {}",
                 file.display()
             );
             codes += 1;
@@ -211,7 +212,9 @@ fn every_key_of_the_json_is_in_the_docs() {
     let at = |name: &str| assets.join(name).display().to_string();
     let out = folder.path().join("drop.mcap").display().to_string();
     let (scene, drop, throw) = (at("ball.toml"), at("observations/drop.csv"), at("observations/throw.csv"));
-    let runs: [&[&str]; 7] = [
+    let light: Vec<String> = (1..=5).map(|i| at(&format!("observations/light_{i}.csv"))).collect();
+    let runs: [&[&str]; 8] = [
+        &["diagnose", "--sim", &scene, "--observation", &light[0], &light[1], &light[2], "--held-out", &light[4]],
         &["tune", "--sim", &scene, "--observation", &drop],
         &["tune", "--sim", &scene, "--set", "parameters.friction.tune=true", "--observation", &throw],
         &["tune", "--sim", &scene, "--observation", &drop, "--each"],
@@ -233,7 +236,7 @@ fn listed(value: &serde_json::Value, page: &str, arguments: &[&str]) {
     match value {
         serde_json::Value::Object(object) => {
             for (key, inner) in object {
-                let data = ["restitution", "friction"].contains(&key.as_str());
+                let data = ["restitution", "friction", "c_1_m"].contains(&key.as_str());
                 let word = |text: &str| text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == key);
                 assert!(data || word(page), "docs/json.md does not list `{key}` of {arguments:?}");
                 listed(inner, page, arguments);

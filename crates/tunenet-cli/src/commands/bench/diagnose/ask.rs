@@ -12,11 +12,10 @@ use tunenet_sim::{SimulationFile, simulator};
 use super::blind::RADIUS_M;
 use super::trial::Answer;
 
-/// What a person would know of the scene beforehand: the ball's size and where the floor lies. Its mass is left open, as
-/// an effect of any size is to be found.
+/// What a person would know of the scene beforehand: the ball's size. Its mass is left open, as an effect of any size is to
+/// be found.
 const SCENE: &str = "\
 kind = \"ball\"
-surface.height_m = 0.0
 
 [parameters.restitution]
 value = 0.5

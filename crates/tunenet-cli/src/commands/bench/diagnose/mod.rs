@@ -6,6 +6,8 @@
 //!
 //! Every finished piece is kept by [`resume`](super::resume).
 
+#[cfg(test)]
+mod agreement;
 mod ask;
 mod blind;
 mod results;

@@ -136,7 +136,7 @@ fn single(row: Row, trials: &[&Trial]) -> Parts {
     }
     if row != Row::Ratio1 {
         goals.extend(at_most("wrong lone name, 3 drops or more, %", 1.0, wrong));
-        let twins = |t: &Trial| super::trial::twins(&t.truth).len() > 1;
+        let twins = |t: &Trial| !super::trial::twins(&t.truth).is_empty();
         let scales: Vec<&Trial> = many.iter().filter(|t| twins(t)).copied().collect();
         goals.extend(at_least("exact twins named together, 3 drops or more, %", 100.0, together(&scales)));
         let (held_out, forecast) = (ratios(&many, |f| f.0, |a| a.held_out_m), ratios(&many, |f| f.1, |a| a.forecast_m));

@@ -64,7 +64,7 @@ impl Answer {
     fn mark(&self, truth: &[String]) -> Mark {
         let has = |all: &[String], name: &String| all.contains(name);
         match self.verdict.as_str() {
-            "named" if twins(truth).len() > 1 => Mark::Wrong,
+            "named" if !twins(truth).is_empty() => Mark::Wrong,
             "named" if self.effects.iter().any(|name| !has(truth, name)) => Mark::Wrong,
             "named" if self.effects.len() == truth.len() => Mark::Exact,
             "named" => Mark::Part,
@@ -73,7 +73,10 @@ impl Answer {
                 let twins = twins(truth);
                 if !truth.iter().all(|name| offered.contains(&name)) {
                     Mark::WrongSet
-                } else if twins.len() > 1 && offered.iter().all(|name| twins.contains(&name.as_str())) {
+                } else if !twins.is_empty()
+                    && offered.iter().all(|name| twins.contains(&name.as_str()))
+                    && twins.iter().all(|twin| offered.iter().any(|name| name == twin))
+                {
                     Mark::Exact
                 } else {
                     Mark::Set
@@ -144,9 +147,10 @@ mod tests {
 
     #[test]
     fn twins_have_to_be_named_together() {
-        let together = ["effective_gravity", "time_scale", "length_scale"];
+        let together = ["effective_gravity", "time_scale", "length_scale", "aspect_ratio"];
         assert_eq!(mark(&["time_scale"], "one_of", &[], &together), Mark::Exact);
         assert_eq!(mark(&["time_scale"], "one_of", &[], &["time_scale", "linear_drag"]), Mark::Set);
+        assert_eq!(mark(&["aspect_ratio"], "one_of", &[], &["time_scale", "aspect_ratio"]), Mark::Set);
         assert_eq!(mark(&["time_scale"], "named", &["time_scale"], &[]), Mark::Wrong);
     }
 }

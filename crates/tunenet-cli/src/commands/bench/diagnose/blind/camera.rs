@@ -105,7 +105,7 @@ impl Noise {
     /// Adds noise to `positions`; says which samples arrive.
     pub fn spoil(&self, positions: &mut [Vector], random: &mut ChaCha8Rng) -> Vec<bool> {
         let fresh = (1.0 - self.colour * self.colour).sqrt();
-        let mut normal = |random: &mut ChaCha8Rng| -> Vector { std::array::from_fn(|_| random.sample(StandardNormal)) };
+        let normal = |random: &mut ChaCha8Rng| -> Vector { std::array::from_fn(|_| random.sample(StandardNormal)) };
         let mut last = normal(random);
         let mut arrives = Vec::with_capacity(positions.len());
         for position in positions {

@@ -124,10 +124,11 @@ impl Kind {
         }
     }
 
-    /// Effects that no throw whatever can tell from this one, itself included, where floor, clock and length are as free
-    /// as they are here.
+    /// Effects that no throw whatever can tell from this one, itself included. A ball that falls freely onto a floor of
+    /// unknown height, without friction, shows one length alone, g t²: whatever scales heights, times or g is the same, and
+    /// what happens to lengths along the floor is the start's.
     pub fn twins(self) -> &'static [Self] {
-        const SCALES: &[Kind] = &[Kind::EffectiveGravity, Kind::LengthScale, Kind::TimeScale];
+        const SCALES: &[Kind] = &[Kind::EffectiveGravity, Kind::LengthScale, Kind::AspectRatio, Kind::TimeScale];
         if SCALES.contains(&self) { SCALES } else { &[] }
     }
 }

@@ -16,5 +16,14 @@ mod world;
 
 pub use camera::Noise;
 pub use hidden::Kind;
-pub use set::{Floor, Recipe, Set, stream};
+pub use set::{Recipe, Set, stream};
 pub use world::RADIUS_M;
+
+#[cfg(test)]
+pub use ball::Throw;
+#[cfg(test)]
+pub use camera::seen;
+#[cfg(test)]
+pub use hidden::Hidden;
+#[cfg(test)]
+pub use world::World;
