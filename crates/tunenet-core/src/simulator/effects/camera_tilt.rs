@@ -12,7 +12,7 @@ pub(super) const EFFECT: MeasurementEffect = MeasurementEffect {
     ],
     plausible: &[(-0.3, 0.3), (-0.3, 0.3)],
     sentence: "the camera is tilted: the observed axes are turned against the plumb line",
-    mistaken_for: &["wind", "surface_tilt"],
+    mistaken_for: &["wind", "surface_tilt", "magnus"],
     kinds: &[Kind::Positions],
     act: Act::Point(turn),
 };

@@ -9,7 +9,7 @@ pub(super) const EFFECT: MeasurementEffect = MeasurementEffect {
     coefficients: &[Coefficient::new("k_1_m", "1/m", 0.0, (-0.5, 0.5), 0.005)],
     plausible: &[(-0.3, 0.3)],
     sentence: "the scale changes with height: every coordinate is divided by 1 + k z",
-    mistaken_for: &["effective_gravity", "linear_drag", "lens_distortion", "aspect_ratio"],
+    mistaken_for: &["effective_gravity", "linear_drag", "lens_distortion", "aspect_ratio", "rolling_shutter"],
     kinds: &[Kind::Positions],
     act: Act::Point(project),
 };

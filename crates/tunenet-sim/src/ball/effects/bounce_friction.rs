@@ -11,7 +11,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     coefficients: &[Coefficient::new("mu", "1", 0.0, (0.0, 2.0), 0.05)],
     plausible: |_| vec![(0.0, 1.5)],
     sentence: "the surface rubs: bounces slow the ball along it and spin it, by Coulomb's mu beyond `friction`",
-    mistaken_for: &["tangential_restitution", "quadratic_drag", "linear_drag"],
+    mistaken_for: &["tangential_restitution", "quadratic_drag", "linear_drag", "bounce_scatter"],
     heard: false,
     apply: |scene, c| scene.friction += c[0],
 };

@@ -21,7 +21,15 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         vec![known.unwrap_or((-UNKNOWN_BALL_M_S2, UNKNOWN_BALL_M_S2))]
     },
     sentence: "the ball falls as if gravity were otherwise (buoyancy, air moved along): dg adds to it",
-    mistaken_for: &["length_scale", "time_scale", "quadratic_drag", "perspective", "aspect_ratio"],
+    mistaken_for: &[
+        "length_scale",
+        "time_scale",
+        "quadratic_drag",
+        "perspective",
+        "aspect_ratio",
+        "linear_drag",
+        "rolling_shutter",
+    ],
     heard: true,
     apply: |scene, c| scene.flight.effective_gravity_m_s2 += c[0],
 };

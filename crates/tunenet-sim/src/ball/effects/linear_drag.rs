@@ -10,7 +10,16 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     coefficients: &[Coefficient::new("b_1_s", "1/s", 0.0, (0.0, 20.0), 0.05)],
     plausible: |_| vec![(0.0, 5.0)],
     sentence: "something brakes the ball in proportion to its speed: a = -b v",
-    mistaken_for: &["quadratic_drag", "perspective", "rolling_shutter", "effective_gravity"],
+    mistaken_for: &[
+        "quadratic_drag",
+        "perspective",
+        "rolling_shutter",
+        "effective_gravity",
+        "speed_dependent_restitution",
+        "rolling_resistance",
+        "tangential_restitution",
+        "bounce_friction",
+    ],
     heard: true,
     apply: |scene, c| scene.flight.linear_drag_1_s += c[0],
 };

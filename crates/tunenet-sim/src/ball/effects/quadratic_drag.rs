@@ -16,7 +16,16 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         vec![body.drag_1_m().map_or((0.0, 10.0), |one| (low * one, high * one))]
     },
     sentence: "the air brakes the ball with the square of its speed: a = -c |v| v",
-    mistaken_for: &["linear_drag", "speed_dependent_restitution", "effective_gravity", "rolling_shutter"],
+    mistaken_for: &[
+        "linear_drag",
+        "speed_dependent_restitution",
+        "effective_gravity",
+        "rolling_shutter",
+        "magnus",
+        "rolling_resistance",
+        "tangential_restitution",
+        "bounce_friction",
+    ],
     heard: true,
     apply: |scene, c| scene.flight.quadratic_drag_1_m += c[0],
 };
