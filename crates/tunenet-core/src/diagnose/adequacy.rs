@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, DVector};
 use super::Test;
 use super::columns::orthonormal;
 use super::evidence::{upper_chi_squared, upper_f};
-use super::joint::dot;
+use super::joint::{Which, dot};
 use super::sets::Set;
 use super::study::{Model, Study};
 use crate::Result;
 
 /// A test fails only below this probability ...
-const PROBABLE: f64 = 1e-3;
+const PROBABLE: f64 = 1e-4;
 /// ... and beyond these practical bounds, since enough real data fail every test.
 const PORTMANTEAU: f64 = 1.15;
 const BAND_RATIO: f64 = 1.25;
@@ -39,7 +39,7 @@ impl Study<'_> {
     fn heterogeneity(&self, model: &Model) -> Result<Option<Test>> {
         let joint = self.joint(&model.structure);
         let residuals = &model.fit.residuals;
-        let columns = joint.columns(&model.fit.point, residuals, 1.0, 0, true)?;
+        let columns = joint.columns(&model.fit.point, residuals, Which::ALL)?;
         let size = model.structure.globals.len();
         let mut whole: DMatrix<f64> = DMatrix::zeros(size, size);
         let mut parts = Vec::new();

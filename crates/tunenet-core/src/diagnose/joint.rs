@@ -63,6 +63,23 @@ pub(super) struct Effort {
     pub horizon: f64,
 }
 
+/// Which derivatives.
+#[derive(Clone, Copy)]
+pub(super) struct Which {
+    /// Over this share of each recording.
+    pub horizon: f64,
+    /// By free numbers from this one on ...
+    pub first: usize,
+    /// ... and by the own unknowns.
+    pub own: bool,
+    /// By steps of a visible size.
+    pub visibly: bool,
+}
+
+impl Which {
+    pub const ALL: Self = Self { horizon: 1.0, first: 0, own: true, visibly: false };
+}
+
 /// A structure and the recordings that it is fitted to.
 pub(super) struct Joint<'a> {
     pub structure: &'a Structure<'a>,
@@ -110,9 +127,10 @@ impl Joint<'_> {
 
     /// Derivatives of the white residuals at `point`, where they are `residuals`, by free numbers from `first` on.
     ///
-    /// An absent coefficient is moved to where it can be seen: some (the time a shutter is open) have no slope at all where
-    /// they are absent.
-    pub fn columns(&self, point: &Point, residuals: &[Vec<f64>], horizon: f64, first: usize, own: bool) -> Result<Vec<Columns>> {
+    /// With `visibly`, coefficients are moved as far as can be seen: some (the time a shutter is open) have no slope at all
+    /// where they are absent.
+    pub fn columns(&self, point: &Point, residuals: &[Vec<f64>], what: Which) -> Result<Vec<Columns>> {
+        let Which { horizon, first, own, visibly } = what;
         let places: Vec<Vec<usize>> = (0..self.sets.len())
             .map(|d| self.structure.places(self.sets[d].object).into_iter().filter(|&p| p >= first).collect())
             .collect();
@@ -124,7 +142,7 @@ impl Joint<'_> {
             let rolled = |direction: f64| {
                 let (mut globals, mut own) = (point.globals.clone(), point.own[d].clone());
                 let step = if let Some(&place) = places[d].get(c) {
-                    self.nudge_global(&mut globals, place, direction)
+                    self.nudge_global(&mut globals, place, direction, visibly)
                 } else {
                     let i = c - places[d].len();
                     let unknown = &self.sets[d].prepared.own[i];
@@ -146,10 +164,10 @@ impl Joint<'_> {
         Ok(places.into_iter().enumerate().map(gather).collect())
     }
 
-    fn nudge_global(&self, globals: &mut [f64], place: usize, direction: f64) -> f64 {
+    fn nudge_global(&self, globals: &mut [f64], place: usize, direction: f64, visibly: bool) -> f64 {
         let global = &self.structure.globals[place];
         let step = match global.absent {
-            Some((absent, typical)) if globals[place] == absent => typical,
+            Some((_, typical)) if visibly => typical,
             Some((_, typical)) => COEFFICIENT_STEP * typical,
             None => DIFFERENCE_STEP * global.parameter.span(),
         };
@@ -182,7 +200,7 @@ impl Joint<'_> {
             let cost = huber_cost(&residuals, scale) + self.pull(&point);
             columns = match first.take() {
                 Some(columns) => columns,
-                None => self.columns(&point, &residuals, effort.horizon, 0, true)?,
+                None => self.columns(&point, &residuals, Which { horizon: effort.horizon, ..Which::ALL })?,
             };
             equations = self.equations(&columns, &residuals, &point, scale);
             let mut improved = None;

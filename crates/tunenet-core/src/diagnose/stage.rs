@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::confusable::canonical_correlation;
 use super::columns::{Projector, orthonormal, stack};
 use super::evidence::bic_gain;
-use super::joint::{Columns, Effort, Point, dot};
+use super::joint::{Columns, Effort, Point, Which, dot};
 use super::study::{FULL, Model, Study};
 use crate::Result;
 
@@ -18,9 +19,15 @@ const LEFT_OVER: f64 = 1e-6;
 /// Candidates this far behind the best after one step, as a share of the gain and at least so many units, are not fitted.
 const BEHIND_SHARE: f64 = 0.25;
 const BEHIND: f64 = 30.0;
-/// Most candidates that are fitted at once before the others are looked at again.
+/// Most candidates that are fitted at once before the others are looked at again, and how often they are.
 const FIRST: usize = 3;
-const MOST: usize = 9;
+const ROUNDS: usize = 4;
+/// Candidates that share this much with the best (squared canonical correlation) are always fitted.
+const ALIKE: f64 = 0.97;
+/// A fit that keeps less than this share of the gain predicted has met something strongly bent, and is tried again from so
+/// many times the typical size.
+const KEPT: f64 = 0.9;
+const LARGER: [f64; 2] = [6.0, 20.0];
 
 /// One candidate at one stage.
 pub(super) struct Trial<'a> {
@@ -28,6 +35,8 @@ pub(super) struct Trial<'a> {
     pub entry: usize,
     /// Gain of the information criterion over the model of this stage: of the joint fit, or as predicted.
     pub gain: f64,
+    /// The same by the linear prediction.
+    pub predicted: f64,
     /// The joint fit.
     pub model: Option<Model<'a>>,
     /// Why it cannot be the answer.
@@ -50,7 +59,7 @@ impl<'a> Study<'a> {
     pub fn stage(&self, model: &Model<'a>) -> Result<Vec<Trial<'a>>> {
         let joint = self.joint(&model.structure);
         let (point, residuals) = (&model.fit.point, &model.fit.residuals);
-        let base = joint.columns(point, residuals, 1.0, 0, true)?;
+        let base = joint.columns(point, residuals, Which::ALL)?;
         let candidates: Vec<usize> = (0..self.catalogue.len()).filter(|&e| !model.has(e)).collect();
         let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
         let projector = Projector::new(&base, &lengths, model.structure.globals.len());
@@ -64,6 +73,7 @@ impl<'a> Study<'a> {
                 let mut trial = Trial {
                     entry: one.entry,
                     gain: one.predicted,
+                    predicted: one.predicted,
                     model: None,
                     excluded: one.excluded.clone(),
                     span: one.span.clone(),
@@ -96,21 +106,28 @@ impl<'a> Study<'a> {
         let joint = self.joint(&structure);
         let globals = structure.carry(&model.structure, &model.fit.point.globals);
         let point = Point { globals, own: model.fit.point.own.clone() };
-        scored.columns = joint.columns(&point, &model.fit.residuals, 1.0, known, false)?;
         let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
-        let mut seen = false;
-        let (mut whole, mut rest) = (0.0, 0.0);
         let mut projected = Vec::new();
-        for (place, global) in structure.globals.iter().enumerate().skip(known) {
-            let mut column = stack(&scored.columns, &lengths, place);
-            whole += dot(&column, &column);
-            projector.project(&mut column);
-            let size = dot(&column, &column);
-            rest += size;
-            let (absent, coefficient) = (global.absent.map_or(0.0, |a| a.0), global.effect.map_or(0, |e| e.1));
-            let (low, high) = self.catalogue[scored.entry].of[global.object.unwrap_or(0)].plausible[coefficient];
-            seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
-            projected.push(column);
+        let (mut whole, mut rest, mut seen) = (0.0, 0.0, false);
+        for visibly in [false, true] {
+            (whole, rest, seen) = (0.0, 0.0, false);
+            projected.clear();
+            let which = Which { first: known, own: false, visibly, ..Which::ALL };
+            scored.columns = joint.columns(&point, &model.fit.residuals, which)?;
+            for (place, global) in structure.globals.iter().enumerate().skip(known) {
+                let mut column = stack(&scored.columns, &lengths, place);
+                whole += dot(&column, &column);
+                projector.project(&mut column);
+                let size = dot(&column, &column);
+                rest += size;
+                let (absent, coefficient) = (global.absent.map_or(0.0, |a| a.0), global.effect.map_or(0, |e| e.1));
+                let (low, high) = self.catalogue[scored.entry].of[global.object.unwrap_or(0)].plausible[coefficient];
+                seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
+                projected.push(column);
+            }
+            if seen {
+                break;
+            }
         }
         if whole <= 0.0 {
             scored.excluded = Some("these recordings do not depend on it".into());
@@ -151,29 +168,29 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// Fits the best jointly to the end, then others that may still overtake them.
+    /// Fits the best jointly to the end, then others that may still overtake them, and those that do nearly the same as the
+    /// best; each from several starts where one does not keep what was predicted.
     fn fit_best(&self, trials: &mut [Trial<'a>], model: &Model<'a>) {
         let mut done = vec![false; trials.len()];
-        for _ in 0..MOST / FIRST {
-            let mut open: Vec<usize> =
-                (0..trials.len()).filter(|&i| !done[i] && trials[i].model.is_some()).collect();
+        for round in 0.. {
+            let best = self.leader(trials);
+            let limit = best.map_or(0.0, |b| trials[b].gain - BEHIND.max(BEHIND_SHARE * trials[b].gain));
+            let alike = |i: usize| {
+                best.is_some_and(|b| done[b] && canonical_correlation(&trials[b].span, &trials[i].span) > ALIKE)
+            };
+            let hopeful = |i: &usize| {
+                let t = &trials[*i];
+                let promising = t.gain.max(t.predicted.min(limit + BEHIND)) > limit;
+                !done[*i] && t.excluded.is_none() && t.predicted > 0.0 && (promising || alike(*i))
+            };
+            let mut open: Vec<usize> = (0..trials.len()).filter(hopeful).collect();
             open.sort_by(|a, b| trials[*b].gain.total_cmp(&trials[*a].gain));
-            let best = (0..trials.len()).filter(|&i| trials[i].excluded.is_none() && trials[i].model.is_some());
-            let best = best.map(|i| trials[i].gain).fold(0.0, f64::max);
-            let limit = best - BEHIND.max(BEHIND_SHARE * best);
-            open.retain(|&i| trials[i].gain > limit && trials[i].excluded.is_none());
+            open.sort_by_key(|&i| !alike(i));
             open.truncate(FIRST);
-            if open.is_empty() {
+            if open.is_empty() || round == ROUNDS {
                 break;
             }
-            let refit = |&i: &usize| -> Option<Model<'a>> {
-                let start = trials[i].model.as_ref()?;
-                let structure = self.structure(&start.structure.effects).ok()?;
-                let (point, residuals) = (start.fit.point.clone(), start.fit.residuals.clone());
-                let fit = self.joint(&structure).fit_from(point, residuals, FULL, None).ok()?;
-                Some(Model { structure, fit })
-            };
-            let fits: Vec<Option<Model>> = open.par_iter().map(refit).collect();
+            let fits: Vec<Option<Model>> = open.par_iter().map(|&i| self.fit_fully(&trials[i], model)).collect();
             for (&i, fitted) in open.iter().zip(fits) {
                 done[i] = true;
                 let Some(fitted) = fitted else { continue };
@@ -188,6 +205,45 @@ impl<'a> Study<'a> {
                 trial.model = None;
             }
         }
+    }
+
+    /// The best trial as it stands.
+    fn leader(&self, trials: &[Trial]) -> Option<usize> {
+        let fitted = (0..trials.len()).filter(|&i| trials[i].excluded.is_none() && trials[i].model.is_some());
+        fitted.max_by(|a, b| trials[*a].gain.total_cmp(&trials[*b].gain))
+    }
+
+    /// From where one step led, and from larger coefficients where that falls short of what was predicted: friction that
+    /// grips is not reached from friction that hardly is.
+    fn fit_fully(&self, trial: &Trial<'a>, model: &Model<'a>) -> Option<Model<'a>> {
+        let effects = [model.structure.effects.as_slice(), &[trial.entry]].concat();
+        let from = |point: Point| -> Option<Model<'a>> {
+            let structure = self.structure(&effects).ok()?;
+            let fit = self.joint(&structure).fit(point, FULL, None).ok()?;
+            Some(Model { structure, fit })
+        };
+        let mut best = trial.model.as_ref().and_then(|start| from(start.fit.point.clone()));
+        let gain = |m: &Option<Model<'a>>| m.as_ref().map_or(f64::NEG_INFINITY, |m| self.gain(model, m, model.scale()));
+        if gain(&best) > KEPT * trial.predicted {
+            return best;
+        }
+        let step = trial.model.as_ref()?;
+        let known = model.structure.globals.len();
+        for size in LARGER {
+            let structure = self.structure(&effects).ok()?;
+            let mut globals = structure.carry(&model.structure, &model.fit.point.globals);
+            for (place, global) in structure.globals.iter().enumerate().skip(known) {
+                let (absent, typical) = global.absent.unwrap_or((0.0, 0.0));
+                let way = step.fit.point.globals[place] - absent;
+                let value = absent + size * typical * if way < 0.0 { -1.0 } else { 1.0 };
+                globals[place] = value.clamp(global.parameter.min, global.parameter.max);
+            }
+            let other = from(Point { globals, own: model.fit.point.own.clone() });
+            if gain(&other) > gain(&best) {
+                best = other;
+            }
+        }
+        best
     }
 
     /// Gain of the information criterion from `before` to `after`, losses changing over at 4 times `scale`.
