@@ -19,7 +19,7 @@ fn plain(text: &str) {
 
 #[test]
 fn help_of_the_tool_and_of_every_command() {
-    for command in ["", " tune", " simulate", " inspect", " gen", " train", " bench", " completions"] {
+    for command in ["", " tune", " diagnose", " simulate", " inspect", " gen", " train", " bench", " completions"] {
         help(command);
     }
 }

@@ -10,6 +10,8 @@
 mod agreement;
 mod ask;
 mod blind;
+#[cfg(test)]
+mod fixed;
 mod results;
 mod rows;
 mod trial;
