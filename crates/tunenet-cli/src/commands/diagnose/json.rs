@@ -2,7 +2,6 @@
 
 use serde_json::{Map, Value as Json, json};
 use tunenet_core::diagnose::{Candidate, Change, Explained, Fitted, Gap, NamedEffect, Test, Tuned, Use, Value};
-use tunenet_core::simulator::Phase;
 
 use super::answer::Answer;
 use crate::commands::tune::warning;
@@ -47,7 +46,7 @@ fn effect(answer: &Answer, named: &NamedEffect) -> Json {
         "name": named.effect.name,
         "sentence": named.effect.sentence,
         "coefficients": coefficients,
-        "where": { "phase": named.effect.phase, "text": phase(named.effect.phase) },
+        "where": { "phase": named.effect.phase, "text": named.effect.phase.name() },
         "evidence": {
             "bic_gain": evidence.bic_gain,
             "runner_up": evidence.runner_up,
@@ -57,10 +56,6 @@ fn effect(answer: &Answer, named: &NamedEffect) -> Json {
         },
         "alternatives": named.alternatives,
     })
-}
-
-fn phase(phase: Phase) -> &'static str {
-    phase.name()
 }
 
 /// One value where all objects share it or there is one object; else one for each, and none that stands for all.

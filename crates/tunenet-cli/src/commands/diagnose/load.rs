@@ -41,15 +41,14 @@ pub struct Loaded {
 
 impl Loaded {
     /// As the library takes them.
-    pub fn recordings(&self) -> Vec<diagnose::Recording<'_>> {
-        let one = |r: &'_ Recorded| (r.name.clone(), r.object, r.held_out);
-        self.recorded
-            .iter()
-            .map(|r| {
-                let (name, object, held_out) = one(r);
-                diagnose::Recording { name, object, held_out, seen: &r.seen }
-            })
-            .collect()
+    pub fn recordings<'a>(&'a self) -> Vec<diagnose::Recording<'a>> {
+        let one = |r: &'a Recorded| diagnose::Recording {
+            name: r.name.clone(),
+            object: r.object,
+            held_out: r.held_out,
+            seen: &r.seen,
+        };
+        self.recorded.iter().map(one).collect()
     }
 }
 

@@ -207,7 +207,7 @@ fn outside(trials: &[&Trial]) -> Parts {
 fn experiment(trials: &[&Trial]) -> Parts {
     let (mut pairs, mut separated, mut lost) = (0, 0, 0);
     for trial in trials {
-        let (Some(first), Some(then)) = (&trial.answer, &trial.then) else { continue };
+        let Some(first) = &trial.answer else { continue };
         let [truth] = &trial.truth[..] else { continue };
         let offered = |answer: &super::trial::Answer, name: &str| {
             answer.effects.iter().chain(&answer.candidates).any(|other| other == name)
@@ -219,6 +219,8 @@ fn experiment(trials: &[&Trial]) -> Parts {
         let others = first.candidates.iter().filter(|c| *c != truth && !twins.contains(&c.as_str()));
         for other in others {
             pairs += 1;
+            // Where nothing was asked for, nothing is separated.
+            let Some(then) = &trial.then else { continue };
             separated += u32::from(!offered(then, other) && offered(then, truth));
             lost += u32::from(!offered(then, truth));
         }
