@@ -37,8 +37,8 @@ pub struct Measured<S> {
     parameters: Vec<Parameter>,
 }
 
-/// What acts in one rollout, in the order of action.
-type Active<'a> = [(usize, &'static MeasurementEffect, &'a [f64])];
+/// What acts in one rollout: its place in the order of action, the effect, its coefficients.
+type Active<'a> = (usize, &'static MeasurementEffect, &'a [f64]);
 
 impl<S: Simulator> Measured<S> {
     /// `inner` with the coefficients of these effects as further parameters, at their absent values and free to tune.
@@ -109,10 +109,7 @@ impl<S: Simulator> Measured<S> {
     }
 
     /// What acts with these coefficients of the free effects.
-    fn active<'a>(
-        &'a self,
-        mut coefficients: &'a [f64],
-    ) -> std::result::Result<Vec<(usize, &'static MeasurementEffect, &'a [f64])>, String> {
+    fn active<'a>(&'a self, mut coefficients: &'a [f64]) -> std::result::Result<Vec<Active<'a>>, String> {
         let mut active: Vec<_> = self.fixed.iter().map(|(place, e, values)| (*place, *e, values.as_slice())).collect();
         for (place, effect) in &self.free {
             let (values, rest) = coefficients.split_at(effect.coefficients.len());
@@ -150,7 +147,7 @@ impl<S: Simulator> Measured<S> {
     }
 
     /// What is observed of values on these channels.
-    fn seen(&self, active: &Active, row: &mut [f64]) -> std::result::Result<(), String> {
+    fn seen(&self, active: &[Active], row: &mut [f64]) -> std::result::Result<(), String> {
         for (_, effect, c) in active {
             match effect.act {
                 Act::Point(map) => {
@@ -227,7 +224,9 @@ impl<S: Simulator> Simulator for Measured<S> {
             self.inner.rollout(p, own, clock, values)?;
             for (_, effect, c) in &active {
                 if let Act::Clock { to_seen, .. } = effect.act {
-                    values.iter_mut().for_each(|time| *time = to_seen(*time, c));
+                    for time in values.iter_mut() {
+                        *time = to_seen(*time, c);
+                    }
                 }
             }
             return Ok(());
