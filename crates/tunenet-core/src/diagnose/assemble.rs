@@ -3,14 +3,15 @@
 use std::sync::atomic::Ordering;
 
 use super::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, Test, Tuned, Use, Value, Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use, Value, Verdict,
 };
 use super::held_out::{HeldOut, rmse};
 use super::search::{Found, Place};
 use super::sets::Set;
 use super::study::{Model, Study};
 use super::verdict::in_place_of;
-use super::Recording;
+use super::unknown::describe;
+use super::{Recording, experiment};
 use crate::Result;
 use crate::observation::Note;
 
@@ -21,6 +22,8 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 pub(super) struct Judged<'a> {
     pub verdict: Verdict,
     pub names: Vec<&'static str>,
+    /// How far behind the best an explanation is still left.
+    pub margin: f64,
     pub found: Found<'a>,
     pub tests: Vec<Test>,
     pub before: Option<HeldOut>,
@@ -38,18 +41,22 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
     let last = if told { found.best.as_ref().unwrap_or(&found.base) } else { &found.base };
     let effects = if told {
         let model = last;
-        found.places.iter().enumerate().map(|(i, place)| named(study, model, i, place)).collect()
+        found.places.iter().map(|place| named(study, model, place, judged.margin)).collect()
     } else {
         Vec::new()
     };
     let gap = gap(study, &judged, last)?;
+    let description = match judged.verdict {
+        Verdict::Unknown => Some(describe(study, found.best.as_ref().unwrap_or(&found.base))?),
+        _ => None,
+    };
     Ok(Diagnosis {
         verdict: judged.verdict,
         effects,
         candidates: candidates(study, found),
         gap: Some(gap),
-        next_experiment: None,
-        description: None,
+        next_experiment: next(study, &judged)?,
+        description,
         parameters: parameters(study, found, last),
         explained: explained(study, &judged, last, recordings)?,
         names: judged.names,
@@ -57,6 +64,19 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
         uses: judged.uses,
         notes: judged.notes,
         rollouts: study.rollouts.load(Ordering::Relaxed),
+    })
+}
+
+/// What to measure next.
+fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
+    let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
+    Ok(match judged.verdict {
+        Verdict::OneOf => experiment::next(study, &judged.found, judged.margin)?
+            .or_else(|| plain("add recordings of the same ball from other heights and in other directions")),
+        Verdict::Unknown => plain(
+            "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
+        ),
+        _ => None,
     })
 }
 
@@ -73,9 +93,12 @@ fn interval(study: &Study, model: &Model, global: usize) -> (f64, f64) {
     ((value - reach).max(p.min), (value + reach).min(p.max))
 }
 
-fn named(study: &Study, model: &Model, position: usize, place: &Place) -> NamedEffect {
+fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffect {
     let entry = &study.catalogue[place.entry];
-    let mine = model.structure.of_effect(position);
+    let position = model.structure.effects.iter().position(|&e| e == place.entry);
+    let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
+    let tilts: usize = study.sets.iter().map(|s| s.pull.iter().filter(|pull| Some(**pull) == study.chance).count()).sum();
+    let found_chance = study.chance.map(|sd| (sd, tilts.max(1)));
     let coefficients = entry.of[0].coefficients.iter().enumerate().map(|(k, coefficient)| {
         let globals = &model.structure.globals;
         let places = mine.iter().copied().filter(|&g| globals[g].effect.is_some_and(|e| e.1 == k));
@@ -84,10 +107,18 @@ fn named(study: &Study, model: &Model, position: usize, place: &Place) -> NamedE
             value: model.fit.point.globals[g],
             interval95: interval(study, model, g),
         });
-        Fitted { key: coefficient.key, unit: coefficient.unit, values: values.collect() }
+        let values = match &found_chance {
+            Some((sd, count)) if entry.chance() => {
+                // The relative standard deviation of a spread estimated from so many draws.
+                let reach = NORMAL_95 * sd / (2.0 * *count as f64).sqrt();
+                vec![Value { object: None, value: *sd, interval95: ((sd - reach).max(0.0), sd + reach) }]
+            }
+            _ => values.collect(),
+        };
+        Fitted { key: coefficient.key, unit: coefficient.unit, values }
     });
     let next = place.others.first();
-    let alternatives = in_place_of(place, study.settings.margin);
+    let alternatives = in_place_of(place, margin);
     NamedEffect {
         effect: entry.of[0].clone(),
         coefficients: coefficients.collect(),

@@ -9,6 +9,9 @@ use crate::tune::robust_scale;
 /// Shares of the recordings that are fitted one after the other: the count of bounces stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];
 const EARLY: Effort = Effort { steps: 6, tolerance: 0.5, horizon: 1.0 };
+const MOST_STARTS: usize = 3;
+/// Starts that lead so near to each other, as a share of the bounds, lead to the same.
+const SAME: f64 = 1e-3;
 /// A fit that leaves this many times the noise may sit in a wrong valley.
 const SUSPICIOUS: f64 = 3.0;
 /// Starts across the bounds of each object's first parameters.
@@ -29,11 +32,21 @@ impl<'a> Study<'a> {
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best = None;
         let mut refused = None;
-        for (_, start) in ranked.into_iter().take(3) {
-            let fit = HORIZONS.iter().try_fold(start, |point, &horizon| {
-                joint.fit(point, Effort { horizon, ..EARLY }, None).map(|fit| fit.point)
-            });
-            let fit = fit.and_then(|point| joint.fit(point, FULL, None));
+        let mut seen: Vec<Vec<f64>> = Vec::new();
+        for (_, start) in ranked.into_iter().take(MOST_STARTS) {
+            let early = |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }, None).map(|f| f.point);
+            let first = early(start, HORIZONS[0]);
+            if let Ok(point) = &first {
+                let spans = || structure.globals.iter().map(|g| g.parameter.span());
+                let same = |other: &Vec<f64>| {
+                    other.iter().zip(&point.globals).zip(spans()).all(|((a, b), span)| (a - b).abs() < SAME * span)
+                };
+                if seen.iter().any(same) {
+                    continue;
+                }
+                seen.push(point.globals.clone());
+            }
+            let fit = first.and_then(|point| early(point, HORIZONS[1])).and_then(|point| joint.fit(point, FULL, None));
             match fit {
                 Ok(fit) => {
                     if best.as_ref().is_none_or(|b: &super::joint::Outcome| fit.cost < b.cost) {

@@ -19,8 +19,9 @@ impl Entry {
         self.of[0].phase == Phase::Measurement
     }
 
-    pub fn width(&self) -> usize {
-        self.of[0].coefficients.len()
+    /// Whether it is chance, which no coefficient rolls out.
+    pub fn chance(&self) -> bool {
+        self.name == SCATTER
     }
 }
 
@@ -43,10 +44,10 @@ impl<'a> Deref for Carrier<'a> {
     }
 }
 
-/// The effect that is chance: no rollout shows it.
+/// The effect that is chance; see [`scatter`](super::scatter).
 pub(super) const SCATTER: &str = "bounce_scatter";
 
-/// The effects that all subjects know, and those of how they were seen; chance is not among them.
+/// The effects that all subjects know, and those of how they were seen.
 pub(super) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {
     let known: Vec<Vec<Effect>> = subjects
         .iter()
@@ -57,8 +58,7 @@ pub(super) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {
             known.iter().map(|effects| effects.iter().find(|e| e.name == effect.name).cloned()).collect();
         of.map(|of| Entry { name: effect.name, of })
     };
-    let first = known.first().into_iter().flatten().filter(|e| e.name != SCATTER);
-    first.filter_map(everywhere).collect()
+    known.first().into_iter().flatten().filter_map(everywhere).collect()
 }
 
 /// `subject` with these effects added.

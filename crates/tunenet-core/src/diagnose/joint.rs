@@ -16,6 +16,8 @@ const DIFFERENCE_STEP: f64 = 1e-6;
 /// ... and of a coefficient, as a share of a small visible one.
 const COEFFICIENT_STEP: f64 = 1e-3;
 const GREATEST_DAMPING: f64 = 1e8;
+/// Nor are steps worth their rollouts that gain less than this share of the cost.
+const TOLERANCE_SHARE: f64 = 5e-5;
 /// A step that moves everything by less than this share of the bounds has arrived.
 const STILL: f64 = 1e-11;
 
@@ -47,8 +49,8 @@ pub(super) struct Outcome {
     pub residuals: Vec<Vec<f64>>,
     /// Half the robust sum of squares with the pull of the guesses.
     pub cost: f64,
-    /// Derivatives at a point near the last.
-    pub columns: Vec<Columns>,
+    /// The part of the cost that is the pull of the guesses.
+    pub pull: f64,
     /// Covariance of the free numbers for noise as stated.
     pub covariance: DMatrix<f64>,
 }
@@ -193,12 +195,11 @@ impl Joint<'_> {
     ) -> Result<Outcome> {
         let (mut point, mut residuals) = (start, residuals);
         let mut damping = 1e-4;
-        let mut columns = Vec::new();
         let mut equations = Arrow::new(0, 0);
         for _ in 0..effort.steps {
             let scale = robust_scale(&residuals);
             let cost = huber_cost(&residuals, scale) + self.pull(&point);
-            columns = match first.take() {
+            let columns = match first.take() {
                 Some(columns) => columns,
                 None => self.columns(&point, &residuals, Which { horizon: effort.horizon, ..Which::ALL })?,
             };
@@ -224,12 +225,13 @@ impl Joint<'_> {
             let still = self.distance(&point, &candidate) < STILL;
             (point, residuals) = (candidate, new);
             damping = (damping / 10.0).max(1e-10);
-            if still || gain <= effort.tolerance {
+            if still || gain <= effort.tolerance.max(TOLERANCE_SHARE * cost) {
                 break;
             }
         }
-        let cost = huber_cost(&residuals, robust_scale(&residuals)) + self.pull(&point);
-        Ok(Outcome { point, residuals, cost, columns, covariance: equations.covariance() })
+        let pull = self.pull(&point);
+        let cost = huber_cost(&residuals, robust_scale(&residuals)) + pull;
+        Ok(Outcome { point, residuals, cost, pull, covariance: equations.covariance() })
     }
 
     /// What a linear model of this point promises to gain by the damped step.
@@ -242,8 +244,8 @@ impl Joint<'_> {
     /// A weak pull of the own unknowns towards their guesses, so that a direction on which the data are silent stays put.
     fn pull(&self, point: &Point) -> f64 {
         let each = self.sets.iter().zip(&point.own);
-        each.flat_map(|(s, own)| s.prepared.own.iter().zip(own))
-            .map(|(p, v)| 0.5 * ((v - p.value) / p.span()).powi(2))
+        each.flat_map(|(s, own)| s.prepared.own.iter().zip(&s.pull).zip(own))
+            .map(|((p, pull), v)| 0.5 * ((v - p.value) / pull).powi(2))
             .sum()
     }
 
@@ -282,9 +284,10 @@ impl Joint<'_> {
             }
             let mut own_normal = normal.view((shared, shared), (own, own)).into_owned();
             let mut own_right = right.rows(shared, own).into_owned();
-            for (i, p) in self.sets[d].prepared.own.iter().enumerate() {
-                own_normal[(i, i)] += p.span().powi(-2);
-                own_right[i] -= (point.own[d][i] - p.value) / p.span().powi(2);
+            let set = &self.sets[d];
+            for (i, (p, pull)) in set.prepared.own.iter().zip(&set.pull).enumerate() {
+                own_normal[(i, i)] += pull.powi(-2);
+                own_right[i] -= (point.own[d][i] - p.value) / pull.powi(2);
             }
             let coupling = normal.view((0, shared), (shared, own)).into_owned();
             arrow.blocks.push(Block { places: one.places.clone(), coupling, own: own_normal, own_right });

@@ -17,14 +17,17 @@ mod colour;
 mod columns;
 mod confusable;
 mod evidence;
+mod experiment;
 mod held_out;
 mod input;
 mod joint;
+mod scatter;
 mod search;
 mod sets;
 mod stage;
 mod structure;
 mod study;
+mod unknown;
 mod verdict;
 
 #[cfg(test)]
@@ -97,6 +100,7 @@ pub fn diagnose(
         sets,
         catalogue: catalogue::catalogue(subjects),
         settings,
+        chance: None,
         rollouts: AtomicUsize::new(0),
     };
     verdict::judge(study, held_out, recordings, Answered { uses, notes }, progress)

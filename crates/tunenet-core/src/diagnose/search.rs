@@ -49,6 +49,14 @@ impl<'a> Study<'a> {
         // A swap may open the way to another; one round is enough in practice.
         for _ in 0..2 {
             let Some(model) = best.take() else { break };
+            // With all that may be added and still no fit, there is nothing to compare with.
+            let full = model.structure.effects.len() >= self.settings.most_effects.max(2);
+            if full && !self.adequacy(&model)?.iter().all(|t| t.passed) {
+                let unjudged = |&entry: &usize| Place { entry, gain: 0.0, p_value: 1.0, others: Vec::new() };
+                places = model.structure.effects.iter().map(unjudged).collect();
+                best = Some(model);
+                break;
+            }
             let (again, found) = self.judge_places(&base, &alone, model)?;
             best = again.0;
             places = found;

@@ -2,7 +2,7 @@
 
 use super::colour::Filter;
 use crate::observation::{Arcs, Kind, Observation};
-use crate::simulator::Prepared;
+use crate::simulator::{Parameter, Prepared};
 use crate::tune::channel_noise;
 
 /// A model that explains a channel to better than this share of its range is as good as exact; it bounds the noise of data
@@ -26,6 +26,8 @@ pub(super) struct Set {
     pub object: usize,
     pub held_out: bool,
     pub prepared: Prepared,
+    /// How strongly each own unknown is drawn to its guess: a standard deviation.
+    pub pull: Vec<f64>,
     /// Standard deviation of each channel.
     pub noise: Vec<f64>,
     /// Whether a value counts, shape `[sample · channel]`.
@@ -52,7 +54,8 @@ impl Set {
             _ => Vec::new(),
         };
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
-        Self { recording, object, held_out, prepared, noise, keep, filter, contacts }
+        let pull = prepared.own.iter().map(Parameter::span).collect();
+        Self { recording, object, held_out, prepared, pull, noise, keep, filter, contacts }
     }
 
     pub fn width(&self) -> usize {

@@ -11,6 +11,7 @@ use crate::Result;
 
 /// One step with derivatives that are known already.
 const ONE_STEP: Effort = Effort { steps: 1, tolerance: 0.02, horizon: 1.0 };
+const FEW_STEPS: Effort = Effort { steps: 3, ..FULL };
 /// An effect that all of its believable range moves less than this (root of the summed squares, in units of the noise) is
 /// not there to be seen.
 const VISIBLE: f64 = 3.0;
@@ -60,7 +61,7 @@ impl<'a> Study<'a> {
         let joint = self.joint(&model.structure);
         let (point, residuals) = (&model.fit.point, &model.fit.residuals);
         let base = joint.columns(point, residuals, Which::ALL)?;
-        let candidates: Vec<usize> = (0..self.catalogue.len()).filter(|&e| !model.has(e)).collect();
+        let candidates: Vec<usize> = (0..self.catalogue.len()).filter(|&e| !model.has(e) && !self.catalogue[e].chance()).collect();
         let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
         let projector = Projector::new(&base, &lengths, model.structure.globals.len());
         let mut left: Vec<f64> = residuals.concat();
@@ -238,9 +239,12 @@ impl<'a> Study<'a> {
                 let value = absent + size * typical * if way < 0.0 { -1.0 } else { 1.0 };
                 globals[place] = value.clamp(global.parameter.min, global.parameter.max);
             }
-            let other = from(Point { globals, own: model.fit.point.own.clone() });
-            if gain(&other) > gain(&best) {
-                best = other;
+            let start = Point { globals, own: model.fit.point.own.clone() };
+            // A few steps tell whether this valley is a better one.
+            let tried = self.joint(&structure).fit(start, FEW_STEPS, None).ok()?;
+            let tried = Some(Model { structure, fit: tried });
+            if gain(&tried) > gain(&best) {
+                best = tried.and_then(|t| from(t.fit.point));
             }
         }
         best

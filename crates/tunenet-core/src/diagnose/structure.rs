@@ -1,7 +1,7 @@
 //! One structure of the model: the same effects in every object's simulator, and what is free in them.
 
 use super::Subject;
-use super::catalogue::{Carrier, Entry, carrier};
+use super::catalogue::{Carrier, Entry, SCATTER, carrier};
 use super::sets::Set;
 use crate::Result;
 use crate::simulator::{Parameter, Simulator};
@@ -34,9 +34,11 @@ pub(super) struct Structure<'a> {
 }
 
 impl<'a> Structure<'a> {
-    pub fn new(subjects: &[Subject<'a>], sets: &[Set], catalogue: &[Entry], effects: &[usize]) -> Result<Self> {
+    pub fn new(subjects: &[Subject<'a>], sets: &[Set], catalogue: &[Entry], effects: &[usize], chance: bool) -> Result<Self> {
         let entries: Vec<&Entry> = effects.iter().map(|&e| &catalogue[e]).collect();
-        let simulators = subjects.iter().map(|s| carrier(s, &entries)).collect::<Result<Vec<_>>>()?;
+        let scatter = catalogue.iter().filter(|e| chance && e.name == SCATTER);
+        let carried: Vec<&Entry> = entries.iter().copied().chain(scatter).collect();
+        let simulators = subjects.iter().map(|s| carrier(s, &carried)).collect::<Result<Vec<_>>>()?;
         let values = simulators.iter().map(|s| s.parameters().iter().map(|p| p.value).collect()).collect();
         let mut structure = Self {
             effects: effects.to_vec(),

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use super::catalogue::Entry;
+use super::catalogue::{Entry, SCATTER};
 use super::colour;
 use super::joint::{Effort, Joint, Outcome, Point};
 use super::sets::Set;
@@ -23,6 +23,8 @@ pub(super) struct Study<'a> {
     pub sets: Vec<Set>,
     pub catalogue: Vec<Entry>,
     pub settings: &'a Settings,
+    /// Where contacts are subject to chance: the standard deviation of a tilt, rad.
+    pub chance: Option<f64>,
     pub rollouts: AtomicUsize,
 }
 
@@ -33,9 +35,10 @@ pub(super) struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// The robust sum of squares in units of the noise, losses changing over at 4 times `scale`.
+    /// The robust sum of squares in units of the noise, losses changing over at 4 times `scale`, with that of the own
+    /// unknowns from their guesses.
     pub fn deviance(&self, scale: f64) -> f64 {
-        2.0 * huber_cost(&self.fit.residuals, scale)
+        2.0 * (huber_cost(&self.fit.residuals, scale) + self.fit.pull)
     }
 
     pub fn scale(&self) -> f64 {
@@ -53,7 +56,12 @@ impl<'a> Study<'a> {
     }
 
     pub fn structure(&self, effects: &[usize]) -> Result<Structure<'a>> {
-        Structure::new(self.subjects, &self.sets, &self.catalogue, effects)
+        Structure::new(self.subjects, &self.sets, &self.catalogue, effects, self.chance.is_some())
+    }
+
+    /// Chance at contacts, where every subject knows it.
+    pub fn chance_entry(&self) -> Option<&Entry> {
+        self.catalogue.iter().find(|e| e.name == SCATTER)
     }
 
     /// How many values count.

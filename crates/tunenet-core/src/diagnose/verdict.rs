@@ -3,6 +3,9 @@
 use super::answer::{Diagnosis, Test, Use, Verdict};
 use super::assemble::{Judged, assemble};
 use super::held_out::HeldOut;
+use super::catalogue::Entry;
+use super::joint::{Outcome, Point};
+use super::scatter::Scatter;
 use super::search::{Found, Place};
 use super::sets::Set;
 use super::study::{Model, Study};
@@ -54,13 +57,19 @@ pub(super) fn judge(
         }
     }
     held_out.iter_mut().for_each(|set| set.colour(rho));
+    let before = unseen(&study, &found.base, &held_out)?;
+    let mut tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base))?;
+    let control = control(&study, &found, &held_out)?;
+    if let Some(scatter) = by_chance(&study, &found, &tests)? {
+        study.admit(&scatter);
+        found = with_chance(&study, found, &scatter, progress)?;
+        tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base))?;
+    }
     if rho != 0.0 {
         let text = format!("the noise remembers from sample to sample (correlation {rho:.2}) and is whitened");
         notes.push(Note::new("noise.coloured", text, ""));
     }
     progress(Progress::Judging);
-    let mut tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base))?;
-    let before = unseen(&study, &found.base, &held_out)?;
     let after = match &found.best {
         Some(best) => unseen(&study, best, &held_out)?,
         None => before.clone(),
@@ -70,10 +79,42 @@ pub(super) fn judge(
         let passed = value <= HELD_OUT_WORSE;
         tests.push(Test { name: "held-out residual after over before", value, threshold: HELD_OUT_WORSE, passed });
     }
-    let control = control(&study, &found, &held_out)?;
     let (verdict, names) = decide(&study, &found, &tests);
-    let judged = Judged { verdict, names, found, tests, before, after, control, held_out, uses, notes };
+    let margin = margin(&study);
+    let judged = Judged { verdict, names, margin, found, tests, before, after, control, held_out, uses, notes };
     assemble(&study, judged, recordings)
+}
+
+/// Whether chance at contacts explains more than anything else, or what nothing else does.
+fn by_chance(study: &Study, found: &Found, tests: &[Test]) -> Result<Option<Scatter>> {
+    let significant = |s: &Scatter| s.gain > study.settings.margin && s.p_value < study.settings.significance;
+    let alone = study.scatter(&found.base)?.filter(significant);
+    let others = found.best.as_ref().map_or(0.0, |best| study.gain(&found.base, best, best.scale()));
+    if alone.as_ref().is_some_and(|s| s.gain > others) {
+        return Ok(alone);
+    }
+    let adequate = tests.iter().all(|t| t.passed);
+    match &found.best {
+        Some(best) if !adequate => Ok(study.scatter(best)?.filter(significant)),
+        _ => Ok(None),
+    }
+}
+
+/// The search again, every bounce with a tilt of its own.
+fn with_chance<'a>(study: &Study<'a>, plain: Found<'a>, scatter: &Scatter, progress: &dyn Fn(Progress)) -> Result<Found<'a>> {
+    let entry = study.catalogue.iter().position(Entry::chance).unwrap_or(0);
+    let mut own = plain.base.fit.point.own.clone();
+    own.iter_mut().zip(&scatter.unknowns).for_each(|(own, tilts)| own.extend(tilts.iter().map(|t| t.value)));
+    let near = Model {
+        structure: study.structure(&[])?,
+        fit: Outcome { point: Point { globals: plain.base.fit.point.globals.clone(), own }, ..plain.base.fit.clone() },
+    };
+    let base = study.fit_near(&[], &near)?;
+    let again = study.search(base, progress)?;
+    let place = Place { entry, gain: scatter.gain, p_value: scatter.p_value, others: Vec::new() };
+    let places = std::iter::once(place).chain(again.places).collect();
+    let best = Some(again.best.unwrap_or(again.base));
+    Ok(Found { base: plain.base, alone: plain.alone, best, places })
 }
 
 fn unseen(study: &Study, model: &Model, sets: &[Set]) -> Result<Option<HeldOut>> {
@@ -124,21 +165,26 @@ fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<Diagnosis> 
     })
 }
 
+/// How far behind the best an explanation is still left; more of a single recording.
+fn margin(study: &Study) -> f64 {
+    study.settings.margin * if study.sets.len() == 1 { OVERWHELMING } else { 1.0 }
+}
+
 fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'static str>) {
     let adequate = tests.iter().all(|t| t.passed);
     let name = |entry: usize| study.catalogue[entry].name;
-    let Some(best) = &found.best else {
+    if found.best.is_none() {
         if adequate {
             return (Verdict::None, Vec::new());
         }
         let near = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0);
         return (Verdict::Unknown, near.take(2).map(|t| name(t.entry)).collect());
-    };
+    }
     if !adequate {
-        return (Verdict::Unknown, best.structure.effects.iter().map(|&e| name(e)).collect());
+        return (Verdict::Unknown, found.places.iter().map(|p| name(p.entry)).collect());
     }
     let single = study.sets.len() == 1;
-    let margin = study.settings.margin * if single { OVERWHELMING } else { 1.0 };
+    let margin = margin(study);
     let mut names: Vec<&'static str> = Vec::new();
     let mut open = false;
     for place in &found.places {
