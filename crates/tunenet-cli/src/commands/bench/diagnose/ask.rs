@@ -83,9 +83,12 @@ fn answer(diagnosis: &Diagnosis, seconds: f64) -> Result<Answer> {
     })
 }
 
-/// The start of the throw that is asked for; what it leaves unsaid is a drop from a metre.
+/// The start of the throw that is asked for, where it is one; what it leaves unsaid is a drop from a metre.
 fn throw(diagnosis: &Diagnosis) -> Option<Throw> {
     let settings = &diagnosis.next_experiment.as_ref()?.settings;
+    if settings.is_empty() {
+        return None;
+    }
     let number = |name: &str, unsaid: f64| settings.iter().find(|(n, _)| n == name).map_or(unsaid, |(_, v)| *v);
     let axes = ["x", "y", "z"];
     let height = number("release.height", 1.0) + RADIUS_M;
