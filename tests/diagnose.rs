@@ -167,7 +167,7 @@ fn recordings_of_two_kinds_are_refused() {
 #[test]
 fn a_wrong_manifest_is_refused_with_its_place() {
     let folder = with_throws();
-    let mut tried = |text: &str, words: &[&str]| {
+    let tried = |text: &str, words: &[&str]| {
         folder.write("m.toml", text);
         refused(folder.run("diagnose --sim scene.toml --manifest m.toml"), 1, words);
     };

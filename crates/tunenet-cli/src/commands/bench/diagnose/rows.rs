@@ -141,7 +141,7 @@ impl Row {
                 let pairs = pairs();
                 for number in 0..counts.pairs {
                     // A stride that has no factor in common with their number visits all pairs evenly.
-                    let (a, b) = pairs[(number as usize * 37 + 11) % pairs.len()];
+                    let (a, b) = pairs[usize::try_from(number * 37 + 11).unwrap_or(0) % pairs.len()];
                     let name = format!("{number}-{}-{}", a.name(), b.name());
                     cells.add(&name, vec![a, b], 10.0, 6, white, 1);
                 }

@@ -107,20 +107,17 @@ impl Kind {
             Self::Wind => 4.0,
             Self::Magnus | Self::Fan => 6.0,
             Self::SpeedDependentRestitution => 0.4,
-            Self::SurfaceTilt | Self::BounceScatter => 0.25,
+            Self::SurfaceTilt | Self::BounceScatter | Self::Perspective => 0.25,
             Self::BounceFriction | Self::TangentialRestitution => 0.9,
             Self::ContactTime => 0.03,
-            Self::LengthScale | Self::AspectRatio | Self::TimeScale => 0.2,
+            Self::LengthScale | Self::AspectRatio | Self::TimeScale | Self::CameraShake => 0.2,
             Self::CameraTilt => 0.3,
-            Self::Perspective => 0.25,
-            Self::LensDistortion => 0.15,
+            Self::LensDistortion | Self::Wear => 0.15,
             Self::RollingShutter => 0.02,
             Self::ObservationBlur => 0.04,
             Self::Magnet => 30.0,
-            Self::Wear => 0.15,
             Self::SoftSpot => 0.8,
             Self::Updraught => 5.0,
-            Self::CameraShake => 0.2,
         }
     }
 
