@@ -1,6 +1,6 @@
 //! What was found, with what is needed to tell it.
 
-use tunenet_core::diagnose::{Diagnosis, Fitted, NamedEffect, Value, Verdict};
+use tunenet_core::diagnose::{Diagnosis, NamedEffect, Value, Verdict};
 use tunenet_sim::ball::effects::Body;
 
 use super::load::Loaded;
@@ -32,11 +32,6 @@ impl Answer<'_> {
         let unit = body(object)?.drag_1_m()?;
         let (low, high) = value.interval95;
         Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
-    }
-
-    /// The value that stands for a coefficient where there is only one.
-    pub fn lone<'b>(&self, fitted: &'b Fitted) -> Option<&'b Value> {
-        <&[Value; 1]>::try_from(&fitted.values[..]).ok().map(|[one]| one)
     }
 
     /// The name of the object that a value belongs to.

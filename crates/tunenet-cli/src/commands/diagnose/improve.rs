@@ -154,7 +154,7 @@ fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
     for fitted in &named.coefficients {
         if let Some(value) = of(fitted, object) {
             let (low, high) = value.interval95;
-            one.insert(&format!("{}_interval95", fitted.key), Array::from_iter([low, high]).into());
+            one.insert(format!("{}_interval95", fitted.key), Array::from_iter([low, high]).into());
         }
     }
     one

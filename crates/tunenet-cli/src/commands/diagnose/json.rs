@@ -61,7 +61,7 @@ fn effect(answer: &Answer, named: &NamedEffect) -> Json {
 /// One value where all objects share it or there is one object; else one for each, and none that stands for all.
 fn coefficient(answer: &Answer, fitted: &Fitted) -> Json {
     let range = |v: &Value| json!([v.interval95.0, v.interval95.1]);
-    if let Some(one) = answer.lone(fitted) {
+    if let [one] = &fitted.values[..] {
         return json!({ "value": one.value, "unit": fitted.unit, "interval95": range(one) });
     }
     let each = fitted.values.iter().map(|v| {

@@ -78,13 +78,13 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let kind = one_kind(&kept, &recorded)?;
     let mut objects: Vec<Object> = Vec::new();
     for (source, recorded) in kept.iter().zip(&mut recorded) {
-        recorded.object = match objects.iter().position(|o| o.name == source.object) {
-            Some(at) => same_scene(options, source, &objects[at]).map(|()| at)?,
-            None => {
-                objects.push(object(options, source, kind)?);
-                objects.len() - 1
-            }
-        };
+        let known = objects.iter().position(|o| o.name == source.object);
+        if let Some(at) = known {
+            same_scene(options, source, &objects[at])?;
+        } else {
+            objects.push(object(options, source, kind)?);
+        }
+        recorded.object = known.unwrap_or(objects.len() - 1);
     }
     Ok(Loaded { objects, recorded, notes })
 }

@@ -59,7 +59,7 @@ fn read(path: &Path) -> Result<Vec<Source>> {
         Error::file(path, format!("line {line}: {}", e.message()), "a manifest is TOML: [[observation]] tables")
     })?;
     let mut entries = None;
-    for (key, item) in document.as_table().iter() {
+    for (key, item) in document.as_table() {
         match (key, item) {
             ("observation", Item::ArrayOfTables(all)) => entries = Some(all),
             ("observation", _) => {
@@ -91,7 +91,7 @@ fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) 
             "file" => file = Some(item.as_str().ok_or_else(|| place("expected a name in quotes for `file`"))?),
             "object" => {
                 let name = item.as_str().filter(|name| !name.trim().is_empty());
-                object = name.ok_or_else(|| place("expected a name in quotes for `object`"))?.to_owned();
+                name.ok_or_else(|| place("expected a name in quotes for `object`"))?.clone_into(&mut object);
             }
             "held_out" => {
                 held_out = item.as_bool().ok_or_else(|| place("expected true or false for `held_out`"))?;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::trial::{Mark, Trial};
+use super::trial::{Answer, Mark, Trial};
 use crate::cli::DiagnoseRow as Row;
 
 /// One row of the bench.
@@ -110,7 +110,7 @@ fn marks(trials: &[&Trial]) -> Vec<f64> {
 
 fn clean(trials: &[&Trial]) -> Parts {
     let verdict = |t: &Trial, word: &str| t.answer.as_ref().is_some_and(|a| a.verdict == word);
-    let named = |those: &[&Trial]| percent(those, |t| t.answer.as_ref().is_some_and(|a| a.names_something()));
+    let named = |those: &[&Trial]| percent(those, |t| t.answer.as_ref().is_some_and(Answer::names_something));
     let lines = by_drops(trials, |those| {
         let of = |word: &str| percent(those, |t| verdict(t, word));
         [of("none"), of("named"), of("one_of"), of("unknown"), of("insufficient")].into_iter().flatten().collect()
@@ -158,7 +158,7 @@ fn single(row: Row, trials: &[&Trial]) -> Parts {
 /// Among answers to an effect with twins that named something: how many named the twins together.
 fn together(trials: &[&Trial]) -> Option<f64> {
     let named: Vec<&Trial> =
-        trials.iter().filter(|t| t.answer.as_ref().is_some_and(|a| a.names_something())).copied().collect();
+        trials.iter().filter(|t| t.answer.as_ref().is_some_and(Answer::names_something)).copied().collect();
     percent(&named, |t| {
         let Some(answer) = &t.answer else { return false };
         let offered = |twin: &str| answer.effects.iter().chain(&answer.candidates).any(|name| name == twin);
@@ -167,17 +167,13 @@ fn together(trials: &[&Trial]) -> Option<f64> {
 }
 
 /// What an answer leaves over what the true world leaves. Scatter at bounces is no model that predicts.
-fn ratios(
-    trials: &[&Trial],
-    floor: impl Fn((f64, f64)) -> f64,
-    left: impl Fn(&super::trial::Answer) -> Option<f64>,
-) -> Vec<f64> {
+fn ratios(trials: &[&Trial], floor: impl Fn((f64, f64)) -> f64, left: impl Fn(&Answer) -> Option<f64>) -> Vec<f64> {
     let predictable = trials.iter().filter(|t| !t.truth.iter().any(|name| name == "bounce_scatter"));
     let ratio = |t: &&Trial| {
         let answer = t.answer.as_ref().filter(|a| a.names_something())?;
         Some(left(answer)? / floor(t.floor_m?))
     };
-    predictable.filter_map(|t| ratio(t)).collect()
+    predictable.filter_map(ratio).collect()
 }
 
 /// The value below which this share of them lies.
@@ -209,9 +205,8 @@ fn experiment(trials: &[&Trial]) -> Parts {
     for trial in trials {
         let Some(first) = &trial.answer else { continue };
         let [truth] = &trial.truth[..] else { continue };
-        let offered = |answer: &super::trial::Answer, name: &str| {
-            answer.effects.iter().chain(&answer.candidates).any(|other| other == name)
-        };
+        let offered =
+            |answer: &Answer, name: &str| answer.effects.iter().chain(&answer.candidates).any(|other| other == name);
         if !offered(first, truth) {
             continue;
         }
@@ -233,7 +228,7 @@ fn experiment(trials: &[&Trial]) -> Parts {
 }
 
 fn cost(trials: &[&Trial]) -> Parts {
-    let of = |pick: &dyn Fn(&super::trial::Answer) -> f64| -> Vec<f64> {
+    let of = |pick: &dyn Fn(&Answer) -> f64| -> Vec<f64> {
         trials.iter().filter_map(|t| t.answer.as_ref()).map(pick).collect()
     };
     let (rollouts, seconds) = (of(&|a| a.rollouts as f64), of(&|a| a.seconds));
@@ -266,7 +261,6 @@ fn drops(count: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::Answer;
     use super::*;
 
     fn trial(truth: &str, verdict: &str, effect: &str, held_out_m: f64) -> Trial {

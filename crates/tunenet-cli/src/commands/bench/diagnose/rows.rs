@@ -203,6 +203,6 @@ mod tests {
         assert_eq!(names.len(), all.len());
         let clean = |row: Row| row.cells(Counts::WHOLE).iter().map(|c| c.count).sum::<u64>();
         assert!([Row::Clean, Row::Coloured, Row::Outliers, Row::Dropped].into_iter().all(|row| clean(row) >= 300));
-        assert!(!pairs().is_empty() && pairs().len() % 37 != 0);
+        assert!(!pairs().is_empty() && !pairs().len().is_multiple_of(37));
     }
 }

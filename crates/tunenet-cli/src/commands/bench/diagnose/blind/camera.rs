@@ -20,7 +20,9 @@ pub fn seen(world: &World, throw: &Throw, clock: &[f64]) -> Vec<Vector> {
     let mut times_s: Vec<f64> = clock.to_vec();
     for hidden in of(Kind::TimeScale) {
         // The clock in the file runs faster than the true one.
-        times_s.iter_mut().for_each(|t| *t /= 1.0 + hidden.signed());
+        for t in &mut times_s {
+            *t /= 1.0 + hidden.signed();
+        }
     }
     let mut positions = at(world, throw, &times_s);
     for hidden in of(Kind::RollingShutter) {

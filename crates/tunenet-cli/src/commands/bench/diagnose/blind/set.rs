@@ -173,9 +173,9 @@ fn column(flat: &dyn Fn(&Throw) -> Vec<f64>, throw: &Throw, i: usize) -> Vec<f64
     let moved = |by: f64| {
         let mut throw = throw.clone();
         if i < 3 {
-            throw.position_m[i] += by
+            throw.position_m[i] += by;
         } else {
-            throw.velocity_m_s[i - 3] += by
+            throw.velocity_m_s[i - 3] += by;
         }
         flat(&throw)
     };
@@ -197,7 +197,9 @@ fn projected(error: &[f64], columns: &[Vec<f64>], fitted: usize) -> Vec<f64> {
         }
         let norm = inner(&column, &column).sqrt();
         if norm > 1e-12 {
-            column.iter_mut().for_each(|c| *c /= norm);
+            for c in &mut column {
+                *c /= norm;
+            }
             basis.push(column);
         }
     }
