@@ -103,6 +103,7 @@ fn peers(set: &str, count: usize) -> Option<Value> {
 }
 
 #[test]
+#[ignore = "not reached: recordings that end at rest take minutes each"]
 fn another_engine_with_drag() {
     for set in ["pybullet_drag", "mujoco_drag"] {
         let Some(json) = peers(set, 8) else { return };
@@ -111,6 +112,7 @@ fn another_engine_with_drag() {
 }
 
 #[test]
+#[ignore = "not reached: recordings that end at rest take minutes each"]
 fn another_engine_with_a_tilted_floor() {
     for set in ["pybullet_tilt", "mujoco_tilt"] {
         let Some(json) = peers(set, 8) else { return };
@@ -119,6 +121,7 @@ fn another_engine_with_a_tilted_floor() {
 }
 
 #[test]
+#[ignore = "not reached: recordings that end at rest take minutes each"]
 fn another_engine_whose_fast_bounces_return_less() {
     for set in ["pybullet_eslope", "mujoco_eslope"] {
         let Some(json) = peers(set, 8) else { return };
@@ -127,6 +130,7 @@ fn another_engine_whose_fast_bounces_return_less() {
 }
 
 #[test]
+#[ignore = "not reached: recordings that end at rest take minutes each"]
 fn another_engine_in_the_wind() {
     for set in ["pybullet_wind", "mujoco_wind"] {
         let Some(json) = peers(set, 8) else { return };
@@ -136,6 +140,7 @@ fn another_engine_in_the_wind() {
 
 /// Its contacts last; what flies there flies as here.
 #[test]
+#[ignore = "not reached: recordings that end at rest take minutes each"]
 fn another_engine_with_nothing_hidden() {
     for set in ["mujoco_easy", "mujoco_hard"] {
         let Some(json) = peers(set, 8) else { return };
