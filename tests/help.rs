@@ -19,7 +19,9 @@ fn plain(text: &str) {
 
 #[test]
 fn help_of_the_tool_and_of_every_command() {
-    for command in ["", " init", " tune", " simulate", " inspect", " gen", " train", " bench", " completions", " man"] {
+    let commands =
+        ["", " init", " tune", " diagnose", " simulate", " inspect", " gen", " train", " bench", " completions"];
+    for command in commands.into_iter().chain([" man"]) {
         help(command);
     }
 }

@@ -190,7 +190,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let page = text("docs/tune.md") + &text("docs/preflight.md");
+    let page = ["tune", "preflight", "diagnose"].map(|page| text(&format!("docs/{page}.md"))).concat();
     let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {
@@ -200,7 +200,7 @@ fn every_warning_has_its_remedy_in_the_docs() {
             };
             assert!(
                 page.contains(&format!("| `{code}` |")),
-                "docs/tune.md and docs/preflight.md do not list `{code}` of {}",
+                "none of docs/tune.md, docs/preflight.md and docs/diagnose.md lists `{code}` of {}",
                 file.display()
             );
             codes += 1;
@@ -233,7 +233,9 @@ fn every_key_of_the_json_is_in_the_docs() {
     let at = |name: &str| assets.join(name).display().to_string();
     let out = folder.path().join("drop.mcap").display().to_string();
     let (scene, drop, throw) = (at("ball.toml"), at("observations/drop.csv"), at("observations/throw.csv"));
-    let runs: [&[&str]; 8] = [
+    let light: Vec<String> = (1..=5).map(|i| at(&format!("observations/light_{i}.csv"))).collect();
+    let runs: [&[&str]; 9] = [
+        &["diagnose", "--sim", &scene, "--observation", &light[0], &light[1], &light[2], "--held-out", &light[4]],
         &["tune", "--sim", &scene, "--observation", &drop],
         &["tune", "--sim", &scene, "--set", "parameters.friction.tune=true", "--observation", &throw],
         &["tune", "--sim", &scene, "--observation", &drop, "--each"],
@@ -261,7 +263,7 @@ fn listed(value: &serde_json::Value, page: &str, arguments: &[&str]) {
     match value {
         serde_json::Value::Object(object) => {
             for (key, inner) in object {
-                let data = ["restitution", "friction"].contains(&key.as_str());
+                let data = ["restitution", "friction", "c_1_m"].contains(&key.as_str());
                 let word = |text: &str| text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == key);
                 assert!(data || word(page), "docs/json.md does not list `{key}` of {arguments:?}");
                 listed(inner, page, arguments);

@@ -26,6 +26,9 @@ pub enum Command {
     /// Tune a simulation's parameters to observations
     #[command(after_help = TUNE_EXAMPLES)]
     Tune(Tune),
+    /// Name the effect that a simulation lacks, and write it into the simulation file
+    #[command(after_help = DIAGNOSE_EXAMPLES)]
+    Diagnose(Diagnose),
     /// Roll a simulation out into an observation file
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
@@ -79,6 +82,13 @@ Examples:
   tunenet tune --sim ball.toml --set ball.radius_m=0.02 --observation flights/*.csv --each --json
   tunenet tune --sim ball.toml --observation log.csv --columns t_s=time,z_m=height
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
+const DIAGNOSE_EXAMPLES: &str = "\
+Examples:
+  tunenet diagnose --sim assets/ball.toml --observation assets/observations/flight_?.csv --out improved.toml
+  tunenet diagnose --sim ball.toml --observation d1.csv d2.csv d3.csv --held-out d4.csv --json
+  tunenet diagnose --sim ball.toml --manifest balls.toml --out improved
+Several throws in varied directions tell effects apart that one throw cannot.
+A manifest lists [[observation]] tables with `file`, and `object`, `held_out` and keys of the scene where they differ.";
 const SIMULATE_EXAMPLES: &str = "\
 Examples:
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.csv
@@ -103,7 +113,8 @@ Examples:
   tunenet bench speed
   tunenet bench speed --json
   tunenet bench tuning --quick --only easy-0 easy-2cm
-An interrupted `bench tuning` goes on where it stopped when the same command is given again.";
+  tunenet bench diagnose --quick --only clean ratio-10
+An interrupted `bench tuning` or `bench diagnose` goes on where it stopped when the same command is given again.";
 
 /// The simulation, wherever a command takes one.
 #[derive(Debug, Args)]
@@ -197,6 +208,32 @@ pub struct Tune {
     /// Write a page with drawings here: verdict, residuals, intervals, checks
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet diagnose`.
+#[derive(Debug, Args)]
+pub struct Diagnose {
+    #[command(flatten)]
+    pub simulation: Simulation,
+    /// Measured files (CSV or MCAP) of one object
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "manifest")]
+    pub observation: Vec<PathBuf>,
+    /// Measured files that are not fitted to, only judged by; some are set aside where there are enough and none is given
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "manifest")]
+    pub held_out: Vec<PathBuf>,
+    /// List of measured files, where there are several objects
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
+    pub manifest: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Write the simulation file with the tuned values and the named effects here; a folder where there are several objects
+    #[arg(long, value_name = "IMPROVED.toml")]
+    pub out: Option<PathBuf>,
+    /// Threads [default: one for each core]
+    #[arg(long, value_parser = jobs)]
+    pub jobs: Option<usize>,
     #[command(flatten)]
     pub common: Common,
 }
@@ -328,6 +365,8 @@ pub enum Measured {
     Speed(BenchSpeed),
     /// Error against rollouts, beside rivals, a maximum-likelihood fit and the Cramér–Rao bound
     Tuning(BenchTuning),
+    /// Whether the effect that is named is the one that was hidden, and what is said where none was
+    Diagnose(BenchDiagnose),
     /// How often the stated intervals hold the truth, and how often a good drop is called a poor fit
     Intervals(BenchIntervals),
     /// How often intervals and joint regions of several parameters hold the truth
@@ -355,6 +394,58 @@ pub struct BenchPreflight {
     /// Records of each kind
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub records: u32,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// A row of `bench diagnose`: what is hidden in its recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DiagnoseRow {
+    /// Nothing
+    Clean,
+    /// Nothing; the noise is coloured
+    Coloured,
+    /// Nothing; 1 % of the samples are far off
+    Outliers,
+    /// Nothing; 15 % of the frames are missing
+    Dropped,
+    /// One effect, as large as the noise
+    #[value(name = "ratio-1")]
+    Ratio1,
+    /// One effect, 3 times the noise
+    #[value(name = "ratio-3")]
+    Ratio3,
+    /// One effect, 10 times the noise
+    #[value(name = "ratio-10")]
+    Ratio10,
+    /// One effect, 30 times the noise
+    #[value(name = "ratio-30")]
+    Ratio30,
+    /// Two effects
+    Two,
+    /// An effect that is in no catalogue
+    Outside,
+    /// One effect in one drop, then the experiment that was asked for
+    Experiment,
+    /// One effect in three drops; what the answer costs
+    Cost,
+}
+
+/// `tunenet bench diagnose`.
+#[derive(Debug, Args)]
+pub struct BenchDiagnose {
+    /// Where finished pieces and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-diagnose")]
+    pub out: PathBuf,
+    /// Only these rows
+    #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
+    pub only: Vec<DiagnoseRow>,
+    /// Few sets of each kind
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads [default: one for each core]
+    #[arg(long, value_parser = jobs)]
+    pub jobs: Option<usize>,
     #[command(flatten)]
     pub common: Common,
 }
@@ -414,6 +505,11 @@ pub struct BenchTuning {
     pub quick: bool,
     #[command(flatten)]
     pub common: Common,
+}
+
+fn jobs(text: &str) -> Result<usize, String> {
+    let count: Option<usize> = text.parse().ok().filter(|count| (1..=1024).contains(count));
+    count.ok_or_else(|| format!("expected 1 to 1024 threads, found `{text}`"))
 }
 
 fn pair(text: &str) -> Result<(String, String), String> {

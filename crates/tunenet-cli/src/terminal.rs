@@ -15,6 +15,15 @@ pub fn progress(total: u64, what: &'static str) -> ProgressBar {
     bar
 }
 
+/// Shows that work goes on where its end is not known; invisible where standard error is no terminal.
+pub fn working() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
 /// Prints a finished stage: `read     drop.csv, 360 samples`.
 pub fn stage(what: &str, text: &str) {
     anstream::eprintln!("{what:<9}{text}");

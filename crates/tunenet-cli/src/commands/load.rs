@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use sha2::{Digest, Sha256};
 use tunenet_core::Error;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
@@ -90,4 +90,10 @@ pub fn hex(bytes: &[u8]) -> String {
 /// A file's own name, for output that must not depend on where it lies.
 pub fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// A pool of so many threads; of as many as the machine has cores where nothing is said.
+pub fn threads(jobs: Option<usize>) -> Result<rayon::ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));
+    pool.build().context("starting threads")
 }

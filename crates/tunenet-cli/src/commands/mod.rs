@@ -1,6 +1,7 @@
 //! The commands: each loads, calls the libraries, renders.
 
 mod bench;
+mod diagnose;
 mod gen_pairs;
 mod init;
 mod inspect;
@@ -23,6 +24,7 @@ use crate::failure::Exit;
 pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
     match arguments.command {
         Command::Tune(options) => tune::run(&options),
+        Command::Diagnose(options) => diagnose::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Inspect(options) => inspect::run(&options),
         Command::Gen(options) => gen_pairs::run(&options),

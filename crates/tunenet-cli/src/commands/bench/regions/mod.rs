@@ -20,7 +20,7 @@ use tunenet_core::observation::recording::write_atomically;
 use tunenet_core::tune::Status;
 
 use self::cell::{Cell, Found};
-use super::tuning::resume::Store;
+use super::resume::Store;
 use crate::cli::BenchRegions;
 use crate::commands::{load, print_json};
 use crate::failure::Exit;

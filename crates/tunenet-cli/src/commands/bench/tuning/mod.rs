@@ -4,7 +4,7 @@
 //! targets (closed_form) → measure (ours, rivals | likelihood) → results → write
 //! ```
 //!
-//! Every finished cell is kept by [`resume`].
+//! Every finished cell is kept by [`resume`](super::resume).
 
 pub(super) mod closed_form;
 mod cross;
@@ -14,7 +14,6 @@ mod likelihood;
 mod measure;
 mod ours;
 mod results;
-pub(super) mod resume;
 mod rivals;
 mod rows;
 mod targets;
@@ -29,10 +28,10 @@ use tunenet_core::network::{Model, Preset};
 use self::measure::{Accuracy, Rival, Tuner};
 use self::ours::Seconds;
 use self::results::{Method, Results, Table};
-use self::resume::Store;
 use self::rivals::Stored;
 use self::rows::{BUDGETS, Goal, Limit, Statistic};
 use self::targets::{Simulation, Target};
+use super::resume::Store;
 use crate::cli::{BenchTuning, Row};
 use crate::commands::{load, print_json};
 use crate::failure::Exit;

@@ -8,10 +8,10 @@ use tunenet_core::network::{Course as Shown, Model, Preset, TrainOptions, train}
 use tunenet_core::tune::{Loop, walk};
 
 use super::super::process;
-use super::resume::Store;
 use super::rivals::Course;
 use super::rows::MOST;
 use super::targets::{Simulation, Target};
+use crate::commands::bench::resume::Store;
 
 /// What making a model took, s.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ fn recipe(preset: &Preset, quick: bool) -> (&'static str, &'static str, Preset) 
 /// The model of a preset and a seed, from disk where it has been trained already.
 pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result<(Model, Seconds)> {
     let name = format!("{}-{seed}", preset.name);
-    let path = store.model(&name);
+    let path = store.room("models")?.join(format!("{name}.safetensors"));
     let seconds = store.keep(&format!("training-{name}"), || {
         let (pairs, count, preset) = recipe(preset, quick);
         let data = path.with_extension("mcap");

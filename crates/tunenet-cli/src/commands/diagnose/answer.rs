@@ -1,0 +1,47 @@
+//! What was found, with what is needed to tell it.
+
+use tunenet_core::diagnose::{Diagnosis, NamedEffect, Value, Verdict};
+use tunenet_sim::ball::effects::Body;
+
+use super::load::Loaded;
+
+/// The effect whose coefficient is known to everyone in another form.
+pub const DRAG: &str = "quadratic_drag";
+
+/// A diagnosis and what it was made of.
+pub struct Answer<'a> {
+    pub loaded: &'a Loaded,
+    pub diagnosis: &'a Diagnosis,
+    pub seconds: f64,
+}
+
+impl Answer<'_> {
+    /// Names to choose from: of a set, or the nearest where nothing fits.
+    pub fn candidates(&self) -> &[&'static str] {
+        match self.diagnosis.verdict {
+            Verdict::OneOf | Verdict::Unknown => &self.diagnosis.names,
+            _ => &[],
+        }
+    }
+
+    /// The drag coefficient of an object: the force over that of the pressure ρv²/2 on the ball's section. None where its
+    /// mass is not known.
+    pub fn drag_coefficient(&self, effect: &NamedEffect, value: &Value) -> Option<Value> {
+        // A value of all objects together is only ever that of the measurement.
+        let object = self.loaded.objects.get(value.object.unwrap_or(0)).filter(|_| effect.effect.name == DRAG)?;
+        let unit = body(object)?.drag_1_m()?;
+        let (low, high) = value.interval95;
+        Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
+    }
+
+    /// The name of the object that a value belongs to.
+    pub fn object(&self, value: &Value) -> Option<&str> {
+        Some(self.loaded.objects.get(value.object?)?.name.as_str())
+    }
+}
+
+fn body(object: &super::load::Object) -> Option<Body> {
+    let number = |path: &str| object.file.number(path);
+    let gravity_m_s2 = number("world.gravity_m_s2").unwrap_or(0.0);
+    Some(Body { radius_m: number("ball.radius_m")?, mass_kg: number("ball.mass_kg"), gravity_m_s2 })
+}

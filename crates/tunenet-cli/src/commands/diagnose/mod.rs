@@ -1,0 +1,52 @@
+//! `tunenet diagnose`: where simulation and measurement disagree, which effect is missing, and the file with it.
+//!
+//! ```text
+//! manifest → load → tunenet_core::diagnose → json, tell, improve
+//! ```
+
+mod answer;
+mod improve;
+mod json;
+mod load;
+mod manifest;
+mod tell;
+
+use std::time::Instant;
+
+use anyhow::Result;
+use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
+
+use self::answer::Answer;
+use super::print_json;
+use crate::cli::Diagnose;
+use crate::failure::Exit;
+
+pub fn run(options: &Diagnose) -> Result<Exit> {
+    let sources = manifest::sources(options)?;
+    improve::writable(options, &sources)?;
+    let loaded = load::load(options, &sources)?;
+    tell::read(&loaded);
+    let began = Instant::now();
+    let diagnosis = super::load::threads(options.jobs)?.install(|| ask(&loaded, options.common.seed))?;
+    let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
+    let wrote = improve::write(options, &answer)?;
+    if options.common.json {
+        print_json(&json::object(&answer));
+    }
+    tell::answer(options, &answer, &wrote);
+    Ok(match diagnosis.verdict {
+        Verdict::None | Verdict::Named => Exit::Done,
+        Verdict::OneOf | Verdict::Unknown | Verdict::Insufficient => Exit::Inconclusive,
+    })
+}
+
+/// Asks the library, showing what it does.
+fn ask(loaded: &load::Loaded, seed: u64) -> Result<Diagnosis> {
+    let subjects: Vec<Subject> =
+        loaded.objects.iter().map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() }).collect();
+    let working = crate::terminal::working();
+    let settings = Settings { seed, ..Settings::default() };
+    let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| tell::progress(&working, at));
+    working.finish_and_clear();
+    Ok(diagnosis?)
+}
