@@ -237,8 +237,7 @@ impl Model {
     /// version, or a weight is missing or has another shape.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|e| Error::io(path, "reading", e))?;
-        Self::from_bytes(path, &bytes)
+        Self::from_bytes(path, &weights_file::read_bytes(path, "a model")?)
     }
 
     /// As [`Model::load`], from bytes at hand; `path` names them in messages.

@@ -54,6 +54,11 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 
 /// Reads what [`write`] wrote. `kind` names what was expected: "a model".
 pub(super) fn read(path: &Path, kind: &str) -> Result<Contents> {
+    from_bytes(path, &read_bytes(path, kind)?, kind)
+}
+
+/// The bytes of the file at `path`, where it is one and not too large.
+pub(super) fn read_bytes(path: &Path, kind: &str) -> Result<Vec<u8>> {
     let failed = |e| Error::io(path, "reading", e);
     let mut file = open(path)?;
     let size = file.metadata().map_err(failed)?.len();
@@ -63,7 +68,7 @@ pub(super) fn read(path: &Path, kind: &str) -> Result<Contents> {
     }
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(failed)?;
-    from_bytes(path, &bytes, kind)
+    Ok(bytes)
 }
 
 /// As [`read`], from bytes that stand or would stand at `path`.
