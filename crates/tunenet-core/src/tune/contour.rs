@@ -63,7 +63,7 @@ pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64)
         for _ in 0..CORRECTIONS {
             let (a, b) = at(length);
             let start = fit.point.with(&positions, &[a, b]);
-            let there = held(problem, start, &positions)?;
+            let there = held(problem, start, &positions, &spread)?;
             rollouts += there.rollouts;
             let root = misfit(&spread, there.cost - fit.cost).sqrt();
             let factor = (reach / root.max(f64::MIN_POSITIVE)).clamp(0.25, 4.0);

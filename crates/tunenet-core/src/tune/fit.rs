@@ -130,6 +130,13 @@ impl Problem<'_> {
     /// # Errors
     /// Where the simulator refuses the start; a refused step is only shortened.
     pub fn fit(&self, start: Point, horizon: f64) -> Result<Fit> {
+        self.fit_until(start, horizon, 0.0)
+    }
+
+    /// As [`fit`](Problem::fit), but ends as well after two steps in a row that each gain no more than `enough` of the cost:
+    /// a profile needs its cost, not the place in full precision.
+    pub(super) fn fit_until(&self, start: Point, horizon: f64, enough: f64) -> Result<Fit> {
+        let mut small_gains = 0;
         let mut point = start;
         let mut residuals = self.residuals(&point, horizon)?;
         let mut rollouts = self.recordings.len();
@@ -162,7 +169,8 @@ impl Problem<'_> {
             (point, residuals) = (candidate, new);
             trace.push((point.at(self.free), self.rmse(&residuals)));
             damping = (damping / 10.0).max(1e-12);
-            if still || gain <= 1e-12 * cost {
+            small_gains = if gain <= enough { small_gains + 1 } else { 0 };
+            if still || gain <= 1e-12 * cost || small_gains == 2 {
                 break;
             }
         }

@@ -24,6 +24,11 @@ const FLAT_STEP_SPAN: f64 = 1.0 / 40.0;
 /// bounds.
 const LARGEST_RISE: f64 = 1.0;
 const LEAST_STEP_SPAN: f64 = 1e-7;
+/// A step that raises the misfit by less than this many standard deviations was too short: the next is twice as long. The
+/// curvature at a kink says nothing of what lies beyond it.
+const SMALL_RISE: f64 = 0.25;
+/// A fit along a profile may leave this much of the misfit, in squares of standard deviations.
+const MISFIT_TOLERANCE: f64 = 1e-4;
 /// A bound farther from the estimate than this share of the bounds, and as good, leaves the estimate open.
 const OPEN_SHARE: f64 = 0.25;
 
@@ -76,6 +81,11 @@ impl Spread {
     #[must_use]
     pub fn excess(&self, cost_above_best: f64) -> f64 {
         (2.0 * cost_above_best / (self.variance * self.inflation)).max(0.0)
+    }
+
+    /// The cost that makes no difference to an [`excess`](Spread::excess).
+    pub(super) fn negligible(&self) -> f64 {
+        0.5 * MISFIT_TOLERANCE * self.variance * self.inflation
     }
 
     /// The greatest [`excess`](Spread::excess) within a joint region of [`LEVEL`] for `count` parameters: `count` times the
@@ -207,7 +217,7 @@ impl Profile<'_> {
             let value = if (bound - value) * direction <= 0.0 { bound } else { value };
             let mut moved = point.clone();
             moved.parameters[position] = value;
-            let there = problem.fit(moved, 1.0)?;
+            let there = problem.fit_until(moved, 1.0, self.spread.negligible())?;
             rollouts += there.rollouts;
             let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
             // A jump is looked at more closely before it is interpolated.
@@ -223,12 +233,12 @@ impl Profile<'_> {
             if value == bound {
                 return Ok((End { value: bound, bound: true, misfit }, rollouts));
             }
-            // Where nothing changes there is nothing to step over.
-            if misfit < FLAT {
-                step = (2.0 * step).min(FLAT_STEP_SPAN * p.span());
-            } else {
-                step = step.min(PROFILE_STEP_SPAN * p.span());
+            if misfit - misfit_before < SMALL_RISE {
+                step *= 2.0;
             }
+            // Where nothing changes there is nothing to step over.
+            let longest = if misfit < FLAT { FLAT_STEP_SPAN } else { PROFILE_STEP_SPAN };
+            step = step.min(longest * p.span());
             (before, misfit_before, point) = (value, misfit, there.point);
         }
     }

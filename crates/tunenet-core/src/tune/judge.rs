@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::fit::Fit;
 use super::information::Information;
 use super::interval::{Interval, Spread};
-use super::outcome::{Estimate, Status};
+use super::outcome::{Estimate, Status, Verdict};
 use super::starts::local_estimate;
 use super::unknowns::Point;
 use super::{Adequacy, Tuning};
@@ -202,6 +202,17 @@ impl Standing {
             }
             Status::Pinned | Status::Direction => None,
         }
+    }
+}
+
+/// What is to be said of the whole.
+pub(super) fn verdict(parameters: &[Estimate], poor: bool) -> Verdict {
+    if parameters.iter().any(|p| !p.identified) {
+        Verdict::NotIdentifiable
+    } else if poor || parameters.iter().any(|p| p.status == Status::AtBound) {
+        Verdict::PoorFit
+    } else {
+        Verdict::Tuned
     }
 }
 

@@ -304,13 +304,7 @@ impl Tuning<'_> {
         }
         let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
         judge::name_directions(self, &known, &mut notes);
-        let verdict = if parameters.iter().any(|p| !p.identified) {
-            Verdict::NotIdentifiable
-        } else if poor || parameters.iter().any(|p| p.status == Status::AtBound) {
-            Verdict::PoorFit
-        } else {
-            Verdict::Tuned
-        };
+        let verdict = judge::verdict(&parameters, poor);
         let correlation = judge::correlation(&fit.covariance);
         let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
         let (gap, point) = (Some(gap), Some(fit.point));

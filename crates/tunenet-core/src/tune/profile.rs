@@ -65,7 +65,7 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> Res
         let mut point = fit.point.clone();
         for step in 1..=STEPS {
             point.parameters[position] = best + (end - best) * f64::from(step) / f64::from(STEPS);
-            let there = held(problem, point, &[position])?;
+            let there = held(problem, point, &[position], &spread)?;
             rollouts += there.rollouts;
             costs.push((there.point.parameters[position], there.cost));
             point = there.point;
@@ -78,9 +78,9 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> Res
 }
 
 /// Everything but the parameters at `positions` fitted from `start`.
-pub(super) fn held(problem: &Problem, start: Point, positions: &[usize]) -> Result<Fit> {
+pub(super) fn held(problem: &Problem, start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
     let others: Vec<usize> = problem.free.iter().copied().filter(|f| !positions.contains(f)).collect();
-    Problem { free: &others, ..*problem }.fit(start, 1.0)
+    Problem { free: &others, ..*problem }.fit_until(start, 1.0, spread.negligible())
 }
 
 /// The misfit of a cost above the least one.

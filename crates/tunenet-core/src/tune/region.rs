@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::fit::{Fit, Problem};
 use super::interval::{Interval, Spread};
+use super::profile::held;
 use super::residual::channel_noise;
 use super::unknowns::Point;
 use crate::Result;
@@ -22,6 +23,8 @@ const CORNERS: usize = 36;
 /// Each corner is found to this share of its distance from the middle.
 const CORNER_SHARE: f64 = 0.01;
 const MOST_HALVINGS: usize = 12;
+/// The ellipse gives the rays their directions where no interval is this many times as long.
+const SAME_SIZE: f64 = 2.0;
 
 /// The joint 95 % region of the parameters that the data bear on.
 #[derive(Debug, Clone)]
@@ -112,10 +115,20 @@ impl Region {
 
     /// How far the misfit at `values`, all else fitted, lies above the least, in squares of standard deviations.
     fn excess(&self, problem: &Problem, values: &[f64], rollouts: &mut usize) -> Result<f64> {
-        let others: Vec<usize> = self.free.iter().copied().filter(|f| !self.joint.contains(f)).collect();
-        let fit = Problem { free: &others, ..*problem }.fit(self.best.with(&self.joint, values), 1.0)?;
+        Ok(self.excess_from(problem, &self.best, values, rollouts)?.0)
+    }
+
+    /// The same from other first values of all else, and where the fit ended.
+    fn excess_from(
+        &self,
+        problem: &Problem,
+        near: &Point,
+        values: &[f64],
+        rollouts: &mut usize,
+    ) -> Result<(f64, Point)> {
+        let fit = held(problem, near.with(&self.joint, values), &self.joint, &self.spread)?;
         *rollouts += fit.rollouts;
-        Ok(self.spread.excess(fit.cost - self.cost))
+        Ok((self.spread.excess(fit.cost - self.cost), fit.point))
     }
 
     /// Whether the ends of the ellipse's axes lie within the bounds and on the quantile.
@@ -152,8 +165,11 @@ impl Region {
             let p = &problem.simulator.parameters()[self.joint[i]];
             (p.min, p.max)
         });
-        // The ellipse's own shape, or that of the intervals where it has none.
-        let shape = self.covariance.clone().and_then(nalgebra::DMatrix::cholesky).map(|c| c.l() * self.quantile.sqrt());
+        // The ellipse's own shape, or that of the intervals where it has none or is a small part of them: at a kink the
+        // curvature speaks of one side only.
+        let like = |c: &DMatrix<f64>| (0..2).all(|i| half[i] < SAME_SIZE * self.spread.quantile() * c[(i, i)].sqrt());
+        let shape = self.covariance.clone().filter(like).and_then(nalgebra::DMatrix::cholesky);
+        let shape = shape.map(|c| c.l() * self.quantile.sqrt());
         for corner in 0..CORNERS {
             let (sin, cos) = (std::f64::consts::TAU * corner as f64 / CORNERS as f64).sin_cos();
             let ray = shape.as_ref().map_or_else(
@@ -171,28 +187,49 @@ impl Region {
                 let place = origin + ray * length;
                 [0, 1].map(|i| place[i].clamp(bounds[i].0, bounds[i].1))
             };
-            let (mut inner, mut outer) = (0.0, 1f64.min(most));
-            while self.excess(problem, &at(outer), rollouts)? <= self.quantile {
-                inner = outer;
-                if outer >= most {
-                    break;
-                }
-                outer = (1.5 * outer).min(most);
-            }
-            for _ in 0..MOST_HALVINGS {
-                if outer - inner <= CORNER_SHARE * outer {
-                    break;
-                }
-                let between = f64::midpoint(inner, outer);
-                if self.excess(problem, &at(between), rollouts)? <= self.quantile {
-                    inner = between;
-                } else {
-                    outer = between;
-                }
-            }
-            self.boundary.push(at(f64::midpoint(inner, outer)));
+            let (length, used) = self.edge(problem, most, at)?;
+            *rollouts += used;
+            self.boundary.push(at(length));
         }
         Ok(())
+    }
+
+    /// Where the ray `at` leaves the region, at most after `most`. The root of the misfit is nearly straight along a ray, so
+    /// a place is interpolated; where it is not (a flat stretch, a kink), every second guess halves what is left.
+    fn edge(&self, problem: &Problem, most: f64, at: impl Fn(f64) -> [f64; 2]) -> Result<(f64, usize)> {
+        let (mut rollouts, mut near) = (0, self.best.clone());
+        let limit = self.quantile.sqrt();
+        let (mut inner, mut outer) = ((0.0, 0.0), (1f64.min(most), f64::INFINITY));
+        loop {
+            let (excess, point) = self.excess_from(problem, &near, &at(outer.0), &mut rollouts)?;
+            outer.1 = excess.sqrt();
+            if outer.1 > limit {
+                break;
+            }
+            (inner, near) = (outer, point);
+            if outer.0 >= most {
+                return Ok((most, rollouts));
+            }
+            outer.0 = (1.5 * outer.0).min(most);
+        }
+        for guess in 0..MOST_HALVINGS {
+            if outer.0 - inner.0 <= CORNER_SHARE * outer.0 {
+                break;
+            }
+            let share = if guess % 2 == 0 { (limit - inner.1) / (outer.1 - inner.1) } else { 0.5 };
+            let between = inner.0 + share.clamp(0.05, 0.95) * (outer.0 - inner.0);
+            let (excess, point) = self.excess_from(problem, &near, &at(between), &mut rollouts)?;
+            let root = excess.sqrt();
+            if (root / limit - 1.0).abs() < CORNER_SHARE {
+                return Ok((between, rollouts));
+            }
+            if root <= limit {
+                (inner, near) = ((between, root), point);
+            } else {
+                outer = (between, root);
+            }
+        }
+        Ok((f64::midpoint(inner.0, outer.0), rollouts))
     }
 }
 
