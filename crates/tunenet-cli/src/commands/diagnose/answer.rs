@@ -1,6 +1,8 @@
 //! What was found, with what is needed to tell it.
 
 use tunenet_core::diagnose::{Diagnosis, NamedEffect, Value, Verdict};
+use tunenet_core::observation::Note;
+use tunenet_core::simulator::{Effect, measurement_effects};
 use tunenet_sim::ball::effects::Body;
 
 use super::load::Loaded;
@@ -32,6 +34,24 @@ impl Answer<'_> {
         let unit = body(object)?.drag_1_m()?;
         let (low, high) = value.interval95;
         Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
+    }
+
+    /// Everything that a person should know, of reading and of judging.
+    pub fn notes(&self) -> Vec<Note> {
+        self.loaded.notes.iter().chain(&self.diagnosis.notes).cloned().collect()
+    }
+
+    /// Why recordings do not suffice: what is said of all, then of each that cannot be used.
+    pub fn reasons(&self) -> Vec<&Note> {
+        let of_all = self.diagnosis.notes.iter().filter(|n| n.code.starts_with("recordings."));
+        of_all.chain(self.diagnosis.uses.iter().filter(|u| !u.used).flat_map(|u| u.notes.first())).collect()
+    }
+
+    /// An entry of the catalogue.
+    pub fn entry(&self, name: &str) -> Option<Effect> {
+        let simulator = &self.loaded.objects.first()?.simulator;
+        let all = simulator.effects().into_iter().chain(measurement_effects(simulator.kind()));
+        all.into_iter().find(|effect| effect.name == name)
     }
 
     /// The name of the object that a value belongs to.
