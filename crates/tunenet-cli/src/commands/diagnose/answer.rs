@@ -36,6 +36,14 @@ impl Answer<'_> {
         Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
     }
 
+    /// Where coefficient `i` of an effect has to lie to be believed, for the object that a value belongs to.
+    pub fn believed(&self, named: &NamedEffect, i: usize, value: &Value) -> (f64, f64) {
+        let own = value.object.and_then(|object| self.loaded.objects.get(object));
+        let own = own.and_then(|o| o.simulator.effects().into_iter().find(|e| e.name == named.effect.name));
+        let effect = own.as_ref().unwrap_or(&named.effect);
+        effect.plausible.get(i).copied().unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
+    }
+
     /// Everything that a person should know, of reading and of judging.
     pub fn notes(&self) -> Vec<Note> {
         self.loaded.notes.iter().chain(&self.diagnosis.notes).cloned().collect()

@@ -15,8 +15,14 @@ const MOST: usize = 8;
 const ROW: f64 = 42.0;
 
 fn gain(candidate: &Candidate) -> String {
-    let about = if candidate.fitted { "" } else { "~" };
-    format!("{about}{:.0}", candidate.bic_gain).replace('-', "\u{2212}")
+    let about = if candidate.fitted { "" } else { "\u{2248}\u{a0}" };
+    // Whole numbers have no minus before 0.
+    format!("{about}{:.0}", candidate.bic_gain.round() + 0.0).replace('-', "\u{2212}")
+}
+
+/// Those that could be the answer, best first.
+pub fn left(diagnosis: &Diagnosis) -> impl Iterator<Item = &Candidate> {
+    diagnosis.candidates.iter().filter(|c| c.excluded.is_none())
 }
 
 /// Names that these recordings cannot tell from the best.
@@ -29,7 +35,7 @@ pub fn confusable(diagnosis: &Diagnosis) -> Vec<&'static str> {
 
 /// Bars of the gain, with the line that an explanation has to reach to be left.
 pub fn gains(diagnosis: &Diagnosis) -> Markup {
-    let shown: Vec<&Candidate> = diagnosis.candidates.iter().filter(|c| c.excluded.is_none()).take(MOST).collect();
+    let shown: Vec<&Candidate> = left(diagnosis).take(MOST).collect();
     let width = Size::Narrow.width();
     let best = shown.iter().map(|c| c.bic_gain).fold(0.0, f64::max);
     let needed = (best - diagnosis.margin).max(diagnosis.margin);
@@ -81,33 +87,41 @@ pub fn table(answer: &Answer) -> Markup {
         }
         _ => None,
     };
+    let (kept, idle): (Vec<&Candidate>, Vec<&Candidate>) =
+        left(diagnosis).partition(|c| c.bic_gain > 0.0 || ratio(c).is_some());
     html! {
         table {
             thead { tr { th { "effect" } th { "acts" } th { "gain" } th { "behind the best" } th { "held-out error" } th { "" } } }
             tbody {
-                @for one in diagnosis.candidates.iter().filter(|c| c.excluded.is_none()) {
+                @for one in &kept {
                     tr {
                         th scope="row" { code { (one.name) } }
                         td data-name="acts" { @if let Some(effect) = answer.entry(one.name) { (effect.phase.name()) } }
                         td.number data-name="gain" { (gain(one)) }
                         td.number data-name="behind the best" { (format!("{:.0}", one.delta)) }
                         td.number data-name="held-out error" { @if let Some(ratio) = ratio(one) { (format!("\u{d7}\u{a0}{ratio:.3}")) } }
-                        td.state { @if diagnosis.names.contains(&one.name) { (left(diagnosis.verdict)) } @else if control == Some(one.name) { "control" } }
+                        td.state { @if diagnosis.names.contains(&one.name) { (role(diagnosis.verdict)) } @else if control == Some(one.name) { "control" } }
                     }
                 }
             }
         }
         p.how {
-            "Gain: by how much the Bayesian information criterion falls with this effect alone in the simulation; ~ marks what was "
-            "predicted, not fitted. Held-out error: over that of the simulation tuned without it. "
+            "Gain: by how much the Bayesian information criterion falls with this effect alone in the simulation; \u{2248} marks what was "
+            "predicted, not fitted. "
+            @if kept.iter().any(|c| ratio(c).is_some()) { "Held-out error: over that of the simulation tuned without it. " }
             @if let Some(name) = control {
-                "The control is a wrong effect, " code { (name) } ": what it reaches as well proves nothing."
+                "The control is a wrong effect, " code { (name) } ": what it reaches as well proves nothing. "
+            }
+            @if !idle.is_empty() {
+                "These explain nothing: "
+                @for (i, one) in idle.iter().enumerate() { @if i > 0 { ", " } code { (one.name) } }
+                "."
             }
         }
     }
 }
 
-fn left(verdict: Verdict) -> &'static str {
+fn role(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Named => "named",
         Verdict::OneOf => "possible",

@@ -16,6 +16,8 @@ const MOST: usize = 12;
 const MOST_POINTS: usize = 600;
 /// Noise stays within this many standard deviations in 95 of 100 samples.
 const BAND: f64 = 2.0;
+/// A misfit below so many standard deviations may be noise.
+const NOISY: f64 = 1.5;
 
 /// The recordings to draw: all, or those that disagree most before, in their order.
 pub fn chosen(all: &[Explained]) -> Vec<&Explained> {
@@ -59,7 +61,7 @@ pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
                 }
             }
             p.how {
-                "Dots are measured, in the channel where simulation and measurement disagree most. "
+                "Dots are measured, in the channel where simulation and measurement disagree most, or that moves farthest where they agree. "
                 @if both {
                     "The dashed line is the simulation as it was, its parameters tuned anew; the solid line has the effect."
                 } @else {
@@ -71,20 +73,29 @@ pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
     }
 }
 
+/// The channel with the greatest misfit; where all are only noise, the one that moves farthest.
 fn worst(one: &Explained) -> usize {
     let width = one.noise.len();
-    let square =
-        |c: usize| -> f64 { one.before.iter().skip(c).step_by(width).map(|r| (r * one.noise[c]).powi(2)).sum() };
-    channels(one).into_iter().max_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or(0)
+    let size = |c: usize| -> f64 {
+        let square = |(i, r): (usize, &f64)| if one.kept[i] && i % width == c { r * r } else { 0.0 };
+        (one.before.iter().enumerate().map(square).sum::<f64>() / one.seen.len().max(1) as f64).sqrt()
+    };
+    let travelled = |c: usize| {
+        let (low, high) = one.seen.column(c).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        high - low
+    };
+    let most = |of: &dyn Fn(usize) -> f64| channels(one).into_iter().max_by(|&a, &b| of(a).total_cmp(&of(b)));
+    let found = most(&|c| size(c) * one.noise[c]).filter(|&c| size(c) > NOISY);
+    found.or_else(|| most(&travelled)).unwrap_or(0)
 }
 
 /// The residuals of each recording over time, all on the same scales.
-pub fn residuals(shown: &[&Explained], all: usize, both: bool) -> Markup {
+pub fn residuals(shown: &[&Explained], all: usize, both: bool, dots: &str) -> Markup {
     let greatest = |one: &&Explained| {
         let before = counted(one, &one.before).filter(|_| both);
         before.chain(counted(one, &one.after)).map(f64::abs).fold(0.0, f64::max)
     };
-    let limit = 1.1 * shown.iter().map(greatest).fold(3.0, f64::max);
+    let limit = round(shown.iter().map(greatest).fold(3.0, f64::max));
     let span = shown.iter().map(|one| range(one).1 - range(one).0).fold(0.0, f64::max);
     html! {
         div.grid {
@@ -94,12 +105,18 @@ pub fn residuals(shown: &[&Explained], all: usize, both: bool) -> Markup {
             p.how {
                 "Measured \u{2212} simulated in standard deviations \u{3c3} of the noise, every recording on the same scales. "
                 @if both { "Dashed: before. " }
-                "Dots: " @if both { "with the effect" } @else { "tuned" } ". The band is \u{b1}2 \u{3c3}; ticks on the lower edges mark "
+                "Dots: " (dots) ". The band is \u{b1}2 \u{3c3}; ticks on the lower edges mark "
                 "contacts. Only noise should be left: 95 of 100 dots in the band, without a pattern."
                 @if all > shown.len() { " The " (shown.len()) " of " (all) " recordings that disagreed most are drawn." }
             }
         }
     }
+}
+
+/// The next round number, of which a few ticks are multiples.
+fn round(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|m| m * power).into_iter().find(|v| *v >= value).unwrap_or(10.0 * power)
 }
 
 fn range(one: &Explained) -> (f64, f64) {
@@ -113,7 +130,7 @@ fn strips(one: &Explained, limit: f64, span: f64, both: bool) -> Markup {
     let begin = range(one).0;
     let left = left_edge(&[(-limit, limit)]);
     let x = Axis::new((begin, begin + span), (left, width - 10.0));
-    let height = |i: usize| i as f64 * (STRIP + ABOVE);
+    let height = |i: usize| i as f64 * (STRIP + ABOVE + 6.0);
     let mut svg = Svg::new(width, height(channels.len()) + BELOW);
     let x_name = if one.seen.kind() == Kind::BounceTimes { "bounce, counted from 0" } else { "time, s" };
     for (i, &channel) in channels.iter().enumerate() {

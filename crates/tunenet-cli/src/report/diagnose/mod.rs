@@ -76,8 +76,8 @@ fn seen(answer: &Answer) -> Markup {
         h2 { "Measured and simulated" @if both { ", before and after" } }
         (left_over::overlays(&shown, both))
         h2 { "What is left over" @if both { ", before and after" } }
-        (left_over::residuals(&shown, all.len(), both))
-        h2 { "Where it lives" }
+        (left_over::residuals(&shown, all.len(), both, if both { "with the effect" } else { "tuned" }))
+        h2 { @if answer.diagnosis.verdict == Verdict::None { "Where what is left lies" } @else { "Where it lives" } }
         (place(answer, both))
     }
 }
@@ -119,7 +119,8 @@ fn pair(name: &str, before: Option<f64>, after: f64, words: impl Fn(f64) -> Stri
 /// Candidates and held-out recordings.
 fn evidence(answer: &Answer) -> Markup {
     let diagnosis = answer.diagnosis;
-    let left = diagnosis.candidates.iter().any(|c| c.excluded.is_none());
+    let left = candidates::left(diagnosis).next().is_some();
+    let single = diagnosis.uses.iter().filter(|u| u.used && !u.held_out).count() == 1;
     html! {
         @if left {
             h2 { "What could be missing" }
@@ -133,6 +134,7 @@ fn evidence(answer: &Answer) -> Markup {
                     (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well"
                     @if diagnosis.verdict == Verdict::OneOf { "; the bracket holds what these recordings cannot tell apart" }
                     "."
+                    @if single && diagnosis.verdict == Verdict::OneOf { " One recording earns no lone name, so the next best is left beside the best, whatever its distance." }
                 }
             }
             (candidates::table(answer))
@@ -146,10 +148,12 @@ fn evidence(answer: &Answer) -> Markup {
                     figure { figcaption.above { "Held out, one by one" } (pairs(&unseen, Some((gap.noise_floor, "noise alone")), "held-out gap of each recording")) }
                 }
                 p.how {
-                    "Root mean square of measured \u{2212} simulated, all channels as one distance. The dashed mark is the old simulation "
-                    "with its parameters tuned anew, the dot the new one. Of held-out recordings only the start is fitted; the forecast "
-                    "knows the first 40 % and is judged by the rest. "
-                    @if gap.held_out.is_none() { "No recording was held out, so nothing is proven on unseen ones." }
+                    "Root mean square of measured \u{2212} simulated, all channels as one distance. "
+                    @if !diagnosis.effects.is_empty() {
+                        "The dashed mark is the old simulation with its parameters tuned anew, the dot the new one. "
+                    }
+                    @if gap.held_out.is_some() { "Of held-out recordings only the start is fitted; the forecast knows the first 40 % and is judged by the rest. " }
+                    @else { "No recording was held out, so nothing is proven on unseen ones." }
                 }
             }
         }
@@ -203,6 +207,10 @@ fn numbers(answer: &Answer) -> Markup {
         @if !diagnosis.adequacy.is_empty() {
             h2 { "Is what is left only noise?" }
             (numbers::adequacy(&diagnosis.adequacy))
+            @if differs(diagnosis) {
+                p { "What is left with the effect, on a scale of its own:" }
+                (left_over::residuals(&left_over::chosen(&diagnosis.explained), diagnosis.explained.len(), false, "with the effect"))
+            }
         }
     }
 }

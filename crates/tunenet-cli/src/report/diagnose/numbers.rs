@@ -20,6 +20,15 @@ fn told(value: &Value) -> (String, String) {
     (of(value.value), format!("{} to {}", of(low), of(high)))
 }
 
+/// A bound in three digits.
+fn short(bound: f64) -> String {
+    if bound == 0.0 {
+        return "0".into();
+    }
+    let text = rounded(bound, 0.05 * bound.abs());
+    signed(if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text })
+}
+
 /// One row for each coefficient of each object.
 struct Row<'a> {
     named: &'a NamedEffect,
@@ -32,18 +41,17 @@ struct Row<'a> {
 
 fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
     let effects = answer.diagnosis.effects.iter();
-    let fitted = effects.flat_map(|named| {
-        named.coefficients.iter().enumerate().map(move |(i, fitted)| (named, fitted, named.effect.plausible.get(i)))
-    });
+    let fitted =
+        effects.flat_map(|named| named.coefficients.iter().enumerate().map(move |(i, fitted)| (named, fitted, i)));
     fitted
-        .flat_map(|(named, fitted, believed)| {
+        .flat_map(|(named, fitted, i)| {
             fitted.values.iter().map(move |value| Row {
                 named,
                 key: fitted.key,
                 unit: fitted.unit,
                 object: answer.object(value).filter(|_| answer.loaded.objects.len() > 1),
                 value,
-                believed: believed.copied().unwrap_or((f64::NEG_INFINITY, f64::INFINITY)),
+                believed: answer.believed(named, i, value),
             })
         })
         .collect()
@@ -66,8 +74,8 @@ pub fn coefficients(answer: &Answer) -> Markup {
                         td data-name="number" { code { (row.key) } }
                         @if several { td.file data-name="object" { (row.object.unwrap_or("all")) } }
                         td data-name="value" { span.value { (value) (unit(row.unit)) } }
-                        td data-name="95 % interval" { (interval) }
-                        td data-name="believed" { (number(row.believed.0)) " to " (number(row.believed.1)) }
+                        td.number data-name="95 % interval" { (interval) }
+                        td data-name="believed" { (short(row.believed.0)) " to " (short(row.believed.1)) (unit(row.unit)) }
                         td data-name="in other words" {
                             @if let Some(drag) = answer.drag_coefficient(row.named, row.value) {
                                 @let (value, interval) = told(&drag);
@@ -118,7 +126,7 @@ pub fn parameters(answer: &Answer) -> Markup {
                             td data-name="given" { (number(p.given)) }
                             td data-name="tuned without effects" { (of(p.before).0) }
                             td data-name="now" { span.value { (of(p.value).0) (unit(&p.unit)) } }
-                            td data-name="95 % interval" { (of(p.value).1) }
+                            td.number data-name="95 % interval" { (of(p.value).1) }
                         }
                     }
                 }
