@@ -5,6 +5,7 @@ mod common;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use common::{Drop, Folder, SCENE};
@@ -45,19 +46,19 @@ const FREE: &str = "--set parameters.friction.value=0 --set parameters.friction.
 /// Every kind of page: its name, the arguments, the exit status, and what it has to say.
 fn kinds() -> Vec<(&'static str, String, i32, &'static [&'static str])> {
     let tune = |rest: &str| format!("tune --sim scene.toml --observation {rest}");
-    vec![
+    let mut all = diagnoses();
+    let tuned: Vec<(&'static str, String, i32, &'static [&'static str])> = vec![
         ("drop", tune("drop.csv"), 0, &["Tuned", "residual / \u{3c3}", "pinned", "95 %", "release.late"]),
         ("throw", tune(&format!("throw.csv {FREE}")), 0, &["Tuned", "friction", "50 %", "The closed lines"]),
         ("bounces", tune("bounces.csv"), 0, &["Tuned", "interval before it, s"]),
         ("poor", tune("table_tennis.csv"), 3, &["Poor fit", "fit.poor", "read off the contacts"]),
         ("open", tune(&format!("drop.csv {FREE}")), 3, &["Not identifiable", "no effect", "unknown"]),
         ("rejected", tune("still.csv"), 3, &["Rejected", "does not move", "What was recorded"]),
-        ("several", tune("drop.csv table_tennis.csv still.csv"), 3, &["3 recordings", "recording 3: "]),
+        ("several", tune("drop.csv table_tennis.csv still.csv"), 3, &["3 recordings", "still.csv: "]),
         ("each", tune("drop.csv still.csv none.csv --each"), 1, &["one by one", "Tuned", "Rejected", "Refused"]),
-    ]
-    .into_iter()
-    .chain(diagnoses())
-    .collect()
+    ];
+    all.extend(tuned);
+    all
 }
 
 /// The pages of `diagnose`.
@@ -96,8 +97,13 @@ fn diagnoses() -> Vec<(&'static str, String, i32, &'static [&'static str])> {
     ]
 }
 
-/// All pages, made in `folder`: name and text.
-fn pages(folder: &Folder) -> Vec<(&'static str, String)> {
+/// All pages, made once: name and text.
+fn pages() -> Vec<(&'static str, String)> {
+    static MADE: OnceLock<Vec<(&'static str, String)>> = OnceLock::new();
+    MADE.get_or_init(|| made_in(&folder())).clone()
+}
+
+fn made_in(folder: &Folder) -> Vec<(&'static str, String)> {
     let made = kinds().into_iter().map(|(name, line, exit, wanted)| {
         let ran = folder.run(&format!("{line} --report {name}.html --json")).ends(exit);
         assert!(ran.json()["schema"].is_string() && ran.stderr.contains(&format!("report   {name}.html")));
@@ -162,8 +168,7 @@ fn self_contained(page: &str) {
 
 #[test]
 fn every_verdict_has_a_page_that_is_complete_in_itself() {
-    let folder = folder();
-    for (name, page) in pages(&folder) {
+    for (name, page) in pages() {
         self_contained(&page);
         assert!(page.len() < 400_000, "{name}: {} bytes", page.len());
         assert!(page.contains("SHA-256") && page.contains("--report"), "{name}");
@@ -348,7 +353,7 @@ fn nothing_overflows_at_any_width() {
         return;
     };
     let folder = folder();
-    let mut pages = pages(&folder);
+    let mut pages = pages();
     let long = "a_recording_with_a_name_as_long_as_people_give_them_when_they_number_their_trials_0001.csv";
     folder.write(long, Drop::default().csv());
     folder.run(&format!("tune --sim scene.toml --observation {long} drop.csv --report long.html"));

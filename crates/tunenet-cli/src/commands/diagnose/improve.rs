@@ -30,8 +30,9 @@ pub fn report_writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
     let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
     let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).chain(options.out.as_deref()).collect();
     let objects = sources.iter().map(|s| format!("{}.toml", s.object));
-    let outputs = options.out.iter().flat_map(|out| objects.clone().map(|o| out.join(o)).chain([out.clone()]));
-    if outputs.into_iter().any(|out| out == *report) {
+    let mut outputs = options.out.iter().flat_map(|out| objects.clone().map(|o| out.join(o)).chain([out.clone()]));
+    let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    if outputs.any(|out| place(&out) == place(report)) {
         let (expected, found) = ("another file than `--out`".into(), load::name(report));
         return Err(Error::Setting { name: "--report", expected, found }.into());
     }
