@@ -62,7 +62,7 @@ pub fn coefficients(answer: &Answer) -> Markup {
     html! {
         table {
             thead { tr {
-                th { "effect" } th { "number" }
+                th { "effect" }
                 @if several { th { "object" } }
                 th { "value" } th { "95 % interval" } th { "believed" } th { "in other words" }
             } }
@@ -70,11 +70,10 @@ pub fn coefficients(answer: &Answer) -> Markup {
                 @for row in rows(answer) {
                     @let (value, interval) = told(row.value);
                     tr {
-                        th scope="row" { code { (row.named.effect.name) } }
-                        td data-name="number" { code { (row.key) } }
-                        @if several { td.file data-name="object" { (row.object.unwrap_or("all")) } }
+                        th scope="row" { code { (row.named.effect.name) } br; code.key { (row.key) } }
+                        @if several { td.object data-name="object" { (row.object.unwrap_or("all")) } }
                         td data-name="value" { span.value { (value) (unit(row.unit)) } }
-                        td.number data-name="95 % interval" { (interval) }
+                        td data-name="95 % interval" { (interval) }
                         td data-name="believed" { (short(row.believed.0)) " to " (short(row.believed.1)) (unit(row.unit)) }
                         td data-name="in other words" {
                             @if let Some(drag) = answer.drag_coefficient(row.named, row.value) {
@@ -122,7 +121,7 @@ pub fn parameters(answer: &Answer) -> Markup {
                         @let of = |v: f64| told(&Value { object: None, value: v, interval95: p.interval95 });
                         tr {
                             th scope="row" { (p.name) }
-                            @if several { td.file data-name="object" { (answer.loaded.objects.get(p.object).map_or("", |o| &o.name)) } }
+                            @if several { td.object data-name="object" { (answer.loaded.objects.get(p.object).map_or("", |o| &o.name)) } }
                             td data-name="given" { (number(p.given)) }
                             td data-name="tuned without effects" { (of(p.before).0) }
                             td data-name="now" { span.value { (of(p.value).0) (unit(&p.unit)) } }
