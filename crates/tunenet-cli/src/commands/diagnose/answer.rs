@@ -52,7 +52,7 @@ impl Answer<'_> {
     /// Why recordings do not suffice: what is said of all, then of each that cannot be used.
     pub fn reasons(&self) -> Vec<&Note> {
         let of_all = self.diagnosis.notes.iter().filter(|n| n.code.starts_with("recordings."));
-        of_all.chain(self.diagnosis.uses.iter().filter(|u| !u.used).flat_map(|u| u.notes.first())).collect()
+        of_all.chain(self.diagnosis.uses.iter().filter(|u| !u.used).filter_map(|u| u.notes.first())).collect()
     }
 
     /// An entry of the catalogue.
