@@ -96,7 +96,7 @@ fn colour_obeys_the_environment() {
         ("tune --sim scene.toml --observation none.csv", true),
         ("tune --sim scene.toml", true),
         ("gen ball --sim drop.toml --pairs 200 --out pairs.mcap", false),
-        ("inspect drop.csv", false),
+        ("inspect drop.csv", true),
     ] {
         let run = |variables: &[(&str, &str)]| {
             let mut command = folder.command();

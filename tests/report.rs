@@ -5,6 +5,7 @@ mod common;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use common::{Drop, Folder, SCENE};
@@ -13,33 +14,96 @@ use common::{Drop, Folder, SCENE};
 fn folder() -> Folder {
     let folder = Folder::with_scene();
     let ready = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/observations");
-    for name in ["drop.csv", "throw.csv", "bounces.csv", "table_tennis.csv"] {
-        folder.write(name, std::fs::read(ready.join(name)).unwrap());
+    let light = (1..=5).map(|i| format!("light_{i}.csv"));
+    let others = ["drop.csv", "throw.csv", "bounces.csv", "table_tennis.csv"].map(String::from);
+    for name in light.chain(others) {
+        folder.write(&name, std::fs::read(ready.join(&name)).unwrap());
     }
+    // A camera that shakes is in no catalogue.
+    for seed in 1..=3 {
+        let fall = Drop { noise_m: 0.002, seed, ..Drop::default() };
+        let shake = |t: f64| 0.012 * (2.0 * std::f64::consts::PI * 7.0 * t).sin();
+        let shaken: Vec<_> = fall.frames().iter().map(|(t, [x, y, z])| (*t, [x + shake(*t), *y, *z])).collect();
+        folder.write(&format!("shaken_{seed}.csv"), common::table(&shaken));
+    }
+    folder
+        .write("objects.toml", objects(&[("red", 1, false), ("red", 2, false), ("blue", 3, false), ("blue", 4, true)]));
     let still: Vec<_> = (0..200).map(|i| (f64::from(i) / 100.0, [0.0, 0.0, 0.5])).collect();
     folder.write("still.csv", common::table(&still));
     folder
 }
 
+/// A manifest of the light ball's throws: object, number, whether held out.
+fn objects(all: &[(&str, u32, bool)]) -> String {
+    let entry = |(object, number, held_out): &(&str, u32, bool)| {
+        format!("[[observation]]\nfile = \"light_{number}.csv\"\nobject = \"{object}\"\nheld_out = {held_out}\n")
+    };
+    all.iter().map(entry).collect()
+}
+
 const FREE: &str = "--set parameters.friction.value=0 --set parameters.friction.min=0 --set parameters.friction.max=2 --set parameters.friction.tune=true";
 
-/// Every kind of page: its name, the arguments after `tune`, the exit status, and what it has to say.
+/// Every kind of page: its name, the arguments, the exit status, and what it has to say.
 fn kinds() -> Vec<(&'static str, String, i32, &'static [&'static str])> {
     let tune = |rest: &str| format!("tune --sim scene.toml --observation {rest}");
-    vec![
+    let mut all = diagnoses();
+    let tuned: Vec<(&'static str, String, i32, &'static [&'static str])> = vec![
         ("drop", tune("drop.csv"), 0, &["Tuned", "residual / \u{3c3}", "pinned", "95 %", "release.late"]),
         ("throw", tune(&format!("throw.csv {FREE}")), 0, &["Tuned", "friction", "50 %", "The closed lines"]),
         ("bounces", tune("bounces.csv"), 0, &["Tuned", "interval before it, s"]),
         ("poor", tune("table_tennis.csv"), 3, &["Poor fit", "fit.poor", "read off the contacts"]),
         ("open", tune(&format!("drop.csv {FREE}")), 3, &["Not identifiable", "no effect", "unknown"]),
         ("rejected", tune("still.csv"), 3, &["Rejected", "does not move", "What was recorded"]),
-        ("several", tune("drop.csv table_tennis.csv still.csv"), 3, &["3 recordings", "recording 3: "]),
+        ("several", tune("drop.csv table_tennis.csv still.csv"), 3, &["3 recordings", "still.csv: "]),
         ("each", tune("drop.csv still.csv none.csv --each"), 1, &["one by one", "Tuned", "Rejected", "Refused"]),
+    ];
+    all.extend(tuned);
+    all
+}
+
+/// The pages of `diagnose`.
+fn diagnoses() -> Vec<(&'static str, String, i32, &'static [&'static str])> {
+    let diagnose = |rest: &str| format!("diagnose --sim scene.toml --set ball.mass_kg=0.0027 {rest}");
+    let seen = |rest: &str| diagnose(&format!("--observation {rest}"));
+    let named: &[&str] = &[
+        "Quadratic drag in flight is missing.",
+        "drag coefficient",
+        "light_5.csv, held out",
+        "dashed before, dots after",
+        "before the 1st contact",
+        "control: ",
+        "held-out residual after over before",
+        "+ [effects.quadratic_drag]",
+        "\u{2212} value = 0.5",
+    ];
+    let one_of: &[&str] =
+        &["Quadratic drag or ", "these recordings cannot tell.", "What to record next", "earns no lone name"];
+    let unknown: &[&str] =
+        &["Something is missing in flight; nothing known fits.", "stays as it is", "\u{2717} failed"];
+    let insufficient: &[&str] = &["These recordings do not suffice", "recordings.short", "stays as it is"];
+    vec![
+        ("named", seen("light_1.csv light_2.csv light_3.csv light_4.csv --held-out light_5.csv"), 0, named),
+        ("one_of", seen("light_1.csv"), 3, one_of),
+        ("unknown", seen("shaken_1.csv shaken_2.csv shaken_3.csv"), 3, unknown),
+        ("insufficient", seen("bounces.csv"), 3, insufficient),
+        ("nothing", seen("drop.csv"), 0, &["Nothing is missing", "Tuned, the simulation stays"]),
+        ("unusable", seen("still.csv"), 3, &["Insufficient", "does not move", "Excluded, and why"]),
+        (
+            "objects",
+            diagnose("--manifest objects.toml"),
+            0,
+            &["4 recordings of 2 objects", "<h3>red</h3>", "<h3>blue</h3>"],
+        ),
     ]
 }
 
-/// All pages, made in `folder`: name and text.
-fn pages(folder: &Folder) -> Vec<(&'static str, String)> {
+/// All pages, made once: name and text.
+fn pages() -> Vec<(&'static str, String)> {
+    static MADE: OnceLock<Vec<(&'static str, String)>> = OnceLock::new();
+    MADE.get_or_init(|| made_in(&folder())).clone()
+}
+
+fn made_in(folder: &Folder) -> Vec<(&'static str, String)> {
     let made = kinds().into_iter().map(|(name, line, exit, wanted)| {
         let ran = folder.run(&format!("{line} --report {name}.html --json")).ends(exit);
         assert!(ran.json()["schema"].is_string() && ran.stderr.contains(&format!("report   {name}.html")));
@@ -104,8 +168,7 @@ fn self_contained(page: &str) {
 
 #[test]
 fn every_verdict_has_a_page_that_is_complete_in_itself() {
-    let folder = folder();
-    for (name, page) in pages(&folder) {
+    for (name, page) in pages() {
         self_contained(&page);
         assert!(page.len() < 400_000, "{name}: {} bytes", page.len());
         assert!(page.contains("SHA-256") && page.contains("--report"), "{name}");
@@ -153,29 +216,64 @@ fn names_of_people_and_files_are_only_text() {
 }
 
 #[test]
-fn equal_runs_write_equal_bytes() {
-    let made = ["1", "2"].map(|threads| {
-        let folder = folder();
-        let line = format!("tune --sim scene.toml --observation throw.csv {FREE} --report page.html");
+fn names_in_a_diagnosis_are_only_text() {
+    let folder = folder();
+    let file = "<img src=x onerror=alert(1)>.csv";
+    folder.write(file, folder.read("light_1.csv"));
+    folder.write("'\"><b>.toml", format!("# </pre><script>alert(2)</script>\n{SCENE}"));
+    let objects = objects(&[("<i>red", 2, false), ("b", 3, false)]);
+    folder.write("m.toml", format!("{objects}[[observation]]\nfile = \"{file}\"\nobject = \"<i>red\"\n"));
+    for rest in [&["--manifest", "m.toml"][..], &["--observation", file]] {
         let mut command = folder.command();
-        command.env("RAYON_NUM_THREADS", threads).args(line.split_whitespace());
-        common::Ran::from(command.output().unwrap()).ends(0);
-        folder.read("page.html")
-    });
-    assert!(made[0] == made[1], "other bytes");
+        command.args(["diagnose", "--sim", "'\"><b>.toml", "--report", "page.html"]).args(rest);
+        let ran = common::Ran::from(command.output().unwrap());
+        assert!(ran.code == Some(0) || ran.code == Some(3), "{}", ran.stderr);
+        let page = String::from_utf8(folder.read("page.html")).unwrap();
+        self_contained(&page);
+        assert!(page.contains("&lt;img src=x onerror=alert(1)&gt;.csv") && page.contains("'&quot;&gt;&lt;b&gt;.toml"));
+        assert!(page.contains("&lt;i&gt;red") == (rest[0] == "--manifest"), "the object is named");
+    }
+}
+
+#[test]
+fn equal_runs_write_equal_bytes() {
+    let light = "light_1.csv light_2.csv light_3.csv --held-out light_5.csv";
+    let lines = [
+        format!("tune --sim scene.toml --observation throw.csv {FREE} --report page.html"),
+        format!("diagnose --sim scene.toml --observation {light} --report page.html"),
+    ];
+    for line in lines {
+        let made = ["1", "2"].map(|threads| {
+            let folder = folder();
+            let mut command = folder.command();
+            command.env("RAYON_NUM_THREADS", threads).args(line.split_whitespace());
+            common::Ran::from(command.output().unwrap()).ends(0);
+            folder.read("page.html")
+        });
+        assert!(made[0] == made[1], "other bytes: {line}");
+    }
 }
 
 #[test]
 fn what_a_page_may_not_replace() {
     let folder = folder();
     for (line, exit) in [
-        ("drop.csv --report drop.csv", 1),
-        ("drop.csv --report scene.toml", 1),
-        ("drop.csv --report none/page.html", 1),
-        ("drop.csv --report tuned.toml --out tuned.toml", 2),
+        ("tune --observation drop.csv --report drop.csv", 1),
+        ("tune --observation drop.csv --report scene.toml", 1),
+        ("tune --observation drop.csv --report none/page.html", 1),
+        ("tune --observation drop.csv --report tuned.toml --out tuned.toml", 2),
+        ("diagnose --observation drop.csv --report drop.csv", 1),
+        ("diagnose --observation light_1.csv --held-out drop.csv --report drop.csv", 1),
+        ("diagnose --observation drop.csv --report scene.toml", 1),
+        ("diagnose --observation drop.csv --report none/page.html", 1),
+        ("diagnose --observation drop.csv --report new.toml --out new.toml", 2),
+        ("diagnose --observation drop.csv --report ./new.toml --out new.toml", 2),
+        ("diagnose --manifest objects.toml --report objects.toml", 1),
+        ("diagnose --manifest objects.toml --report light_2.csv", 1),
+        ("diagnose --manifest objects.toml --report new/red.toml --out new", 2),
     ] {
         let before = folder.names();
-        let ran = folder.run(&format!("tune --sim scene.toml --observation {line}")).ends(exit);
+        let ran = folder.run(&format!("{line} --sim scene.toml")).ends(exit);
         assert!(ran.stdout.is_empty() && ran.stderr.starts_with("error"), "{line}: {}", ran.stderr);
         assert_eq!(folder.names(), before, "{line}");
     }
@@ -255,7 +353,7 @@ fn nothing_overflows_at_any_width() {
         return;
     };
     let folder = folder();
-    let mut pages = pages(&folder);
+    let mut pages = pages();
     let long = "a_recording_with_a_name_as_long_as_people_give_them_when_they_number_their_trials_0001.csv";
     folder.write(long, Drop::default().csv());
     folder.run(&format!("tune --sim scene.toml --observation {long} drop.csv --report long.html"));

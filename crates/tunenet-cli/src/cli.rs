@@ -85,7 +85,7 @@ Examples:
 const DIAGNOSE_EXAMPLES: &str = "\
 Examples:
   tunenet diagnose --sim assets/ball.toml --observation assets/observations/flight_?.csv --out improved.toml
-  tunenet diagnose --sim ball.toml --observation d1.csv d2.csv d3.csv --held-out d4.csv --json
+  tunenet diagnose --sim ball.toml --observation d1.csv d2.csv d3.csv --held-out d4.csv --report answer.html
   tunenet diagnose --sim ball.toml --manifest balls.toml --out improved
 Several throws in varied directions tell effects apart that one throw cannot.
 A manifest lists [[observation]] tables with `file`, and `object`, `held_out` and keys of the scene where they differ.";
@@ -231,6 +231,9 @@ pub struct Diagnose {
     /// Write the simulation file with the tuned values and the named effects here; a folder where there are several objects
     #[arg(long, value_name = "IMPROVED.toml")]
     pub out: Option<PathBuf>,
+    /// Write the answer with its evidence, drawings and the change of the file as a web page here
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
     /// Threads [default: one for each core]
     #[arg(long, value_parser = jobs)]
     pub jobs: Option<usize>,

@@ -1,7 +1,7 @@
 //! The commands: each loads, calls the libraries, renders.
 
 mod bench;
-mod diagnose;
+pub mod diagnose;
 mod gen_pairs;
 mod init;
 mod inspect;

@@ -54,7 +54,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     if options.common.json {
         print_json(&as_json(&outcome, &chosen, seconds));
     }
-    tell(options, &outcome, seconds);
+    tell(options, &outcome, &chosen, seconds);
     let exit = exit(outcome.verdict);
     if let Some(report) = &options.report {
         let names = options.observation.iter().map(|path| load::name(path)).collect();
@@ -185,9 +185,6 @@ fn tune_to(
     let cache = if options.no_cache { Cache::none() } else { Cache::of_user() };
     let seed = options.common.seed;
     let chosen = model.map_or_else(|| tune_model::choose(file, &bare, recordings, seed, &cache), Chosen::given);
-    if !options.each {
-        chosen.tell();
-    }
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
@@ -327,11 +324,12 @@ fn sentence(outcome: &Outcome) -> String {
     }
 }
 
-fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
+fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
     for (path, checks) in options.observation.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
         let which = if options.observation.len() > 1 { format!("{}: ", load::name(path)) } else { String::new() };
         stage("checked", &format!("{which}{}", tally(checks)));
     }
+    chosen.tell();
     let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
     anstream::eprintln!("\n{bold}{}{reset}", sentence(outcome));
     if let Some(gap) = &outcome.gap {

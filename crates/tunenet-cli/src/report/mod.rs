@@ -11,9 +11,11 @@
 //! | `series`, `figures` | what is drawn: a record with its residual below; ladders, bars, profiles, regions |
 //! | `verdict`, `parameters`, `checks`, `provenance` | sections |
 //! | `tune` | the page of `tunenet tune` |
+//! | `diagnose` | the page of `tunenet diagnose`, and its own drawings and tables |
 
 mod axis;
 mod checks;
+pub mod diagnose;
 mod figures;
 mod label;
 mod page;

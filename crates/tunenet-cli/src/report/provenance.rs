@@ -21,15 +21,15 @@ impl Provenance {
         Self { command: command(std::env::args_os().skip(1)), seed, inputs: hashed.collect() }
     }
 
-    /// The section; `rollouts` is what tuning took and what drawing took beyond.
-    pub fn section(&self, rollouts: (usize, usize)) -> Markup {
+    /// The section; `rollouts` says what was rolled out, and what for.
+    pub fn section(&self, rollouts: &str) -> Markup {
         html! {
             table {
                 tbody {
                     tr { th scope="row" { "command" } td { pre.code { (self.command) } } }
                     tr { th scope="row" { "version" } td { "tunenet " (env!("CARGO_PKG_VERSION")) } }
                     tr { th scope="row" { "seed" } td { (self.seed) } }
-                    tr { th scope="row" { "rollouts" } td { (rollouts.0) " to tune, " (rollouts.1) " to draw this page" } }
+                    tr { th scope="row" { "rollouts" } td { (rollouts) } }
                     @for (name, hash) in &self.inputs {
                         tr {
                             th.file scope="row" { (name) }

@@ -1,6 +1,7 @@
 //! A recording beside the simulation before and after, and what is left over below it on the same axis.
 
 use maud::{Markup, html};
+use tunenet_core::diagnose::Explained;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::tune::Comparison;
 
@@ -20,14 +21,16 @@ type Points = Vec<(f64, f64)>;
 
 /// One channel of one recording, ready to be drawn.
 pub struct Series {
-    /// Above the drawing: `drop.csv, z`; empty where there is only one.
-    title: String,
+    /// Above the drawing: `drop.csv, z`.
+    pub title: String,
     x_name: String,
     y_name: String,
     y_unit: String,
     measured: Points,
     before: Points,
     after: Points,
+    /// What is written on the line after.
+    after_name: &'static str,
     residual: Points,
     events: Vec<f64>,
 }
@@ -74,6 +77,22 @@ impl Series {
         (0..seen.channels().len()).map(|channel| Self::measured(name, seen, channel)).collect()
     }
 
+    /// One channel of a recording, explained; `before` only where it differs.
+    pub fn explained(one: &Explained, channel: usize, before: Option<&[f64]>) -> Self {
+        let (seen, width) = (&one.seen, one.noise.len());
+        let simulated = |residual: &[f64]| {
+            let counted = (channel..residual.len()).step_by(width).filter(|&i| one.kept[i]);
+            let spots = counted.map(|i| (seen.clock()[i / width], seen.values()[i] - residual[i] * one.noise[channel]));
+            intervals(seen.kind(), spots.collect())
+        };
+        Self {
+            before: before.map_or_else(Vec::new, simulated),
+            after: simulated(&one.after),
+            after_name: if before.is_some() { "improved" } else { "tuned" },
+            ..Self::measured(&one.name, seen, channel)
+        }
+    }
+
     fn measured(name: &str, seen: &Observation, channel: usize) -> Self {
         let about = &seen.channels()[channel];
         let (x_name, y_name) = if seen.kind() == Kind::BounceTimes {
@@ -90,6 +109,7 @@ impl Series {
             measured: column(seen, seen.clock(), seen.values(), channel),
             before: Vec::new(),
             after: Vec::new(),
+            after_name: "tuned",
             residual: Vec::new(),
             events: Vec::new(),
         }
@@ -111,7 +131,7 @@ impl Series {
     }
 
     /// The drawing; residuals on a scale of ± `limit` standard deviations.
-    fn draw(&self, size: Size, limit: f64) -> Markup {
+    pub fn draw(&self, size: Size, limit: f64) -> Markup {
         let width = size.width();
         let (tall, low) = if size == Size::Wide { (270.0, 110.0) } else { (200.0, 96.0) };
         let curves = || self.measured.iter().chain(&self.before).chain(&self.after);
@@ -132,7 +152,7 @@ impl Series {
         let mut labels = Labels::new(&top, &dots, &[&before, &after]);
         if !after.is_empty() {
             labels.on(&mut svg, "before", "before", &before, &after);
-            labels.on(&mut svg, "after", "tuned", &after, &before);
+            labels.on(&mut svg, "after", self.after_name, &after, &before);
         }
         labels.on(&mut svg, "", "\u{2022} measured", &dots, &before);
         if !self.residual.is_empty() {
@@ -141,7 +161,8 @@ impl Series {
             self.draw_residual(&mut svg, &top, &bottom);
         }
         let class = if size == Size::Wide { "wide" } else { "narrow" };
-        let label = format!("{}: measured, simulated before and tuned, with residuals below", self.title);
+        let below = if self.residual.is_empty() { "" } else { ", with residuals below" };
+        let label = format!("{}: measured, simulated before and {}{below}", self.title, self.after_name);
         svg.finish(class, &label)
     }
 
@@ -202,7 +223,12 @@ pub fn drawings(series: &[Series]) -> Markup {
 fn column(seen: &Observation, clock: &[f64], values: &[f64], channel: usize) -> Points {
     let all: Points =
         clock.iter().copied().zip(values.iter().copied().skip(channel).step_by(seen.channels().len())).collect();
-    if seen.kind() != Kind::BounceTimes {
+    intervals(seen.kind(), all)
+}
+
+/// Of bounce times the intervals between bounces that follow each other; of anything else the values as they are.
+pub fn intervals(kind: Kind, all: Points) -> Points {
+    if kind != Kind::BounceTimes {
         return all;
     }
     let next =
@@ -211,7 +237,7 @@ fn column(seen: &Observation, clock: &[f64], values: &[f64], channel: usize) -> 
 }
 
 /// An even choice of at most about `most` points, the last one among them.
-fn thinned(points: &[(f64, f64)], most: usize) -> Points {
+pub fn thinned(points: &[(f64, f64)], most: usize) -> Points {
     let every = points.len().div_ceil(most).max(1);
     let last = points.last().filter(|_| !(points.len().max(1) - 1).is_multiple_of(every));
     points.iter().step_by(every).chain(last).copied().collect()

@@ -202,7 +202,7 @@ pub fn together(path: &Path, answer: &Answer, provenance: &Provenance) -> Result
     let body = html! {
         (answer.sections(second))
         (second("Where this comes from"))
-        (provenance.section(answer.rollouts()))
+        (provenance.section(&rolled(answer.rollouts())))
     };
     page::write(path, &page::page("Tuning report", &answer.title(), &body))
 }
@@ -232,11 +232,15 @@ pub fn each(
         }
         article {
             (second("Where this comes from"))
-            (provenance.section(rollouts))
+            (provenance.section(&rolled(rollouts)))
         }
     };
     let title = format!("{} recordings, one by one", cases.len());
     page::write(path, &page::page("Tuning report", &title, &body))
+}
+
+fn rolled((tuning, drawing): (usize, usize)) -> String {
+    format!("{tuning} to tune, {drawing} to draw this page")
 }
 
 fn row(case: &std::result::Result<Answer, String>) -> Markup {

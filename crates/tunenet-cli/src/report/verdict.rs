@@ -12,7 +12,7 @@ pub fn verdict(outcome: &Outcome, names: &str) -> Markup {
     let class = if outcome.verdict == Verdict::Tuned { "verdict tuned" } else { "verdict not" };
     html! {
         section class=(class) {
-            (shape(outcome.verdict))
+            (shape(shape_of(outcome.verdict), word(outcome.verdict)))
             div {
                 p.word { (word(outcome.verdict)) }
                 p { (sentence(outcome, names)) }
@@ -102,7 +102,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// With a minus sign for a hyphen.
-fn signed(number: &str) -> String {
+pub fn signed(number: &str) -> String {
     number.replace('-', "\u{2212}")
 }
 
@@ -110,21 +110,35 @@ fn half(estimate: &Estimate) -> f64 {
     (estimate.interval95.1 - estimate.interval95.0) / 2.0
 }
 
-/// A shape of its own for every verdict, so that no colour is needed: a tick in a circle, `!` in a triangle, `?` in a square
-/// on its tip, a cross in an octagon.
-fn shape(verdict: Verdict) -> Markup {
-    let (outline, mark) = match verdict {
-        Verdict::Tuned => ("M26 4a22 22 0 1 0 .01 0z", "M16 27l7 7l13 -15"),
-        Verdict::PoorFit => ("M26 5l22 40h-44z", "M26 20v12M26 38v.5"),
-        Verdict::NotIdentifiable => {
-            ("M26 3l23 23l-23 23l-23 -23z", "M20 21a6 6 0 1 1 8.500 5.500q-2.500 1.500 -2.500 4.500M26 37v.5")
-        }
-        Verdict::Rejected => ("M17 4h18l13 13v18l-13 13h-18l-13 -13v-18z", "M18 18l16 16M34 18l-16 16"),
-    };
+/// An outline and a mark in it, in a square of 52 units. Every verdict has a shape of its own, so that no colour is needed.
+pub type Shape = (&'static str, &'static str);
+/// A tick in a circle.
+pub const TICK: Shape = ("M26 4a22 22 0 1 0 .01 0z", "M16 27l7 7l13 -15");
+/// `+` in a circle.
+pub const PLUS: Shape = (TICK.0, "M26 15v22M15 26h22");
+/// `!` in a triangle.
+pub const NOTICE: Shape = ("M26 5l22 40h-44z", "M26 20v12M26 38v.5");
+/// `?` in a square on its tip.
+pub const QUESTION: Shape =
+    ("M26 3l23 23l-23 23l-23 -23z", "M20 21a6 6 0 1 1 8.500 5.500q-2.500 1.500 -2.500 4.500M26 37v.5");
+/// A cross in an octagon.
+pub const CROSS: Shape = ("M17 4h18l13 13v18l-13 13h-18l-13 -13v-18z", "M18 18l16 16M34 18l-16 16");
+
+/// A shape that stands for `word`.
+pub fn shape((outline, mark): Shape, word: &str) -> Markup {
     html! {
-        svg viewBox="0 0 52 52" role="img" aria-label=(word(verdict)) {
+        svg viewBox="0 0 52 52" role="img" aria-label=(word) {
             path class="shape" d=(outline) {}
             path class="shape" d=(mark) {}
         }
+    }
+}
+
+fn shape_of(verdict: Verdict) -> Shape {
+    match verdict {
+        Verdict::Tuned => TICK,
+        Verdict::PoorFit => NOTICE,
+        Verdict::NotIdentifiable => QUESTION,
+        Verdict::Rejected => CROSS,
     }
 }

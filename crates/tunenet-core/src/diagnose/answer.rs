@@ -1,7 +1,7 @@
 //! What a diagnosis ends with.
 
-use crate::observation::Note;
-use crate::simulator::Effect;
+use crate::observation::{Note, Observation};
+use crate::simulator::{Effect, Phase};
 use serde::Serialize;
 
 /// The answer in one word. Each is a result, none an error.
@@ -164,8 +164,10 @@ pub struct Explained {
     pub name: String,
     /// Whether it was kept out of the fit.
     pub held_out: bool,
-    /// The instants that were used.
-    pub clock: Vec<f64>,
+    /// What was used of it.
+    pub seen: Observation,
+    /// Whether a value counted, shape `[sample · channel]`; residuals of those that did not are 0.
+    pub kept: Vec<bool>,
     /// Measured − predicted without an effect, in units of the noise, shape `[sample · channel]`.
     pub before: Vec<f64>,
     /// The same with the named effects.
@@ -208,8 +210,12 @@ pub struct Diagnosis {
     pub adequacy: Vec<Test>,
     /// What would separate or show what these recordings cannot.
     pub next_experiment: Option<NextExperiment>,
+    /// How far behind the best an explanation is still left; more of a single recording.
+    pub margin: f64,
     /// Where verdict is `Unknown`: what is left, in words.
     pub description: Option<String>,
+    /// Where it acts, as far as that shows.
+    pub remains: Option<Phase>,
     /// The tuned parameters.
     pub parameters: Vec<Tuned>,
     /// The recordings used, before and after.

@@ -49,9 +49,12 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
         Vec::new()
     };
     let gap = gap(study, &judged, last)?;
-    let description = match judged.verdict {
-        Verdict::Unknown => Some(describe(study, found.best.as_ref().unwrap_or(&found.base))?),
-        _ => None,
+    let (description, remains) = match judged.verdict {
+        Verdict::Unknown => {
+            let (text, phase) = describe(study, found.best.as_ref().unwrap_or(&found.base))?;
+            (Some(text), phase)
+        }
+        _ => (None, None),
     };
     Ok(Diagnosis {
         verdict: judged.verdict,
@@ -59,7 +62,9 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
         candidates: candidates(study, found, &judged.ratios),
         gap: Some(gap),
         next_experiment: next(study, &judged)?,
+        margin: judged.margin,
         description,
+        remains,
         parameters: parameters(study, found, last),
         explained: explained(study, &judged, last, recordings)?,
         names: judged.names,
@@ -202,7 +207,8 @@ fn explained(study: &Study, judged: &Judged, last: &Model, recordings: &[Recordi
         recording: set.recording,
         name: recordings[set.recording].name.clone(),
         held_out: set.held_out,
-        clock: set.clock().to_vec(),
+        seen: set.prepared.seen.clone(),
+        kept: set.keep.clone(),
         before: before.to_vec(),
         after: after.to_vec(),
         noise: set.noise.clone(),

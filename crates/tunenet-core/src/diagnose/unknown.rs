@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::sets::Set;
 use super::study::{Model, Study};
 use crate::Result;
+use crate::simulator::Phase;
 
 /// An arc with fewer samples says nothing of its bend.
 const LEAST_SAMPLES: usize = 10;
@@ -28,8 +29,8 @@ struct Arc {
     speed: f64,
 }
 
-/// Describes what `model` leaves.
-pub(super) fn describe(study: &Study, model: &Model) -> Result<String> {
+/// Describes what `model` leaves, and says where it acts as far as that shows.
+pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<Phase>)> {
     let residuals = study.weighted(model)?;
     let arcs: Vec<Arc> = study.sets.iter().zip(&residuals).flat_map(|(set, residual)| arcs(set, residual)).collect();
     let channels = study.subjects[0].simulator.channels();
@@ -37,7 +38,7 @@ pub(super) fn describe(study: &Study, model: &Model) -> Result<String> {
         arcs.iter().filter(|a| a.channel == channel).map(|a| a.bend_square + a.line_square - 3.0).sum()
     };
     let Some(worst) = (0..channels.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))) else {
-        return Ok("what is left has no shape that could be described".into());
+        return Ok(("what is left has no shape that could be described".into(), None));
     };
     let mine: Vec<&Arc> = arcs.iter().filter(|a| a.channel == worst).collect();
     let count = mine.len().max(1) as f64;
@@ -47,18 +48,19 @@ pub(super) fn describe(study: &Study, model: &Model) -> Result<String> {
     let size = (mine.iter().map(|a| a.samples as f64 * a.acceleration.powi(2)).sum::<f64>() / weight.max(1.0)).sqrt();
     let axis = &channels[worst];
     let later = mine.iter().any(|a| a.number > 0);
-    let place = if bend > 4.0 || !later {
-        format!("within the flights, as a bend of about {size:.2e} {}/s² along {}", axis.unit, axis.name)
+    let (place, phase) = if bend > 4.0 || !later {
+        let text = format!("within the flights, as a bend of about {size:.2e} {}/s² along {}", axis.unit, axis.name);
+        (text, Some(Phase::Flight))
     } else if line > 4.0 {
-        format!("from one flight to the next, so at the contacts, along {}", axis.name)
+        (format!("from one flight to the next, so at the contacts, along {}", axis.name), Some(Phase::Contact))
     } else {
-        format!("faster than a flight, as an oscillation or a jitter along {}", axis.name)
+        (format!("faster than a flight, as an oscillation or a jitter along {}", axis.name), None)
     };
     let with = goes_with(&mine).map_or_else(
         || "it follows neither height, speed nor time clearly".to_string(),
         |(what, r)| format!("it {} with {what}", if r > 0.0 { "grows" } else { "falls" }),
     );
-    Ok(format!("what is left acts {place}; {with}"))
+    Ok((format!("what is left acts {place}; {with}"), phase))
 }
 
 /// The quantity that the arcs' bends follow most closely, with the correlation, where it is close.

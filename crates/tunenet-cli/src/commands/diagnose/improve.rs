@@ -3,22 +3,40 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use toml_edit::{Array, InlineTable, Value as Toml};
+use toml_edit::{Array, DocumentMut, InlineTable, Value as Toml};
 use tunenet_core::Error;
-use tunenet_core::diagnose::{Change, Fitted, Gap, NamedEffect, Value, Verdict};
+use tunenet_core::diagnose::{Change, Diagnosis, Fitted, Gap, NamedEffect, Value, Verdict};
 use tunenet_core::observation::recording::write_atomically;
 use tunenet_sim::SimulationFile;
 
 use super::answer::Answer;
+use super::load::Object;
 use super::manifest::Source;
 use crate::cli::Diagnose;
 use crate::commands::load;
+
+const UNFITTED: &str = "nothing could be fitted";
 
 /// What was written, and why nothing was where nothing was.
 pub enum Written {
     NotAsked,
     Files(Vec<PathBuf>),
     Not(&'static str),
+}
+
+/// Refuses a report that could not be saved, or that would replace what is read or written otherwise.
+pub fn report_writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
+    let Some(report) = &options.report else { return Ok(()) };
+    let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
+    let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).chain(options.out.as_deref()).collect();
+    let objects = sources.iter().map(|s| format!("{}.toml", s.object));
+    let mut outputs = options.out.iter().flat_map(|out| objects.clone().map(|o| out.join(o)).chain([out.clone()]));
+    let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    if outputs.any(|out| place(&out) == place(report)) {
+        let (expected, found) = ("another file than `--out`".into(), load::name(report));
+        return Err(Error::Setting { name: "--report", expected, found }.into());
+    }
+    load::writable(report, &inputs)
 }
 
 /// Refuses an output that cannot be written before anything is spent on it. For several objects it is a folder.
@@ -54,26 +72,14 @@ fn several<'a>(mut objects: impl Iterator<Item = &'a str>) -> bool {
 pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
     let Some(out) = &options.out else { return Ok(Written::NotAsked) };
     let diagnosis = answer.diagnosis;
-    let Some(gap) = &diagnosis.gap else { return Ok(Written::Not("nothing could be fitted")) };
-    match diagnosis.verdict {
-        Verdict::None | Verdict::Named | Verdict::OneOf => {}
-        Verdict::Unknown => return Ok(Written::Not("no known effect explains the recordings")),
-        Verdict::Insufficient => return Ok(Written::Not("the recordings do not suffice for an answer")),
-    }
+    let gap = match (&diagnosis.gap, why_not(diagnosis)) {
+        (_, Some(why)) => return Ok(Written::Not(why)),
+        (None, None) => return Ok(Written::Not(UNFITTED)),
+        (Some(gap), None) => gap,
+    };
     let mut written = Vec::new();
     for (number, object) in answer.loaded.objects.iter().enumerate() {
-        let mut file = object.file.clone();
-        for tuned in diagnosis.parameters.iter().filter(|p| p.object == number) {
-            // What is not a parameter of the file is a coefficient, written below.
-            if !tuned.name.contains('.') {
-                file.set_value(&tuned.name, tuned.value);
-            }
-        }
-        for effect in &diagnosis.effects {
-            let values: Vec<(&str, f64)> =
-                effect.coefficients.iter().filter_map(|c| Some((c.key, of(c, number)?.value))).collect();
-            file.add_effect(effect.effect.name, &values)?;
-        }
+        let mut file = improved(answer, number)?;
         file.set_provenance(&provenance(options, answer, gap, number)?);
         let path =
             if answer.loaded.objects.len() == 1 { out.clone() } else { out.join(format!("{}.toml", object.name)) };
@@ -81,6 +87,59 @@ pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
         written.push(path);
     }
     Ok(Written::Files(written))
+}
+
+/// Why there is no improved file.
+fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
+    match diagnosis.verdict {
+        Verdict::Unknown => Some("no known effect explains the recordings"),
+        Verdict::Insufficient => Some("the recordings do not suffice for an answer"),
+        Verdict::None | Verdict::Named | Verdict::OneOf => diagnosis.gap.is_none().then_some(UNFITTED),
+    }
+}
+
+/// The file of an object with the tuned parameters and the named effects.
+fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
+    let diagnosis = answer.diagnosis;
+    let mut file = answer.loaded.objects[number].file.clone();
+    for tuned in diagnosis.parameters.iter().filter(|p| p.object == number) {
+        // What is not a parameter of the file is a coefficient, written below.
+        if !tuned.name.contains('.') {
+            file.set_value(&tuned.name, tuned.value);
+        }
+    }
+    for effect in &diagnosis.effects {
+        let values: Vec<(&str, f64)> =
+            effect.coefficients.iter().filter_map(|c| Some((c.key, of(c, number)?.value))).collect();
+        file.add_effect(effect.effect.name, &values)?;
+    }
+    Ok(file)
+}
+
+/// A simulation file as it was given and as it would be, both without provenance.
+pub struct Edited {
+    pub object: String,
+    pub given: String,
+    pub improved: String,
+}
+
+/// What the answer changes in the simulation file of every object, or why it changes nothing.
+pub fn edits(options: &Diagnose, answer: &Answer) -> Result<std::result::Result<Vec<Edited>, &'static str>> {
+    if let Some(why) = why_not(answer.diagnosis) {
+        return Ok(Err(why));
+    }
+    let given = without_provenance(&SimulationFile::read(&options.simulation.sim)?.text())?;
+    let one = |(number, object): (usize, &Object)| {
+        let improved = without_provenance(&improved(answer, number)?.text())?;
+        Ok(Edited { object: object.name.clone(), given: given.clone(), improved })
+    };
+    answer.loaded.objects.iter().enumerate().map(one).collect::<Result<_>>().map(Ok)
+}
+
+fn without_provenance(text: &str) -> Result<String> {
+    let mut document: DocumentMut = text.parse()?;
+    document.remove("provenance");
+    Ok(document.to_string())
 }
 
 fn put(path: &Path, file: &SimulationFile) -> Result<()> {

@@ -1,13 +1,13 @@
 //! `tunenet diagnose`: where simulation and measurement disagree, which effect is missing, and the file with it.
 //!
 //! ```text
-//! manifest → load → tunenet_core::diagnose → json, tell, improve
+//! manifest → load → tunenet_core::diagnose → json, tell, improve, crate::report
 //! ```
 
-mod answer;
-mod improve;
+pub(crate) mod answer;
+pub(crate) mod improve;
 mod json;
-mod load;
+pub(crate) mod load;
 mod manifest;
 mod tell;
 
@@ -17,12 +17,16 @@ use anyhow::Result;
 use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
 
 use self::answer::Answer;
+use super::load::name as load_name;
 use super::print_json;
 use crate::cli::Diagnose;
 use crate::failure::Exit;
+use crate::report;
+use crate::terminal::stage;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
     let sources = manifest::sources(options)?;
+    improve::report_writable(options, &sources)?;
     improve::writable(options, &sources)?;
     let loaded = load::load(options, &sources)?;
     tell::read(&loaded);
@@ -34,10 +38,21 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         print_json(&json::object(&answer));
     }
     tell::answer(options, &answer, &wrote);
+    if let Some(path) = &options.report {
+        let edits = improve::edits(options, &answer)?;
+        report::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
+        stage("report", &load_name(path));
+    }
     Ok(match diagnosis.verdict {
         Verdict::None | Verdict::Named => Exit::Done,
         Verdict::OneOf | Verdict::Unknown | Verdict::Insufficient => Exit::Inconclusive,
     })
+}
+
+fn provenance(options: &Diagnose, sources: &[manifest::Source]) -> report::Provenance {
+    let scene = [options.simulation.sim.as_path()].into_iter().chain(options.manifest.as_deref());
+    let read: Vec<&std::path::Path> = scene.chain(sources.iter().map(|s| s.path.as_path())).collect();
+    report::Provenance::new(options.common.seed, &read)
 }
 
 /// Asks the library, showing what it does.
