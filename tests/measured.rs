@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use common::{Folder, SCENE};
@@ -166,7 +167,7 @@ fn a_throw_with_a_low_vertical_scale() {
     for (i, line) in text.lines().skip(1).enumerate() {
         let numbers: Vec<f64> = line.split(',').filter_map(|cell| cell.trim().parse().ok()).collect();
         let [x, y] = numbers[..] else { continue };
-        table += &format!("{},{},{}\n", i as f64 / 60.0, x * metre, y * metre);
+        writeln!(table, "{},{},{}", i as f64 / 60.0, x * metre, y * metre).unwrap();
     }
     let folder = Folder::new();
     let path = folder.write("throw.csv", table);

@@ -190,7 +190,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let page = ["tune", "preflight", "diagnose"].map(|page| text(&format!("docs/{page}.md"))).concat();
+    let page = ["tune", "preflight", "diagnose"].map(|page| text(format!("docs/{page}.md"))).concat();
     let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {

@@ -173,6 +173,7 @@ pub struct Init {
 
 /// `tunenet tune`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Tune {
     #[command(flatten)]
     pub simulation: Simulation,

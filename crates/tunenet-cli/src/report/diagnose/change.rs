@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn only_what_changes_is_shown_and_it_is_escaped() {
-        let given = (0..30).map(|i| format!("line {i}\n")).collect::<String>();
+        let given = (0..30).map(|i| format!("line {i}")).collect::<Vec<_>>().join("\n") + "\n";
         let improved = given.replace("line 3\n", "<b>\n").replace("line 25\n", "");
         let shown = difference(&given, &improved).into_string();
         for part in ["\u{2212} line 3<", "+ &lt;b&gt;<", "\u{2212} line 25<", "\u{22ee}"] {

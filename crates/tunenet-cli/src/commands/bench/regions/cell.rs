@@ -130,7 +130,7 @@ impl Cell {
 }
 
 fn clock(end_s: f64, rate_hz: f64) -> Vec<f64> {
-    (0u32..).map(|i| f64::from(i) / rate_hz).take_while(|t| *t < end_s).collect()
+    (0..u32::MAX).map(|i| f64::from(i) / rate_hz).take_while(|t| *t < end_s).collect()
 }
 
 /// What came of one recording.
