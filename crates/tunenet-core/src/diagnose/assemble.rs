@@ -27,6 +27,8 @@ pub(super) struct Judged<'a> {
     pub names: Vec<&'static str>,
     /// How far behind the best an explanation is still left.
     pub margin: f64,
+    /// The mean square that noise alone leaves.
+    pub floor: f64,
     pub found: Found<'a>,
     pub tests: Vec<Test>,
     pub before: Option<HeldOut>,
@@ -160,13 +162,6 @@ fn gap(study: &Study, judged: &Judged, last: &Model) -> Result<Gap> {
         let plain = study.joint(&model.structure).plain_residuals(&model.fit.point)?;
         Ok(rmse(&study.sets, &plain, 0.0))
     };
-    let (mut squares, mut samples) = (0.0, 0.0);
-    for set in &study.sets {
-        let width = set.width();
-        let kept = set.keep.iter().enumerate().filter(|(_, keep)| **keep);
-        squares += kept.map(|(i, _)| set.noise[i % width].powi(2)).sum::<f64>();
-        samples += set.count() as f64 / width as f64;
-    }
     let told = !std::ptr::eq(last, &raw const found.base);
     let pair = |of: fn(&HeldOut) -> f64| {
         let (before, after) = (judged.before.as_ref()?, judged.after.as_ref()?);
@@ -176,7 +171,7 @@ fn gap(study: &Study, judged: &Judged, last: &Model) -> Result<Gap> {
         unit: study.subjects[0].simulator.channels()[0].unit.clone(),
         before: error(&found.base)?,
         after: error(last)?,
-        noise_floor: (squares / f64::max(samples, 1.0)).sqrt(),
+        noise_floor: judged.floor.sqrt(),
         held_out: pair(|h| h.rmse),
         control: judged.control,
         forecast: pair(|h| h.forecast),

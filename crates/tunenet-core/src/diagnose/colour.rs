@@ -17,6 +17,7 @@ const NONE: usize = usize::MAX;
 /// With lag-one correlation ρ at the usual spacing, and two kept samples `s` spacings apart, a = ρ^s:
 /// `z_i = (r_i − a r_prev) / √(1 − a²)`, exact for first-order autoregressive noise, gaps included. What is set aside
 /// becomes 0.
+#[derive(Clone)]
 pub(super) struct Filter {
     previous: Vec<usize>,
     own: Vec<f64>,

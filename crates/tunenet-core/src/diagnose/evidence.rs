@@ -13,12 +13,12 @@ pub(super) fn likelihood_gain(count: usize, before: f64, after: f64) -> f64 {
     if gain > 0.0 { gain.min((before - after) / LEAST_VARIANCE) } else { gain.max((before - after) / LEAST_VARIANCE) }
 }
 
-/// The same less what `coefficients` more numbers have to earn: the fall of the Bayesian information criterion
-/// (Schwarz 1978).
+/// A gain in twice the logarithmic likelihood less what `coefficients` more numbers have to earn: the fall of the Bayesian
+/// information criterion (Schwarz 1978) of `count` independent values.
 ///
 /// `coefficients` is how many more numbers the later fit has; negative where it has fewer.
-pub(super) fn bic_gain(count: usize, before: f64, after: f64, coefficients: f64) -> f64 {
-    likelihood_gain(count, before, after) - coefficients * (count as f64).ln()
+pub(super) fn bic_gain(likelihood_gain: f64, count: f64, coefficients: f64) -> f64 {
+    likelihood_gain - coefficients * count.max(std::f64::consts::E).ln()
 }
 
 /// The probability that chance alone gains as much (Wilks 1938).
@@ -45,7 +45,7 @@ mod tests {
         let n = 1000;
         let after = 1000.0;
         let before = after * (20.0 / 1000.0f64).exp();
-        assert!((bic_gain(n, before, after, 1.0) - (20.0 - 1000f64.ln())).abs() < 1e-9);
+        assert!((bic_gain(likelihood_gain(n, before, after), 1000.0, 1.0) - (20.0 - 1000f64.ln())).abs() < 1e-9);
         assert!((p_value(3.841_458_820_694_124, 1) - 0.05).abs() < 1e-9);
     }
 }

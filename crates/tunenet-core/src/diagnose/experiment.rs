@@ -162,7 +162,7 @@ fn gaps(study: &Study, best: &Model, entry: usize, others: &[usize], designs: &[
         let point = Point { globals: globals.clone(), own };
         let residuals = joint.residuals(&point, 1.0)?;
         let lengths = residuals.iter().map(Vec::len).collect();
-        Ok((joint.columns(&point, &residuals, Which::ALL)?, lengths))
+        Ok((joint.columns(&point, &residuals, Which::ALL), lengths))
     };
     let (known, lengths) = columns(&study.sets, best.fit.point.own.clone())?;
     let of = |entry: usize| -> Vec<usize> {

@@ -18,6 +18,8 @@ const COEFFICIENT_STEP: f64 = 1e-3;
 const GREATEST_DAMPING: f64 = 1e8;
 /// Nor are steps worth their rollouts that gain less than this share of the cost.
 const TOLERANCE_SHARE: f64 = 5e-5;
+/// How far a refused start is moved, as shares of the bounds.
+const MOVES: [f64; 4] = [1e-4, 1e-3, 1e-2, 0.1];
 /// A step that moves everything by less than this share of the bounds has arrived.
 const STILL: f64 = 1e-11;
 
@@ -131,7 +133,7 @@ impl Joint<'_> {
     ///
     /// With `visibly`, coefficients are moved as far as can be seen: some (the time a shutter is open) have no slope at all
     /// where they are absent.
-    pub fn columns(&self, point: &Point, residuals: &[Vec<f64>], what: Which) -> Result<Vec<Columns>> {
+    pub fn columns(&self, point: &Point, residuals: &[Vec<f64>], what: Which) -> Vec<Columns> {
         let Which { horizon, first, own, visibly } = what;
         let places: Vec<Vec<usize>> = (0..self.sets.len())
             .map(|d| self.structure.places(self.sets[d].object).into_iter().filter(|&p| p >= first).collect())
@@ -139,7 +141,7 @@ impl Joint<'_> {
         let own_count = |d: usize| if own { point.own[d].len() } else { 0 };
         let tasks: Vec<(usize, usize)> =
             (0..self.sets.len()).flat_map(|d| (0..places[d].len() + own_count(d)).map(move |c| (d, c))).collect();
-        let column = |&(d, c): &(usize, usize)| -> Result<Vec<f64>> {
+        let column = |&(d, c): &(usize, usize)| -> Vec<f64> {
             let samples = self.samples(d, horizon);
             let rolled = |direction: f64| {
                 let (mut globals, mut own) = (point.globals.clone(), point.own[d].clone());
@@ -152,18 +154,20 @@ impl Joint<'_> {
                 };
                 self.white(d, &globals, &own, samples).map(|r| (r, step))
             };
-            // On the edge of what can be simulated only one side exists.
-            let (mut moved, step) = rolled(1.0).or_else(|_| rolled(-1.0))?;
+            // On the edge of what can be simulated only one side exists, or none; then nothing is known of this direction.
+            let Ok((mut moved, step)) = rolled(1.0).or_else(|_| rolled(-1.0)) else {
+                return vec![0.0; residuals[d].len()];
+            };
             moved.iter_mut().zip(&residuals[d]).for_each(|(m, r)| *m = (*m - r) / step);
-            Ok(moved)
+            moved
         };
-        let mut columns = tasks.par_iter().map(column).collect::<Result<Vec<_>>>()?.into_iter();
+        let mut columns = tasks.par_iter().map(column).collect::<Vec<_>>().into_iter();
         let gather = |(d, places): (usize, Vec<usize>)| Columns {
             shared: columns.by_ref().take(places.len()).collect(),
             own: columns.by_ref().take(own_count(d)).collect(),
             places,
         };
-        Ok(places.into_iter().enumerate().map(gather).collect())
+        places.into_iter().enumerate().map(gather).collect()
     }
 
     fn nudge_global(&self, globals: &mut [f64], place: usize, direction: f64, visibly: bool) -> f64 {
@@ -180,9 +184,34 @@ impl Joint<'_> {
     ///
     /// # Errors
     /// Where the simulator refuses the start; a refused step is only shortened.
-    pub fn fit(&self, start: Point, effort: Effort, first: Option<Vec<Columns>>) -> Result<Outcome> {
-        let residuals = self.residuals(&start, effort.horizon)?;
-        self.fit_from(start, residuals, effort, first)
+    pub fn fit(&self, mut start: Point, effort: Effort, first: Option<Vec<Columns>>) -> Result<Outcome> {
+        let residuals = self.residuals(&start, effort.horizon).or_else(|_| {
+            (0..self.sets.len()).for_each(|d| self.admit(d, &mut start, effort.horizon));
+            self.residuals(&start, effort.horizon)
+        })?;
+        Ok(self.fit_from(start, residuals, effort, first))
+    }
+
+    /// Moves the start of a recording that the simulator refuses (a ball inside a surface that tilts) to the nearest one
+    /// that it takes, one unknown at a time.
+    fn admit(&self, d: usize, start: &mut Point, horizon: f64) {
+        let samples = self.samples(d, horizon);
+        let taken = |own: &[f64]| self.plain(d, &start.globals, own, samples).is_ok();
+        if taken(&start.own[d]) {
+            return;
+        }
+        for share in MOVES {
+            for (i, unknown) in self.sets[d].prepared.own.iter().enumerate() {
+                for direction in [1.0, -1.0] {
+                    let mut own = start.own[d].clone();
+                    own[i] = (own[i] + direction * share * unknown.span()).clamp(unknown.min, unknown.max);
+                    if taken(&own) {
+                        start.own[d] = own;
+                        return;
+                    }
+                }
+            }
+        }
     }
 
     /// The same where the residuals at the start are known too.
@@ -192,7 +221,7 @@ impl Joint<'_> {
         residuals: Vec<Vec<f64>>,
         effort: Effort,
         mut first: Option<Vec<Columns>>,
-    ) -> Result<Outcome> {
+    ) -> Outcome {
         let (mut point, mut residuals) = (start, residuals);
         let mut damping = 1e-4;
         let mut equations = Arrow::new(0, 0);
@@ -201,7 +230,7 @@ impl Joint<'_> {
             let cost = huber_cost(&residuals, scale) + self.pull(&point);
             let columns = match first.take() {
                 Some(columns) => columns,
-                None => self.columns(&point, &residuals, Which { horizon: effort.horizon, ..Which::ALL })?,
+                None => self.columns(&point, &residuals, Which { horizon: effort.horizon, ..Which::ALL }),
             };
             equations = self.equations(&columns, &residuals, &point, scale);
             let mut improved = None;
@@ -231,7 +260,7 @@ impl Joint<'_> {
         }
         let pull = self.pull(&point);
         let cost = huber_cost(&residuals, robust_scale(&residuals)) + pull;
-        Ok(Outcome { point, residuals, cost, pull, covariance: equations.covariance() })
+        Outcome { point, residuals, cost, pull, covariance: equations.covariance() }
     }
 
     /// What a linear model of this point promises to gain by the damped step.

@@ -21,6 +21,8 @@ mod experiment;
 mod held_out;
 mod input;
 mod joint;
+mod practical;
+mod rest;
 mod scatter;
 mod search;
 mod sets;
@@ -102,6 +104,7 @@ pub fn diagnose(
         catalogue: catalogue::catalogue(subjects),
         settings,
         chance: None,
+        independent: 1.0,
         rollouts: AtomicUsize::new(0),
     };
     verdict::judge(study, held_out, recordings, Answered { uses, notes }, progress)

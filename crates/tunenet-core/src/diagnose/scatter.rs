@@ -49,7 +49,7 @@ impl Study<'_> {
         }
         let joint = self.joint(&model.structure);
         let residuals = &model.fit.residuals;
-        let columns = joint.columns(&model.fit.point, residuals, Which::ALL)?;
+        let columns = joint.columns(&model.fit.point, residuals, Which::ALL);
         let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
         let projector = Projector::new(&columns, &lengths, model.structure.globals.len());
         let mut left = residuals.concat();
@@ -129,6 +129,9 @@ fn random_effect(columns: &[Vec<f64>], left: &[f64], count: usize) -> (f64, f64)
     let size = columns.len();
     let gram = DMatrix::from_fn(size, size, |i, j| dot(&columns[i], &columns[j]));
     let right = DVector::from_fn(size, |i, _| dot(&columns[i], left));
+    if gram.iter().chain(right.iter()).any(|v| !v.is_finite()) {
+        return (0.0, 0.0);
+    }
     let eigen = gram.symmetric_eigen();
     let whole = dot(left, left);
     let n = count as f64;

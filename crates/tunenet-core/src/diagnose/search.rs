@@ -1,6 +1,7 @@
 //! The search for the missing effects: forward, swap, backward, and what else explains as much.
 
-use super::evidence::{likelihood_gain, p_value};
+use super::evidence::p_value;
+use super::practical::WORTH;
 use super::stage::Trial;
 use super::study::{Model, Study};
 use super::{Progress, confusable};
@@ -50,14 +51,14 @@ impl<'a> Study<'a> {
     /// Searches from the tuned simulation.
     pub fn search(&self, base: Model<'a>, progress: &dyn Fn(Progress)) -> Result<Found<'a>> {
         progress(Progress::Scoring { candidates: self.catalogue.len(), effects: 0 });
-        let alone = self.stage(&base)?;
+        let alone = self.stage(&base);
         let mut best = self.accepted(&base, &alone)?;
         while let Some(model) = &best
             && model.structure.effects.len() < self.settings.most_effects
         {
             let effects = model.structure.effects.len();
             progress(Progress::Scoring { candidates: self.catalogue.len() - effects, effects });
-            let next = self.stage(model)?;
+            let next = self.stage(model);
             let Some(more) = self.accepted(model, &next)? else { break };
             best = Some(more);
         }
@@ -66,7 +67,7 @@ impl<'a> Study<'a> {
             let Some(model) = best.take() else { break };
             // With all that may be added and still no fit, there is nothing to compare with.
             let full = model.structure.effects.len() >= self.settings.most_effects.max(2);
-            if full && !self.adequacy(&model)?.iter().all(|t| t.passed) {
+            if full && self.independent >= 1.0 && !self.adequacy(&model).iter().all(|t| t.passed) {
                 best = Some(model);
                 break;
             }
@@ -89,18 +90,24 @@ impl<'a> Study<'a> {
         let Some(trial) = trials.iter().find(|t| t.excluded.is_none() && t.model.is_some()) else { return Ok(None) };
         let Some(model) = &trial.model else { return Ok(None) };
         let (_, p) = self.worth(before, model);
-        if trial.gain > self.settings.margin && p < self.settings.significance {
+        if trial.gain > self.settings.margin && p < self.settings.significance && self.matters(before, model) {
             let structure = self.structure(&model.structure.effects)?;
             return Ok(Some(Model { structure, fit: model.fit.clone() }));
         }
         Ok(None)
     }
 
+    /// Whether an effect takes away enough to be worth a name where all that is left counts as noise.
+    fn matters(&self, before: &Model, after: &Model) -> bool {
+        let scale = after.scale();
+        self.independent >= 1.0 || before.deviance(scale) >= WORTH * after.deviance(scale)
+    }
+
     /// Gain of the information criterion and the probability of it by chance, all candidates counted.
     fn worth(&self, before: &Model, after: &Model) -> (f64, f64) {
         let scale = after.scale();
         let coefficients = after.structure.globals.len() - before.structure.globals.len();
-        let gain = likelihood_gain(self.count(), before.deviance(scale), after.deviance(scale));
+        let gain = self.likelihood(before.deviance(scale), after.deviance(scale));
         let p = p_value(gain, coefficients) * self.catalogue.len() as f64;
         (self.gain(before, after, scale), p.min(1.0))
     }
@@ -118,12 +125,12 @@ impl<'a> Study<'a> {
                 (without, trials) = (base, alone);
             } else {
                 let fitted = self.fit_near(&others, model)?;
-                let stage = self.stage(&fitted)?;
+                let stage = self.stage(&fitted);
                 made = (fitted, stage);
                 (without, trials) = (&made.0, made.1.as_slice());
             }
             let (gain, p_value) = self.worth(without, model);
-            if gain < self.settings.margin || p_value > self.settings.significance {
+            if gain < self.settings.margin || p_value > self.settings.significance || !self.matters(without, model) {
                 let fitted = if others.is_empty() { None } else { Some(self.fit_near(&others, model)?) };
                 return Ok(Judged::Yields(fitted.map(Box::new)));
             }

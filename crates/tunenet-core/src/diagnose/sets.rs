@@ -1,6 +1,7 @@
 //! The recordings made ready: noise, weights, and samples that count.
 
 use super::colour::Filter;
+use super::rest::before_rest;
 use crate::observation::{Arcs, Kind, Observation};
 use crate::simulator::{Parameter, Prepared};
 use crate::tune::channel_noise;
@@ -20,6 +21,7 @@ const MOST_OUTLYING: f64 = 0.05;
 const GRAVITY_M_S2: f64 = 9.81;
 
 /// One recording, ready.
+#[derive(Clone)]
 pub(super) struct Set {
     /// Its position among the recordings given.
     pub recording: usize,
@@ -39,7 +41,11 @@ pub(super) struct Set {
 }
 
 impl Set {
-    pub fn new(recording: usize, object: usize, held_out: bool, prepared: Prepared) -> Self {
+    pub fn new(recording: usize, object: usize, held_out: bool, mut prepared: Prepared) -> Self {
+        let height_noise = noise(&prepared.seen).last().copied().unwrap_or(0.0);
+        if let Ok(moving) = prepared.seen.slice(0..before_rest(&prepared.seen, height_noise)) {
+            prepared.seen = moving;
+        }
         let seen = &prepared.seen;
         let width = seen.channels().len();
         let ranges: Vec<f64> = (0..width).map(|c| range(seen.column(c))).collect();

@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::columns::{Projector, orthonormal, stack};
 use super::confusable::canonical_correlation;
-use super::evidence::bic_gain;
 use super::joint::{Columns, Effort, Point, Which, dot};
 use super::study::{FULL, Model, Study};
 use crate::Result;
@@ -57,10 +56,10 @@ struct Scored {
 
 impl<'a> Study<'a> {
     /// Every candidate beside `model`, best first.
-    pub fn stage(&self, model: &Model<'a>) -> Result<Vec<Trial<'a>>> {
+    pub fn stage(&self, model: &Model<'a>) -> Vec<Trial<'a>> {
         let joint = self.joint(&model.structure);
         let (point, residuals) = (&model.fit.point, &model.fit.residuals);
-        let base = joint.columns(point, residuals, Which::ALL)?;
+        let base = joint.columns(point, residuals, Which::ALL);
         let candidates: Vec<usize> =
             (0..self.catalogue.len()).filter(|&e| !model.has(e) && !self.catalogue[e].chance()).collect();
         let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
@@ -90,7 +89,7 @@ impl<'a> Study<'a> {
         trials.sort_by(|a, b| {
             a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)).then(a.entry.cmp(&b.entry))
         });
-        Ok(trials)
+        trials
     }
 
     fn score(&self, entry: usize, model: &Model, projector: &Projector, left: &[f64]) -> Scored {
@@ -115,7 +114,7 @@ impl<'a> Study<'a> {
             (whole, rest, seen) = (0.0, 0.0, false);
             projected.clear();
             let which = Which { first: known, own: false, visibly, ..Which::ALL };
-            scored.columns = joint.columns(&point, &model.fit.residuals, which)?;
+            scored.columns = joint.columns(&point, &model.fit.residuals, which);
             for (place, global) in structure.globals.iter().enumerate().skip(known) {
                 let mut column = stack(&scored.columns, &lengths, place);
                 whole += dot(&column, &column);
@@ -142,7 +141,7 @@ impl<'a> Study<'a> {
         let explained: f64 = scored.span.iter().map(|direction| dot(direction, left).powi(2)).sum();
         let before = model.deviance(model.scale());
         let coefficients = (structure.globals.len() - known) as f64;
-        scored.predicted = bic_gain(self.count(), before, (before - explained).max(1e-3 * before), coefficients);
+        scored.predicted = self.criterion(before, (before - explained).max(1e-3 * before), coefficients);
         Ok(())
     }
 
@@ -158,7 +157,7 @@ impl<'a> Study<'a> {
                 own: base.own.clone(),
             });
             let first = Some(columns.collect());
-            let fit = self.joint(&structure).fit_from(point, model.fit.residuals.clone(), ONE_STEP, first)?;
+            let fit = self.joint(&structure).fit_from(point, model.fit.residuals.clone(), ONE_STEP, first);
             Ok(Model { structure, fit })
         };
         match fitted() {
@@ -254,7 +253,7 @@ impl<'a> Study<'a> {
     /// Gain of the information criterion from `before` to `after`, losses changing over at 4 times `scale`.
     pub fn gain(&self, before: &Model, after: &Model, scale: f64) -> f64 {
         let coefficients = after.structure.globals.len() as f64 - before.structure.globals.len() as f64;
-        bic_gain(self.count(), before.deviance(scale), after.deviance(scale), coefficients)
+        self.criterion(before.deviance(scale), after.deviance(scale), coefficients)
     }
 
     /// Why a coefficient of `model` cannot be believed: outside what is physical, or pushed against a bound.

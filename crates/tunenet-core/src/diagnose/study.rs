@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicUsize;
 
 use super::catalogue::{Entry, SCATTER};
 use super::colour;
+use super::evidence::{bic_gain, likelihood_gain};
 use super::joint::{Effort, Joint, Outcome, Point};
 use super::sets::Set;
 use super::structure::Structure;
@@ -25,6 +26,8 @@ pub(super) struct Study<'a> {
     pub settings: &'a Settings,
     /// Where contacts are subject to chance: the standard deviation of a tilt, rad.
     pub chance: Option<f64>,
+    /// The share of the values that counts as independent; 1 where the noise's colour is taken out instead.
+    pub independent: f64,
     pub rollouts: AtomicUsize,
 }
 
@@ -67,6 +70,16 @@ impl<'a> Study<'a> {
     /// How many values count.
     pub fn count(&self) -> usize {
         self.sets.iter().map(Set::count).sum()
+    }
+
+    /// Twice the gain in logarithmic likelihood between two sums of squares.
+    pub fn likelihood(&self, before: f64, after: f64) -> f64 {
+        self.independent * likelihood_gain(self.count(), before, after)
+    }
+
+    /// The fall of the information criterion by `coefficients` more numbers.
+    pub fn criterion(&self, before: f64, after: f64, coefficients: f64) -> f64 {
+        bic_gain(self.likelihood(before, after), self.independent * self.count() as f64, coefficients)
     }
 
     /// A model with these effects, fitted from where `near` stands.
