@@ -16,6 +16,8 @@ pub use prepared::{Preparation, Prepared, Rejected};
 pub use rollouts::{rollout, rollouts};
 pub use scale::Scale;
 
+use auto_impl::auto_impl;
+
 use crate::observation::{Channel, Kind, Observation};
 use crate::{Error, Result};
 
@@ -28,6 +30,9 @@ use crate::{Error, Result};
 /// - **parameters** belong to the thing itself (its restitution, its payload) and are what a person asks for;
 /// - **own unknowns** belong to one recording (the height of its release, where its floor lay) and are estimated with
 ///   it and then set aside. See [`prepare`](Simulator::prepare).
+///
+/// What stands behind a reference or lies in a box is a simulator as well.
+#[auto_impl(&, Box)]
 pub trait Simulator: Send + Sync {
     /// The parameters in the order in which [`rollout`](Simulator::rollout) takes them, with value, bounds and unit.
     fn parameters(&self) -> &[Parameter];
@@ -76,66 +81,4 @@ pub trait Simulator: Send + Sync {
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String>;
-}
-
-/// What stands behind a reference is a simulator as well.
-impl<S: Simulator + ?Sized> Simulator for &S {
-    fn parameters(&self) -> &[Parameter] {
-        (**self).parameters()
-    }
-
-    fn channels(&self) -> &[Channel] {
-        (**self).channels()
-    }
-
-    fn kind(&self) -> Kind {
-        (**self).kind()
-    }
-
-    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
-        (**self).prepare(seen)
-    }
-
-    fn effects(&self) -> Vec<Effect> {
-        (**self).effects()
-    }
-
-    fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
-        (**self).with_effects(names)
-    }
-
-    fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
-        (**self).rollout(p, own, clock, values)
-    }
-}
-
-/// What lies in a box is a simulator as well.
-impl<S: Simulator + ?Sized> Simulator for Box<S> {
-    fn parameters(&self) -> &[Parameter] {
-        (**self).parameters()
-    }
-
-    fn channels(&self) -> &[Channel] {
-        (**self).channels()
-    }
-
-    fn kind(&self) -> Kind {
-        (**self).kind()
-    }
-
-    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
-        (**self).prepare(seen)
-    }
-
-    fn effects(&self) -> Vec<Effect> {
-        (**self).effects()
-    }
-
-    fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
-        (**self).with_effects(names)
-    }
-
-    fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
-        (**self).rollout(p, own, clock, values)
-    }
 }
