@@ -277,6 +277,8 @@ pub struct Inspect {
 pub enum Domain {
     /// A ball dropped from 4 to 5 m, as in the paper
     Ball,
+    /// The same, its targets in the pixels of a camera that nobody knows
+    BallVideo,
 }
 
 /// Which parameters the pairs are drawn from.

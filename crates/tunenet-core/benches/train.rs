@@ -31,6 +31,7 @@ fn dataset(folder: &Path) -> PathBuf {
         pairs: 800,
         parameters: parameters.to_vec(),
         channels: vec![Channel::new("z", "m")],
+        target_channels: Vec::new(),
         clock: clock.clone(),
         scene: String::new(),
     };

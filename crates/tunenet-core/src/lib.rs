@@ -1,7 +1,7 @@
 //! The mathematics and the data of tunenet: what was seen, what could be, what has been learned, what fits.
 //!
 //! tunenet makes a simulator behave like a measured real thing. This crate holds everything that is the same for every
-//! simulator; it knows no physics engine, no camera and no terminal. Five wings, each standing on the ones before it:
+//! simulator; it knows no physics engine, no video and no terminal. Five wings, each standing on the ones before it:
 //!
 //! | wing | question | start reading at |
 //! |---|---|---|
@@ -25,6 +25,7 @@
 #![doc = include_str!("../examples/pendulum.rs")]
 //! ```
 
+pub mod camera;
 pub mod diagnose;
 pub mod error;
 pub mod network;

@@ -99,6 +99,7 @@ impl Drawn {
             pairs,
             parameters: self.ball.parameters().iter().map(covered).collect(),
             channels: self.ball.channels().to_vec(),
+            target_channels: Vec::new(),
             clock: Vec::new(),
             scene: self.file.text(),
         }

@@ -7,11 +7,13 @@
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`built_in`] | the network that comes with the tool |
+//! | [`filmed`] | drops in front of a camera that nobody knows |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
 pub mod ball;
 pub mod built_in;
 pub mod drawn;
+pub mod filmed;
 pub mod observed;
 pub mod observed_ball;
 pub mod simulation_file;

@@ -7,9 +7,11 @@
 //! | module | what |
 //! |---|---|
 //! | [`video`] | a file becomes a [`video::Clip`]: how large, how fast, how many frames |
+//! | [`render`] | films of a ball whose truth is known |
 //!
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 
+pub mod render;
 pub mod video;
 
 pub use video::Clip;

@@ -8,10 +8,10 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use tunenet_core::Error;
 use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, fill, generate};
-use tunenet_core::observation::Kind;
 use tunenet_core::simulator::Simulator;
+use tunenet_sim::SimulationFile;
 use tunenet_sim::drawn::{Drawn, Ranges};
-use tunenet_sim::{ObservedBall, SimulationFile};
+use tunenet_sim::filmed::FilmedDrops;
 
 use super::{load, print_json};
 use crate::cli::{Domain, Gen, Pairs};
@@ -26,7 +26,6 @@ const ANY_BALL: &str = include_str!("../../../../assets/ball.toml");
 const CENTRE_HEIGHT_M: std::ops::Range<f64> = 4.0..5.0;
 
 pub fn run(options: &Gen) -> Result<Exit> {
-    let Domain::Ball = options.domain;
     let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
     load::ending(&options.out, &["mcap"])?;
     load::writable(&options.out, &inputs)?;
@@ -48,6 +47,10 @@ pub fn run(options: &Gen) -> Result<Exit> {
         true
     };
     if options.preset == Pairs::General {
+        if options.domain == Domain::BallVideo {
+            let (expected, found) = ("`easy`, `hard` or `wide` for ball-video".into(), "`general`".into());
+            return Err(Error::Setting { name: "--preset", expected, found }.into());
+        }
         let drawn = Drawn::new(&file, Ranges::general())?;
         let header = drawn.header("ball/general", options.common.seed, options.pairs);
         fill(&header, &|_, random| drawn.pair(random), &options.out, &mut report)?;
@@ -63,12 +66,14 @@ pub fn run(options: &Gen) -> Result<Exit> {
     if file.number("surface.height_m").is_none() {
         file.set("surface.height_m=0")?;
     }
-    let ball = ObservedBall::new(&file, Kind::Positions)?;
+    let filmed = FilmedDrops::new(&file)?;
+    let ball = filmed.ball();
     let floor = file.number("surface.height_m").unwrap_or(0.0);
     let (proposed, target) = ranges(options.preset);
+    let pixels = options.domain == Domain::BallVideo;
     let covered = proposed.0.min(target.0)..proposed.1.max(target.1);
     let header = DatasetHeader {
-        preset: format!("ball/{:?}", options.preset).to_lowercase(),
+        preset: format!("{}/{:?}", if pixels { "ball-video" } else { "ball" }, options.preset).to_lowercase(),
         seed: options.common.seed,
         pairs: options.pairs,
         parameters: ball
@@ -81,10 +86,21 @@ pub fn run(options: &Gen) -> Result<Exit> {
             })
             .collect(),
         channels: ball.channels().to_vec(),
+        target_channels: if pixels { FilmedDrops::channels() } else { Vec::new() },
         clock: file.record().clock(),
         scene: file.text(),
     };
     let friction = ball.parameters()[1].value;
+    if pixels {
+        let pair = |_: u64, random: &mut ChaCha8Rng| {
+            let top = floor + random.random_range(CENTRE_HEIGHT_M);
+            let [proposed, target] = [proposed, target].map(|(low, high)| random.random_range(low..=high));
+            filmed.pair(proposed, target, top, random)
+        };
+        fill(&header, &pair, &options.out, &mut report)?;
+        bar.finish_and_clear();
+        return Ok(tell(options, &header));
+    }
     let draw = |_: u64, random: &mut ChaCha8Rng| {
         let own = vec![0.0, 0.0, floor + random.random_range(CENTRE_HEIGHT_M)];
         let mut restitution = |(low, high): (f64, f64)| vec![random.random_range(low..=high), friction];
@@ -92,7 +108,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let scale = Some(ball.scale(&own, 0.0));
         PairDraw { proposed, target, own, scale }
     };
-    generate(&ball, &header, &draw, &options.out, &mut report)?;
+    generate(ball, &header, &draw, &options.out, &mut report)?;
     bar.finish_and_clear();
     Ok(tell(options, &header))
 }

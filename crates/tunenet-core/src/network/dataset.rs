@@ -9,12 +9,14 @@ use crate::simulator::Scale;
 use crate::{Error, Result};
 
 /// Newest version of the dataset's format. Raised whenever an older program would misread a newer file.
-pub const DATASET_VERSION: u32 = CLOCKS_IN_PAIRS;
+pub const DATASET_VERSION: u32 = FILMED;
 
 /// One clock, in the header, for all pairs.
 const ONE_CLOCK: u32 = 1;
 /// An empty clock in the header, and one in every pair.
 const CLOCKS_IN_PAIRS: u32 = 2;
+/// One clock for all pairs, and targets that are observed on channels of their own.
+const FILMED: u32 = 3;
 
 pub(super) const DATASET_TOPIC: &str = "/dataset";
 pub(super) const PAIR_TOPIC: &str = "/pair";
@@ -36,6 +38,13 @@ string[] channel_units
 float64[] clock
 # The scene, TOML.
 string scene
+";
+
+/// What follows in the header where targets are observed otherwise than proposed rollouts.
+pub(super) const TARGET_DEFINITION: &str = "\
+# What each target observes.
+string[] target_channel_names
+string[] target_channel_units
 ";
 
 pub(super) const PAIR_DEFINITION: &str = "\
@@ -94,6 +103,8 @@ pub struct DatasetHeader {
     pub parameters: Vec<CoveredParameter>,
     /// What each rollout observes.
     pub channels: Vec<Channel>,
+    /// What each target observes, where that is something else (pixels); empty where it is the same.
+    pub target_channels: Vec<Channel>,
     /// The instants of every rollout, in s; empty where every pair brings its own.
     pub clock: Vec<f64>,
     /// The scene, as the text of a simulation file; empty where there is none.
@@ -157,12 +168,25 @@ pub(super) struct HeaderMessage {
     channel_units: Vec<String>,
     clock: Vec<f64>,
     scene: String,
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "or_none")]
+    target_channel_names: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "or_none")]
+    target_channel_units: Vec<String>,
+}
+
+/// A list at the end of a message that older files end before.
+fn or_none<'de, D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Vec<String>, D::Error> {
+    Ok(Vec::deserialize(from).unwrap_or_default())
 }
 
 impl From<&DatasetHeader> for HeaderMessage {
     fn from(header: &DatasetHeader) -> Self {
         let mut message = Self {
-            version: if header.clock.is_empty() { CLOCKS_IN_PAIRS } else { ONE_CLOCK },
+            version: match (header.target_channels.is_empty(), header.clock.is_empty()) {
+                (false, _) => FILMED,
+                (true, true) => CLOCKS_IN_PAIRS,
+                (true, false) => ONE_CLOCK,
+            },
             preset: header.preset.clone(),
             seed: header.seed,
             pairs: header.pairs,
@@ -180,6 +204,10 @@ impl From<&DatasetHeader> for HeaderMessage {
         for channel in &header.channels {
             message.channel_names.push(channel.name.clone());
             message.channel_units.push(channel.unit.clone());
+        }
+        for channel in &header.target_channels {
+            message.target_channel_names.push(channel.name.clone());
+            message.target_channel_units.push(channel.unit.clone());
         }
         message
     }
@@ -200,7 +228,8 @@ impl HeaderMessage {
         ]
         .iter()
         .all(|&found| found == n)
-            && self.channel_units.len() == self.channel_names.len();
+            && self.channel_units.len() == self.channel_names.len()
+            && self.target_channel_units.len() == self.target_channel_names.len();
         if !whole {
             return Err(Error::file(path, "expected lists of equal length in the dataset's header, found others", ""));
         }
@@ -216,11 +245,16 @@ impl HeaderMessage {
             seed: self.seed,
             pairs: self.pairs,
             parameters: parameters.collect(),
-            channels: self.channel_names.into_iter().zip(self.channel_units).map(|(n, u)| Channel::new(n, u)).collect(),
+            channels: channels(self.channel_names, self.channel_units),
+            target_channels: channels(self.target_channel_names, self.target_channel_units),
             clock: self.clock,
             scene: self.scene,
         })
     }
+}
+
+fn channels(names: Vec<String>, units: Vec<String>) -> Vec<Channel> {
+    names.into_iter().zip(units).map(|(name, unit)| Channel::new(name, unit)).collect()
 }
 
 /// `None` is written as an empty list.
@@ -258,24 +292,31 @@ impl DatasetHeader {
         if self.clocks_in_pairs() { &pair.clock } else { &self.clock }
     }
 
+    /// What each target observes.
+    #[must_use]
+    pub fn seen_channels(&self) -> &[Channel] {
+        if self.target_channels.is_empty() { &self.channels } else { &self.target_channels }
+    }
+
     /// Whether `pair` has the lengths that this header promises, and finite numbers.
     pub(super) fn check(&self, pair: &Pair) -> std::result::Result<(), String> {
         let clock = self.clock_of(pair);
         if clock.len() < 2 || clock.iter().any(|t| !t.is_finite()) || clock.windows(2).any(|w| w[1] <= w[0]) {
             return Err("expected a clock of at least 2 instants that rises, found another".into());
         }
+        let parameters = self.parameters.len();
         let lengths = [
-            ("parameters", self.parameters.len(), [&pair.proposed_parameters, &pair.target_parameters]),
-            ("values", clock.len() * self.channels.len(), [&pair.proposed, &pair.target]),
+            ("parameters", parameters, &pair.proposed_parameters),
+            ("parameters", parameters, &pair.target_parameters),
+            ("values", clock.len() * self.channels.len(), &pair.proposed),
+            ("values", clock.len() * self.seen_channels().len(), &pair.target),
         ];
-        for (what, expected, both) in lengths {
-            for found in both {
-                if found.len() != expected {
-                    return Err(format!("expected {expected} {what}, found {}", found.len()));
-                }
-                if let Some(bad) = found.iter().find(|v| !v.is_finite()) {
-                    return Err(format!("expected finite {what}, found {bad}"));
-                }
+        for (what, expected, found) in lengths {
+            if found.len() != expected {
+                return Err(format!("expected {expected} {what}, found {}", found.len()));
+            }
+            if let Some(bad) = found.iter().find(|v| !v.is_finite()) {
+                return Err(format!("expected finite {what}, found {bad}"));
             }
         }
         Ok(())

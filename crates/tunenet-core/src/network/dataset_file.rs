@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::dataset::{
     CLOCK_DEFINITION, ClockedPair, DATASET_DEFINITION, DATASET_TOPIC, DatasetHeader, HeaderMessage, PAIR_DEFINITION,
-    PAIR_TOPIC, Pair,
+    PAIR_TOPIC, Pair, TARGET_DEFINITION,
 };
 use super::dataset_stream::{Output, Source};
 use crate::{Error, Result};
@@ -114,7 +114,9 @@ impl DatasetWriter {
 
     fn begin(out: PathBuf, at: &Path, partial: PathBuf, header: DatasetHeader) -> Result<Self> {
         let mut output = Output::create(at)?;
-        let dataset = output.topic(DATASET_TOPIC, "tunenet_msgs/msg/Dataset", DATASET_DEFINITION)?;
+        let targets = if header.target_channels.is_empty() { "" } else { TARGET_DEFINITION };
+        let definition = format!("{DATASET_DEFINITION}{targets}");
+        let dataset = output.topic(DATASET_TOPIC, "tunenet_msgs/msg/Dataset", &definition)?;
         let clock = if header.clocks_in_pairs() { CLOCK_DEFINITION } else { "" };
         let topic = output.topic(PAIR_TOPIC, "tunenet_msgs/msg/Pair", &format!("{PAIR_DEFINITION}{clock}"))?;
         output.write(dataset, 0, &HeaderMessage::from(&header))?;

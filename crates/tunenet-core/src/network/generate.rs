@@ -177,6 +177,7 @@ mod tests {
                 })
                 .collect(),
             channels: line.channels().to_vec(),
+            target_channels: Vec::new(),
             clock: (0..20).map(f64::from).collect(),
             scene: String::new(),
         };

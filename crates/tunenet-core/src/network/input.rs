@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use crate::camera::LineCamera;
 use crate::simulator::Scale;
 use crate::{Error, Result};
 
@@ -25,6 +26,16 @@ pub enum Input {
     /// One channel in units of the recording's own [`Scale`], its mean over each of `bins` equal intervals of
     /// `τ = (t − start) / time` in `[0, tau_max]`. Needs a scale.
     Dimensionless {
+        /// Which channel, from 0.
+        channel: usize,
+        /// How many intervals; the width of the input.
+        bins: usize,
+        /// The end of the last interval, in units of the recording's time.
+        tau_max: f64,
+    },
+    /// As `Dimensionless`, of heights read back from a picture: the channel is `v` in px, and the first fall of a drop with
+    /// this [`Scale`] says what camera saw it ([`LineCamera::of_fall`]).
+    Filmed {
         /// Which channel, from 0.
         channel: usize,
         /// How many intervals; the width of the input.
@@ -85,7 +96,7 @@ impl Input {
     pub fn width(&self) -> usize {
         match self {
             Self::Raw { samples, .. } => *samples,
-            Self::Dimensionless { bins, .. } => *bins,
+            Self::Dimensionless { bins, .. } | Self::Filmed { bins, .. } => *bins,
             Self::Scaled { bins, unit, .. } => bins * unit.len(),
             Self::Standardised { bins, mean, .. } => bins * mean.len(),
         }
@@ -94,7 +105,7 @@ impl Input {
     /// Whether each recording must bring its [`Scale`].
     #[must_use]
     pub fn needs_scale(&self) -> bool {
-        matches!(self, Self::Dimensionless { .. } | Self::Scaled { .. })
+        matches!(self, Self::Dimensionless { .. } | Self::Filmed { .. } | Self::Scaled { .. })
     }
 
     /// One recording as a branch sees it. `values` is row-major `[sample, channel]`, `clock` its strictly rising clock.
@@ -144,6 +155,20 @@ impl Input {
                     *value = (*value - scale.origin) / scale.length;
                 }
                 Ok(Encoded { values, covered })
+            }
+            Self::Filmed { channel, bins, tau_max } => {
+                let Some(scale) = scale else {
+                    return refuse("scale", "the drop's own zero, length and time".into(), "none".into());
+                };
+                if *channel >= channels {
+                    return refuse("channels", format!("more than {channel}"), channels.to_string());
+                }
+                let v_px: Vec<f64> = values[*channel..].iter().step_by(channels).copied().collect();
+                let Some(camera) = LineCamera::of_fall(clock, &v_px, scale) else {
+                    return refuse("picture", "the first fall of a drop".into(), "none that a camera could see".into());
+                };
+                let z_m: Vec<f64> = v_px.iter().map(|v| camera.height(*v)).collect();
+                Self::Dimensionless { channel: 0, bins: *bins, tau_max: *tau_max }.encode(clock, &z_m, 1, Some(scale))
             }
             Self::Scaled { bins, tau_max, unit } => {
                 let Some(scale) = scale else {

@@ -29,7 +29,18 @@ pub(super) struct About {
     pub(super) parameters: Vec<CoveredParameter>,
     /// Names and units of the channels.
     pub(super) channels: Vec<(String, String)>,
+    /// What targets are seen as, where that is something else.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) target: Option<Target>,
     pub(super) seed: u64,
+}
+
+/// A target that is observed otherwise than a rollout: a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Target {
+    pub(super) input: Input,
+    pub(super) channels: Vec<(String, String)>,
 }
 
 /// One side of a comparison: an observation and, where the model is dimensionless, its scale.
@@ -48,6 +59,7 @@ pub struct Side<'a> {
 pub struct Model {
     about: About,
     channels: Vec<Channel>,
+    target_channels: Vec<Channel>,
     clock: Vec<f64>,
     network: TwoBranch,
     wide: TwoBranch,
@@ -57,9 +69,11 @@ pub struct Model {
 impl Model {
     pub(super) fn new(about: About, clock: Vec<f64>, network: TwoBranch, library: Option<Library>) -> Result<Self> {
         super::products_on_one_thread();
-        let channels = about.channels.iter().map(|(name, unit)| Channel::new(name, unit)).collect();
+        let made = |names: &[(String, String)]| names.iter().map(|(n, u)| Channel::new(n, u)).collect();
+        let channels = made(&about.channels);
+        let target_channels = about.target.as_ref().map(|t| made(&t.channels)).unwrap_or_default();
         let wide = network.widened()?;
-        Ok(Self { about, channels, clock, network, wide, library })
+        Ok(Self { about, channels, target_channels, clock, network, wide, library })
     }
 
     /// The training that made it.
@@ -84,6 +98,18 @@ impl Model {
     #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels
+    }
+
+    /// The channels that a target may have besides, a picture's; empty where it learned from none.
+    #[must_use]
+    pub fn target_channels(&self) -> &[Channel] {
+        &self.target_channels
+    }
+
+    /// Whether it sees heights read back from a picture, rather than the picture.
+    #[must_use]
+    pub fn reads_back(&self) -> bool {
+        !matches!(self.about.target, Some(Target { input: Input::Raw { .. }, .. }))
     }
 
     /// The clock of its training set, in s; empty where every pair had its own.
@@ -191,20 +217,22 @@ impl Model {
 
     fn encode(&self, side: &Side<'_>) -> Result<Encoded> {
         let seen = side.observation;
-        if seen.channels() != self.channels {
+        let filmed = self.about.target.as_ref().filter(|_| seen.channels() == self.target_channels);
+        let input = filmed.map_or(&self.about.input, |t| &t.input);
+        if filmed.is_none() && seen.channels() != self.channels {
             let list = |channels: &[Channel]| {
                 channels.iter().map(|c| format!("{} ({})", c.name, c.unit)).collect::<Vec<_>>().join(", ")
             };
             let (expected, found) = (list(&self.channels), list(seen.channels()));
             return Err(Error::Model { what: "input, channels".into(), expected, found });
         }
-        let input = &self.about.input;
+        let channels = seen.channels().len();
         // Raw samples mean something only at the instants of the training set.
         if matches!(input, Input::Raw { .. }) && seen.clock() != self.clock {
             let seen = resample(seen, &self.clock)?;
-            return input.encode(seen.clock(), seen.values(), self.channels.len(), side.scale);
+            return input.encode(seen.clock(), seen.values(), channels, side.scale);
         }
-        input.encode(seen.clock(), seen.values(), self.channels.len(), side.scale)
+        input.encode(seen.clock(), seen.values(), channels, side.scale)
     }
 
     /// The model file: weights under their field names, the training set's clock as `clock`, stored rollouts under

@@ -9,11 +9,12 @@ use super::batches::{Batch, Batches};
 use super::checkpoint;
 use super::dataset::{DatasetHeader, Pair};
 use super::library::Library;
-use super::model::{self, About, MODEL_VERSION, Model};
+use super::model::{self, About, MODEL_VERSION, Model, Target};
 use super::optimiser::Descent;
 use super::preset::{Loss, Preset};
 use super::training_set::TrainingSet;
 use super::two_branch::TwoBranch;
+use crate::observation::Channel;
 use crate::{Error, Result};
 
 /// Steps between two reports: rare enough to cost nothing, often enough for a smooth bar and a prompt stop.
@@ -98,7 +99,8 @@ fn learn(
         preset: preset.clone(),
         input: set.input.clone(),
         parameters: set.parameters.clone(),
-        channels: set.header.channels.iter().map(|c| (c.name.clone(), c.unit.clone())).collect(),
+        channels: named(&set.header.channels),
+        target: set.target.clone().map(|input| Target { input, channels: named(&set.header.target_channels) }),
         seed: options.seed,
     };
     let mut network = TwoBranch::new(model::widths(&about), preset.head, options.seed)?;
@@ -154,6 +156,10 @@ fn learn(
     }
     let library = Library::choose(set, preset.library);
     Model::new(about, set.header.clock.clone(), network, library)
+}
+
+fn named(channels: &[Channel]) -> Vec<(String, String)> {
+    channels.iter().map(|c| (c.name.clone(), c.unit.clone())).collect()
 }
 
 fn loss(loss: Loss, network: &TwoBranch, batch: &Batch) -> Result<Tensor> {

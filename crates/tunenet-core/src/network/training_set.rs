@@ -13,6 +13,8 @@ use crate::{Error, Result};
 pub(super) struct TrainingSet {
     pub(super) header: DatasetHeader,
     pub(super) input: Input,
+    /// What it sees of a target, where that is observed otherwise.
+    pub(super) target: Option<Input>,
     /// The tuned parameters.
     pub(super) parameters: Vec<CoveredParameter>,
     /// Shape `[rollout, width]`.
@@ -54,9 +56,9 @@ impl TrainingSet {
             let text = format!("expected a range for `{}`, found {} to {}", p.name, p.min, p.max);
             return Err(Error::file(path, text, ""));
         }
-        let input = fit_input(path, &header, open, preset)?;
-
-        let mut set = Self { header, input, parameters, rows: vec![], covered: vec![], places: vec![], mixable: true };
+        let (input, target) = fit_inputs(path, &header, open, preset)?;
+        let mut set =
+            Self { header, input, target, parameters, rows: vec![], covered: vec![], places: vec![], mixable: true };
         let mut own: Option<Vec<f64>> = None;
         for pair in open()? {
             let pair = pair?;
@@ -77,9 +79,14 @@ impl TrainingSet {
     }
 
     fn push(&mut self, pair: &Pair, tuned: &[usize]) -> Result<()> {
-        for (values, all) in [(&pair.proposed, &pair.proposed_parameters), (&pair.target, &pair.target_parameters)] {
-            let clock = self.header.clock_of(pair);
-            let seen = self.input.encode(clock, values, self.header.channels.len(), pair.scale.as_ref())?;
+        let header = &self.header;
+        let target = self.target.as_ref().unwrap_or(&self.input);
+        let sides = [
+            (&self.input, header.channels.len(), &pair.proposed, &pair.proposed_parameters),
+            (target, header.seen_channels().len(), &pair.target, &pair.target_parameters),
+        ];
+        for (input, channels, values, all) in sides {
+            let seen = input.encode(header.clock_of(pair), values, channels, pair.scale.as_ref())?;
             self.rows.extend(seen.values.iter().map(|v| super::single(*v)));
             self.covered.push(seen.covered);
             self.places.extend(tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()));
@@ -116,6 +123,45 @@ impl TrainingSet {
 /// Starts the pairs of a dataset over.
 type Pairs<'a> = dyn Fn() -> Result<Box<dyn Iterator<Item = Result<Pair>> + 'a>> + 'a;
 
+/// What the network is to see of a proposed rollout, and of a target where that is observed otherwise.
+fn fit_inputs(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset) -> Result<(Input, Option<Input>)> {
+    if header.target_channels.is_empty() {
+        return Ok((fit_input(path, header, open, preset)?, None));
+    }
+    // The last channel on either side: a ball's height, and `v` in its picture.
+    let (z, v) = (header.channels.len().saturating_sub(1), header.target_channels.len() - 1);
+    match &preset.input {
+        InputChoice::Raw { channel: None } if !header.clocks_in_pairs() => {
+            let input = |of: fn(&Pair) -> &[f64], channel, channels| -> Result<Input> {
+                let (low, high) = bounds(open, of, channel, channels)?;
+                Ok(Input::Raw { channel, samples: header.clock.len(), low, high })
+            };
+            let proposed = input(|pair| &pair.proposed, z, header.channels.len())?;
+            Ok((proposed, Some(input(|pair| &pair.target, v, header.target_channels.len())?)))
+        }
+        InputChoice::Dimensionless { channel: None, bins, tau_max } => {
+            let (bins, tau_max) = (*bins, *tau_max);
+            let seen = Input::Filmed { channel: v, bins, tau_max };
+            Ok((Input::Dimensionless { channel: z, bins, tau_max }, Some(seen)))
+        }
+        _ => {
+            let text = "expected a preset that sees heights on both sides, found targets that are pictures";
+            Err(Error::file(path, text, "train with preset `default` or `paper`"))
+        }
+    }
+}
+
+/// The least and the greatest value of one channel, on one side of all pairs.
+fn bounds(open: &Pairs, side: fn(&Pair) -> &[f64], channel: usize, channels: usize) -> Result<(f64, f64)> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for pair in open()? {
+        for value in side(&pair?)[channel..].iter().step_by(channels) {
+            (low, high) = (low.min(*value), high.max(*value));
+        }
+    }
+    Ok((low, high))
+}
+
 /// What the network is to see, with whatever must be read off the data first.
 fn fit_input(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset) -> Result<Input> {
     let find = |name: &Option<String>| match name {
@@ -132,17 +178,9 @@ fn fit_input(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset)
                 let text = "expected one clock for all pairs, found one in each: raw samples cannot be compared";
                 return Err(Error::file(path, text, "train with another preset"));
             }
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for pair in open()? {
-                let pair = pair?;
-                for value in [&pair.proposed, &pair.target]
-                    .iter()
-                    .flat_map(|rollout| rollout[channel..].iter().step_by(header.channels.len()))
-                {
-                    low = low.min(*value);
-                    high = high.max(*value);
-                }
-            }
+            let of = |side: fn(&Pair) -> &[f64]| bounds(open, side, channel, header.channels.len());
+            let (proposed, target) = (of(|pair| &pair.proposed)?, of(|pair| &pair.target)?);
+            let (low, high) = (proposed.0.min(target.0), proposed.1.max(target.1));
             Ok(Input::Raw { channel, samples: header.clock.len(), low, high })
         }
         InputChoice::Dimensionless { channel, bins, tau_max } => {

@@ -16,6 +16,8 @@ pub struct Prepared {
     pub local: Vec<Option<LocalEstimate>>,
     /// For each parameter of the simulator: why this recording says nothing about it, where that is known beforehand.
     pub silent: Vec<Option<Note>>,
+    /// The picture that `seen` was read back from, sample for sample, channels `u` and `v` in px; where there was one.
+    pub film: Option<Observation>,
     /// Scales that make the recording dimensionless for a network, where the simulator knows some.
     pub scale: Option<Scale>,
     /// When something sudden happened to the thing (impacts), on the clock of `seen`; empty where that is not known.
@@ -36,6 +38,7 @@ impl Prepared {
             own: Vec::new(),
             local,
             silent,
+            film: None,
             scale: None,
             events: Vec::new(),
             checks: Vec::new(),

@@ -1,5 +1,6 @@
 //! Algorithm 1 of the paper (arXiv 1907.11200): roll out, ask the network how the parameters differ, move, repeat.
 
+use super::film::Film;
 use super::outcome::Iteration;
 use super::unknowns::Point;
 use crate::network::{Model, Side};
@@ -56,7 +57,10 @@ pub fn walk(
     let free = positions(simulator.parameters(), model)?;
     let clock = recording.seen.clock();
     let mut point = start;
-    let target = Side { observation: &recording.seen, scale: recording.scale.as_ref() };
+    // A network that learned from pictures as they are looks at the picture; any other at what was read back from it.
+    let raw = recording.film.as_ref().filter(|film| !model.reads_back() && film.channels() == model.target_channels());
+    let target = Side { observation: raw.unwrap_or(&recording.seen), scale: recording.scale.as_ref() };
+    let film = Film::of(recording).filter(|_| raw.is_none());
     if settings.library
         && let Some(values) = model.start(target)?
     {
@@ -65,12 +69,14 @@ pub fn walk(
     // Slopes compare trajectories to the last digit. Where the release is a guess they lead astray; the network has
     // learned how guesses err.
     let secant = settings.secant && free.len() == 1 && !model.from_recordings();
-    let mut seen: Vec<Rolled> = Vec::new();
+    let mut rolled: Vec<Rolled> = Vec::new();
     let mut iterations = Vec::new();
     let mut best: Option<(f64, Point)> = None;
     for k in 0..=settings.iterations {
         let values = rollout(simulator, &point.parameters, &point.own[0], clock)?;
-        let squares = values.iter().zip(recording.seen.values()).map(|(p, s)| (s - p).powi(2)).sum::<f64>();
+        let beside = film.as_ref().and_then(|film| film.beside(&values));
+        let seen_now = beside.as_ref().map_or(&recording.seen, |b| &b.seen);
+        let squares = values.iter().zip(seen_now.values()).map(|(p, s)| (s - p).powi(2)).sum::<f64>();
         let rmse = (squares / clock.len() as f64).sqrt();
         iterations.push(Iteration { k, parameters: point.at(&free), rmse });
         if best.as_ref().is_none_or(|(least, _)| rmse < *least) {
@@ -82,15 +88,21 @@ pub fn walk(
         let now = point.at(&free);
         let mut next = None;
         if secant {
-            seen.push(Rolled { at: now[0], values: values.clone(), rmse });
-            next = secant_step(&seen, recording.seen.values(), simulator.parameters()[free[0]].span());
+            // Slopes are taken in the picture, whose camera is fitted anew at every rollout. The network goes by the first
+            // reading: far from the truth a camera that suits the rollout is none.
+            let (compared, with) = match (&beside, &film) {
+                (Some(beside), Some(film)) => (beside.appears_px.clone(), film.v_px()),
+                _ => (values.clone(), recording.seen.values()),
+            };
+            rolled.push(Rolled { at: now[0], values: compared, rmse });
+            next = secant_step(&rolled, with, simulator.parameters()[free[0]].span());
         }
         let next = if let Some(next) = next {
             vec![next]
         } else {
             let (kind, channels) = (recording.seen.kind(), recording.seen.channels().to_vec());
-            let rolled = Observation::new(kind, channels, clock.to_vec(), values)?;
-            let proposed = Side { observation: &rolled, scale: recording.scale.as_ref() };
+            let seen = Observation::new(kind, channels, clock.to_vec(), values)?;
+            let proposed = Side { observation: &seen, scale: recording.scale.as_ref() };
             let mut step = model.estimate_batch(&[(proposed, target)])?.swap_remove(0);
             if settings.library
                 && secant

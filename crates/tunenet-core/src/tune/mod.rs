@@ -12,6 +12,7 @@ pub(crate) mod arrow;
 mod bounce_noise;
 mod contour;
 mod evidence;
+mod film;
 mod fit;
 mod information;
 mod interval;

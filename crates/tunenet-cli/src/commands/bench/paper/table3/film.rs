@@ -1,0 +1,41 @@
+//! From a drop to its track: rendered and tracked by the program that sees.
+
+use std::io::Write;
+use std::process::Stdio;
+
+use anyhow::{Context, Result, bail};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::drops::Drop;
+
+/// Where a ball was seen in every frame.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Track {
+    pub u_px: Vec<f64>,
+    pub v_px: Vec<f64>,
+}
+
+/// Renders and tracks all drops; the paper's ball is .5 m in radius.
+pub fn tracks(drops: &[Drop], seed: u64) -> Result<Vec<Track>> {
+    let films: Vec<_> = drops.iter().map(|d| json!({ "camera": d.camera, "heights_m": d.heights_m })).collect();
+    let order = json!({ "seed": seed, "radius_m": 0.5, "films": films }).to_string();
+    let mut child = crate::commands::video::command()?
+        .arg("film")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .context("starting tunenet-video")?;
+    // All of it is read there before anything is answered, so neither side waits for the other.
+    child.stdin.take().context("a pipe to tunenet-video")?.write_all(order.as_bytes())?;
+    let done = child.wait_with_output()?;
+    if !done.status.success() {
+        bail!("rendering and tracking failed: {}", String::from_utf8_lossy(&done.stderr).trim());
+    }
+    let tracks: Vec<Track> = serde_json::from_slice(&done.stdout).context("what tunenet-video answered")?;
+    if tracks.len() != drops.len() {
+        bail!("expected {} tracks, found {}", drops.len(), tracks.len());
+    }
+    Ok(tracks)
+}

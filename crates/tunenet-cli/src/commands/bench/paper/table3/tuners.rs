@@ -1,0 +1,127 @@
+//! Who tunes.
+
+use anyhow::{Context, Result};
+use tunenet_core::network::{Model, Preset, TrainOptions, train};
+use tunenet_core::simulator::Prepared;
+use tunenet_core::tune::{Loop, walk};
+
+use super::super::super::process;
+use super::super::super::resume::Store;
+use super::super::super::tuning::apex;
+use super::drops::{Drop, Drops};
+use super::film::Track;
+
+/// Rollouts that each may spend.
+const ROLLOUTS: usize = 5;
+
+/// A row of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Title {
+    pub key: &'static str,
+    pub title: &'static str,
+    /// What the paper states, cm and percent.
+    pub published: Option<(f64, Option<f64>)>,
+    /// Greatest mean distance, cm, percent and error of the restitution that are aimed at.
+    pub goal: Option<(f64, Option<f64>, Option<f64>)>,
+}
+
+const fn row(key: &'static str, title: &'static str) -> Title {
+    Title { key, title, published: None, goal: None }
+}
+
+/// The networks of one seed.
+pub struct Tuners {
+    gt_paper: Model,
+    gt_default: Model,
+    obs_paper: Model,
+    obs_default: Model,
+}
+
+impl Tuners {
+    pub const ROWS: [Title; 9] = [
+        Title { published: Some((97.0, Some(100.0))), ..row("zero", "zero: nothing is predicted") },
+        Title { published: Some((13.8, None)), ..row("untuned", "the proposed restitution") },
+        Title { published: Some((0.7, Some(1.08))), ..row("gt_paper", "positions, preset `paper`") },
+        Title { goal: Some((0.05, None, None)), ..row("gt_default", "positions, preset `default`") },
+        Title { published: Some((5.7, Some(6.03))), ..row("obs_paper", "video, preset `paper`") },
+        Title { goal: Some((1.3, Some(1.3), None)), ..row("obs_network", "video, preset `default`, the network alone") },
+        Title {
+            goal: Some((0.75, Some(0.75), Some(0.0025))),
+            ..row("obs_default", "video, preset `default`, the camera fitted as well")
+        },
+        row("apex_pixels", "video, apex rule on raw pixels"),
+        row("apex_camera", "video, apex rule after the camera of the first fall"),
+    ];
+
+    pub fn make(store: &Store, seed: u64, quick: bool) -> Result<Self> {
+        let model = |domain, preset: Preset, pairs, count| trained(store, domain, &preset, (pairs, count), seed, quick);
+        Ok(Self {
+            gt_paper: model("ball", Preset::paper(), "easy", "800")?,
+            gt_default: model("ball", Preset::default(), "wide", "1000")?,
+            obs_paper: model("ball-video", Preset::paper(), "easy", "800")?,
+            obs_default: model("ball-video", Preset::default(), "wide", "2000")?,
+        })
+    }
+
+    /// The restitution, after at most [`ROLLOUTS`]; `None` where nothing is simulated at all.
+    pub fn estimate(&self, key: &str, drops: &Drops, drop: &Drop, track: &Track) -> Result<Option<f64>> {
+        let whole = Loop { iterations: ROLLOUTS, clamp: true, secant: true, best: true, library: true };
+        let alone = Loop { secant: false, best: false, library: false, ..whole };
+        let along = |model: &Model, seen: Prepared, how: Loop| -> Result<Option<f64>> {
+            let walk = walk(drops.filmed.ball(), &seen, model, drops.start(drop, &seen), how)?;
+            Ok(Some(walk.point.parameters[0]))
+        };
+        let fall_m = drop.top_m - drops.filmed.radius_m();
+        let clock = drops.filmed.clock();
+        match key {
+            "zero" => Ok(None),
+            "untuned" => Ok(Some(drop.proposed)),
+            "gt_paper" => along(&self.gt_paper, drops.positions(drop)?, alone),
+            "gt_default" => along(&self.gt_default, drops.positions(drop)?, whole),
+            "obs_paper" => along(&self.obs_paper, drops.film(drop, track)?, alone),
+            "obs_network" => along(&self.obs_default, drops.film(drop, track)?, alone),
+            "obs_default" => along(&self.obs_default, drops.film(drop, track)?, whole),
+            "apex_pixels" => {
+                // The deepest place seen is the floor, the first the top.
+                let floor = track.v_px.iter().copied().fold(f64::MIN, f64::max);
+                let unit = fall_m / (floor - track.v_px[0]);
+                let heights: Vec<f64> = track.v_px.iter().map(|v| (floor - v) * unit).collect();
+                Ok(Some(apex(fall_m, clock, &heights)))
+            }
+            "apex_camera" => {
+                let seen = drops.film(drop, track)?;
+                let heights: Vec<f64> = seen.seen.column(2).map(|z| z - drops.filmed.radius_m()).collect();
+                Ok(Some(apex(fall_m, clock, &heights)))
+            }
+            other => anyhow::bail!("`{other}` is no row of this table"),
+        }
+    }
+}
+
+/// A model of a seed, from disk where it has been trained already.
+fn trained(
+    store: &Store,
+    domain: &str,
+    preset: &Preset,
+    (pairs, count): (&str, &str),
+    seed: u64,
+    quick: bool,
+) -> Result<Model> {
+    let name = format!("{domain}-{}-{seed}", preset.name);
+    let path = store.room("models")?.join(format!("{name}.safetensors"));
+    store.keep(&format!("training-{name}"), || {
+        let mut preset = preset.clone();
+        if quick && let tunenet_core::network::Course::Remixed { steps, .. } = &mut preset.course {
+            *steps /= 4;
+        }
+        let data = path.with_extension("mcap");
+        let out = data.to_str().context("the folder's name is not Unicode")?;
+        // Whatever another program left there is not ours to go on with.
+        let _ = std::fs::remove_file(&data);
+        let seed_text = seed.to_string();
+        process::run(&["gen", domain, "--preset", pairs, "--pairs", count, "--seed", &seed_text, "--out", out])?;
+        train(&data, &TrainOptions { preset, seed, checkpoint: None }, &mut |_| true)?.save(&path)?;
+        std::fs::remove_file(&data).with_context(|| format!("removing {}", data.display()))
+    })?;
+    Ok(Model::load(&path)?)
+}
