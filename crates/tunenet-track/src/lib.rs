@@ -7,9 +7,22 @@
 //! | module | what |
 //! |---|---|
 //! | [`video`] | a file becomes a [`video::Clip`]: how large, how fast, how many frames |
+//! | [`frames`] | its frames, each with the instant at which it was taken |
+//! | [`colour`] | the window of hue, saturation and value by which a ball is known |
+//! | [`scout`] | that window found by itself: the saturated thing that moves before a still background |
+//! | [`tracker`] | the ball in one frame, to a fraction of a pixel |
+//! | [`track`] | the ball in a whole film |
 //!
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 
+mod blob;
+mod circle;
+pub mod colour;
+pub mod frames;
+pub mod scout;
+pub mod track;
+pub mod tracker;
 pub mod video;
 
+pub use track::{Track, track};
 pub use video::Clip;

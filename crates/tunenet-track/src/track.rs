@@ -1,0 +1,258 @@
+//! From a film to a track: one position of the ball for every frame in which it is seen.
+
+use std::path::Path;
+
+use opencv::core::{Mat, MatTraitConst, MatTraitConstManual};
+use rayon::prelude::*;
+use tunenet_core::observation::{Channel, Kind, Note, Observation};
+use tunenet_core::{Error, Result};
+
+use crate::colour::Window;
+use crate::frames::Frames;
+use crate::scout::{Scene, Unseen, scout};
+use crate::tracker::{Sighting, look, reduced};
+use crate::video::undecodable;
+
+/// The longer side of the small pictures in which the ball is searched, px.
+const SMALL_PX: i32 = 480;
+/// Small pictures that are kept for scouting, evenly over the film.
+const MOST_SCOUTED: usize = 64;
+/// Whole frames up to this many bytes wait in memory, so that a short film is decoded only once.
+const WAITING_BYTES: usize = 400 << 20;
+/// Frames that are searched at once.
+const BATCH: usize = 16;
+/// A sighting this many times larger or smaller than usual is something else.
+const OFF_SIZE: f64 = 1.8;
+/// A ball is seen twice from this share of the frames on.
+const TWO_BALLS: f64 = 0.3;
+/// Two frames whose small pictures differ by less than this share of the usual change are one frame shown twice.
+const SAME_SHARE: f64 = 0.1;
+
+/// How to track.
+#[derive(Debug, Clone, Default)]
+pub struct Settings {
+    /// The ball's colour; found by itself where it is `None`.
+    pub colour: Option<Window>,
+}
+
+/// The ball in a film.
+#[derive(Debug, Clone)]
+pub struct Track {
+    /// How many frames decode.
+    pub frames: usize,
+    /// Width and height of a frame, px.
+    pub size_px: (i32, i32),
+    /// The rate of the frames as they were taken: the inverse of the median step, 1/s.
+    pub rate_hz: f64,
+    /// The colour that was looked for.
+    pub colour: Window,
+    /// The ball, in the order of the frames.
+    pub sightings: Vec<Sighting>,
+    /// Frames that repeat the one before, from 0.
+    pub repeated: Vec<usize>,
+    /// How many frames are missing in between, by the container's clock.
+    pub dropped: usize,
+    /// What was noticed.
+    pub notes: Vec<Note>,
+}
+
+/// One frame with what is needed to judge it.
+struct Seen {
+    index: usize,
+    time_s: f64,
+    frame: Mat,
+    small: Mat,
+    factor: f64,
+}
+
+/// Tracks the ball in the film at `path`. `progress` is called with the number of frames done.
+///
+/// # Errors
+/// [`Error::File`] where the film cannot be read, no ball is found, there are two, or the camera moves.
+pub fn track(path: &Path, settings: &Settings, progress: &mut dyn FnMut(usize)) -> Result<Track> {
+    let broken = |e: opencv::Error| undecodable(path, &e);
+    let mut reader = Frames::open(path)?;
+    let (mut waiting, mut samples, mut stride, mut bytes) = (Vec::new(), Vec::<Mat>::new(), 1, 0);
+    let mut whole = true;
+    let mut count = 0;
+    loop {
+        let mut frame = Mat::default();
+        let Some(time_s) = reader.next(&mut frame)? else { break };
+        let (small, factor) = reduced(&frame, SMALL_PX).map_err(broken)?;
+        if count % stride == 0 {
+            samples.push(small.clone());
+        }
+        if samples.len() > MOST_SCOUTED {
+            let mut place = 0;
+            samples.retain(|_| {
+                place += 1;
+                place % 2 == 1
+            });
+            stride *= 2;
+        }
+        bytes += frame.data_bytes().map_err(broken)?.len();
+        whole = whole && bytes <= WAITING_BYTES;
+        if whole {
+            waiting.push(Seen { index: count, time_s, frame, small, factor });
+        } else {
+            waiting.clear();
+        }
+        count += 1;
+        progress(count);
+    }
+    if count < crate::video::FEWEST_FRAMES {
+        return Err(Error::file(path, format!("expected a video, found {count} frames that decode"), "record a longer one"));
+    }
+    let scene = match scout(&samples, settings.colour).map_err(broken)? {
+        Ok(scene) => scene,
+        Err(reason) => return Err(unseen(path, reason, settings)),
+    };
+    let mut pass = Pass::new(&scene);
+    if whole {
+        pass.batch(waiting).map_err(broken)?;
+    } else {
+        let mut reader = Frames::open(path)?;
+        let mut batch = Vec::with_capacity(BATCH);
+        for index in 0.. {
+            let mut frame = Mat::default();
+            let Some(time_s) = reader.next(&mut frame)? else { break };
+            let (small, factor) = reduced(&frame, SMALL_PX).map_err(broken)?;
+            batch.push(Seen { index, time_s, frame, small, factor });
+            if batch.len() == BATCH {
+                pass.batch(std::mem::take(&mut batch)).map_err(broken)?;
+            }
+            progress(count + index + 1);
+        }
+        pass.batch(batch).map_err(broken)?;
+    }
+    pass.finish(path)
+}
+
+fn unseen(path: &Path, reason: Unseen, settings: &Settings) -> Error {
+    match (reason, settings.colour) {
+        (Unseen::CameraMoves, _) => Error::file(
+            path,
+            "expected a still camera, found most of the picture moving",
+            "put the camera on a stand, or against something",
+        ),
+        (Unseen::NoBall, None) => Error::file(
+            path,
+            "expected a ball, found nothing round and coloured that moves",
+            "name its colour, as in `--color white`, or record a saturated ball before a dull background",
+        ),
+        (Unseen::NoBall, Some(_)) => Error::file(
+            path,
+            "expected a ball of the given colour, found nothing round of it that moves",
+            "leave `--color` out, so that the colour is found by itself",
+        ),
+    }
+}
+
+/// One pass over the frames.
+struct Pass<'a> {
+    scene: &'a Scene,
+    sightings: Vec<Sighting>,
+    times_s: Vec<f64>,
+    changes: Vec<f64>,
+    before: Option<Mat>,
+    size_px: (i32, i32),
+}
+
+impl<'a> Pass<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        Self { scene, sightings: Vec::new(), times_s: Vec::new(), changes: Vec::new(), before: None, size_px: (0, 0) }
+    }
+
+    fn batch(&mut self, frames: Vec<Seen>) -> opencv::Result<()> {
+        let looked: Vec<opencv::Result<Option<Sighting>>> =
+            frames.par_iter().map(|s| look(self.scene, &s.frame, &s.small, s.factor)).collect();
+        for (seen, sighting) in frames.iter().zip(looked) {
+            self.sightings.extend(sighting?.map(|s| Sighting { frame: seen.index, time_s: seen.time_s, ..s }));
+            self.times_s.push(seen.time_s);
+            self.size_px = (seen.frame.cols(), seen.frame.rows());
+            let now = seen.small.data_bytes()?;
+            let change = match &self.before {
+                Some(before) => mean_difference(before.data_bytes()?, now),
+                None => f64::INFINITY,
+            };
+            self.changes.push(change);
+            self.before = Some(seen.small.clone());
+        }
+        Ok(())
+    }
+
+    fn finish(self, path: &Path) -> Result<Track> {
+        let frames = self.times_s.len();
+        let mut notes = Vec::new();
+        let steps: Vec<f64> = self.times_s.windows(2).map(|w| w[1] - w[0]).collect();
+        let step_s = median(steps.iter().copied()).unwrap_or(1.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of frames")]
+        let missing = |step: &f64| ((step / step_s).round() - 1.0).clamp(0.0, 1e6) as usize;
+        let dropped = steps.iter().map(missing).sum();
+        let usual = median(self.changes.iter().copied().filter(|c| c.is_finite())).unwrap_or(0.0);
+        let repeated: Vec<usize> = (1..frames).filter(|&i| self.changes[i] < SAME_SHARE * usual).collect();
+        let two = self.sightings.iter().filter(|s| s.second).count();
+        if two as f64 > TWO_BALLS * self.sightings.len() as f64 {
+            let message = format!("expected one ball, found two things alike in {two} of {frames} frames");
+            return Err(Error::file(path, message, "leave one ball in view, or name its colour with `--color`"));
+        }
+        let radius = median(self.sightings.iter().filter(|s| !s.cut).map(|s| s.radius_px)).unwrap_or(1.0);
+        let mut sightings = self.sightings;
+        for s in sightings.iter_mut().filter(|s| !s.cut) {
+            s.confidence *= (-((s.radius_px / radius).ln() / OFF_SIZE.ln()).powi(2)).exp();
+        }
+        // Something else of the ball's colour: far too large or too small, and in full view.
+        sightings.retain(|s| s.cut || (1.0 / OFF_SIZE..OFF_SIZE).contains(&(s.radius_px / radius)));
+        if !repeated.is_empty() {
+            let text = format!("{} of {frames} frames repeat the one before", repeated.len());
+            notes.push(Note::new("frames.repeated", text, "they are left out"));
+        }
+        if dropped > 0 {
+            let text = format!("{dropped} frames are missing by the film's own clock");
+            notes.push(Note::new("frames.dropped", text, "the gaps stay in the clock"));
+        }
+        let cut = sightings.iter().filter(|s| s.cut).count();
+        if cut > 0 {
+            let text = format!("the border of the picture cuts the ball in {cut} frames, which are left out of the track");
+            notes.push(Note::new("view.border", text, "keep the whole flight in view"));
+        }
+        Ok(Track {
+            frames,
+            size_px: self.size_px,
+            rate_hz: 1.0 / step_s,
+            colour: self.scene.window,
+            sightings,
+            repeated,
+            dropped,
+            notes,
+        })
+    }
+}
+
+impl Track {
+    /// The sightings in full view, in frames that are no repetition.
+    pub fn whole(&self) -> impl Iterator<Item = &Sighting> {
+        self.sightings.iter().filter(|s| !s.cut && !self.repeated.contains(&s.frame))
+    }
+
+    /// The track as an observation in pixels.
+    ///
+    /// # Errors
+    /// [`Error::Observation`] where too few frames show the whole ball.
+    pub fn observation(&self) -> Result<Observation> {
+        let clock = self.whole().map(|s| s.time_s).collect();
+        let values = self.whole().flat_map(|s| [s.u_px, s.v_px]).collect();
+        Observation::new(Kind::Pixels, vec![Channel::new("u", "px"), Channel::new("v", "px")], clock, values)
+    }
+}
+
+fn mean_difference(a: &[u8], b: &[u8]) -> f64 {
+    let sum: u64 = a.iter().zip(b).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    sum as f64 / a.len().max(1) as f64
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
+}
