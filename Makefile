@@ -9,10 +9,10 @@ SHELL := /bin/bash
 # What building with video needs on Debian and Ubuntu.
 PACKAGES := libopencv-dev clang libclang-dev pkg-config
 
-.PHONY: help test build demo fmt packages cargo
+.PHONY: help test test-mcap build demo model fmt packages mcap-packages cargo
 
 help: ## list these targets
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 16
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
 
 test: packages ## install what is missing, then check format, lints, tests, doctests and documentation
 	@echo "==> format"
@@ -25,12 +25,20 @@ test: packages ## install what is missing, then check format, lints, tests, doct
 	@RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 	@echo "==> all hold"
 
+test-mcap: mcap-packages cargo ## read what simulate and gen write with the Python packages mcap and mcap-ros2-support
+	@echo "==> MCAP read by others"
+	@cargo build --release -p tunenet-cli --no-default-features --quiet
+	@target/mcap-venv/bin/python tests/mcap/check.py $${CARGO_TARGET_DIR:-target}/release/tunenet
+
 build: packages ## build the executables with video into target/release
 	@echo "==> release build with video"
 	@cargo build --release --workspace
 
 demo: cargo ## build without video, then inspect, tune and simulate with ready observations
 	@assets/demo.sh
+
+model: cargo ## make the built-in network again: the same bytes on the same kind of CPU
+	@assets/networks/make.sh
 
 fmt: cargo ## format all code
 	@cargo fmt --all
@@ -56,6 +64,14 @@ packages: cargo
 	fi; \
 	quiet=("$${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0); \
 	"$${quiet[@]}" update > /dev/null && "$${quiet[@]}" install --yes --no-install-recommends "$${missing[@]}" > /dev/null
+
+# The only thing here that asks a package index for something; nothing else needs it.
+mcap-packages: target/mcap-venv/ready
+
+target/mcap-venv/ready: tests/mcap/requirements.txt
+	@python3 -m venv target/mcap-venv || { echo 'Python cannot make a virtual environment: install python3-venv' >&2; exit 1; }
+	@target/mcap-venv/bin/pip install --quiet --disable-pip-version-check --retries 1 --timeout 20 -r $<
+	@touch $@
 
 cargo:
 	@command -v cargo > /dev/null || { echo 'cargo is not there: install Rust with rustup (https://rustup.rs)' >&2; exit 1; }

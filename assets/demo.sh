@@ -34,5 +34,14 @@ say "5. A microphone is enough: the same from the times of the bounces alone."
 run tune --sim assets/ball.toml --observation assets/observations/bounces.csv --out "$out/tuned_by_ear.toml"
 echo "(this one was made with a restitution of 0.9 and 0.2 ms of noise)"
 
+say "6. A light ball was thrown five times. Tuning alone does not make the simulation follow: what is missing?"
+run diagnose --sim assets/ball.toml --observation assets/observations/light_[1-4].csv \
+    --held-out assets/observations/light_5.csv --out "$out/improved.toml" --report "$out/improved.html"
+echo "(the other program has air in it: drag of 0.1317 1/m, a drag coefficient of 0.47)"
+
+say "7. The simulation file has the effect now, and says on what evidence."
+sed -n '/^\[effects/,/^$/p; /^\[provenance\]/,$p' "$out/improved.toml"
+
 say "Done. The files are here:"
 ls -1 "$out"/*.toml "$out"/*.csv
+echo "What is missing, on what evidence, and what changed, as a page for a browser: $out/improved.html"

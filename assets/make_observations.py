@@ -117,6 +117,17 @@ def main():
     bounces(folder / "bounces.csv", ball, count=12, start=1.37, noise=2e-4, seed=3)
     ball = Ball((0.0, 0.0, 0.76 + 0.02 + 1.5), floor=0.76, restitution=0.88, drag=0.1317)
     positions(folder / "table_tennis.csv", ball, rate=120, frames=300, lead=0.25, noise=2e-3, seed=4)
+    # A light ball thrown in several directions and at several speeds, in air that a scene may lack.
+    throws = [
+        ((0.0, 0.0, 1.2), (2.0, 0.5, 1.0)),
+        ((0.1, -0.2, 0.9), (-1.0, 3.5, 0.5)),
+        ((-0.2, 0.1, 1.5), (-4.5, -1.5, 0.0)),
+        ((0.0, 0.2, 1.1), (0.5, -2.5, 2.0)),
+        ((0.1, 0.0, 1.4), (3.0, -3.0, -0.5)),
+    ]
+    for number, (centre, velocity) in enumerate(throws, 1):
+        ball = Ball(centre, velocity, floor=0.0, restitution=0.8, drag=0.1317)
+        positions(folder / f"light_{number}.csv", ball, rate=120, frames=216, lead=0.0, noise=2e-3, seed=10 + number)
 
 
 if __name__ == "__main__":

@@ -3,21 +3,7 @@
 
 mod common;
 
-use common::{DROP, Drop, Folder, Noise, SCENE, table};
-
-/// Refused with status 1: nothing on standard output, `wanted` on standard error, no new files.
-#[track_caller]
-fn refused(folder: &Folder, line: &str, wanted: &[&str]) {
-    let before = folder.names();
-    let ran = folder.run(line).ends(1);
-    assert!(ran.stdout.is_empty(), "{line}: {}", ran.stdout);
-    assert_eq!(ran.stderr.lines().filter(|l| l.starts_with("error")).count(), 1, "{line}: {}", ran.stderr);
-    for text in wanted {
-        assert!(ran.stderr.contains(text), "{line}: no `{text}` in:\n{}", ran.stderr);
-    }
-    assert!(ran.stderr.contains("help: "), "{line}: no hint in:\n{}", ran.stderr);
-    assert_eq!(folder.names(), before, "{line}");
-}
+use common::{DROP, Drop, Folder, Noise, SCENE, refused, table};
 
 /// Refused as an observation.
 #[track_caller]
@@ -269,14 +255,16 @@ fn outputs_that_cannot_be_written() {
     folder.write("drop.csv", Drop::default().csv());
     folder.run("gen ball --sim drop.toml --pairs 20 --out pairs.mcap").ends(0);
     std::fs::create_dir(folder.path("folder.csv")).unwrap();
+    std::fs::create_dir(folder.path("folder.mcap")).unwrap();
     for line in [
         "tune --sim scene.toml --observation drop.csv --out",
         "gen ball --sim drop.toml --pairs 20 --out",
         "train --data pairs.mcap --preset paper --out",
         "simulate --sim drop.toml --out",
     ] {
-        refused(&folder, &format!("{line} none/a.csv"), &["none/a.csv", "make the folder first"]);
-        refused(&folder, &format!("{line} folder.csv"), &["folder.csv", "name a file"]);
+        let ending = if line.starts_with("gen") { "mcap" } else { "csv" };
+        refused(&folder, &format!("{line} none/a.{ending}"), &[&format!("none/a.{ending}"), "make the folder first"]);
+        refused(&folder, &format!("{line} folder.{ending}"), &[&format!("folder.{ending}"), "name a file"]);
     }
     refused(
         &folder,

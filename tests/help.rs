@@ -19,7 +19,9 @@ fn plain(text: &str) {
 
 #[test]
 fn help_of_the_tool_and_of_every_command() {
-    for command in ["", " tune", " simulate", " inspect", " gen", " train", " bench", " completions"] {
+    let commands =
+        ["", " init", " tune", " diagnose", " simulate", " inspect", " gen", " train", " bench", " completions"];
+    for command in commands.into_iter().chain([" man"]) {
         help(command);
     }
 }
@@ -78,4 +80,46 @@ fn no_bars_and_no_colour_without_a_terminal() {
         plain(&ran.stderr);
         assert!(ran.stderr.lines().count() <= 2, "{}", ran.stderr);
     }
+}
+
+/// Colours are for terminals, for those who force them, and for nobody where `NO_COLOR` is set.
+#[test]
+fn colour_obeys_the_environment() {
+    let folder = Folder::with_scene();
+    folder.write("drop.csv", Drop { held_s: 0.3, frames: 300, ..Drop::default() }.csv());
+    folder.write("bad.csv", "t_s,z_m\n0.0,1.0\n0.1,0.6b31\n0.2,0.4\n");
+    folder.write("drop.toml", DROP);
+    // A warning, an error with its line, an error without one, one of the command line, a long run with a bar, an inspection.
+    for (line, coloured) in [
+        ("tune --sim scene.toml --observation drop.csv", true),
+        ("tune --sim scene.toml --observation bad.csv", true),
+        ("tune --sim scene.toml --observation none.csv", true),
+        ("tune --sim scene.toml", true),
+        ("gen ball --sim drop.toml --pairs 200 --out pairs.mcap", false),
+        ("inspect drop.csv", true),
+    ] {
+        let run = |variables: &[(&str, &str)]| {
+            let mut command = folder.command();
+            command.env_remove("NO_COLOR").envs(variables.iter().copied()).args(line.split_whitespace());
+            common::Ran::from(command.output().unwrap())
+        };
+        for quiet in [run(&[]), run(&[("NO_COLOR", "1")]), run(&[("NO_COLOR", "1"), ("CLICOLOR_FORCE", "1")])] {
+            plain(&quiet.stderr);
+            assert!(!quiet.stdout.contains('\u{1b}'), "{line}");
+        }
+        let forced = run(&[("CLICOLOR_FORCE", "1")]);
+        assert_eq!(forced.stderr.contains('\u{1b}'), coloured, "{line}: {:?}", forced.stderr);
+        assert!(!forced.stderr.contains('\r') && !forced.stdout.contains('\u{1b}'), "{line}: {:?}", forced.stderr);
+    }
+}
+
+/// What `--json` prints stays one object without colour, also where colours are forced.
+#[test]
+fn json_is_never_coloured() {
+    let folder = Folder::with_scene();
+    folder.write("drop.csv", Drop::default().csv());
+    let mut command = folder.command();
+    command.env_remove("NO_COLOR").env("CLICOLOR_FORCE", "1");
+    command.args(["tune", "--sim", "scene.toml", "--observation", "drop.csv", "--json"]);
+    assert!(common::Ran::from(command.output().unwrap()).ends(0).json()["verdict"] == "tuned");
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use tunenet_sim::simulation_file::schema::{BALL_KEYS, Key, PARAMETER_KEYS};
+use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
 
 /// Commands that are shown but not run here, and why.
 const NOT_RUN: [(&str, &str); 3] = [
@@ -12,6 +12,8 @@ const NOT_RUN: [(&str, &str); 3] = [
     ("cargo ", "builds; the example is run by tests of tunenet-core"),
     ("tunenet bench", "measures for half a minute"),
 ];
+/// What a line begins with where the honest answer is no, and the exit status 3.
+const NO: [&str; 4] = ["unusable", "POOR FIT", "NOT IDENTIFIABLE", "REJECTED"];
 /// Figures that are shown may differ by this share from machine to machine.
 const FIGURE_SLACK: f64 = 0.05;
 
@@ -116,10 +118,12 @@ fn every_command_of_the_readme_does_what_is_shown() {
             .args(["-c", &command])
             .current_dir(folder.path())
             .env("PATH", &path)
+            .env("TUNENET_CACHE", folder.path().join("cache"))
             .output()
             .unwrap_or_else(|e| panic!("{command}: {e}"));
         let printed = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-        assert!(output.status.success(), "{command}: {}\n{printed}", output.status);
+        let no = shown.iter().any(|line| NO.iter().any(|start| line.starts_with(start)));
+        assert_eq!(output.status.code(), Some(if no { 3 } else { 0 }), "{command}: {}\n{printed}", output.status);
         for line in shown {
             assert!(printed.lines().any(|p| alike(&line, p)), "`{command}` does not print\n{line}\nbut\n{printed}");
         }
@@ -163,7 +167,7 @@ fn rows(keys: &[Key]) -> String {
 #[test]
 fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     let page = text("docs/files.md");
-    for (name, keys) in [("keys", BALL_KEYS), ("parameters", PARAMETER_KEYS)] {
+    for (name, keys) in [("keys", BALL_KEYS), ("effects", &EFFECT_KEYS), ("parameters", PARAMETER_KEYS)] {
         let (begin, end) = (format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->"));
         let found = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end));
         let found = found.unwrap_or_else(|| panic!("docs/files.md lacks its mark `{name}`")).0;
@@ -186,7 +190,8 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let (page, mut files, mut codes) = (text("docs/tune.md"), Vec::new(), 0);
+    let page = ["tune", "preflight", "diagnose"].map(|page| text(format!("docs/{page}.md"))).concat();
+    let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {
         for call in text(&file).split("Note::new(").skip(1) {
@@ -195,10 +200,27 @@ fn every_warning_has_its_remedy_in_the_docs() {
             };
             assert!(
                 page.contains(&format!("| `{code}` |")),
-                "docs/tune.md does not list `{code}` of {}",
+                "none of docs/tune.md, docs/preflight.md and docs/diagnose.md lists `{code}` of {}",
                 file.display()
             );
             codes += 1;
+        }
+    }
+    assert!(codes > 20, "only {codes} codes found");
+}
+
+#[test]
+fn every_check_is_in_the_docs() {
+    let (page, mut files, mut codes) = (text("docs/preflight.md"), Vec::new(), 0);
+    sources(&root().join("crates/tunenet-core/src/observation/preflight"), &mut files);
+    for file in files {
+        // Codes are the only texts of the form "word.word" there.
+        for quoted in text(&file).split('"').skip(1).step_by(2) {
+            let Some((family, word)) = quoted.split_once('.') else { continue };
+            if [family, word].iter().all(|w| !w.is_empty() && w.chars().all(|c| c.is_ascii_lowercase())) {
+                assert!(page.contains(&format!("| `{quoted}` |")), "docs/preflight.md lacks `{quoted}`");
+                codes += 1;
+            }
         }
     }
     assert!(codes > 20, "only {codes} codes found");
@@ -211,7 +233,9 @@ fn every_key_of_the_json_is_in_the_docs() {
     let at = |name: &str| assets.join(name).display().to_string();
     let out = folder.path().join("drop.mcap").display().to_string();
     let (scene, drop, throw) = (at("ball.toml"), at("observations/drop.csv"), at("observations/throw.csv"));
-    let runs: [&[&str]; 7] = [
+    let light: Vec<String> = (1..=5).map(|i| at(&format!("observations/light_{i}.csv"))).collect();
+    let runs: [&[&str]; 9] = [
+        &["diagnose", "--sim", &scene, "--observation", &light[0], &light[1], &light[2], "--held-out", &light[4]],
         &["tune", "--sim", &scene, "--observation", &drop],
         &["tune", "--sim", &scene, "--set", "parameters.friction.tune=true", "--observation", &throw],
         &["tune", "--sim", &scene, "--observation", &drop, "--each"],
@@ -219,9 +243,15 @@ fn every_key_of_the_json_is_in_the_docs() {
         &["inspect", &out],
         &["inspect", &scene],
         &["inspect", &drop],
+        &["inspect", &drop, &throw],
     ];
     for arguments in runs {
-        let output = Command::new(env!("CARGO_BIN_EXE_tunenet")).args(arguments).arg("--json").output().unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_tunenet"))
+            .args(arguments)
+            .arg("--json")
+            .env("TUNENET_CACHE", folder.path().join("cache"))
+            .output()
+            .unwrap();
         let object: serde_json::Value =
             serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{arguments:?}: {e}"));
         listed(&object, &page, arguments);
@@ -233,7 +263,7 @@ fn listed(value: &serde_json::Value, page: &str, arguments: &[&str]) {
     match value {
         serde_json::Value::Object(object) => {
             for (key, inner) in object {
-                let data = ["restitution", "friction"].contains(&key.as_str());
+                let data = ["restitution", "friction", "c_1_m"].contains(&key.as_str());
                 let word = |text: &str| text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == key);
                 assert!(data || word(page), "docs/json.md does not list `{key}` of {arguments:?}");
                 listed(inner, page, arguments);

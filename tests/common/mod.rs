@@ -127,6 +127,8 @@ impl Folder {
     pub fn command(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tunenet"));
         command.current_dir(self.0.path()).env_remove("CLICOLOR_FORCE").env("NO_COLOR", "1").env("COLUMNS", "100");
+        // Nothing of a person's own cache is read or written.
+        command.env("TUNENET_CACHE", self.path("cache"));
         command
     }
 
@@ -139,8 +141,23 @@ impl Folder {
     pub fn shell(&self, line: &str) -> Ran {
         let mut command = Command::new("sh");
         command.args(["-c", line]).current_dir(self.0.path()).env("TUNENET", env!("CARGO_BIN_EXE_tunenet"));
+        command.env("TUNENET_CACHE", self.path("cache"));
         command.env("NO_COLOR", "1").output().expect("a shell").into()
     }
+}
+
+/// Refused with status 1: nothing on standard output, `wanted` on standard error, no new files.
+#[track_caller]
+pub fn refused(folder: &Folder, line: &str, wanted: &[&str]) {
+    let before = folder.names();
+    let ran = folder.run(line).ends(1);
+    assert!(ran.stdout.is_empty(), "{line}: {}", ran.stdout);
+    assert_eq!(ran.stderr.lines().filter(|l| l.starts_with("error")).count(), 1, "{line}: {}", ran.stderr);
+    for text in wanted {
+        assert!(ran.stderr.contains(text), "{line}: no `{text}` in:\n{}", ran.stderr);
+    }
+    assert!(ran.stderr.contains("help: "), "{line}: no hint in:\n{}", ran.stderr);
+    assert_eq!(folder.names(), before, "{line}");
 }
 
 /// A ball let go from rest, in SI units.

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Makes a simulator behave like a measured real thing.
+///
+/// Give it a simulation file and a recording of the real thing; it finds the parameters with which the simulation does
+/// what was recorded, and says how sure it is of each.
 #[derive(Debug, Parser)]
 #[command(name = "tunenet", version, about, max_term_width = 100, propagate_version = true)]
-#[command(after_help = "Exit status: 0 done, 1 a file or the system refused, 2 wrong usage, \
-3 finished and the honest answer is no.\nEvery command takes --json and then prints one JSON object on standard output.")]
+#[command(arg_required_else_help = true, after_help = FIRST_STEPS)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -18,9 +20,15 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a commented simulation file to start from
+    #[command(after_help = INIT_EXAMPLES)]
+    Init(Init),
     /// Tune a simulation's parameters to observations
     #[command(after_help = TUNE_EXAMPLES)]
     Tune(Tune),
+    /// Name the effect that a simulation lacks, and write it into the simulation file
+    #[command(after_help = DIAGNOSE_EXAMPLES)]
+    Diagnose(Diagnose),
     /// Roll a simulation out into an observation file
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
@@ -44,14 +52,43 @@ pub enum Command {
         /// Which shell
         shell: clap_complete::Shell,
     },
+    /// Print a manual page
+    #[command(after_help = "Examples:\n  tunenet man | man -l -\n  tunenet man tune > tunenet-tune.1")]
+    Man {
+        /// Of which command; of the tool as a whole where left out
+        command: Option<String>,
+    },
 }
+
+const FIRST_STEPS: &str = "\
+First steps:
+  tunenet inspect drop.csv                               can this be used?
+  tunenet init ball                                      write the ball's radius into ball.toml
+  tunenet tune --sim ball.toml --observation drop.csv    the answer
+
+All but completions and man take --json: one JSON object on standard output.
+Exit status: 0 done, 1 a file or the system refused, 2 wrong usage,
+             3 finished, and the honest answer is no.";
+const INIT_EXAMPLES: &str = "\
+Examples:
+  tunenet init ball
+  tunenet init ball --out tennis.toml
+Without a word about the release or the surface's height, both are estimated from each recording.";
 
 const TUNE_EXAMPLES: &str = "\
 Examples:
   tunenet tune --sim assets/ball.toml --observation assets/observations/drop.csv --out tuned.toml
+  tunenet tune --sim ball.toml --observation drop.csv --report drop.html
   tunenet tune --sim ball.toml --set ball.radius_m=0.02 --observation flights/*.csv --each --json
   tunenet tune --sim ball.toml --observation log.csv --columns t_s=time,z_m=height
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
+const DIAGNOSE_EXAMPLES: &str = "\
+Examples:
+  tunenet diagnose --sim assets/ball.toml --observation assets/observations/flight_?.csv --out improved.toml
+  tunenet diagnose --sim ball.toml --observation d1.csv d2.csv d3.csv --held-out d4.csv --report answer.html
+  tunenet diagnose --sim ball.toml --manifest balls.toml --out improved
+Several throws in varied directions tell effects apart that one throw cannot.
+A manifest lists [[observation]] tables with `file`, and `object`, `held_out` and keys of the scene where they differ.";
 const SIMULATE_EXAMPLES: &str = "\
 Examples:
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.csv
@@ -59,6 +96,7 @@ Examples:
 const INSPECT_EXAMPLES: &str = "\
 Examples:
   tunenet inspect drop.csv
+  tunenet inspect throws/*.csv
   tunenet inspect log.mcap --json";
 const GEN_EXAMPLES: &str = "\
 Examples:
@@ -75,7 +113,8 @@ Examples:
   tunenet bench speed
   tunenet bench speed --json
   tunenet bench tuning --quick --only easy-0 easy-2cm
-An interrupted `bench tuning` goes on where it stopped when the same command is given again.";
+  tunenet bench diagnose --quick --only clean ratio-10
+An interrupted `bench tuning` or `bench diagnose` goes on where it stopped when the same command is given again.";
 
 /// The simulation, wherever a command takes one.
 #[derive(Debug, Args)]
@@ -110,8 +149,31 @@ pub struct Common {
     pub seed: u64,
 }
 
+/// What `init` describes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Scene {
+    /// A ball that falls and bounces
+    Ball,
+}
+
+/// `tunenet init`.
+#[derive(Debug, Args)]
+pub struct Init {
+    /// Of what
+    pub scene: Scene,
+    /// Where to write
+    #[arg(long, value_name = "FILE.toml", default_value = "ball.toml")]
+    pub out: PathBuf,
+    /// Overwrite a file that is there already
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
 /// `tunenet tune`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Tune {
     #[command(flatten)]
     pub simulation: Simulation,
@@ -123,9 +185,15 @@ pub struct Tune {
     /// Tune to each observation on its own
     #[arg(long)]
     pub each: bool,
-    /// Trained network; its preset decides how the iterations go
+    /// Use recordings that their checks reject; the answer may mean nothing
+    #[arg(long)]
+    pub force: bool,
+    /// Trained network, instead of the one that fits; its preset decides how the iterations go
     #[arg(long, value_name = "MODEL.safetensors")]
     pub model: Option<PathBuf>,
+    /// Neither look for a network trained for this scene before, nor keep one
+    #[arg(long)]
+    pub no_cache: bool,
     /// Start value, instead of the simulation file's
     #[arg(long, value_name = "NAME=VALUE", value_parser = start, value_delimiter = ',')]
     pub initial: Vec<(String, f64)>,
@@ -138,6 +206,38 @@ pub struct Tune {
     /// Write the simulation file with the tuned values here
     #[arg(long, value_name = "TUNED.toml")]
     pub out: Option<PathBuf>,
+    /// Write a page with drawings here: verdict, residuals, intervals, checks
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet diagnose`.
+#[derive(Debug, Args)]
+pub struct Diagnose {
+    #[command(flatten)]
+    pub simulation: Simulation,
+    /// Measured files (CSV or MCAP) of one object
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "manifest")]
+    pub observation: Vec<PathBuf>,
+    /// Measured files that are not fitted to, only judged by; some are set aside where there are enough and none is given
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "manifest")]
+    pub held_out: Vec<PathBuf>,
+    /// List of measured files, where there are several objects
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
+    pub manifest: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Write the simulation file with the tuned values and the named effects here; a folder where there are several objects
+    #[arg(long, value_name = "IMPROVED.toml")]
+    pub out: Option<PathBuf>,
+    /// Write the answer with its evidence, drawings and the change of the file as a web page here
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Threads [default: one for each core]
+    #[arg(long, value_parser = jobs)]
+    pub jobs: Option<usize>,
     #[command(flatten)]
     pub common: Common,
 }
@@ -153,6 +253,9 @@ pub struct Simulate {
     /// Write impact times instead of positions
     #[arg(long)]
     pub bounces: bool,
+    /// Write what happens, not what is measured: without the file's effects of the measurement
+    #[arg(long)]
+    pub truth: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -160,8 +263,9 @@ pub struct Simulate {
 /// `tunenet inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
-    /// What to look at: CSV, MCAP, simulation file, dataset or model
-    pub file: PathBuf,
+    /// What to look at: CSV, MCAP, simulation file, dataset or model; of several recordings, gravity together as well
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
     #[command(flatten)]
@@ -184,6 +288,8 @@ pub enum Pairs {
     Hard,
     /// 0 to 1, both sides: for preset `default`
     Wide,
+    /// Noisy recordings of drops from .3 to 10 m, release and floor unknown: for preset `general`
+    General,
 }
 
 /// `tunenet gen`.
@@ -217,6 +323,8 @@ pub enum Training {
     Paper,
     /// This project's own
     Default,
+    /// The same for recordings of any dropped ball
+    General,
 }
 
 impl Training {
@@ -225,6 +333,7 @@ impl Training {
         match self {
             Self::Paper => "paper",
             Self::Default => "default",
+            Self::General => "general",
         }
     }
 }
@@ -260,8 +369,89 @@ pub enum Measured {
     Speed(BenchSpeed),
     /// Error against rollouts, beside rivals, a maximum-likelihood fit and the Cramér–Rao bound
     Tuning(BenchTuning),
+    /// Whether the effect that is named is the one that was hidden, and what is said where none was
+    Diagnose(BenchDiagnose),
     /// How often the stated intervals hold the truth, and how often a good drop is called a poor fit
     Intervals(BenchIntervals),
+    /// How often intervals and joint regions of several parameters hold the truth
+    Regions(BenchRegions),
+    /// How many spoilt records are found, and how many good ones are blamed
+    Preflight(BenchPreflight),
+}
+
+/// `tunenet bench regions`.
+#[derive(Debug, Args)]
+pub struct BenchRegions {
+    /// Recordings in each cell
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub draws: u32,
+    /// Where finished cells and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-regions")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench preflight`.
+#[derive(Debug, Args)]
+pub struct BenchPreflight {
+    /// Records of each kind
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub records: u32,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// A row of `bench diagnose`: what is hidden in its recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DiagnoseRow {
+    /// Nothing
+    Clean,
+    /// Nothing; the noise is coloured
+    Coloured,
+    /// Nothing; 1 % of the samples are far off
+    Outliers,
+    /// Nothing; 15 % of the frames are missing
+    Dropped,
+    /// One effect, as large as the noise
+    #[value(name = "ratio-1")]
+    Ratio1,
+    /// One effect, 3 times the noise
+    #[value(name = "ratio-3")]
+    Ratio3,
+    /// One effect, 10 times the noise
+    #[value(name = "ratio-10")]
+    Ratio10,
+    /// One effect, 30 times the noise
+    #[value(name = "ratio-30")]
+    Ratio30,
+    /// Two effects
+    Two,
+    /// An effect that is in no catalogue
+    Outside,
+    /// One effect in one drop, then the experiment that was asked for
+    Experiment,
+    /// One effect in three drops; what the answer costs
+    Cost,
+}
+
+/// `tunenet bench diagnose`.
+#[derive(Debug, Args)]
+pub struct BenchDiagnose {
+    /// Where finished pieces and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-diagnose")]
+    pub out: PathBuf,
+    /// Only these rows
+    #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
+    pub only: Vec<DiagnoseRow>,
+    /// Few sets of each kind
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads [default: one for each core]
+    #[arg(long, value_parser = jobs)]
+    pub jobs: Option<usize>,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `tunenet bench intervals`.
@@ -296,6 +486,8 @@ pub enum Row {
     Hard5mm,
     #[value(name = "hard-2cm")]
     Hard2cm,
+    /// Drops from .3 to 10 m at 24 to 240 Hz, nothing known but the data: the built-in network
+    General,
     /// Drops from other engines, in the folder that the environment variable `TUNENET_PEERS` names
     Cross,
 }
@@ -317,6 +509,11 @@ pub struct BenchTuning {
     pub quick: bool,
     #[command(flatten)]
     pub common: Common,
+}
+
+fn jobs(text: &str) -> Result<usize, String> {
+    let count: Option<usize> = text.parse().ok().filter(|count| (1..=1024).contains(count));
+    count.ok_or_else(|| format!("expected 1 to 1024 threads, found `{text}`"))
 }
 
 fn pair(text: &str) -> Result<(String, String), String> {

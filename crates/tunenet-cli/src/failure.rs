@@ -44,7 +44,8 @@ pub fn tell(error: &anyhow::Error) -> Exit {
     let (red, reset) = (anstyle::AnsiColor::Red.on_default().bold(), anstyle::Reset);
     anstream::eprintln!("{red}error{reset}: {}", sentence(error));
     if let Some(hint) = known.and_then(Error::hint) {
-        anstream::eprintln!("help: {hint}");
+        let cyan = anstyle::AnsiColor::Cyan.on_default().bold();
+        anstream::eprintln!("{cyan}help{reset}: {hint}");
     }
     exit
 }

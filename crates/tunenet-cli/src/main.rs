@@ -1,11 +1,12 @@
 //! `tunenet`: makes a simulator behave like a measured real thing.
 //!
 //! Arguments are read in [`cli`]; each command in [`commands`] loads, calls the libraries and renders; what goes wrong is
-//! told by [`failure`]. No mathematics here.
+//! told by [`failure`], pages are drawn by [`report`]. No mathematics here.
 
 mod cli;
 mod commands;
 mod failure;
+mod report;
 mod terminal;
 
 use clap::Parser;

@@ -4,12 +4,22 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use tunenet_core::observation::Note;
+use tunenet_core::observation::preflight::{Check, State};
 
 /// A progress bar on standard error; invisible where that is no terminal.
 pub fn progress(total: u64, what: &'static str) -> ProgressBar {
     let bar = ProgressBar::new(total).with_message(what);
     let style = ProgressStyle::with_template("{msg:<10} [{bar:24}] {human_pos}/{human_len}, {eta} left {prefix}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// Shows that work goes on where its end is not known; invisible where standard error is no terminal.
+pub fn working() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
@@ -28,19 +38,49 @@ pub fn warn(note: &Note) {
     }
 }
 
-/// Lines of left-aligned first and right-aligned further columns, two spaces apart.
+/// "9 passed, 2 noticed, 1 not run".
+pub fn tally(checks: &[Check]) -> String {
+    let states = [State::Passed, State::Noticed, State::Failed, State::NotRun];
+    let counts = states.map(|state| (checks.iter().filter(|c| c.state == state).count(), state.name()));
+    counts.iter().filter(|(n, _)| *n > 0).map(|(n, name)| format!("{n} {name}")).collect::<Vec<_>>().join(", ")
+}
+
+/// Lines with columns two spaces apart: those that hold numbers are right-aligned, those of words, and the first,
+/// left-aligned.
 pub fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();
+    let numeric = |cell: &String| cell.trim_start_matches('-').starts_with(|first: char| first.is_ascii_digit());
+    let words: Vec<bool> = (0..columns).map(|c| c == 0 || !rows.iter().filter_map(|r| r.get(c)).any(numeric)).collect();
     let line = |row: &Vec<String>| {
         let cells = row.iter().enumerate().map(|(c, cell)| {
             let pad = " ".repeat(widths[c] - cell.chars().count());
-            if c == 0 { format!("{cell}{pad}") } else { format!("{pad}{cell}") }
+            if words[c] { format!("{cell}{pad}") } else { format!("{pad}{cell}") }
         });
         format!("  {}", cells.collect::<Vec<_>>().join("  ").trim_end())
     };
     rows.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Columns of a line of people's text, as of the help.
+const LINE: usize = 100;
+
+/// `lead` and then `items` with commas, broken between items into lines that are indented as `lead` is long.
+pub fn list(lead: &str, items: &[String]) -> String {
+    let indent = lead.chars().count() + 1;
+    let (mut text, mut column) = (lead.to_string(), indent - 1);
+    for (i, item) in items.iter().enumerate() {
+        let comma = usize::from(i + 1 < items.len());
+        let width = item.chars().count() + comma;
+        if i > 0 && column + 1 + width > LINE {
+            text = format!("{text}\n{}", " ".repeat(indent - 1));
+            column = indent - 1;
+        }
+        text = format!("{text} {item}{}", if comma == 1 { "," } else { "" });
+        column += 1 + width;
+    }
+    text
 }
 
 /// No measurement of a ball is worth more digits.
@@ -93,5 +133,16 @@ mod tests {
         assert_eq!(in_words(12.345, "m"), "12.3 m");
         assert_eq!(in_words(2e-9, "m"), "2.0e-6 mm");
         assert_eq!(table(&[vec!["a".into(), "10".into()], vec!["bcd".into(), "2".into()]]), "  a    10\n  bcd   2");
+        let words = [vec!["a".into(), "one".into(), "-1".into()], vec!["b".into(), "- no".into(), "10".into()]];
+        assert_eq!(table(&words), "  a  one   -1\n  b  - no  10");
+    }
+
+    #[test]
+    fn long_lists_break_between_items() {
+        let items: Vec<String> = (0..30).map(|i| format!("item {i}")).collect();
+        let text = list("  all:", &items);
+        assert!(text.lines().count() > 1 && text.lines().all(|l| l.len() <= LINE), "{text}");
+        assert!(text.lines().skip(1).all(|l| l.starts_with("       item")), "{text}");
+        assert_eq!(text.split_whitespace().collect::<Vec<_>>().join(" "), format!("all: {}", items.join(", ")));
     }
 }

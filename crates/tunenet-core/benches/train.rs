@@ -45,6 +45,7 @@ fn dataset(folder: &Path) -> PathBuf {
             scale: Scale::new(0.0, 4.5, 0.0, 0.677).ok(),
             proposed: rollout(proposed),
             target: rollout(target),
+            clock: vec![],
         };
         writer.write(&pair).expect("room on the disk");
     }

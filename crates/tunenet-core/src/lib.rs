@@ -9,6 +9,7 @@
 //! | [`simulator`] | what could be? | [`simulator::Simulator`] |
 //! | [`network`] | what has been learned? | the two-branch network |
 //! | [`tune`] | what fits? | Algorithm 1 |
+//! | [`diagnose`] | what is missing? | [`diagnose::diagnose`] |
 //!
 //! # A simulator of your own
 //!
@@ -24,6 +25,7 @@
 #![doc = include_str!("../examples/pendulum.rs")]
 //! ```
 
+pub mod diagnose;
 pub mod error;
 pub mod network;
 pub mod observation;

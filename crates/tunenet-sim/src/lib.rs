@@ -5,10 +5,18 @@
 //! | [`simulation_file`] | the one file that describes a simulation |
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
+//! | [`observed`] | from a file to such a simulator, its effects included |
+//! | [`built_in`] | the network that comes with the tool |
+//! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
 pub mod ball;
+pub mod built_in;
+pub mod drawn;
+pub mod observed;
 pub mod observed_ball;
 pub mod simulation_file;
 
+pub use drawn::Drawn;
+pub use observed::simulator;
 pub use observed_ball::ObservedBall;
 pub use simulation_file::SimulationFile;

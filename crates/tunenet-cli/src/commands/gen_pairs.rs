@@ -7,9 +7,10 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use tunenet_core::Error;
-use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate};
+use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, fill, generate};
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::Simulator;
+use tunenet_sim::drawn::{Drawn, Ranges};
 use tunenet_sim::{ObservedBall, SimulationFile};
 
 use super::{load, print_json};
@@ -19,23 +20,39 @@ use crate::terminal::{progress, stage};
 
 /// The paper's ball: .5 m, seen at 60 Hz for 400 frames.
 const PAPER_BALL: &str = include_str!("../../../../assets/ball_easy.toml");
+/// Any ball: nothing is known of release and floor.
+const ANY_BALL: &str = include_str!("../../../../assets/ball.toml");
 /// The paper drops its ball's centre from these heights, m.
 const CENTRE_HEIGHT_M: std::ops::Range<f64> = 4.0..5.0;
 
 pub fn run(options: &Gen) -> Result<Exit> {
     let Domain::Ball = options.domain;
     let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
+    load::ending(&options.out, &["mcap"])?;
     load::writable(&options.out, &inputs)?;
     if options.out.exists() && !options.out.is_file() {
         let message = "expected a file to write to, found a device";
         return Err(Error::file(&options.out, message, "choose a name that ends in .mcap").into());
     }
-    let mut file = match &options.sim {
-        Some(path) => SimulationFile::read(path)?,
-        None => SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?,
+    let mut file = match (&options.sim, options.preset) {
+        (Some(path), _) => SimulationFile::read(path)?,
+        (None, Pairs::General) => SimulationFile::parse(Path::new("ball.toml"), ANY_BALL)?,
+        (None, _) => SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?,
     };
     for assignment in &options.set {
         file.set(assignment)?;
+    }
+    let bar = progress(options.pairs, "rollouts");
+    let mut report = |done: u64, _: u64| {
+        bar.set_position(done);
+        true
+    };
+    if options.preset == Pairs::General {
+        let drawn = Drawn::new(&file, Ranges::general())?;
+        let header = drawn.header("ball/general", options.common.seed, options.pairs);
+        fill(&header, &|_, random| drawn.pair(random), &options.out, &mut report)?;
+        bar.finish_and_clear();
+        return Ok(tell(options, &header));
     }
     // Every pair is dropped from a height of its own, at rest, at the record's first instant.
     file.unset("release.height_m");
@@ -75,24 +92,24 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let scale = Some(ball.scale(&own, 0.0));
         PairDraw { proposed, target, own, scale }
     };
-    let bar = progress(options.pairs, "rollouts");
-    let mut report = |done: u64, _: u64| {
-        bar.set_position(done);
-        true
-    };
     generate(&ball, &header, &draw, &options.out, &mut report)?;
     bar.finish_and_clear();
+    Ok(tell(options, &header))
+}
+
+fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
     stage(
         "wrote",
         &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), options.pairs, header.preset, header.seed),
     );
     if options.common.json {
+        let frames = (!header.clocks_in_pairs()).then_some(header.clock.len());
         print_json(&json!({
             "schema": "tunenet.gen/1", "file": load::name(&options.out), "preset": header.preset,
-            "pairs": options.pairs, "seed": header.seed, "frames": header.clock.len(), "warnings": [],
+            "pairs": options.pairs, "seed": header.seed, "frames": frames, "warnings": [],
         }));
     }
-    Ok(Exit::Done)
+    Exit::Done
 }
 
 /// The restitutions that proposed and target are drawn from.
@@ -100,6 +117,6 @@ pub fn ranges(pairs: Pairs) -> ((f64, f64), (f64, f64)) {
     match pairs {
         Pairs::Easy => ((0.3, 0.7), (0.3, 0.7)),
         Pairs::Hard => ((0.3, 0.7), (0.0, 1.0)),
-        Pairs::Wide => ((0.0, 1.0), (0.0, 1.0)),
+        Pairs::Wide | Pairs::General => ((0.0, 1.0), (0.0, 1.0)),
     }
 }

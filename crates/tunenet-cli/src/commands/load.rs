@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use sha2::{Digest, Sha256};
 use tunenet_core::Error;
-use tunenet_core::observation::recording::{ReadOptions, Recording, read};
+use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
 use tunenet_sim::SimulationFile;
 
 use crate::cli::{Reading, Simulation};
@@ -51,10 +51,21 @@ pub fn writable(out: &Path, inputs: &[&Path]) -> Result<()> {
     Err(Error::io(out, "writing", kind.into()).into())
 }
 
+/// Refuses an output whose name ends otherwise than its contents say: whoever finds the file later goes by its name.
+pub fn ending(out: &Path, endings: &[&str]) -> Result<()> {
+    let found = out.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if endings.contains(&found.as_str()) {
+        return Ok(());
+    }
+    let each: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
+    let (expected, found) = (format!("a name that ends in {}", each.join(" or ")), format!("`{}`", out.display()));
+    Err(Error::Setting { name: "--out", expected, found }.into())
+}
+
 /// The SHA-256 of a file's bytes, in hexadecimal.
 pub fn hash(path: &Path) -> Result<String> {
     let failed = |source| Error::io(path, "reading", source);
-    let mut file = std::fs::File::open(path).map_err(failed)?;
+    let mut file = open(path)?;
     let mut hasher = Sha256::new();
     let mut buffer = vec![0; 1 << 16];
     loop {
@@ -64,14 +75,25 @@ pub fn hash(path: &Path) -> Result<String> {
         }
         hasher.update(&buffer[..count]);
     }
-    Ok(hasher.finalize().iter().fold(String::new(), |mut text, byte| {
+    Ok(hex(&hasher.finalize()))
+}
+
+/// Bytes in hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
         // Writing to a string cannot fail.
         let _ = write!(text, "{byte:02x}");
         text
-    }))
+    })
 }
 
 /// A file's own name, for output that must not depend on where it lies.
 pub fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// A pool of so many threads; of as many as the machine has cores where nothing is said.
+pub fn threads(jobs: Option<usize>) -> Result<rayon::ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));
+    pool.build().context("starting threads")
 }

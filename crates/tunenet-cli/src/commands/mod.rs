@@ -1,12 +1,18 @@
 //! The commands: each loads, calls the libraries, renders.
 
 mod bench;
+pub mod diagnose;
 mod gen_pairs;
+mod init;
 mod inspect;
-mod load;
+pub(crate) mod load;
+mod man;
+mod model_cache;
 mod simulate;
+mod start;
 mod train;
-mod tune;
+pub(crate) mod tune;
+mod tune_model;
 
 use clap::CommandFactory;
 use serde_json::Value;
@@ -18,11 +24,14 @@ use crate::failure::Exit;
 pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
     match arguments.command {
         Command::Tune(options) => tune::run(&options),
+        Command::Diagnose(options) => diagnose::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Inspect(options) => inspect::run(&options),
         Command::Gen(options) => gen_pairs::run(&options),
         Command::Train(options) => train::run(&options),
         Command::Bench(options) => bench::run(&options),
+        Command::Init(options) => init::run(&options),
+        Command::Man { command } => man::run(command.as_deref()),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Arguments::command(), "tunenet", &mut std::io::stdout());
             Ok(Exit::Done)

@@ -5,8 +5,8 @@ use serde_json::json;
 use tunenet_core::Error;
 use tunenet_core::observation::recording::{write_csv, write_mcap};
 use tunenet_core::observation::{Kind, Observation};
-use tunenet_core::simulator::{Simulator, rollout};
-use tunenet_sim::ObservedBall;
+use tunenet_core::simulator::{Measured, Simulator, rollout};
+use tunenet_sim::{ObservedBall, observed};
 
 use super::{load, print_json};
 use crate::cli::Simulate;
@@ -15,12 +15,7 @@ use crate::terminal::stage;
 
 pub fn run(options: &Simulate) -> Result<Exit> {
     let extension = options.out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    if !matches!(extension.as_str(), "csv" | "mcap") {
-        let found = format!("`{}`", options.out.display());
-        return Err(
-            Error::Setting { name: "--out", expected: "a name that ends in .csv or .mcap".into(), found }.into()
-        );
-    }
+    load::ending(&options.out, &["csv", "mcap"])?;
     load::writable(&options.out, &[&options.simulation.sim])?;
     let mut file = load::simulation(&options.simulation)?;
     let release = file.release();
@@ -43,14 +38,15 @@ pub fn run(options: &Simulate) -> Result<Exit> {
     let ball = ObservedBall::new(&file, kind)?;
     let parameters: Vec<f64> = ball.parameters().iter().map(|p| p.value).collect();
     let own = ball.own_at_rest(release.time_s.unwrap_or(0.0));
+    let seen = if options.truth { Measured::new(&ball, &[])? } else { observed::seen(&file, &ball)? };
     let observation = if options.bounces {
         let count = ball.impacts_within(&parameters, &own, file.record().clock().last().copied().unwrap_or(0.0))?;
         let index: Vec<f64> = (0..count).map(|i| i as f64).collect();
-        let times = rollout(&ball, &parameters, &own, &index)?;
+        let times = rollout(&seen, &parameters, &own, &index)?;
         Observation::bounce_times(times)?
     } else {
         let clock = file.record().clock();
-        let values = rollout(&ball, &parameters, &own, &clock)?;
+        let values = rollout(&seen, &parameters, &own, &clock)?;
         Observation::new(kind, ball.channels().to_vec(), clock, values)?
     };
     if extension == "csv" {

@@ -8,46 +8,78 @@ use serde_json::{Map, Value, json};
 use toml_edit::{Array, InlineTable};
 use tunenet_core::Error;
 use tunenet_core::network::Model;
+use tunenet_core::observation::preflight::{Check, State};
 use tunenet_core::observation::recording::{Recording, write_atomically};
-use tunenet_core::observation::{Kind, Note};
-use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
-use tunenet_sim::{ObservedBall, SimulationFile};
+use tunenet_core::observation::{Kind, Note, Observation};
+use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
+use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
-use super::{load, print_json};
+use super::model_cache::Cache;
+use super::tune_model::{self, Chosen};
+use super::{load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
-use crate::terminal::{in_words, rounded, stage, table, warn};
+use crate::report::{self, tune::Answer};
+use crate::terminal::{in_words, list, rounded, stage, table, tally, warn};
 
 /// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
 const MOST_SAMPLES: usize = 20_000;
-/// What the codes of notes that reject a recording begin with.
-const REJECTING: [&str; 2] = ["motion.", "bounces.implausible"];
-
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
     if let Some(out) = &options.out {
-        let inputs: Vec<&Path> =
-            options.observation.iter().map(AsRef::as_ref).chain(options.model.as_deref()).collect();
-        load::writable(out, &inputs)?;
+        load::writable(out, &inputs(options).collect::<Vec<_>>())?;
+    }
+    if let Some(report) = &options.report {
+        if options.out.as_ref() == Some(report) {
+            let (expected, found) = ("another file than `--out`".into(), load::name(report));
+            return Err(Error::Setting { name: "--report", expected, found }.into());
+        }
+        let others = [options.simulation.sim.as_path()].into_iter().chain(options.out.as_deref());
+        load::writable(report, &inputs(options).chain(others).collect::<Vec<_>>())?;
     }
     let file = load::simulation(&options.simulation)?;
+    start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {
         return each(options, &file, model.as_ref());
     }
     let began = Instant::now();
     let recordings = options.observation.iter().map(|path| read(path, options)).collect::<Result<Vec<_>>>()?;
-    let outcome = tune_to(options, &file, model.as_ref(), &recordings)?;
+    let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
         write_tuned(options, &file, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
-        print_json(&as_json(&outcome, seconds));
+        print_json(&as_json(&outcome, &chosen, seconds));
     }
-    tell(options, &outcome, seconds);
-    Ok(exit(outcome.verdict))
+    tell(options, &outcome, &chosen, seconds);
+    let exit = exit(outcome.verdict);
+    if let Some(report) = &options.report {
+        let names = options.observation.iter().map(|path| load::name(path)).collect();
+        let answer = answer(&file, names, recordings, outcome)?;
+        report::tune::together(report, &answer, &provenance(options))?;
+        stage("report", &load::name(report));
+    }
+    Ok(exit)
+}
+
+/// What is measured or learned, and must not be lost.
+fn inputs(options: &Tune) -> impl Iterator<Item = &Path> {
+    options.observation.iter().map(AsRef::as_ref).chain(options.model.as_deref())
+}
+
+fn provenance(options: &Tune) -> report::Provenance {
+    let read: Vec<&Path> = [options.simulation.sim.as_path()].into_iter().chain(inputs(options)).collect();
+    report::Provenance::new(options.common.seed, &read)
+}
+
+/// An outcome with what a report draws of it.
+fn answer(file: &SimulationFile, names: Vec<String>, recordings: Vec<Recording>, outcome: Outcome) -> Result<Answer> {
+    let seen: Vec<Observation> = recordings.into_iter().map(|r| r.observation).collect();
+    let ball = simulator(file, seen[0].kind())?;
+    Ok(Answer::new(&ball, names, seen, outcome)?)
 }
 
 /// Each observation on its own: one that cannot be used does not keep the others from being tuned to.
@@ -56,20 +88,24 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
         let (expected, found) = ("no `--out` beside `--each`, which has several answers".into(), "both".into());
         return Err(Error::Setting { name: "--out", expected, found }.into());
     }
-    let (mut all, mut worst, mut refused) = (Vec::new(), Exit::Done, 0);
+    let (mut all, mut worst, mut refused, mut cases) = (Vec::new(), Exit::Done, 0, Vec::new());
     for path in &options.observation {
         let began = Instant::now();
-        let tuned = read(path, options).and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)));
+        let tuned = read(path, options)
+            .and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)).map(|outcome| (r, outcome)));
         let name = load::name(path);
         match tuned {
-            Ok(outcome) => {
+            Ok((recording, (outcome, chosen))) => {
                 if exit(outcome.verdict) == Exit::Inconclusive {
                     worst = Exit::Inconclusive;
                 }
-                let mut one = as_json(&outcome, began.elapsed().as_secs_f64());
+                let mut one = as_json(&outcome, &chosen, began.elapsed().as_secs_f64());
                 one["file"] = Value::String(name.clone());
                 anstream::eprintln!("{name}: {}", sentence(&outcome));
                 all.push(one);
+                if options.report.is_some() {
+                    cases.push((name.clone(), Ok(answer(file, vec![name], vec![recording], outcome)?)));
+                }
             }
             Err(error) => {
                 refused += 1;
@@ -78,11 +114,16 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
                 let place = if text.contains(&name) { String::new() } else { format!("{name}: ") };
                 anstream::eprintln!("{place}{text}");
                 all.push(json!({ "schema": SCHEMA, "file": name, "error": text }));
+                cases.push((name, Err(text)));
             }
         }
     }
     if options.common.json {
         print_json(&json!({ "schema": "tunenet.tune.each/1", "observations": all }));
+    }
+    if let Some(path) = &options.report {
+        report::tune::each(path, &cases, &provenance(options))?;
+        stage("report", &load::name(path));
     }
     stage("done", &format!("{} observations, {refused} refused", options.observation.len()));
     Ok(if refused > 0 { Exit::Refused } else { worst })
@@ -108,7 +149,12 @@ fn read(path: &Path, options: &Tune) -> Result<Recording> {
     Ok(recording)
 }
 
-fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordings: &[Recording]) -> Result<Outcome> {
+fn tune_to(
+    options: &Tune,
+    file: &SimulationFile,
+    model: Option<&Model>,
+    recordings: &[Recording],
+) -> Result<(Outcome, Chosen)> {
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
         let found = recordings[other].observation.kind().name();
@@ -125,18 +171,35 @@ fn tune_to(options: &Tune, file: &SimulationFile, model: Option<&Model>, recordi
         let expected = "no model beside several observations, or --each".into();
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
-    let ball = ObservedBall::new(file, kind).with_context(|| names(options))?;
+    let bare = ObservedBall::new(file, kind).with_context(|| names(options))?.forced(options.force);
+    let ball = observed::around(file, bare.clone())?;
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
         iterations: usize::from(options.iterations),
         initial: options.initial.clone(),
         clamp: options.clamp || !paper,
         finish: !paper,
+        names: if options.each { Vec::new() } else { options.observation.iter().map(|p| load::name(p)).collect() },
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
-    let mut outcome = tune(&ball, &seen, model, &settings).with_context(|| names(options))?;
-    outcome.notes.splice(0..0, recordings.iter().flat_map(|r| r.notes.iter().cloned()));
-    Ok(outcome)
+    let cache = if options.no_cache { Cache::none() } else { Cache::of_user() };
+    let seed = options.common.seed;
+    let chosen = model.map_or_else(|| tune_model::choose(file, &bare, recordings, seed, &cache), Chosen::given);
+    let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
+    // What the tool chose by itself must not be what fails.
+    let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
+    let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
+    let mut outcome = tuned.with_context(|| names(options))?;
+    let several = recordings.len() > 1;
+    let named = options.observation.iter().zip(recordings).flat_map(|(path, recording)| {
+        recording.notes.iter().map(move |note| {
+            let which = if several { format!("{}: ", load::name(path)) } else { String::new() };
+            Note { text: format!("{which}{}", note.text), ..note.clone() }
+        })
+    });
+    outcome.notes.splice(0..0, named);
+    outcome.notes.extend(chosen.notes.iter().cloned());
+    Ok((outcome, chosen))
 }
 
 fn names(options: &Tune) -> String {
@@ -147,7 +210,7 @@ fn exit(verdict: Verdict) -> Exit {
     if verdict == Verdict::Tuned { Exit::Done } else { Exit::Inconclusive }
 }
 
-fn as_json(outcome: &Outcome, seconds: f64) -> Value {
+fn as_json(outcome: &Outcome, chosen: &Chosen, seconds: f64) -> Value {
     let parameters: Map<String, Value> = outcome
         .parameters
         .iter()
@@ -156,6 +219,7 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
             let one = json!({
                 "value": p.value, "unit": p.unit, "interval95": [low, high],
                 "before": p.before, "bounds": [p.bounds.0, p.bounds.1], "identified": p.identified,
+                "status": p.status,
             });
             (p.name.clone(), one)
         })
@@ -173,6 +237,7 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         "schema": SCHEMA,
         "verdict": outcome.verdict,
         "parameters": parameters,
+        "model": chosen.json(),
         "iterations": iterations,
         "stop": outcome.stop,
         "gap": outcome.gap.as_ref().map(|g| json!({
@@ -181,6 +246,8 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         "estimated": outcome.own.iter().map(|own| {
             own.iter().map(|p| json!({ "name": p.name, "value": p.value, "unit": p.unit })).collect::<Vec<_>>()
         }).collect::<Vec<_>>(),
+        "preflight": outcome.preflight,
+        "forced": forced(outcome),
         "rollouts": outcome.rollouts,
         "seconds": seconds,
         "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
@@ -189,12 +256,40 @@ fn as_json(outcome: &Outcome, seconds: f64) -> Value {
         let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
         object["correlation"] = json!({ "parameters": outcome.free, "matrix": rows });
     }
+    if let Some(region) = &outcome.region95 {
+        object["region95"] = region_json(region);
+    }
     object
+}
+
+fn region_json(region: &Region) -> Value {
+    let covariance = region
+        .covariance
+        .as_ref()
+        .map(|c| c.row_iter().map(|r| r.iter().copied().collect()).collect::<Vec<Vec<f64>>>());
+    json!({
+        "parameters": region.parameters, "centre": region.centre, "covariance": covariance,
+        "quantile": region.quantile, "boundary": region.boundary,
+    })
+}
+
+/// Whether a recording was used although its checks reject it.
+fn forced(outcome: &Outcome) -> bool {
+    let failed = |checks: &[Check]| checks.iter().any(|c| c.state == State::Failed);
+    outcome.used.iter().zip(&outcome.preflight).any(|(used, checks)| *used && failed(checks))
 }
 
 /// A note as every command's JSON has it.
 pub(super) fn warning(note: &Note) -> Value {
     json!({ "code": note.code, "text": note.text, "remedy": note.remedy })
+}
+
+/// The one note that says why there is no answer, or none about a contact.
+pub(crate) fn reason(outcome: &Outcome) -> Option<&Note> {
+    let failed: Vec<&str> =
+        outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
+    let rejected = outcome.verdict == Verdict::Rejected;
+    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { n.code == "contact.none" })
 }
 
 /// The verdict in one sentence.
@@ -220,17 +315,21 @@ fn sentence(outcome: &Outcome) -> String {
             }
         })
         .collect();
-    let rejects = |code: &str| REJECTING.iter().any(|prefix| code.starts_with(prefix));
-    let rejected = outcome.verdict == Verdict::Rejected;
-    let reason = outcome.notes.iter().find(|n| if rejected { rejects(n.code) } else { n.code == "contact.none" });
+    let reason = reason(outcome);
+    let forced = if forced(outcome) { "FORCED, " } else { "" };
     match (values.is_empty(), reason) {
         (true, Some(note)) => format!("{word}  {}", note.text),
-        (false, Some(note)) => format!("{word}  {}: {}", values.join(", "), note.text),
-        _ => format!("{word}  {}", values.join(", ")),
+        (false, Some(note)) => format!("{forced}{word}  {}: {}", values.join(", "), note.text),
+        _ => format!("{forced}{word}  {}", values.join(", ")),
     }
 }
 
-fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
+fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
+    for (path, checks) in options.observation.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
+        let which = if options.observation.len() > 1 { format!("{}: ", load::name(path)) } else { String::new() };
+        stage("checked", &format!("{which}{}", tally(checks)));
+    }
+    chosen.tell();
     let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
     anstream::eprintln!("\n{bold}{}{reset}", sentence(outcome));
     if let Some(gap) = &outcome.gap {
@@ -245,7 +344,7 @@ fn tell(options: &Tune, outcome: &Outcome, seconds: f64) {
     }
     for own in outcome.own.iter().filter(|own| !own.is_empty()) {
         let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
-        anstream::eprintln!("  also from the data: {}", each.join(", "));
+        anstream::eprintln!("{}", list("  also from the data:", &each));
     }
     outcome.notes.iter().for_each(warn);
     let wrote = match &options.out {

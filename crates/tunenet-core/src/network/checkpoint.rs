@@ -26,7 +26,7 @@ struct Mark {
 pub(super) fn fingerprint(dataset: &Path, about: &About) -> Result<String> {
     let mut hash = Sha256::new();
     let failed = |e| Error::io(dataset, "reading", e);
-    let mut file = std::io::BufReader::new(std::fs::File::open(dataset).map_err(failed)?);
+    let mut file = std::io::BufReader::new(crate::observation::recording::open(dataset)?);
     loop {
         let bytes = std::io::BufRead::fill_buf(&mut file).map_err(failed)?;
         if bytes.is_empty() {

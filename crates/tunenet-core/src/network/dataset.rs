@@ -8,8 +8,13 @@ use crate::observation::Channel;
 use crate::simulator::Scale;
 use crate::{Error, Result};
 
-/// Version of the dataset's format. Raised whenever an older program would misread a newer file.
-pub const DATASET_VERSION: u32 = 1;
+/// Newest version of the dataset's format. Raised whenever an older program would misread a newer file.
+pub const DATASET_VERSION: u32 = CLOCKS_IN_PAIRS;
+
+/// One clock, in the header, for all pairs.
+const ONE_CLOCK: u32 = 1;
+/// An empty clock in the header, and one in every pair.
+const CLOCKS_IN_PAIRS: u32 = 2;
 
 pub(super) const DATASET_TOPIC: &str = "/dataset";
 pub(super) const PAIR_TOPIC: &str = "/pair";
@@ -44,6 +49,12 @@ float64[] scale
 # Row-major [sample, channel].
 float64[] proposed
 float64[] target
+";
+
+/// What follows in a pair that has a clock of its own.
+pub(super) const CLOCK_DEFINITION: &str = "\
+# The instants of both rollouts, s.
+float64[] clock
 ";
 
 /// A parameter as the dataset covers it.
@@ -83,13 +94,14 @@ pub struct DatasetHeader {
     pub parameters: Vec<CoveredParameter>,
     /// What each rollout observes.
     pub channels: Vec<Channel>,
-    /// The instants of every rollout, in s.
+    /// The instants of every rollout, in s; empty where every pair brings its own.
     pub clock: Vec<f64>,
     /// The scene, as the text of a simulation file; empty where there is none.
     pub scene: String,
 }
 
-/// One pair: two rollouts on the dataset's clock that differ in their parameters alone.
+/// One pair: two rollouts on one clock that differ in their parameters alone, or a recording and a rollout from what was
+/// made of its release.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
     /// All parameters of the proposed model, shape `[parameter]`.
@@ -105,6 +117,28 @@ pub struct Pair {
     pub proposed: Vec<f64>,
     /// The target's rollout, row-major `[sample, channel]`.
     pub target: Vec<f64>,
+    /// The instants of both, in s, where the header has none for all.
+    #[serde(skip)]
+    pub clock: Vec<f64>,
+}
+
+/// A pair with its own clock, as it stands in the file.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct ClockedPair {
+    pair: Pair,
+    clock: Vec<f64>,
+}
+
+impl From<Pair> for ClockedPair {
+    fn from(mut pair: Pair) -> Self {
+        Self { clock: std::mem::take(&mut pair.clock), pair }
+    }
+}
+
+impl From<ClockedPair> for Pair {
+    fn from(ClockedPair { pair, clock }: ClockedPair) -> Self {
+        Self { clock, ..pair }
+    }
 }
 
 /// The header as it stands in the file; see [`DATASET_DEFINITION`].
@@ -128,7 +162,7 @@ pub(super) struct HeaderMessage {
 impl From<&DatasetHeader> for HeaderMessage {
     fn from(header: &DatasetHeader) -> Self {
         let mut message = Self {
-            version: DATASET_VERSION,
+            version: if header.clock.is_empty() { CLOCKS_IN_PAIRS } else { ONE_CLOCK },
             preset: header.preset.clone(),
             seed: header.seed,
             pairs: header.pairs,
@@ -153,8 +187,8 @@ impl From<&DatasetHeader> for HeaderMessage {
 
 impl HeaderMessage {
     pub(super) fn header(self, path: &Path) -> Result<DatasetHeader> {
-        if self.version != DATASET_VERSION {
-            let text = format!("expected a dataset of version {DATASET_VERSION}, found version {}", self.version);
+        if !(ONE_CLOCK..=DATASET_VERSION).contains(&self.version) {
+            let text = format!("expected a dataset of version 1 to {DATASET_VERSION}, found version {}", self.version);
             return Err(Error::file(path, text, "write it again with this version of `tunenet gen`"));
         }
         let n = self.parameter_names.len();
@@ -212,16 +246,27 @@ mod scale_as_numbers {
 }
 
 impl DatasetHeader {
-    /// Numbers in one rollout.
-    fn rollout_len(&self) -> usize {
-        self.clock.len() * self.channels.len()
+    /// Whether every pair brings its own clock.
+    #[must_use]
+    pub fn clocks_in_pairs(&self) -> bool {
+        self.clock.is_empty()
+    }
+
+    /// The instants of a pair's rollouts.
+    #[must_use]
+    pub fn clock_of<'a>(&'a self, pair: &'a Pair) -> &'a [f64] {
+        if self.clocks_in_pairs() { &pair.clock } else { &self.clock }
     }
 
     /// Whether `pair` has the lengths that this header promises, and finite numbers.
     pub(super) fn check(&self, pair: &Pair) -> std::result::Result<(), String> {
+        let clock = self.clock_of(pair);
+        if clock.len() < 2 || clock.iter().any(|t| !t.is_finite()) || clock.windows(2).any(|w| w[1] <= w[0]) {
+            return Err("expected a clock of at least 2 instants that rises, found another".into());
+        }
         let lengths = [
             ("parameters", self.parameters.len(), [&pair.proposed_parameters, &pair.target_parameters]),
-            ("values", self.rollout_len(), [&pair.proposed, &pair.target]),
+            ("values", clock.len() * self.channels.len(), [&pair.proposed, &pair.target]),
         ];
         for (what, expected, both) in lengths {
             for found in both {

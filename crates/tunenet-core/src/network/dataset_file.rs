@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::dataset::{
-    DATASET_DEFINITION, DATASET_TOPIC, DatasetHeader, HeaderMessage, PAIR_DEFINITION, PAIR_TOPIC, Pair,
+    CLOCK_DEFINITION, ClockedPair, DATASET_DEFINITION, DATASET_TOPIC, DatasetHeader, HeaderMessage, PAIR_DEFINITION,
+    PAIR_TOPIC, Pair,
 };
 use super::dataset_stream::{Output, Source};
 use crate::{Error, Result};
@@ -45,7 +46,7 @@ impl DatasetReader {
 
     fn next_pair(&mut self) -> Result<Option<Pair>> {
         let expected = self.header.pairs;
-        let Some(pair) = self.source.next::<Pair>(PAIR_TOPIC)? else {
+        let Some(pair) = next_pair(&mut self.source, &self.header)? else {
             if self.read == expected {
                 return Ok(None);
             }
@@ -114,7 +115,8 @@ impl DatasetWriter {
     fn begin(out: PathBuf, at: &Path, partial: PathBuf, header: DatasetHeader) -> Result<Self> {
         let mut output = Output::create(at)?;
         let dataset = output.topic(DATASET_TOPIC, "tunenet_msgs/msg/Dataset", DATASET_DEFINITION)?;
-        let topic = output.topic(PAIR_TOPIC, "tunenet_msgs/msg/Pair", PAIR_DEFINITION)?;
+        let clock = if header.clocks_in_pairs() { CLOCK_DEFINITION } else { "" };
+        let topic = output.topic(PAIR_TOPIC, "tunenet_msgs/msg/Pair", &format!("{PAIR_DEFINITION}{clock}"))?;
         output.write(dataset, 0, &HeaderMessage::from(&header))?;
         output.end_chunk()?;
         Ok(Self { out, partial, output, header, topic, written: 0 })
@@ -139,7 +141,11 @@ impl DatasetWriter {
             return refuse(text);
         }
         self.written += 1;
-        self.output.write(self.topic, self.written, pair)?;
+        if self.header.clocks_in_pairs() {
+            self.output.write(self.topic, self.written, &ClockedPair::from(pair.clone()))?;
+        } else {
+            self.output.write(self.topic, self.written, pair)?;
+        }
         if self.written.is_multiple_of(PAIRS_IN_CHUNK) {
             self.output.end_chunk()?;
         }
@@ -190,9 +196,17 @@ impl Earlier {
 
     /// The next complete pair; whatever is wrong after it is written anew.
     fn next(&mut self) -> Option<Pair> {
-        let pair = self.source.as_mut()?.next::<Pair>(PAIR_TOPIC).ok()??;
+        let pair = next_pair(self.source.as_mut()?, &self.header).ok()??;
         self.header.check(&pair).is_ok().then_some(pair)
     }
+}
+
+/// The next pair in the form that the header announces.
+fn next_pair(source: &mut Source, header: &DatasetHeader) -> Result<Option<Pair>> {
+    if header.clocks_in_pairs() {
+        return Ok(source.next::<ClockedPair>(PAIR_TOPIC)?.map(Pair::from));
+    }
+    source.next::<Pair>(PAIR_TOPIC)
 }
 
 /// Whether what there is of the file could be the beginning of an MCAP file (killed before its first chunk was out).

@@ -86,7 +86,7 @@ pub(super) struct Source {
 impl Source {
     /// Opens `path`.
     pub(super) fn open(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+        let file = crate::observation::recording::open(path)?;
         // A chunk is checked before any of it is believed: half a chunk yields nothing.
         let options =
             LinearReaderOptions::default().with_prevalidate_chunk_crcs(true).with_record_length_limit(LONGEST_RECORD);

@@ -14,6 +14,8 @@ use crate::{Error, Result};
 
 /// Pairs rolled out before they are written. Bounds the memory; many times the number of cores, so that none waits long.
 const BLOCK: u64 = 128;
+/// Pairs on which each parameter is tried out before any is written.
+const PROBES: u64 = 32;
 
 /// What one pair is rolled out with.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,11 +38,35 @@ pub struct PairDraw {
 /// can be resumed.
 ///
 /// # Errors
+/// [`Error::Setting`] where a parameter to be learned changes no rollout, since a network would learn to make it up;
 /// [`Error::Simulator`] where a rollout fails, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
 pub fn generate(
     simulator: &dyn Simulator,
     header: &DatasetHeader,
     draw: &(dyn Fn(u64, &mut ChaCha8Rng) -> PairDraw + Sync),
+    out: &Path,
+    progress: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<()> {
+    for i in (0..header.parameters.len()).filter(|&i| header.parameters[i].tuned) {
+        if !matters(simulator, header, draw, i)? {
+            return Err(Error::Setting {
+                name: "parameters",
+                expected: "parameters to learn that change what is observed".into(),
+                found: format!("`{}`, which changes nothing", header.parameters[i].name),
+            });
+        }
+    }
+    fill(header, &|number, random| roll_pair(simulator, header, draw(number, random)), out, progress)
+}
+
+/// Writes the pairs of a dataset into `out`, or those that an interrupted run left over: `make` is asked for pair 0, 1, …
+/// with a generator that depends on the header's seed and the pair's number alone. What holds of [`generate`] holds here.
+///
+/// # Errors
+/// What `make` refuses, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
+pub fn fill(
+    header: &DatasetHeader,
+    make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
     out: &Path,
     progress: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<()> {
@@ -51,7 +77,7 @@ pub fn generate(
         }
         let block = writer.written()..(writer.written() + BLOCK).min(header.pairs);
         let pairs: Vec<Result<Pair>> =
-            block.into_par_iter().map(|number| roll_pair(simulator, header, draw, number)).collect();
+            block.into_par_iter().map(|number| make(number, &mut stream(header.seed, number))).collect();
         for pair in pairs {
             writer.write(&pair?)?;
         }
@@ -60,15 +86,40 @@ pub fn generate(
     writer.finish()
 }
 
-fn roll_pair(
+/// Whether parameter `i`, moved alone from the proposed model's value to the target's or to an end of its range, changes
+/// any rollout.
+fn matters(
     simulator: &dyn Simulator,
     header: &DatasetHeader,
     draw: &(dyn Fn(u64, &mut ChaCha8Rng) -> PairDraw + Sync),
-    number: u64,
-) -> Result<Pair> {
-    let mut random = ChaCha8Rng::seed_from_u64(header.seed);
+    i: usize,
+) -> Result<bool> {
+    for number in 0..PROBES.min(header.pairs) {
+        let drawn = draw(number, &mut stream(header.seed, number));
+        let seen = rollout(simulator, &drawn.proposed, &drawn.own, &header.clock)?;
+        let range = &header.parameters[i];
+        for value in [drawn.target[i], range.min, range.max] {
+            let mut moved = drawn.proposed.clone();
+            moved[i] = value;
+            // Values that cannot be simulated are no proof of either.
+            if rollout(simulator, &moved, &drawn.own, &header.clock).is_ok_and(|other| other != seen) {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(header.pairs == 0)
+}
+
+/// What pair `number` of a dataset with this seed is drawn from.
+#[must_use]
+pub fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(number);
-    let PairDraw { proposed, target, own, scale } = draw(number, &mut random);
+    random
+}
+
+fn roll_pair(simulator: &dyn Simulator, header: &DatasetHeader, draw: PairDraw) -> Result<Pair> {
+    let PairDraw { proposed, target, own, scale } = draw;
     Ok(Pair {
         proposed: rollout(simulator, &proposed, &own, &header.clock)?,
         target: rollout(simulator, &target, &own, &header.clock)?,
@@ -76,5 +127,70 @@ fn roll_pair(
         target_parameters: target,
         own,
         scale,
+        clock: Vec::new(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::CoveredParameter;
+    use crate::observation::Channel;
+    use crate::simulator::Parameter;
+    use rand::Rng;
+
+    /// A line whose second parameter is forgotten.
+    struct Line(Vec<Parameter>, Vec<Channel>);
+
+    impl Simulator for Line {
+        fn parameters(&self) -> &[Parameter] {
+            &self.0
+        }
+
+        fn channels(&self) -> &[Channel] {
+            &self.1
+        }
+
+        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+            clock.iter().zip(out).for_each(|(t, v)| *v = p[0] * t);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_parameter_that_changes_nothing_is_refused_by_name() {
+        let parameter = |name| Parameter::new(name, "1", 0.5, 0.0, 1.0).unwrap();
+        let line = Line(vec![parameter("slope"), parameter("colour")], vec![Channel::new("y", "m")]);
+        let header = |learned: [bool; 2]| DatasetHeader {
+            preset: "line".into(),
+            seed: 1,
+            pairs: 4,
+            parameters: ["slope", "colour"]
+                .into_iter()
+                .zip(learned)
+                .map(|(name, tuned)| CoveredParameter {
+                    name: name.into(),
+                    unit: "1".into(),
+                    min: 0.0,
+                    max: 1.0,
+                    tuned,
+                })
+                .collect(),
+            channels: line.channels().to_vec(),
+            clock: (0..20).map(f64::from).collect(),
+            scene: String::new(),
+        };
+        let draw = |_: u64, random: &mut ChaCha8Rng| PairDraw {
+            proposed: vec![random.random(), random.random()],
+            target: vec![random.random(), random.random()],
+            own: Vec::new(),
+            scale: None,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("pairs.mcap");
+        let error = generate(&line, &header([true, true]), &draw, &out, &mut |_, _| true).unwrap_err().to_string();
+        assert!(error.contains("`colour`") && !error.contains("`slope`"), "{error}");
+        assert!(!out.exists());
+        generate(&line, &header([true, false]), &draw, &out, &mut |_, _| true).unwrap();
+    }
 }

@@ -32,6 +32,17 @@ pub enum Input {
         /// The end of the last interval, in units of the recording's time.
         tau_max: f64,
     },
+    /// Every channel in units of the recording's own [`Scale`], over the same intervals as `Dimensionless`: of the last
+    /// channel its distance from the scale's zero, of the others their change since the first interval; each divided by
+    /// its unit. Interval after interval. Needs a scale.
+    Scaled {
+        /// How many intervals of each channel.
+        bins: usize,
+        /// The end of the last interval, in units of the recording's time.
+        tau_max: f64,
+        /// What each channel is divided by, above 0.
+        unit: Vec<f64>,
+    },
     /// Every channel less its mean, divided by its standard deviation over the training set, its mean over each of `bins`
     /// equal intervals of the record; channel after channel.
     Standardised {
@@ -75,6 +86,7 @@ impl Input {
         match self {
             Self::Raw { samples, .. } => *samples,
             Self::Dimensionless { bins, .. } => *bins,
+            Self::Scaled { bins, unit, .. } => bins * unit.len(),
             Self::Standardised { bins, mean, .. } => bins * mean.len(),
         }
     }
@@ -82,7 +94,7 @@ impl Input {
     /// Whether each recording must bring its [`Scale`].
     #[must_use]
     pub fn needs_scale(&self) -> bool {
-        matches!(self, Self::Dimensionless { .. })
+        matches!(self, Self::Dimensionless { .. } | Self::Scaled { .. })
     }
 
     /// One recording as a branch sees it. `values` is row-major `[sample, channel]`, `clock` its strictly rising clock.
@@ -132,6 +144,29 @@ impl Input {
                     *value = (*value - scale.origin) / scale.length;
                 }
                 Ok(Encoded { values, covered })
+            }
+            Self::Scaled { bins, tau_max, unit } => {
+                let Some(scale) = scale else {
+                    return refuse("scale", "the recording's own zero, length and time".into(), "none".into());
+                };
+                if unit.len() != channels {
+                    return refuse("channels", unit.len().to_string(), channels.to_string());
+                }
+                let step = scale.time_s * tau_max / *bins as f64;
+                let mut all = Encoded { values: vec![0.0; bins * channels], covered: 0..0 };
+                for (c, unit) in unit.iter().enumerate() {
+                    let (means, covered) = column(c).means(scale.start_s, step, *bins, 1e-9 * scale.time_s);
+                    if covered.is_empty() {
+                        let expected = format!("samples after {} s", scale.start_s);
+                        return refuse("clock", expected, format!("{} to {} s", clock[0], clock[clock.len() - 1]));
+                    }
+                    let zero = if c + 1 == channels { scale.origin } else { means[covered.start] };
+                    for i in covered.clone() {
+                        all.values[i * channels + c] = (means[i] - zero) / (scale.length * unit);
+                    }
+                    all.covered = covered.start * channels..covered.end * channels;
+                }
+                Ok(all)
             }
             Self::Standardised { bins, mean, sd } => {
                 if mean.len() != channels {

@@ -18,6 +18,7 @@ mod dataset_file;
 mod dataset_stream;
 mod generate;
 mod input;
+mod library;
 mod model;
 mod optimiser;
 mod preset;
@@ -30,11 +31,11 @@ mod weights_file;
 
 pub use dataset::{CoveredParameter, DATASET_VERSION, DatasetHeader, Pair};
 pub use dataset_file::{DatasetReader, DatasetWriter};
-pub use generate::{PairDraw, generate};
+pub use generate::{PairDraw, fill, generate, stream};
 pub use input::{Encoded, Input};
 pub use model::{MODEL_VERSION, Model, Side};
 pub use preset::{Course, Head, InputChoice, Loss, Optimiser, Preset};
-pub use train::{TrainOptions, TrainProgress, train};
+pub use train::{TrainOptions, TrainProgress, train, train_on};
 
 /// Keeps matrix products on the thread that asks for them.
 ///

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dataset::CoveredParameter;
 use super::input::{Encoded, Input};
+use super::library::Library;
 use super::preset::Preset;
 use super::two_branch::{TwoBranch, Widths};
 use super::weights_file::{self, Contents};
@@ -50,14 +51,15 @@ pub struct Model {
     clock: Vec<f64>,
     network: TwoBranch,
     wide: TwoBranch,
+    library: Option<Library>,
 }
 
 impl Model {
-    pub(super) fn new(about: About, clock: Vec<f64>, network: TwoBranch) -> Result<Self> {
+    pub(super) fn new(about: About, clock: Vec<f64>, network: TwoBranch, library: Option<Library>) -> Result<Self> {
         super::products_on_one_thread();
         let channels = about.channels.iter().map(|(name, unit)| Channel::new(name, unit)).collect();
         let wide = network.widened()?;
-        Ok(Self { about, channels, clock, network, wide })
+        Ok(Self { about, channels, clock, network, wide, library })
     }
 
     /// The training that made it.
@@ -84,10 +86,16 @@ impl Model {
         &self.channels
     }
 
-    /// The clock of its training set, in s.
+    /// The clock of its training set, in s; empty where every pair had its own.
     #[must_use]
     pub fn clock(&self) -> &[f64] {
         &self.clock
+    }
+
+    /// Whether it was trained on recordings with guesses of their release, each on its own clock, instead of on rollouts.
+    #[must_use]
+    pub fn from_recordings(&self) -> bool {
+        self.clock.is_empty()
     }
 
     /// The seed of its training.
@@ -138,6 +146,49 @@ impl Model {
         Ok(shares.into_iter().map(scaled).collect())
     }
 
+    /// Where to start before anything is rolled out: the parameters of the stored rollout nearest to `target`, moved by
+    /// the difference that the network sees between the two, each in its unit. `None` where no rollouts are stored, or
+    /// none overlaps the target. Not clipped.
+    ///
+    /// # Errors
+    /// As [`Model::estimate`].
+    pub fn start(&self, target: Side<'_>) -> Result<Option<Vec<f64>>> {
+        let Some(library) = &self.library else { return Ok(None) };
+        let mut seen = self.encode(&target)?;
+        let whole = seen.clone();
+        let Some((mut nearest, place)) = library.nearest(&seen) else { return Ok(None) };
+        nearest.pair(&mut seen);
+        let width = self.about.input.width();
+        let tensor = |values| Tensor::from_vec(values, (1, width), &Device::Cpu);
+        let moved = self.wide.forward(&tensor(nearest.values)?, &tensor(seen.values)?)?.to_vec2::<f64>()?;
+        let worse = || {
+            let distance = |at: f64| library.distance(at, &whole);
+            Some(distance(place[0] + moved[0][0])? > distance(place[0])?)
+        };
+        // Next to where nothing changes (a restitution near 0) the network may see a difference that is not there. Where
+        // it has learned how guesses of the release err, the distance is no judge of it.
+        let step =
+            if !self.from_recordings() && worse().unwrap_or(false) { vec![0.0; place.len()] } else { moved[0].clone() };
+        let each = self.about.parameters.iter().zip(place.iter().zip(&step));
+        Ok(Some(each.map(|(p, (place, step))| p.min + p.span() * (place + step)).collect()))
+    }
+
+    /// The Gauss–Newton step from a rollout `proposed` at `value` towards `target`, its slope taken from the stored
+    /// rollouts; in the unit of the one parameter. `None` where the model estimates several, or stores no slope there.
+    ///
+    /// # Errors
+    /// As [`Model::estimate`].
+    pub fn library_step(&self, value: f64, proposed: Side<'_>, target: Side<'_>) -> Result<Option<f64>> {
+        let (Some(library), [parameter]) = (&self.library, self.parameters()) else { return Ok(None) };
+        let Some(slope) = library.slope((value - parameter.min) / parameter.span()) else { return Ok(None) };
+        let (a, b) = (self.encode(&proposed)?, self.encode(&target)?);
+        let start = slope.covered.start.max(a.covered.start).max(b.covered.start);
+        let both = start..slope.covered.end.min(a.covered.end).min(b.covered.end);
+        let square: f64 = both.clone().map(|i| slope.values[i].powi(2)).sum();
+        let product: f64 = both.map(|i| slope.values[i] * (b.values[i] - a.values[i])).sum();
+        Ok((square > 0.0).then(|| product / square * parameter.span()))
+    }
+
     fn encode(&self, side: &Side<'_>) -> Result<Encoded> {
         let seen = side.observation;
         if seen.channels() != self.channels {
@@ -156,8 +207,8 @@ impl Model {
         input.encode(seen.clock(), seen.values(), self.channels.len(), side.scale)
     }
 
-    /// The model file: weights under their field names, the training set's clock as `clock`, and everything else as JSON
-    /// under `tunenet` in the metadata. The same training gives the same bytes.
+    /// The model file: weights under their field names, the training set's clock as `clock`, stored rollouts under
+    /// `library`, and everything else as JSON under `tunenet` in the metadata. The same training gives the same bytes.
     ///
     /// # Errors
     /// [`Error::Network`] where a tensor cannot be read.
@@ -165,6 +216,9 @@ impl Model {
         let about = serde_json::to_string(&self.about).map_err(|e| candle_core::Error::Msg(e.to_string()))?;
         let mut tensors = named(&self.network);
         tensors.push(("clock".into(), Tensor::from_slice(&self.clock, self.clock.len(), &Device::Cpu)?));
+        if let Some(library) = &self.library {
+            tensors.extend(library.tensors()?);
+        }
         weights_file::to_bytes(about, &tensors)
     }
 
@@ -183,12 +237,22 @@ impl Model {
     /// version, or a weight is missing or has another shape.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let mut contents = weights_file::read(path, "a model")?;
+        Self::from_bytes(path, &weights_file::read_bytes(path, "a model")?)
+    }
+
+    /// As [`Model::load`], from bytes at hand; `path` names them in messages.
+    ///
+    /// # Errors
+    /// [`Error::File`] as [`Model::load`].
+    pub fn from_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Self> {
+        let path = path.as_ref();
+        let mut contents = weights_file::from_bytes(path, bytes, "a model")?;
         let about = read_about(path, &contents)?;
         let samples = contents.tensors.get("clock").map_or(0, Tensor::elem_count);
         let clock = contents.take(path, "clock", DType::F64, &[samples])?.to_vec1()?;
         let network = take_network(path, &mut contents, &about)?;
-        Self::new(about, clock, network)
+        let library = Library::take(path, &mut contents, about.input.width(), about.parameters.len())?;
+        Self::new(about, clock, network, library)
     }
 }
 

@@ -30,6 +30,9 @@ pub struct Preset {
     pub course: Course,
     /// Share of the dataset's pairs that are kept for validation, in `[0, 0.5]`.
     pub held_back: f64,
+    /// How many of the training's rollouts are kept with the weights, for a start without a rollout; 0 for none.
+    #[serde(default)]
+    pub library: usize,
 }
 
 /// What the network is to see; [`Input`](super::Input) is the same, fitted to a training set.
@@ -49,6 +52,13 @@ pub enum InputChoice {
         #[serde(default)]
         channel: Option<String>,
         /// How many intervals, at least 2.
+        bins: usize,
+        /// The end of the last interval in units of the recording's time.
+        tau_max: f64,
+    },
+    /// All channels in units of each recording's own scale.
+    Scaled {
+        /// How many intervals of each channel, at least 2.
         bins: usize,
         /// The end of the last interval in units of the recording's time.
         tau_max: f64,
@@ -148,10 +158,38 @@ impl Preset {
             batch: 50,
             course: Course::Epochs { epochs: 200 },
             held_back: 0.0,
+            library: 0,
         }
     }
 
-    /// `paper` or `default`.
+    /// For recordings of any dropped ball, as they come out of their preparation: release and surface are guesses, records
+    /// end anywhere.
+    #[must_use]
+    pub fn general() -> Self {
+        Self {
+            name: "general".into(),
+            // What the rows lack on purpose is there already: noise, wrong guesses, short records.
+            course: Course::Remixed { steps: 8000, noise: 0.02, cut: 0.0 },
+            ..Self::default()
+        }
+    }
+
+    /// For one scene, on the spot: a small network, few steps, all parameters and channels, looking as far as `tau_max`
+    /// recording's times.
+    #[must_use]
+    pub fn scene(tau_max: f64) -> Self {
+        Self {
+            name: "scene".into(),
+            input: InputChoice::Scaled { bins: 48, tau_max },
+            features: 64,
+            batch: 128,
+            course: Course::Remixed { steps: 1500, noise: 0.01, cut: 0.0 },
+            library: 128,
+            ..Self::default()
+        }
+    }
+
+    /// `paper`, `default` or `general`.
     ///
     /// # Errors
     /// [`Error::Setting`] for any other name.
@@ -159,7 +197,8 @@ impl Preset {
         match name {
             "paper" => Ok(Self::paper()),
             "default" => Ok(Self::default()),
-            other => Err(setting("preset", "`paper` or `default`", other)),
+            "general" => Ok(Self::general()),
+            other => Err(setting("preset", "`paper`, `default` or `general`", other)),
         }
     }
 
@@ -222,6 +261,7 @@ impl Default for Preset {
             // An order of magnitude above the noise expected on a fall of 4.5 m, which makes the network nearly efficient.
             course: Course::Remixed { steps: 5000, noise: 0.06, cut: 0.05 },
             held_back: 0.1,
+            library: 201,
         }
     }
 }

@@ -7,6 +7,8 @@ use candle_core::Tensor;
 
 use super::batches::{Batch, Batches};
 use super::checkpoint;
+use super::dataset::{DatasetHeader, Pair};
+use super::library::Library;
 use super::model::{self, About, MODEL_VERSION, Model};
 use super::optimiser::Descent;
 use super::preset::{Loss, Preset};
@@ -62,10 +64,35 @@ pub fn train(
     options: &TrainOptions,
     progress: &mut dyn FnMut(&TrainProgress) -> bool,
 ) -> Result<Model> {
+    options.preset.check()?;
+    let set = TrainingSet::read(dataset, &options.preset)?;
+    let kept = options.checkpoint.as_deref().map(|checkpoint| (checkpoint, dataset));
+    learn(&set, options, kept, progress)
+}
+
+/// As [`train`], on pairs at hand; [`TrainOptions::checkpoint`] is not used.
+///
+/// # Errors
+/// As [`train`]; [`Error::Model`] for a pair that is not what `header` announces.
+pub fn train_on(
+    header: &DatasetHeader,
+    pairs: &[Pair],
+    options: &TrainOptions,
+    progress: &mut dyn FnMut(&TrainProgress) -> bool,
+) -> Result<Model> {
+    options.preset.check()?;
+    learn(&TrainingSet::collect(header, pairs, &options.preset)?, options, None, progress)
+}
+
+/// Trains on `set`; `kept` is where the state is kept and the file that the set was read from.
+fn learn(
+    set: &TrainingSet,
+    options: &TrainOptions,
+    kept: Option<(&Path, &Path)>,
+    progress: &mut dyn FnMut(&TrainProgress) -> bool,
+) -> Result<Model> {
     super::products_on_one_thread();
     let preset = &options.preset;
-    preset.check()?;
-    let set = TrainingSet::read(dataset, preset)?;
     let about = About {
         version: MODEL_VERSION,
         preset: preset.clone(),
@@ -76,17 +103,17 @@ pub fn train(
     };
     let mut network = TwoBranch::new(model::widths(&about), preset.head, options.seed)?;
     let mut descent = Descent::new(preset.optimiser.clone(), &network)?;
-    let mut batches = Batches::new(&set, preset, options.seed)?;
-    let fingerprint = match options.checkpoint {
-        Some(_) => checkpoint::fingerprint(dataset, &about)?,
+    let mut batches = Batches::new(set, preset, options.seed)?;
+    let fingerprint = match kept {
+        Some((_, dataset)) => checkpoint::fingerprint(dataset, &about)?,
         None => String::new(),
     };
     let mut first = 0;
-    if let Some(path) = &options.checkpoint {
+    if let Some((path, _)) = kept {
         first = checkpoint::load(path, &fingerprint, &about, &mut network, &mut descent)?.unwrap_or(0);
     }
-    let save = |step: u64, network: &TwoBranch, descent: &Descent| match &options.checkpoint {
-        Some(path) => checkpoint::save(path, &fingerprint, step, network, descent),
+    let save = |step: u64, network: &TwoBranch, descent: &Descent| match kept {
+        Some((path, _)) => checkpoint::save(path, &fingerprint, step, network, descent),
         None => Ok(()),
     };
 
@@ -125,7 +152,8 @@ pub fn train(
             }
         }
     }
-    Model::new(about, set.header.clock.clone(), network)
+    let library = Library::choose(set, preset.library);
+    Model::new(about, set.header.clock.clone(), network, library)
 }
 
 fn loss(loss: Loss, network: &TwoBranch, batch: &Batch) -> Result<Tensor> {

@@ -27,9 +27,24 @@ pub(super) struct TrainingSet {
 }
 
 impl TrainingSet {
+    /// From a dataset's file.
     pub(super) fn read(path: &Path, preset: &Preset) -> Result<Self> {
-        let reader = DatasetReader::open(path)?;
-        let header = reader.header().clone();
+        let header = DatasetReader::open(path)?.header().clone();
+        Self::gather(path, header, &|| Ok(Box::new(DatasetReader::open(path)?)), preset)
+    }
+
+    /// From pairs at hand.
+    pub(super) fn collect(header: &DatasetHeader, pairs: &[Pair], preset: &Preset) -> Result<Self> {
+        let checked = |pair: &Pair| {
+            let refuse =
+                |text: String| Error::Model { what: "training".into(), expected: "whole pairs".into(), found: text };
+            header.check(pair).map_err(refuse).map(|()| pair.clone())
+        };
+        Self::gather(Path::new("pairs"), header.clone(), &|| Ok(Box::new(pairs.iter().map(checked))), preset)
+    }
+
+    /// `open` starts the pairs over; `path` names their origin in messages.
+    fn gather(path: &Path, header: DatasetHeader, open: &Pairs, preset: &Preset) -> Result<Self> {
         let tuned: Vec<usize> = (0..header.parameters.len()).filter(|&i| header.parameters[i].tuned).collect();
         let parameters: Vec<CoveredParameter> = tuned.iter().map(|&i| header.parameters[i].clone()).collect();
         if parameters.is_empty() {
@@ -39,27 +54,32 @@ impl TrainingSet {
             let text = format!("expected a range for `{}`, found {} to {}", p.name, p.min, p.max);
             return Err(Error::file(path, text, ""));
         }
-        let input = fit_input(path, &header, preset)?;
+        let input = fit_input(path, &header, open, preset)?;
 
         let mut set = Self { header, input, parameters, rows: vec![], covered: vec![], places: vec![], mixable: true };
         let mut own: Option<Vec<f64>> = None;
-        for pair in reader {
+        for pair in open()? {
             let pair = pair?;
             set.push(&pair, &tuned)?;
             set.mixable &= own.get_or_insert_with(|| pair.own.clone()) == &pair.own;
         }
         // In units of its own scale a rollout no longer remembers its height.
-        set.mixable |= set.input.needs_scale();
+        set.mixable |= matches!(set.input, Input::Dimensionless { .. });
         if set.covered.is_empty() {
             return Err(Error::file(path, "expected at least one pair, found none", ""));
+        }
+        if (0..set.pairs()).all(|i| set.row(2 * i) == set.row(2 * i + 1)) {
+            let names: Vec<String> = set.parameters.iter().map(|p| format!("`{}`", p.name)).collect();
+            let text = format!("expected rollouts that differ with {}, found none that do", names.join(", "));
+            return Err(Error::file(path, text, "learn parameters that change what is observed"));
         }
         Ok(set)
     }
 
     fn push(&mut self, pair: &Pair, tuned: &[usize]) -> Result<()> {
         for (values, all) in [(&pair.proposed, &pair.proposed_parameters), (&pair.target, &pair.target_parameters)] {
-            let seen =
-                self.input.encode(&self.header.clock, values, self.header.channels.len(), pair.scale.as_ref())?;
+            let clock = self.header.clock_of(pair);
+            let seen = self.input.encode(clock, values, self.header.channels.len(), pair.scale.as_ref())?;
             self.rows.extend(seen.values.iter().map(|v| super::single(*v)));
             self.covered.push(seen.covered);
             self.places.extend(tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()));
@@ -93,8 +113,11 @@ impl TrainingSet {
     }
 }
 
+/// Starts the pairs of a dataset over.
+type Pairs<'a> = dyn Fn() -> Result<Box<dyn Iterator<Item = Result<Pair>> + 'a>> + 'a;
+
 /// What the network is to see, with whatever must be read off the data first.
-fn fit_input(path: &Path, header: &DatasetHeader, preset: &Preset) -> Result<Input> {
+fn fit_input(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset) -> Result<Input> {
     let find = |name: &Option<String>| match name {
         None => Ok(header.channels.len().saturating_sub(1)),
         Some(name) => header.channels.iter().position(|c| c.name == *name).ok_or_else(|| {
@@ -105,8 +128,12 @@ fn fit_input(path: &Path, header: &DatasetHeader, preset: &Preset) -> Result<Inp
     match &preset.input {
         InputChoice::Raw { channel } => {
             let channel = find(channel)?;
+            if header.clocks_in_pairs() {
+                let text = "expected one clock for all pairs, found one in each: raw samples cannot be compared";
+                return Err(Error::file(path, text, "train with another preset"));
+            }
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for pair in DatasetReader::open(path)? {
+            for pair in open()? {
                 let pair = pair?;
                 for value in [&pair.proposed, &pair.target]
                     .iter()
@@ -119,21 +146,40 @@ fn fit_input(path: &Path, header: &DatasetHeader, preset: &Preset) -> Result<Inp
             Ok(Input::Raw { channel, samples: header.clock.len(), low, high })
         }
         InputChoice::Dimensionless { channel, bins, tau_max } => {
-            let first = DatasetReader::open(path)?.next().transpose()?;
+            let first = open()?.next().transpose()?;
             if first.is_some_and(|pair| pair.scale.is_some()) {
                 return Ok(Input::Dimensionless { channel: find(channel)?, bins: *bins, tau_max: *tau_max });
             }
-            standardised(path, header, *bins)
+            standardised(header, open, *bins)
         }
-        InputChoice::Standardised { bins } => standardised(path, header, *bins),
+        InputChoice::Scaled { bins, tau_max } => scaled(header, open, *bins, *tau_max),
+        InputChoice::Standardised { bins } => standardised(header, open, *bins),
     }
 }
 
-fn standardised(path: &Path, header: &DatasetHeader, bins: usize) -> Result<Input> {
+/// Every channel in the recording's own units, its root mean square over the training set brought to 1.
+fn scaled(header: &DatasetHeader, open: &Pairs, bins: usize, tau_max: f64) -> Result<Input> {
+    let channels = header.channels.len();
+    let plain = Input::Scaled { bins, tau_max, unit: vec![1.0; channels] };
+    let (mut squares, mut count) = (vec![0.0; channels], 0.0);
+    for pair in open()? {
+        let pair = pair?;
+        let seen = plain.encode(header.clock_of(&pair), &pair.proposed, channels, pair.scale.as_ref())?;
+        for (i, value) in seen.values.iter().enumerate() {
+            squares[i % channels] += value * value;
+        }
+        count += seen.covered.len() as f64 / channels as f64;
+    }
+    // A channel that never changes says nothing: any unit keeps it at 0.
+    let unit = |s: &f64| if *s > 1e-12 * count { (s / f64::max(count, 1.0)).sqrt() } else { 1.0 };
+    Ok(Input::Scaled { bins, tau_max, unit: squares.iter().map(unit).collect() })
+}
+
+fn standardised(header: &DatasetHeader, open: &Pairs, bins: usize) -> Result<Input> {
     let channels = header.channels.len();
     // Welford's running mean and sum of squares: no loss of digits where the mean is far from 0.
     let (mut mean, mut squares, mut count) = (vec![0.0; channels], vec![0.0; channels], 0.0);
-    for pair in DatasetReader::open(path)? {
+    for pair in open()? {
         let pair = pair?;
         for row in pair.proposed.chunks_exact(channels).chain(pair.target.chunks_exact(channels)) {
             count += 1.0;

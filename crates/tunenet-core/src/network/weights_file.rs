@@ -1,17 +1,21 @@
 //! Safetensors in and out, with one JSON text beside the tensors.
 
 use std::collections::HashMap;
+use std::io::Read as _;
 use std::path::Path;
 
 use candle_core::{DType, Device, Tensor};
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 
-use crate::observation::recording::write_atomically;
+use crate::observation::recording::{open, write_atomically};
 use crate::{Error, Result};
 
 /// The one metadata key, so that no map decides the order of the bytes.
 const KEY: &str = "tunenet";
+
+/// Largest file that is read, in bytes: thousands of times what a network of two branches has.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// What to try with a file that is no such thing.
 const HINT: &str = "`tunenet train` writes models";
@@ -50,8 +54,21 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 
 /// Reads what [`write`] wrote. `kind` names what was expected: "a model".
 pub(super) fn read(path: &Path, kind: &str) -> Result<Contents> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "reading", e))?;
-    from_bytes(path, &bytes, kind)
+    from_bytes(path, &read_bytes(path, kind)?, kind)
+}
+
+/// The bytes of the file at `path`, where it is one and not too large.
+pub(super) fn read_bytes(path: &Path, kind: &str) -> Result<Vec<u8>> {
+    let failed = |e| Error::io(path, "reading", e);
+    let mut file = open(path)?;
+    let size = file.metadata().map_err(failed)?.len();
+    if size > MOST_BYTES {
+        let message = format!("expected {kind} of at most {MOST_BYTES} bytes, found {size}");
+        return Err(Error::file(path, message, HINT));
+    }
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).map_err(failed)?;
+    Ok(bytes)
 }
 
 /// As [`read`], from bytes that stand or would stand at `path`.

@@ -7,6 +7,8 @@
 use std::ops::Range;
 
 use super::line::Polynomial;
+use super::local::{LocalEstimate, widened};
+use super::parabolas::parabolas;
 use super::release::release;
 use super::{Kind, Note, Observation, noise_sd};
 
@@ -48,15 +50,6 @@ pub struct Contact {
     pub restitution: Option<LocalEstimate>,
 }
 
-/// A number read off a part of the data, with its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LocalEstimate {
-    /// The estimate.
-    pub value: f64,
-    /// Its standard deviation.
-    pub sd: f64,
-}
-
 /// A recording of a bouncing ball, cut into what can be used and what cannot.
 #[derive(Debug, Clone)]
 pub struct Arcs {
@@ -74,6 +67,8 @@ pub struct Arcs {
     pub misfit_share: Option<f64>,
     /// What was set aside and why.
     pub notes: Vec<Note>,
+    /// Every place in the record where the velocity changes at once, impacts or not: the last sample before each.
+    pub(super) kinks: Vec<usize>,
 }
 
 impl Arcs {
@@ -119,7 +114,23 @@ impl Arcs {
             let sd = f.residual_sd * (720.0 / times.len() as f64).sqrt() / (duration * duration);
             LocalEstimate { value: -2.0 * f.coefficients[2], sd }
         });
-        Some(Self { usable, contacts, start_m, start_m_s, apparent_gravity_m_s2, misfit_share, notes })
+        Some(Self {
+            usable,
+            contacts,
+            start_m,
+            start_m_s,
+            apparent_gravity_m_s2,
+            misfit_share,
+            notes,
+            kinks: kinks.all(),
+        })
+    }
+
+    /// Leaves out what comes from sample `end` on.
+    pub(super) fn end_at(&mut self, end: usize, clock: &[f64]) {
+        self.usable.end = self.usable.end.min(end).max(self.usable.start);
+        let last = self.usable.end.checked_sub(1).map_or(f64::NEG_INFINITY, |i| clock[i]);
+        self.contacts.retain(|c| c.time_s < last);
     }
 
     /// The restitution of all contacts together, weighted by their certainty; the standard deviation covers the scatter
@@ -127,11 +138,7 @@ impl Arcs {
     #[must_use]
     pub fn restitution(&self) -> Option<LocalEstimate> {
         let each: Vec<LocalEstimate> = self.contacts.iter().filter_map(|c| c.restitution).collect();
-        let weight: f64 = each.iter().map(|e| e.sd.powi(-2)).sum();
-        let value = each.iter().map(|e| e.value * e.sd.powi(-2)).sum::<f64>() / weight;
-        let scatter: f64 = each.iter().map(|e| ((e.value - value) / e.sd).powi(2)).sum();
-        let excess = if each.len() > 1 { (scatter / (each.len() - 1) as f64).max(1.0) } else { 1.0 };
-        value.is_finite().then(|| LocalEstimate { value, sd: (excess / weight).sqrt() })
+        LocalEstimate::mean(&each)
     }
 }
 
@@ -196,7 +203,10 @@ impl Kinks {
         };
         let (mut impacts, mut blows) = (Vec::new(), Vec::new());
         let mut surface: Option<f64> = None;
-        for k in peaks(&up) {
+        let sharp = peaks(&up);
+        // A weak rebound, seen by few frames, stands out from nothing; the fewest parabolas still end there.
+        let places = if sharp.is_empty() { cuts(clock, &axes[2], &range) } else { sharp };
+        for k in places {
             let lines = (slope(&straight, k + 1 - half..k + 1), slope(&straight, k + 1..k + 1 + half));
             let (Some(before), Some(after)) = lines else { continue };
             let time = crossing(&before, &after, clock[k], clock[k + 1]);
@@ -227,6 +237,12 @@ impl Kinks {
         }
         blows.sort_unstable();
         Self { samples, impacts, blows }
+    }
+
+    fn all(&self) -> Vec<usize> {
+        let mut all: Vec<usize> = self.impacts.iter().chain(&self.blows).copied().collect();
+        all.sort_unstable();
+        all
     }
 
     /// The longest stretch with the most impacts and no blow inside.
@@ -265,6 +281,26 @@ impl Kinks {
     }
 }
 
+/// The samples of `range` at which one of the fewest parabolas that explain the heights falls and the next does so less.
+fn cuts(clock: &[f64], heights: &[f64], range: &Range<usize>) -> Vec<usize> {
+    let fit =
+        |part: &Range<usize>| Polynomial::fit(&clock[part.clone()], &heights[part.clone()], clock[part.start], None);
+    let pieces: Vec<Range<usize>> = parabolas(clock, heights).into_iter().filter(|p| p.len() > 3).collect();
+    let mut places = Vec::new();
+    for pair in pieces.windows(2) {
+        let (Some(before), Some(after)) = (fit(&pair[0]), fit(&pair[1])) else { continue };
+        let k = pair[0].end - 1;
+        let (falls, then) = (before.slope(clock[k]), after.slope(clock[k]));
+        // A release is no kink: its speed does not change.
+        let clear =
+            (then - falls) > 0.5 * falls.abs() + KINK_SIGNIFICANCE * noise_sd(heights) * before.slope_gain(clock[k]);
+        if falls < 0.0 && clear && range.contains(&k) {
+            places.push(k);
+        }
+    }
+    places
+}
+
 /// Half the width of the kink detector, in samples: the fewest whose slopes are known to a fourteenth of the speed of a fall
 /// through the range of heights seen.
 fn window(clock: &[f64], heights: &[f64], sd: f64, gravity: f64) -> usize {
@@ -277,7 +313,7 @@ fn window(clock: &[f64], heights: &[f64], sd: f64, gravity: f64) -> usize {
     wanted.min((clock.len() / 6).max(3))
 }
 
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_unstable_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
@@ -325,22 +361,29 @@ fn local_restitution(
     time_s: f64,
     sd: f64,
 ) -> Option<LocalEstimate> {
-    let widest = |range: Range<usize>, at_end: bool| -> Option<Polynomial> {
+    let widest = |range: Range<usize>, at_end: bool| -> Option<(f64, f64)> {
         let mut length = range.len();
+        let part =
+            |length: usize| if at_end { range.end - length..range.end } else { range.start..range.start + length };
+        let fit = |length| Polynomial::fit(&clock[part(length)], &heights[part(length)], time_s, None);
         loop {
-            let part = if at_end { range.end - length..range.end } else { range.start..range.start + length };
-            let fit = Polynomial::fit(&clock[part.clone()], &heights[part.clone()], time_s, None)?;
-            if fit.residual_sd < LOCAL_MISFIT * sd || length <= LOCAL_SAMPLES {
-                return (length >= 4).then_some(fit);
+            let whole = fit(length)?;
+            if whole.residual_sd < LOCAL_MISFIT * sd || length <= LOCAL_SAMPLES {
+                let slope = whole.slope(time_s);
+                // What the nearer samples alone would say shows how far a parabola fails here; the scatter of few samples
+                // is little known.
+                let stray = fit(length * 2 / 3).map_or(0.0, |nearer| nearer.slope(time_s) - slope);
+                let spread = whole.residual_sd.max(sd) * whole.slope_gain(time_s);
+                let spread = widened(spread.hypot(stray), length as f64 - 3.0);
+                return (length >= 4).then_some((slope, spread));
             }
             length = (length * 4 / 5).max(LOCAL_SAMPLES).min(length - 1);
         }
     };
-    let (down, up) = (widest(before, true)?, widest(after, false)?);
-    let (approach, rebound) = (-down.slope(time_s), up.slope(time_s));
+    let ((approach, down), (rebound, up)) = (widest(before, true)?, widest(after, false)?);
+    let approach = -approach;
     let value = rebound / approach;
-    let spread = |fit: &Polynomial| fit.residual_sd.max(sd) * fit.slope_gain(time_s);
-    let sd = (spread(&up).powi(2) + (value * spread(&down)).powi(2)).sqrt() / approach;
+    let sd = up.hypot(value * down) / approach;
     (approach > 0.0 && (-0.3..1.5).contains(&value) && sd < LOCAL_WORST_SD)
         .then_some(LocalEstimate { value, sd: sd.max(1e-9) })
 }

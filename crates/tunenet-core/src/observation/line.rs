@@ -58,6 +58,18 @@ impl Polynomial {
         self.coefficients[1] + 2.0 * self.coefficients[2] * (time - self.origin)
     }
 
+    /// Standard deviation of `c2` for noise of standard deviation 1.
+    pub fn curvature_gain(&self) -> f64 {
+        self.covariance[(2, 2)].max(0.0).sqrt()
+    }
+
+    /// Standard deviation of [`at`](Self::at) for noise of standard deviation 1.
+    pub fn value_gain(&self, time: f64) -> f64 {
+        let s = time - self.origin;
+        let row = nalgebra::Vector3::new(1.0, s, s * s);
+        row.dot(&(self.covariance * row)).max(0.0).sqrt()
+    }
+
     /// Standard deviation of [`slope`](Self::slope) for noise of standard deviation 1.
     pub fn slope_gain(&self, time: f64) -> f64 {
         let row = nalgebra::Vector3::new(0.0, 1.0, 2.0 * (time - self.origin));

@@ -4,16 +4,21 @@
 //! samples: its constructor refuses them, so nobody downstream has to check again.
 
 mod arcs;
+mod first_fall;
 mod line;
+mod local;
 mod noise;
 mod note;
+mod parabolas;
 pub mod preflight;
 pub mod recording;
 mod release;
 mod resample;
 mod wild;
 
-pub use arcs::{Arcs, Contact, LocalEstimate};
+pub use arcs::{Arcs, Contact};
+pub use first_fall::FirstFall;
+pub use local::LocalEstimate;
 pub use noise::noise_sd;
 pub use note::Note;
 pub use resample::resample;

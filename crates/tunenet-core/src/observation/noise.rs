@@ -23,7 +23,7 @@ pub fn noise_sd(values: &[f64]) -> f64 {
 
 /// The grid on which the values lie, 0 where they lie on none. Only powers of ten count, since only the digits of a file
 /// make a grid; a parabola sampled evenly lies on one too, and is not rounded.
-fn step(values: &[f64]) -> f64 {
+pub(super) fn step(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let least = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 1e-12).fold(f64::INFINITY, f64::min);

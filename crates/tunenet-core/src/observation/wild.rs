@@ -9,12 +9,15 @@ const TAIL: usize = 50;
 const OFF_NOISE: f64 = 15.0;
 /// ... and this many steps of its neighbours off their line.
 const OFF_STEPS: f64 = 1.5;
+/// ... and this share of the range of the others.
+const OFF_SHARE: f64 = 0.01;
 
 impl Observation {
     /// The samples (from 0) that leap out of the range of the others by more than that whole range, or off their neighbours'
     /// line by more than noise and motion can, and are back at the next sample. Two or more in a row are motion, however strange, and stay.
     #[must_use]
     pub fn wild(&self) -> Vec<usize> {
+        let mut ranges = Vec::new();
         let outside: Vec<Vec<bool>> = (0..self.channels().len())
             .map(|channel| {
                 let mut sorted: Vec<f64> = self.column(channel).collect();
@@ -22,18 +25,22 @@ impl Observation {
                 let tail = sorted.len().div_ceil(TAIL);
                 let (low, high) = (sorted[tail.min(sorted.len() - 1)], sorted[sorted.len().saturating_sub(tail + 1)]);
                 let range = high - low;
+                ranges.push(range);
                 self.column(channel).map(|v| range > 0.0 && (v > high + range || v < low - range)).collect()
             })
             .collect();
         let sd: Vec<f64> = (0..self.channels().len()).map(|c| noise_sd(&self.column(c).collect::<Vec<_>>())).collect();
-        let leaps = |i: usize| outside.iter().any(|c| c[i]) || (0..sd.len()).any(|c| self.stands_out(i, c, sd[c]));
+        let leaps = |i: usize| {
+            outside.iter().any(|c| c[i])
+                || (0..sd.len()).any(|c| self.stands_out(i, c, OFF_NOISE * sd[c] + OFF_SHARE * ranges[c]))
+        };
         let alone = |&i: &usize| leaps(i) && (i == 0 || !leaps(i - 1)) && (i + 1 == self.len() || !leaps(i + 1));
         (0..self.len()).filter(alone).collect()
     }
 
     /// Whether sample `i` lies off the line between its neighbours by far more than the noise, and by more than the motion
     /// about it could: an impact bends the path there by one step at most.
-    fn stands_out(&self, i: usize, channel: usize, sd: f64) -> bool {
+    fn stands_out(&self, i: usize, channel: usize, least: f64) -> bool {
         if i < 2 || i + 2 >= self.len() {
             return false;
         }
@@ -42,7 +49,7 @@ impl Observation {
         let off = (v(i) - v(i - 1) - share * (v(i + 1) - v(i - 1))).abs();
         let steps = [v(i - 1) - v(i - 2), v(i + 1) - v(i - 1), v(i + 2) - v(i + 1)];
         let step = steps.iter().fold(0.0f64, |most, s| most.max(s.abs()));
-        off > OFF_NOISE * sd + OFF_STEPS * step
+        off > least + OFF_STEPS * step
     }
 
     /// The same without the samples at `places`; `None` where none is to go or too few would be left.
@@ -51,7 +58,11 @@ impl Observation {
         if places.is_empty() || self.len() < places.len() + FEWEST_SAMPLES {
             return None;
         }
-        let kept: Vec<usize> = (0..self.len()).filter(|i| !places.contains(i)).collect();
+        let mut keep = vec![true; self.len()];
+        for &i in places {
+            keep[i] = false;
+        }
+        let kept: Vec<usize> = (0..self.len()).filter(|&i| keep[i]).collect();
         let clock = kept.iter().map(|&i| self.clock()[i]).collect();
         let values = kept.iter().flat_map(|&i| self.row(i).iter().copied()).collect();
         Self::new(self.kind(), self.channels().to_vec(), clock, values).ok()

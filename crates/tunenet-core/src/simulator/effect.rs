@@ -1,5 +1,8 @@
 //! An effect: something that a simulation leaves out and a measurement may show.
 
+use super::Parameter;
+use crate::Result;
+
 /// Where an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -28,7 +31,7 @@ impl Phase {
 }
 
 /// One number of an effect.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficient {
     /// Its key under `[effects.NAME]`, with its unit: `c_1_m`.
     pub key: &'static str,
@@ -42,6 +45,15 @@ pub struct Coefficient {
     pub max: f64,
     /// A value that is small but visible, as a distance from [`absent`](Self::absent): fits begin this far from it.
     pub typical: f64,
+}
+
+impl Coefficient {
+    /// A coefficient from its key, its unit in words, the value that means "absent", its bounds and a typical distance
+    /// from absent.
+    #[must_use]
+    pub const fn new(key: &'static str, unit: &'static str, absent: f64, (min, max): (f64, f64), typical: f64) -> Self {
+        Self { key, unit, absent, min, max, typical }
+    }
 }
 
 /// An effect as an entry of the catalogue: what it is, not how it acts.
@@ -68,6 +80,17 @@ impl Effect {
     pub fn believable(&self, values: &[f64], slack: &[f64]) -> bool {
         let each = values.iter().zip(slack).zip(&self.plausible);
         each.into_iter().all(|((value, slack), (low, high))| (low - slack..=high + slack).contains(value))
+    }
+
+    /// Its coefficients as parameters that may be tuned, each at its absent value, or at `values` where it is present.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`](crate::Error::Parameter) where one of `values` lies outside its bounds.
+    pub fn parameters(&self, values: Option<&[f64]>) -> Result<Vec<Parameter>> {
+        let value = |i: usize| values.map_or(self.coefficients[i].absent, |v| v[i]);
+        let one =
+            |(i, c): (usize, &Coefficient)| Parameter::new(self.parameter_name(i), c.unit, value(i), c.min, c.max);
+        self.coefficients.iter().enumerate().map(one).collect()
     }
 
     /// The parameter name of coefficient `i` in a simulator that carries this effect: `quadratic_drag.c_1_m`.

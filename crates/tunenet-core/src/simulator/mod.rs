@@ -1,14 +1,18 @@
 //! What could be: a simulator with parameters, seen only through its rollouts.
 
 mod effect;
+mod effects;
+mod measured;
 mod parameter;
 mod prepared;
 mod rollouts;
 mod scale;
 
 pub use effect::{Coefficient, Effect, Phase};
+pub use effects::measurement_effects;
+pub use measured::Measured;
 pub use parameter::Parameter;
-pub use prepared::{Preparation, Prepared};
+pub use prepared::{Preparation, Prepared, Rejected};
 pub use rollouts::{rollout, rollouts};
 pub use scale::Scale;
 
@@ -51,7 +55,7 @@ pub trait Simulator: Send + Sync {
 
     /// The same simulator with these of its [`effects`](Simulator::effects) added: their coefficients follow its
     /// parameters in the order of `names`, each at its absent value, free to tune, and named by
-    /// [`Effect::parameter_name`].
+    /// [`Effect::parameter_name`]. An effect that it already has at fixed values begins there instead.
     ///
     /// # Errors
     /// [`Error::Setting`] where it does not know one of them.
@@ -72,4 +76,66 @@ pub trait Simulator: Send + Sync {
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String>;
+}
+
+/// What stands behind a reference is a simulator as well.
+impl<S: Simulator + ?Sized> Simulator for &S {
+    fn parameters(&self) -> &[Parameter] {
+        (**self).parameters()
+    }
+
+    fn channels(&self) -> &[Channel] {
+        (**self).channels()
+    }
+
+    fn kind(&self) -> Kind {
+        (**self).kind()
+    }
+
+    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+        (**self).prepare(seen)
+    }
+
+    fn effects(&self) -> Vec<Effect> {
+        (**self).effects()
+    }
+
+    fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
+        (**self).with_effects(names)
+    }
+
+    fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
+        (**self).rollout(p, own, clock, values)
+    }
+}
+
+/// What lies in a box is a simulator as well.
+impl<S: Simulator + ?Sized> Simulator for Box<S> {
+    fn parameters(&self) -> &[Parameter] {
+        (**self).parameters()
+    }
+
+    fn channels(&self) -> &[Channel] {
+        (**self).channels()
+    }
+
+    fn kind(&self) -> Kind {
+        (**self).kind()
+    }
+
+    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+        (**self).prepare(seen)
+    }
+
+    fn effects(&self) -> Vec<Effect> {
+        (**self).effects()
+    }
+
+    fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
+        (**self).with_effects(names)
+    }
+
+    fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
+        (**self).rollout(p, own, clock, values)
+    }
 }

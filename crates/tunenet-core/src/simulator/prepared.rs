@@ -18,6 +18,8 @@ pub struct Prepared {
     pub silent: Vec<Option<Note>>,
     /// Scales that make the recording dimensionless for a network, where the simulator knows some.
     pub scale: Option<Scale>,
+    /// When something sudden happened to the thing (impacts), on the clock of `seen`; empty where that is not known.
+    pub events: Vec<f64>,
     /// Every check that was made of it.
     pub checks: Vec<Check>,
     /// What was noticed.
@@ -29,7 +31,16 @@ impl Prepared {
     #[must_use]
     pub fn whole(seen: Observation, parameters: usize) -> Self {
         let (local, silent) = (vec![None; parameters], vec![None; parameters]);
-        Self { seen, own: Vec::new(), local, silent, scale: None, checks: Vec::new(), notes: Vec::new() }
+        Self {
+            seen,
+            own: Vec::new(),
+            local,
+            silent,
+            scale: None,
+            events: Vec::new(),
+            checks: Vec::new(),
+            notes: Vec::new(),
+        }
     }
 
     /// The first guesses of the own unknowns.
@@ -44,6 +55,15 @@ impl Prepared {
 pub enum Preparation {
     /// It can be tuned to.
     Usable(Box<Prepared>),
-    /// It cannot, for this reason.
-    Rejected(Note),
+    /// It cannot.
+    Rejected(Box<Rejected>),
+}
+
+/// A recording that cannot be used.
+#[derive(Debug, Clone)]
+pub struct Rejected {
+    /// Why.
+    pub note: Note,
+    /// Every check that was made of it.
+    pub checks: Vec<Check>,
 }

@@ -2,7 +2,7 @@
 
 use super::outcome::Iteration;
 use super::unknowns::Point;
-use crate::network::Model;
+use crate::network::{Model, Side};
 use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, Simulator, rollout};
 use crate::{Error, Result};
@@ -15,6 +15,7 @@ const SHORTEST_SECANT: f64 = 1e-9;
 
 /// How the loop moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is switched on its own")]
 pub struct Loop {
     /// How many iterations, one rollout each.
     pub iterations: usize,
@@ -25,6 +26,9 @@ pub struct Loop {
     pub secant: bool,
     /// Whether the best iterate by trajectory error is returned, instead of the last.
     pub best: bool,
+    /// Whether the rollouts stored with the model may say where to start, instead of the start given, and how steep the
+    /// way is before two rollouts do.
+    pub library: bool,
 }
 
 /// Where the loop ended and how it got there.
@@ -52,7 +56,15 @@ pub fn walk(
     let free = positions(simulator.parameters(), model)?;
     let clock = recording.seen.clock();
     let mut point = start;
-    let secant = settings.secant && free.len() == 1;
+    let target = Side { observation: &recording.seen, scale: recording.scale.as_ref() };
+    if settings.library
+        && let Some(values) = model.start(target)?
+    {
+        point = point.with(&free, &clamped(simulator, &free, &values));
+    }
+    // Slopes compare trajectories to the last digit. Where the release is a guess they lead astray; the network has
+    // learned how guesses err.
+    let secant = settings.secant && free.len() == 1 && !model.from_recordings();
     let mut seen: Vec<Rolled> = Vec::new();
     let mut iterations = Vec::new();
     let mut best: Option<(f64, Point)> = None;
@@ -77,15 +89,20 @@ pub fn walk(
             vec![next]
         } else {
             let (kind, channels) = (recording.seen.kind(), recording.seen.channels().to_vec());
-            let proposed = Observation::new(kind, channels, clock.to_vec(), values)?;
-            let step =
-                model.estimate(&proposed, recording.scale.as_ref(), &recording.seen, recording.scale.as_ref())?;
+            let rolled = Observation::new(kind, channels, clock.to_vec(), values)?;
+            let proposed = Side { observation: &rolled, scale: recording.scale.as_ref() };
+            let mut step = model.estimate_batch(&[(proposed, target)])?.swap_remove(0);
+            if settings.library
+                && secant
+                && let Some(finer) = model.library_step(now[0], proposed, target)?
+                && finer.abs() < LONGEST_SECANT * simulator.parameters()[free[0]].span()
+            {
+                step = vec![finer];
+            }
             now.iter().zip(step).map(|(value, step)| value + step).collect()
         };
-        for (&position, value) in free.iter().zip(next) {
-            let p = &simulator.parameters()[position];
-            point.parameters[position] = if settings.clamp { value.clamp(p.min, p.max) } else { value };
-        }
+        let next = if settings.clamp { clamped(simulator, &free, &next) } else { next };
+        point = point.with(&free, &next);
     }
     let rollouts = iterations.len();
     let end = match best {
@@ -93,6 +110,12 @@ pub fn walk(
         _ => point,
     };
     Ok(Walk { point: end, iterations, rollouts })
+}
+
+/// The values within the bounds of the parameters at `free`.
+fn clamped(simulator: &dyn Simulator, free: &[usize], values: &[f64]) -> Vec<f64> {
+    let bounds = free.iter().map(|&i| &simulator.parameters()[i]);
+    bounds.zip(values).map(|(p, value)| value.clamp(p.min, p.max)).collect()
 }
 
 /// Checks that the model's parameters are the simulator's, and says where they stand.

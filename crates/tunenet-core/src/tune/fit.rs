@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::arrow::{Arrow, Block};
 use super::residual::weighted;
 use super::unknowns::Point;
 use crate::Result;
@@ -129,6 +130,13 @@ impl Problem<'_> {
     /// # Errors
     /// Where the simulator refuses the start; a refused step is only shortened.
     pub fn fit(&self, start: Point, horizon: f64) -> Result<Fit> {
+        self.fit_until(start, horizon, 0.0)
+    }
+
+    /// As [`fit`](Problem::fit), but ends as well after two steps in a row that each gain no more than `enough` of the cost:
+    /// a profile needs its cost, not the place in full precision.
+    pub(super) fn fit_until(&self, start: Point, horizon: f64, enough: f64) -> Result<Fit> {
+        let mut small_gains = 0;
         let mut point = start;
         let mut residuals = self.residuals(&point, horizon)?;
         let mut rollouts = self.recordings.len();
@@ -161,11 +169,12 @@ impl Problem<'_> {
             (point, residuals) = (candidate, new);
             trace.push((point.at(self.free), self.rmse(&residuals)));
             damping = (damping / 10.0).max(1e-12);
-            if still || gain <= 1e-12 * cost {
+            small_gains = if gain <= enough { small_gains + 1 } else { 0 };
+            if still || gain <= 1e-12 * cost || small_gains == 2 {
                 break;
             }
         }
-        let covariance = system.map_or_else(|| DMatrix::zeros(0, 0), |s: Equations| s.covariance());
+        let covariance = system.map_or_else(|| DMatrix::zeros(0, 0), |s: Arrow| s.covariance());
         let cost = huber_cost(&residuals, robust_scale(&residuals)) + self.prior(&point);
         Ok(Fit { point, residuals, cost, covariance, rollouts, trace })
     }
@@ -203,13 +212,35 @@ impl Problem<'_> {
         shared.chain(own).fold(0.0, f64::max)
     }
 
-    fn equations(&self, linear: &[Linearised], point: &Point, scale: f64) -> Equations {
+    /// What the data say of the free parameters at `fit`, each recording's own unknowns fitted: the Schur complement of the
+    /// normal equations (the inverse of a covariance for noise as stated), the pull on each parameter (the slope of −cost),
+    /// and the diagonal before the own unknowns took their share. Bounds are ignored.
+    ///
+    /// # Errors
+    /// Where the simulator refuses.
+    pub(super) fn curvature(&self, fit: &Fit) -> Result<(DMatrix<f64>, DVector<f64>, DVector<f64>)> {
+        let linear = self.linearise(&fit.point, &fit.residuals, 1.0)?;
+        let equations = self.normal_equations(&linear, &fit.point, robust_scale(&fit.residuals));
+        let (schur, pull) = equations.reduced();
+        Ok((schur, pull, equations.shared.diagonal()))
+    }
+
+    fn equations(&self, linear: &[Linearised], point: &Point, scale: f64) -> Arrow {
+        let mut equations = self.normal_equations(linear, point, scale);
+        // A parameter on a bound that wants to leave it is held there.
+        for i in 0..self.free.len() {
+            let (p, value) = (self.parameter(i), point.parameters[self.free[i]]);
+            let outward = equations.right[i] < 0.0 && value <= p.min || equations.right[i] > 0.0 && value >= p.max;
+            if outward {
+                equations.hold(i);
+            }
+        }
+        equations
+    }
+
+    fn normal_equations(&self, linear: &[Linearised], point: &Point, scale: f64) -> Arrow {
         let shared = self.free.len();
-        let mut equations = Equations {
-            shared: DMatrix::zeros(shared, shared),
-            shared_right: DVector::zeros(shared),
-            blocks: Vec::with_capacity(linear.len()),
-        };
+        let mut equations = Arrow::new(shared, linear.len());
         for (d, one) in linear.iter().enumerate() {
             let width = one.columns.len();
             let own = width - shared;
@@ -227,7 +258,7 @@ impl Problem<'_> {
             let normal = DMatrix::from_fn(width, width, |i, j| normal[(i.min(j), i.max(j))]);
             let right = DVector::from_fn(width, |i, _| -product(&one.columns[i], &one.residual));
             equations.shared += normal.view((0, 0), (shared, shared));
-            equations.shared_right += right.rows(0, shared);
+            equations.right += right.rows(0, shared);
             let mut own_normal = normal.view((shared, shared), (own, own)).into_owned();
             let mut own_right = right.rows(shared, own).into_owned();
             for (i, p) in self.recordings[d].own.iter().enumerate() {
@@ -235,21 +266,12 @@ impl Problem<'_> {
                 own_right[i] -= (point.own[d][i] - p.value) / p.span().powi(2);
             }
             let coupling = normal.view((0, shared), (shared, own)).into_owned();
-            equations.blocks.push(Block { coupling, own: own_normal, own_right });
-        }
-        // A parameter on a bound that wants to leave it is held there.
-        for i in 0..shared {
-            let (p, value) = (self.parameter(i), point.parameters[self.free[i]]);
-            let outward =
-                equations.shared_right[i] < 0.0 && value <= p.min || equations.shared_right[i] > 0.0 && value >= p.max;
-            if outward {
-                equations.hold(i);
-            }
+            equations.blocks.push(Block { places: (0..shared).collect(), coupling, own: own_normal, own_right });
         }
         equations
     }
 
-    fn moved(&self, point: &Point, equations: &Equations, damping: f64) -> Point {
+    fn moved(&self, point: &Point, equations: &Arrow, damping: f64) -> Point {
         let (shared, own) = equations.solve(damping);
         let mut moved = point.clone();
         for (i, step) in shared.iter().enumerate() {
@@ -274,106 +296,19 @@ fn nudge(value: &mut f64, parameter: &Parameter, direction: f64) -> f64 {
     *value - before
 }
 
-/// Normal equations: shared parameters, and per recording its own unknowns and their coupling to the shared ones.
-struct Equations {
-    shared: DMatrix<f64>,
-    shared_right: DVector<f64>,
-    blocks: Vec<Block>,
-}
-
-struct Block {
-    /// Shape `[shared, own]`.
-    coupling: DMatrix<f64>,
-    own: DMatrix<f64>,
-    own_right: DVector<f64>,
-}
-
-impl Equations {
-    fn hold(&mut self, i: usize) {
-        self.shared.row_mut(i).fill(0.0);
-        self.shared.column_mut(i).fill(0.0);
-        self.shared[(i, i)] = 1.0;
-        self.shared_right[i] = 0.0;
-        for block in &mut self.blocks {
-            block.coupling.row_mut(i).fill(0.0);
-        }
-    }
-
-    /// The damped step: first the shared unknowns from the Schur complement, then each recording's own.
-    fn solve(&self, damping: f64) -> (DVector<f64>, Vec<DVector<f64>>) {
-        let damped = |m: &DMatrix<f64>| {
-            let mut m = m.clone();
-            for i in 0..m.nrows() {
-                m[(i, i)] += damping * m[(i, i)] + f64::MIN_POSITIVE.sqrt();
-            }
-            m
-        };
-        let mut schur = damped(&self.shared);
-        let mut right = self.shared_right.clone();
-        let inverses: Vec<DMatrix<f64>> = self.blocks.iter().map(|b| inverse(damped(&b.own))).collect();
-        for (block, inverse) in self.blocks.iter().zip(&inverses) {
-            let through = &block.coupling * inverse;
-            schur -= &through * block.coupling.transpose();
-            right -= &through * &block.own_right;
-        }
-        let shared = inverse(schur) * right;
-        let own = |(block, inverse): (&Block, &DMatrix<f64>)| {
-            inverse * (&block.own_right - block.coupling.transpose() * &shared)
-        };
-        let own = self.blocks.iter().zip(&inverses).map(own).collect();
-        (shared, own)
-    }
-
-    /// Covariance of the shared parameters with the own unknowns marginalised. A parameter without influence gets an
-    /// infinite variance.
-    fn covariance(&self) -> DMatrix<f64> {
-        let mut schur = self.shared.clone();
-        for block in &self.blocks {
-            schur -= &block.coupling * inverse(block.own.clone()) * block.coupling.transpose();
-        }
-        let dead: Vec<bool> =
-            (0..schur.nrows()).map(|i| schur[(i, i)] <= 1e-9 * self.shared[(i, i)].max(1e-12)).collect();
-        for i in (0..schur.nrows()).filter(|&i| dead[i]) {
-            schur.row_mut(i).fill(0.0);
-            schur.column_mut(i).fill(0.0);
-            schur[(i, i)] = 1.0;
-        }
-        let mut covariance = inverse(schur);
-        for i in (0..covariance.nrows()).filter(|&i| dead[i]) {
-            covariance[(i, i)] = f64::INFINITY;
-        }
-        covariance
-    }
-}
-
-/// The inverse of a symmetric positive matrix, scaled to a unit diagonal first; its pseudo-inverse where it is singular.
-fn inverse(m: DMatrix<f64>) -> DMatrix<f64> {
-    let n = m.nrows();
-    if n == 0 {
-        return m;
-    }
-    let scale = DVector::from_fn(n, |i, _| m[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip());
-    let scaled = DMatrix::from_fn(n, n, |i, j| m[(i, j)] * scale[i] * scale[j]);
-    let inverted = scaled.clone().cholesky().map(|c| c.inverse()).or_else(|| {
-        // The decomposition never ends on what is not finite.
-        scaled.iter().all(|v| v.is_finite()).then(|| scaled.pseudo_inverse(1e-12).ok()).flatten()
-    });
-    inverted.map_or_else(|| DMatrix::zeros(n, n), |v| DMatrix::from_fn(n, n, |i, j| v[(i, j)] * scale[i] * scale[j]))
-}
-
 /// The residuals' own spread where it exceeds the stated noise, so that a misfit of the whole is not taken for outliers.
-pub(super) fn robust_scale(residuals: &[Vec<f64>]) -> f64 {
+pub(crate) fn robust_scale(residuals: &[Vec<f64>]) -> f64 {
     let mut sizes: Vec<f64> = residuals.iter().flatten().map(|r| r.abs()).collect();
     let middle = sizes.len() / 2;
     let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
     (1.4826 * *median).max(1.0)
 }
 
-fn huber_weight(residual: f64, scale: f64) -> f64 {
+pub(crate) fn huber_weight(residual: f64, scale: f64) -> f64 {
     (HUBER * scale / residual.abs()).min(1.0)
 }
 
-fn huber_cost(residuals: &[Vec<f64>], scale: f64) -> f64 {
+pub(crate) fn huber_cost(residuals: &[Vec<f64>], scale: f64) -> f64 {
     let limit = HUBER * scale;
     let each = |r: &f64| if r.abs() <= limit { 0.5 * r * r } else { limit * (r.abs() - 0.5 * limit) };
     residuals.iter().flatten().map(each).sum()

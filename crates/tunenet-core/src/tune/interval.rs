@@ -1,6 +1,6 @@
 //! How sure a fit is: 95 % intervals from the curvature around it, and from the profile of the misfit near a bound.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::fit::{Fit, Problem, robust_scale};
 use crate::Result;
@@ -9,11 +9,28 @@ use crate::Result;
 pub const LEVEL: f64 = 0.95;
 /// Residuals that follow each other (ρ above 2/√n, where white noise stays below) carry less than they count.
 const WORST_CORRELATION: f64 = 0.95;
+/// More degrees of freedom change no quantile in its fourth digit.
+const MOST_FREEDOM: f64 = 1e5;
 /// A channel whose squared residuals are below this share of the largest channel's is exact.
 const EXACT_SHARE: f64 = 1e-4;
 /// Steps of the profile, as a share of the standard deviation and of the bounds.
 const PROFILE_STEP_SD: f64 = 0.25;
 const PROFILE_STEP_SPAN: f64 = 1.0 / 160.0;
+/// The profile is flat while it lies this few standard deviations above the best; there the steps grow up to a share of the
+/// bounds ...
+const FLAT: f64 = 0.05;
+const FLAT_STEP_SPAN: f64 = 1.0 / 40.0;
+/// ... and a rise by more standard deviations than this in one step is gone through in quarters, down to a share of the
+/// bounds.
+const LARGEST_RISE: f64 = 1.0;
+const LEAST_STEP_SPAN: f64 = 1e-7;
+/// A step that raises the misfit by less than this many standard deviations was too short: the next is twice as long. The
+/// curvature at a kink says nothing of what lies beyond it.
+const SMALL_RISE: f64 = 0.25;
+/// A fit along a profile may leave this much of the misfit, in squares of standard deviations.
+const MISFIT_TOLERANCE: f64 = 1e-4;
+/// A bound farther from the estimate than this share of the bounds, and as good, leaves the estimate open.
+const OPEN_SHARE: f64 = 0.25;
 
 /// The spread of a fit's residuals.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +67,34 @@ impl Spread {
     /// How many standard deviations an interval of [`LEVEL`] reaches.
     #[must_use]
     pub fn quantile(&self) -> f64 {
-        StudentsT::new(0.0, 1.0, self.freedom).map_or(1.96, |t| t.inverse_cdf(0.5 + LEVEL / 2.0))
+        self.one_sided(0.5 + LEVEL / 2.0)
+    }
+
+    /// How many standard deviations chance stays below with this probability.
+    #[must_use]
+    pub fn one_sided(&self, level: f64) -> f64 {
+        StudentsT::new(0.0, 1.0, self.freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(level))
+    }
+
+    /// How far a cost lies above the least one, as a square of standard deviations: twice the difference over the variance
+    /// of what the residuals are worth.
+    #[must_use]
+    pub fn excess(&self, cost_above_best: f64) -> f64 {
+        (2.0 * cost_above_best / (self.variance * self.inflation)).max(0.0)
+    }
+
+    /// The cost that makes no difference to an [`excess`](Spread::excess).
+    pub(super) fn negligible(&self) -> f64 {
+        0.5 * MISFIT_TOLERANCE * self.variance * self.inflation
+    }
+
+    /// The greatest [`excess`](Spread::excess) within a joint region of [`LEVEL`] for `count` parameters: `count` times the
+    /// quantile of Fisher's F (Beale 1960).
+    #[must_use]
+    pub fn joint_quantile(&self, count: usize) -> f64 {
+        let count = count as f64;
+        let fisher = FisherSnedecor::new(count, self.freedom.min(MOST_FREEDOM)).map(|f| f.inverse_cdf(LEVEL));
+        count * fisher.unwrap_or(f64::INFINITY)
     }
 
     /// The standard deviation of an estimate whose variance for noise as stated is `variance`.
@@ -76,6 +120,45 @@ fn correlation(residuals: &[f64], channel: usize, width: usize) -> (f64, f64) {
     (product, column().map(|r| r * r).sum())
 }
 
+/// One end of an interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End {
+    /// Where it lies.
+    pub value: f64,
+    /// Whether it is the bound because the data allow everything up to there.
+    pub bound: bool,
+    /// How many standard deviations the misfit at this end lies above the best: the quantile where the data drew it.
+    pub misfit: f64,
+}
+
+/// The two ends of a 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// The lower end.
+    pub low: End,
+    /// The upper end.
+    pub high: End,
+}
+
+impl Interval {
+    /// Whether a bound this far from `value`, as a share of the bounds, fits within one standard deviation: the data say
+    /// on which side the value lies, not where.
+    #[must_use]
+    pub fn open(&self, value: f64, span: f64) -> bool {
+        let far = |end: End| end.bound && end.misfit < 1.0 && (end.value - value).abs() > OPEN_SHARE * span;
+        far(self.low) || far(self.high)
+    }
+}
+
+/// The 95 % interval of each free parameter as (low, high), and the rollouts that it took beyond the fit; see [`ends`].
+///
+/// # Errors
+/// Where the simulator refuses.
+pub fn intervals(problem: &Problem, fit: &Fit) -> Result<(Vec<(f64, f64)>, usize)> {
+    let (all, rollouts) = ends(problem, fit, &Spread::of(problem, fit))?;
+    Ok((all.into_iter().map(|i| (i.low.value, i.high.value)).collect(), rollouts))
+}
+
 /// The 95 % interval of each free parameter, and the rollouts that it took beyond the fit.
 ///
 /// From the curvature (Laplace) where the interval stays well inside the bounds; where it comes near one, the values whose
@@ -83,8 +166,7 @@ fn correlation(residuals: &[f64], channel: usize, width: usize) -> (f64, f64) {
 ///
 /// # Errors
 /// Where the simulator refuses.
-pub fn intervals(problem: &Problem, fit: &Fit) -> Result<(Vec<(f64, f64)>, usize)> {
-    let spread = Spread::of(problem, fit);
+pub fn ends(problem: &Problem, fit: &Fit, spread: &Spread) -> Result<(Vec<Interval>, usize)> {
     let mut rollouts = 0;
     let mut all = Vec::with_capacity(problem.free.len());
     for (i, &position) in problem.free.iter().enumerate() {
@@ -95,13 +177,14 @@ pub fn intervals(problem: &Problem, fit: &Fit) -> Result<(Vec<(f64, f64)>, usize
         let near = value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max;
         let reach = spread.quantile() * sd;
         all.push(if near {
-            let profile = Profile { problem, fit, i, spread: &spread, sd };
+            let profile = Profile { problem, fit, i, spread, sd };
             let (low, used) = profile.edge(-1.0)?;
             let (high, more) = profile.edge(1.0)?;
             rollouts += used + more;
-            (low, high)
+            Interval { low, high }
         } else {
-            (value - reach, value + reach)
+            let end = |value| End { value, bound: false, misfit: spread.quantile() };
+            Interval { low: end(value - reach), high: end(value + reach) }
         });
     }
     Ok((all, rollouts))
@@ -118,11 +201,11 @@ struct Profile<'a> {
 
 impl Profile<'_> {
     /// Walks from the estimate towards a bound until the misfit exceeds the quantile; returns where, or the bound.
-    fn edge(&self, direction: f64) -> Result<(f64, usize)> {
+    fn edge(&self, direction: f64) -> Result<(End, usize)> {
         let position = self.problem.free[self.i];
         let p = &self.problem.simulator.parameters()[position];
         let bound = if direction < 0.0 { p.min } else { p.max };
-        let step =
+        let mut step =
             (PROFILE_STEP_SD * self.sd).max(PROFILE_STEP_SPAN * p.span() * 1e-3).min(PROFILE_STEP_SPAN * p.span());
         let others: Vec<usize> = self.problem.free.iter().copied().filter(|&f| f != position).collect();
         let problem = Problem { free: &others, ..*self.problem };
@@ -132,18 +215,30 @@ impl Profile<'_> {
         loop {
             let value = before + direction * step;
             let value = if (bound - value) * direction <= 0.0 { bound } else { value };
-            point.parameters[position] = value;
-            let there = problem.fit(point, 1.0)?;
+            let mut moved = point.clone();
+            moved.parameters[position] = value;
+            let there = problem.fit_until(moved, 1.0, self.spread.negligible())?;
             rollouts += there.rollouts;
-            let excess = 2.0 * (there.cost - self.fit.cost) / (self.spread.variance * self.spread.inflation);
-            let misfit = excess.max(0.0).sqrt();
+            let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
+            // A jump is looked at more closely before it is interpolated.
+            if misfit >= limit && misfit - misfit_before > LARGEST_RISE && step > LEAST_STEP_SPAN * p.span() {
+                step = (value - before).abs() / 4.0;
+                continue;
+            }
             if misfit >= limit {
                 let share = (limit - misfit_before) / (misfit - misfit_before).max(f64::MIN_POSITIVE);
-                return Ok((before + share.clamp(0.0, 1.0) * (value - before), rollouts));
+                let value = before + share.clamp(0.0, 1.0) * (value - before);
+                return Ok((End { value, bound: false, misfit: limit }, rollouts));
             }
             if value == bound {
-                return Ok((bound, rollouts));
+                return Ok((End { value: bound, bound: true, misfit }, rollouts));
             }
+            if misfit - misfit_before < SMALL_RISE {
+                step *= 2.0;
+            }
+            // Where nothing changes there is nothing to step over.
+            let longest = if misfit < FLAT { FLAT_STEP_SPAN } else { PROFILE_STEP_SPAN };
+            step = step.min(longest * p.span());
             (before, misfit_before, point) = (value, misfit, there.point);
         }
     }

@@ -3,20 +3,24 @@
 use nalgebra::DMatrix;
 
 use super::fit::Fit;
-use super::outcome::Estimate;
+use super::information::Information;
+use super::interval::{Interval, Spread};
+use super::outcome::{Estimate, Status, Verdict};
 use super::starts::local_estimate;
 use super::unknowns::Point;
 use super::{Adequacy, Tuning};
 use crate::observation::Note;
+use crate::simulator::Parameter;
 
 /// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
 /// 95 % interval of .95.
 const UNINFORMATIVE_SHARE: f64 = 0.9;
-/// A combination of parameters whose standard deviation exceeds this share of their bounds is as wide as an even draw from
-/// them (1/√12).
-const LOOSE_DIRECTION: f64 = 0.29;
-/// A parameter takes part in a direction from this share on.
-const TAKES_PART: f64 = 0.3;
+/// A pull against a bound counts from this one-sided level on: a truth exactly on its bound is called wrong once in a
+/// thousand recordings.
+const BOUND_LEVEL: f64 = 0.999;
+/// ... and where it would carry the parameter farther beyond than this share of the bounds. Nearly exact recordings show
+/// less than that of any two simulators.
+const PRACTICAL_SHARE: f64 = 1e-5;
 
 impl Tuning<'_> {
     /// Whether any recording keeps more than its noise explains; says by how much.
@@ -29,7 +33,7 @@ impl Tuning<'_> {
             if adequacy.poor() {
                 poor = true;
                 let which = if self.numbers.last() > Some(&1) {
-                    format!("recording {}: ", self.numbers[d])
+                    format!("{}: ", self.settings.name_of(self.numbers[d] - 1))
                 } else {
                     String::new()
                 };
@@ -50,10 +54,50 @@ impl Tuning<'_> {
         poor
     }
 
+    /// How each free parameter stands by its fit.
+    pub(super) fn standings(
+        &self,
+        fit: &Fit,
+        known: &Information,
+        spread: &Spread,
+        interval95: &[Interval],
+    ) -> Vec<Standing> {
+        let each = |(k, interval): (usize, &Interval)| {
+            let p = &self.simulator.parameters()[self.free[k]];
+            let value = fit.point.parameters[self.free[k]];
+            let (low, high) = (interval.low.value.max(p.min), interval.high.value.min(p.max));
+            let weak = high - low >= UNINFORMATIVE_SHARE * p.span() || interval.open(value, p.span());
+            let within = |null: bool| known.directions.iter().any(|d| d.null == null && d.parts().contains(&k));
+            let beyond = known.pull[k];
+            let outward = value <= p.min && beyond < 0.0 || value >= p.max && beyond > 0.0;
+            let status = if within(true) || weak && within(false) {
+                Status::Direction
+            } else if !known.covariance[(k, k)].is_finite() && (low, high) == (p.min, p.max) {
+                Status::NoEffect
+            } else if weak {
+                Status::Weak
+            } else if outward && self.against_bound(known, spread, k) {
+                Status::AtBound
+            } else {
+                Status::Pinned
+            };
+            Standing { interval: (low, high), status, beyond }
+        };
+        interval95.iter().enumerate().map(each).collect()
+    }
+
+    /// Whether the data pull parameter `k` beyond its bound by more than chance and by enough to matter.
+    fn against_bound(&self, known: &Information, spread: &Spread, k: usize) -> bool {
+        let span = self.simulator.parameters()[self.free[k]].span();
+        let beyond = known.pull[k].abs();
+        beyond > spread.one_sided(BOUND_LEVEL) && beyond * spread.sd(known.covariance[(k, k)]) > PRACTICAL_SHARE * span
+    }
+
     /// Where the record as a whole is not explained, what its events alone say stands: a force missing in flight must not
-    /// be booked as restitution.
-    pub(super) fn fall_back_on_local(&self, fit: &mut Fit, interval95: &mut [(f64, f64)], notes: &mut Vec<Note>) {
-        for (&i, interval) in self.free.iter().zip(interval95) {
+    /// be booked as restitution. Says whether there was anything to fall back on.
+    pub(super) fn fall_back_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> bool {
+        let mut fell = false;
+        for (&i, standing) in self.free.iter().zip(found) {
             let p = &self.simulator.parameters()[i];
             if let Some((value, sd)) = local_estimate(self.recordings, i) {
                 let text = format!(
@@ -61,11 +105,15 @@ impl Tuning<'_> {
                     p.name, fit.point.parameters[i]
                 );
                 fit.point.parameters[i] = value.clamp(p.min, p.max);
-                let (low, high) = (value - 1.96 * sd, value + 1.96 * sd);
-                *interval = (low.clamp(p.min, p.max), high.clamp(p.min, p.max));
+                let (low, high) = ((value - 1.96 * sd).clamp(p.min, p.max), (value + 1.96 * sd).clamp(p.min, p.max));
+                let weak = high - low >= UNINFORMATIVE_SHARE * p.span();
+                let status = if weak { Status::Weak } else { Status::Pinned };
+                *standing = Standing { interval: (low, high), status, beyond: 0.0 };
                 notes.push(Note::new("fit.local", text, ""));
+                fell = true;
             }
         }
+        fell
     }
 
     pub(super) fn noise_floor(&self) -> f64 {
@@ -78,83 +126,115 @@ impl Tuning<'_> {
         (squares / self.recordings.iter().map(|r| r.seen.len()).sum::<usize>() as f64).sqrt()
     }
 
+    /// The answer for every parameter to tune. One on which nothing depends keeps its value.
     pub(super) fn estimates(
         &self,
         start: &Point,
-        fit: &Fit,
-        interval95: &[(f64, f64)],
+        fit: &mut Fit,
+        found: &[Standing],
         notes: &mut Vec<Note>,
     ) -> Vec<Estimate> {
         let mut all = Vec::new();
         for (i, p) in self.simulator.parameters().iter().enumerate().filter(|(_, p)| p.tune) {
             let place = self.free.iter().position(|&f| f == i);
-            let interval = place.map_or((p.min, p.max), |k| (interval95[k].0.max(p.min), interval95[k].1.min(p.max)));
-            let identified = place.is_some() && interval.1 - interval.0 < UNINFORMATIVE_SHARE * p.span();
-            let value = fit.point.parameters[i];
-            if !identified {
-                let reason = self.recordings.iter().find_map(|r| r.silent[i].clone());
-                let moot = place.is_some_and(|k| !fit.covariance[(k, k)].is_finite());
-                notes.push(reason.unwrap_or_else(|| undetermined(&p.name, interval, moot)));
-            } else if value <= p.min || value >= p.max {
-                let text = format!("`{}` ends on its bound {value}", p.name);
-                notes.push(Note::new(
-                    "parameter.at_bound",
-                    text,
-                    "check the bounds, the units and the surface's height",
-                ));
+            let silent = Standing { interval: (p.min, p.max), status: Status::NoEffect, beyond: 0.0 };
+            let standing = place.map_or(silent, |k| found[k]);
+            if standing.status == Status::NoEffect {
+                fit.point.parameters[i] = start.parameters[i];
             }
+            let value = fit.point.parameters[i];
+            let reason = self.recordings.iter().find_map(|r| r.silent[i].clone()).filter(|_| place.is_none());
+            notes.extend(reason.or_else(|| standing.note(p, value)));
             all.push(Estimate {
                 name: p.name.clone(),
                 unit: p.unit.clone(),
                 before: start.parameters[i],
                 value,
-                interval95: interval,
+                interval95: standing.interval,
                 bounds: (p.min, p.max),
-                identified,
+                identified: standing.status.identified(),
+                status: standing.status,
             });
         }
         all
     }
 }
 
-/// The note on a parameter that the data leave open.
-fn undetermined(name: &str, interval: (f64, f64), moot: bool) -> Note {
-    let remedy = "bring a recording in which it matters";
-    if moot {
-        return Note::new("parameter.no_effect", format!("`{name}` changes nothing in these recordings"), remedy);
+/// How one free parameter stands.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Standing {
+    /// Its 95 % interval within the bounds.
+    interval: (f64, f64),
+    status: Status,
+    /// How many standard deviations the data pull it beyond its bound.
+    beyond: f64,
+}
+
+impl Standing {
+    /// What a person should know of it.
+    fn note(&self, p: &Parameter, value: f64) -> Option<Note> {
+        let name = &p.name;
+        let remedy = "bring a recording in which it matters";
+        let (low, high) = self.interval;
+        match self.status {
+            Status::NoEffect => {
+                let text = format!("`{name}` changes nothing in these recordings, so it keeps its value {value}");
+                Some(Note::new("parameter.no_effect", text, remedy))
+            }
+            Status::Weak => {
+                let text = format!("the data do not determine `{name}`: any value from {low:.3} to {high:.3} fits");
+                Some(Note::new("parameter.not_identifiable", text, remedy))
+            }
+            Status::AtBound => {
+                let text = format!(
+                    "`{name}` ends on its bound {value}, and the data pull it beyond by {:.1} standard deviations",
+                    self.beyond.abs()
+                );
+                Some(Note::new(
+                    "parameter.at_bound",
+                    text,
+                    "widen the bound if it may lie beyond; otherwise check the units and what the simulation leaves out",
+                ))
+            }
+            Status::Pinned if value <= p.min || value >= p.max => {
+                let text = format!("`{name}` lies on its bound {value}, as it may: its interval is one-sided");
+                Some(Note::new("parameter.one_sided", text, ""))
+            }
+            Status::Pinned | Status::Direction => None,
+        }
     }
-    let text =
-        format!("the data do not determine `{name}`: any value from {:.3} to {:.3} fits", interval.0, interval.1);
-    Note::new("parameter.not_identifiable", text, remedy)
+}
+
+/// What is to be said of the whole.
+pub(super) fn verdict(parameters: &[Estimate], poor: bool) -> Verdict {
+    if parameters.iter().any(|p| !p.identified) {
+        Verdict::NotIdentifiable
+    } else if poor || parameters.iter().any(|p| p.status == Status::AtBound) {
+        Verdict::PoorFit
+    } else {
+        Verdict::Tuned
+    }
+}
+
+/// The places of the free parameters that a joint region is about: those on which the recordings have a bearing of their
+/// own.
+pub(super) fn joint(found: &[Standing]) -> Vec<usize> {
+    let bears = |s: &Standing| !matches!(s.status, Status::NoEffect | Status::Direction);
+    (0..found.len()).filter(|&k| bears(&found[k])).collect()
 }
 
 /// Names every combination of parameters along which the data leave everything open although each may seem bounded alone.
-pub(super) fn name_directions(tuning: &Tuning, fit: &Fit, notes: &mut Vec<Note>) {
-    let parameters: Vec<_> = tuning.free.iter().map(|&i| &tuning.simulator.parameters()[i]).collect();
-    let finite = fit.covariance.iter().all(|v| v.is_finite());
-    if parameters.len() < 2 || !finite {
-        return;
-    }
-    let scaled = DMatrix::from_fn(parameters.len(), parameters.len(), |i, j| {
-        fit.covariance[(i, j)] / (parameters[i].span() * parameters[j].span())
-    });
-    let eigen = scaled.symmetric_eigen();
-    for (k, variance) in eigen.eigenvalues.iter().enumerate() {
-        let axis = eigen.eigenvectors.column(k);
-        let mut part: Vec<usize> = (0..parameters.len()).filter(|&i| axis[i].abs() > TAKES_PART).collect();
-        part.sort_by(|a, b| axis[*b].abs().total_cmp(&axis[*a].abs()));
-        if variance.max(0.0).sqrt() > LOOSE_DIRECTION && part.len() > 1 {
-            let terms: Vec<String> = part
-                .iter()
-                .map(|&i| format!("{:+.2} {}", axis[i] * axis[part[0]].signum(), parameters[i].name))
-                .collect();
-            let text = format!("the data do not determine the combination {}", terms.join(" "));
-            notes.push(Note::new(
-                "parameter.direction",
-                text,
-                "fix one of them, or bring a recording that separates them",
-            ));
-        }
+pub(super) fn name_directions(tuning: &Tuning, known: &Information, notes: &mut Vec<Note>) {
+    for direction in &known.directions {
+        let parts = direction.parts();
+        let lead = direction.axis[parts[0]].signum();
+        let term = |&i: &usize| {
+            let name = &tuning.simulator.parameters()[tuning.free[i]].name;
+            format!("{:+.2} {name}", direction.axis[i] * lead)
+        };
+        let terms: Vec<String> = parts.iter().map(term).collect();
+        let text = format!("the data do not determine the combination {}", terms.join(" "));
+        notes.push(Note::new("parameter.direction", text, "fix one of them, or bring a recording that separates them"));
     }
 }
 

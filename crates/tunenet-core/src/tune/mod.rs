@@ -8,20 +8,32 @@
 
 mod adequacy;
 mod algorithm1;
+pub(crate) mod arrow;
 mod bounce_noise;
+mod contour;
+mod evidence;
 mod fit;
+mod information;
 mod interval;
 mod judge;
 mod outcome;
+mod profile;
+mod region;
 mod residual;
 mod starts;
 mod unknowns;
 
 pub use adequacy::Adequacy;
 pub use algorithm1::{Loop, Walk, walk};
+pub use contour::{Contour, contour};
+pub use evidence::{Comparison, Evidence, evidence};
 pub use fit::{Fit, Problem};
-pub use interval::{LEVEL, Spread, intervals};
-pub use outcome::{Estimate, Gap, Iteration, Outcome, Stop, Verdict};
+pub(crate) use fit::{huber_cost, huber_weight, robust_scale};
+pub use information::{Direction, Information};
+pub use interval::{End, Interval, LEVEL, Spread, ends, intervals};
+pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict};
+pub use profile::{Profile, profile};
+pub use region::Region;
 pub use residual::channel_noise;
 pub use unknowns::{Point, free};
 
@@ -44,15 +56,25 @@ pub struct Settings {
     /// Finish with a fit through rollouts and return the best iterate; off, the last iterate of Algorithm 1 stands, as in
     /// the paper.
     pub finish: bool,
+    /// What each observation is called in sentences for people, such as a file's name; numbered from 1 where left empty.
+    pub names: Vec<String>,
+}
+
+impl Settings {
+    /// What observation `number` (from 0) is called.
+    fn name_of(&self, number: usize) -> String {
+        self.names.get(number).cloned().unwrap_or_else(|| format!("recording {}", number + 1))
+    }
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { iterations: 5, initial: Vec::new(), clamp: true, finish: true }
+        Self { iterations: 5, initial: Vec::new(), clamp: true, finish: true, names: Vec::new() }
     }
 }
 
 /// Tunes `simulator` to `observations`, all of the same thing: shared parameters, and for each recording its own unknowns.
+/// A `model` starts the fit; of several recordings it looks at the first that can be used.
 ///
 /// ```
 /// # use tunenet_core::{observation::{Channel, Observation, Kind}, simulator::{Parameter, Simulator}, tune};
@@ -88,7 +110,7 @@ pub fn tune(
     let (mut recordings, mut used, mut preflight) = (Vec::new(), Vec::new(), Vec::new());
     for (number, seen) in observations.iter().enumerate() {
         let named = |note: &Note| {
-            let which = if observations.len() > 1 { format!("recording {}: ", number + 1) } else { String::new() };
+            let which = if observations.len() > 1 { format!("{}: ", settings.name_of(number)) } else { String::new() };
             Note { text: format!("{which}{}", note.text), ..note.clone() }
         };
         match simulator.prepare(seen)? {
@@ -98,9 +120,9 @@ pub fn tune(
                 recordings.push(*prepared);
                 used.push(true);
             }
-            Preparation::Rejected(note) => {
-                notes.push(named(&note));
-                preflight.push(Vec::new());
+            Preparation::Rejected(rejected) => {
+                notes.push(named(&rejected.note));
+                preflight.push(rejected.checks);
                 used.push(false);
             }
         }
@@ -130,6 +152,7 @@ pub fn tune(
         };
         outcome.own = recordings.iter().zip(&point.own).map(fitted).collect();
     }
+    outcome.recordings = recordings;
     Ok(outcome)
 }
 
@@ -138,11 +161,14 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         verdict: Verdict::Rejected,
         parameters: Vec::new(),
         correlation: DMatrix::zeros(0, 0),
+        region95: None,
         iterations: Vec::new(),
         gap: None,
         rollouts: 0,
         stop: Stop::Nothing,
         notes,
+        before: None,
+        recordings: Vec::new(),
         point: None,
         free: Vec::new(),
         own: Vec::new(),
@@ -205,22 +231,31 @@ impl Tuning<'_> {
         let gap_before = problem.rmse(&before.residuals);
         let (mut iterations, mut stop, mut notes) = (Vec::new(), Stop::Converged, Vec::new());
         let mut near = Point { parameters: start.parameters.clone(), own: before.point.own.clone() };
-        if let Some(model) = model.filter(|_| self.recordings.len() == 1 && !self.free.is_empty()) {
+        if let Some(model) = model.filter(|_| !self.free.is_empty()) {
             let secant = self.settings.finish && self.free.len() == 1;
             let how = Loop {
                 iterations: self.settings.iterations,
                 clamp: self.settings.clamp,
                 secant,
                 best: self.settings.finish,
+                library: self.settings.finish && self.settings.initial.is_empty(),
             };
             let walk = walk(self.simulator, &self.recordings[0], model, start.clone(), how)?;
             rollouts += walk.rollouts;
             iterations = walk.iterations;
             near = walk.point;
+            if self.settings.finish {
+                // The recordings' own unknowns follow, before they pull the parameters after them.
+                let own = Problem { free: &[], ..self.problem() }.fit(near, 1.0)?;
+                rollouts += own.rollouts;
+                near = own.point;
+            }
             stop = Stop::Iterations;
         }
         let mut fit = if self.settings.finish || iterations.is_empty() {
-            let (fit, used) = self.best_fit(&near)?;
+            // The start without a network stays among the starts: with one, the answer is never worse.
+            let plain = Point { parameters: start.parameters.clone(), own: before.point.own.clone() };
+            let (fit, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
             rollouts += used;
             if iterations.is_empty() {
                 iterations.push(Iteration { k: 0, parameters: near.at(self.free), rmse: gap_before });
@@ -238,32 +273,38 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             fit
         };
-        let (mut interval95, used) = intervals(&problem, &fit)?;
+        let spread = Spread::of(&problem, &fit);
+        let known = Information::of(&problem, &fit, &spread)?;
+        rollouts += self.recordings.iter().map(|r| self.free.len() + r.own.len()).sum::<usize>();
+        fit.covariance = known.covariance.clone();
+        let (interval95, used) = ends(&problem, &fit, &spread)?;
         rollouts += used;
         let poor = self.poor(&fit, &mut notes);
-        // The paper's last iterate stands as it is; anything else would not be the paper's.
-        if poor && self.settings.finish {
-            self.fall_back_on_local(&mut fit, &mut interval95, &mut notes);
-            // The recordings' own unknowns follow the parameters that now stand.
-            let own = Problem { free: &[], ..self.problem() }.fit(fit.point, 1.0)?;
-            rollouts += own.rollouts;
-            (fit.point, fit.residuals) = (own.point, own.residuals);
-        }
+        let mut found = self.standings(&fit, &known, &spread, &interval95);
+        let joint = judge::joint(&found);
+        let region95 = if self.settings.finish && !poor && joint.len() > 1 {
+            let (region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
+            rollouts += used;
+            Some(region)
+        } else {
+            None
+        };
         let gap = Gap {
             unit: self.simulator.channels()[0].unit.clone(),
             before: gap_before,
             after: problem.rmse(&fit.residuals),
             noise_floor: self.noise_floor(),
         };
-        let parameters = self.estimates(&start, &fit, &interval95, &mut notes);
-        let verdict = if parameters.iter().any(|p| !p.identified) {
-            Verdict::NotIdentifiable
-        } else if poor {
-            Verdict::PoorFit
-        } else {
-            Verdict::Tuned
-        };
-        judge::name_directions(self, &fit, &mut notes);
+        // The paper's last iterate stands as it is; anything else would not be the paper's.
+        if poor && self.settings.finish && self.fall_back_on_local(&mut fit, &mut found, &mut notes) {
+            // The recordings' own unknowns follow the parameters that now stand.
+            let own = Problem { free: &[], ..self.problem() }.fit(fit.point, 1.0)?;
+            rollouts += own.rollouts;
+            fit.point = own.point;
+        }
+        let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
+        judge::name_directions(self, &known, &mut notes);
+        let verdict = judge::verdict(&parameters, poor);
         let correlation = judge::correlation(&fit.covariance);
         let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
         let (gap, point) = (Some(gap), Some(fit.point));
@@ -271,11 +312,14 @@ impl Tuning<'_> {
             verdict,
             parameters,
             correlation,
+            region95,
             iterations,
             gap,
             rollouts,
             stop,
             notes,
+            before: Some(before.point),
+            recordings: Vec::new(),
             point,
             free,
             own: Vec::new(),

@@ -1,9 +1,10 @@
 //! What tuning ends with.
 
+use super::region::Region;
 use super::unknowns::Point;
 use crate::observation::Note;
 use crate::observation::preflight::Check;
-use crate::simulator::Parameter;
+use crate::simulator::{Parameter, Prepared};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -15,10 +16,34 @@ pub enum Verdict {
     Tuned,
     /// No recording could be used.
     Rejected,
-    /// The best parameters leave more than the noise explains.
+    /// The best parameters leave more than the noise explains, or are held by a bound that the data pull against.
     PoorFit,
     /// At least one parameter is not determined by the data.
     NotIdentifiable,
+}
+
+/// How a parameter stands after tuning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// The data determine it. On a bound, where the truth may lie, its interval is one-sided.
+    Pinned,
+    /// It has an influence, but its interval says no more than its bounds do, or is open towards one of them.
+    Weak,
+    /// It ends on a bound, and the data pull it significantly beyond: the bound is wrong, or the simulation is.
+    AtBound,
+    /// It changes nothing in these recordings, so it keeps its value.
+    NoEffect,
+    /// Only a combination of it with others is determined: see the note `parameter.direction`.
+    Direction,
+}
+
+impl Status {
+    /// Whether the data determine the parameter.
+    #[must_use]
+    pub fn identified(self) -> bool {
+        matches!(self, Self::Pinned | Self::AtBound)
+    }
 }
 
 /// One tuned parameter.
@@ -30,7 +55,7 @@ pub struct Estimate {
     pub unit: String,
     /// Its value before.
     pub before: f64,
-    /// Its value now.
+    /// Its value now; the one before where nothing depends on it.
     pub value: f64,
     /// Its 95 % interval.
     pub interval95: (f64, f64),
@@ -38,6 +63,8 @@ pub struct Estimate {
     pub bounds: (f64, f64),
     /// Whether the data determine it.
     pub identified: bool,
+    /// How it stands, and why it is not determined where it is not.
+    pub status: Status,
 }
 
 /// One iteration: where the parameters stood, and how far the rollout there lay from the data.
@@ -58,7 +85,8 @@ pub struct Gap {
     pub unit: String,
     /// With the parameters as they were, each recording's own unknowns fitted.
     pub before: f64,
-    /// With the parameters as they are now.
+    /// With the parameters that fit the whole record best. Where these are not the answer, since they were read off the
+    /// contacts alone (`fit.local`), the answer lies farther away.
     pub after: f64,
     /// What noise alone leaves.
     pub noise_floor: f64,
@@ -88,6 +116,9 @@ pub struct Outcome {
     pub free: Vec<String>,
     /// Correlations between the fitted ones, shape `[parameter, parameter]`.
     pub correlation: DMatrix<f64>,
+    /// The joint 95 % region of those that the data bear on; absent with fewer than two, with a poor fit, and where the
+    /// fit was not finished.
+    pub region95: Option<Region>,
     /// Every iteration, the start first.
     pub iterations: Vec<Iteration>,
     /// The gap; absent where rejected.
@@ -98,6 +129,10 @@ pub struct Outcome {
     pub stop: Stop,
     /// What a person should know.
     pub notes: Vec<Note>,
+    /// The start parameters with the own unknowns fitted to them: where [`Gap::before`] was taken.
+    pub before: Option<Point>,
+    /// The recordings used, as they were prepared for the fit.
+    pub recordings: Vec<Prepared>,
     /// All parameters and own unknowns at the end.
     pub point: Option<Point>,
     /// For each recording used: its own unknowns as they were fitted, `value` being the answer.

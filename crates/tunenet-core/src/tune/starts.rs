@@ -3,11 +3,15 @@
 use super::Tuning;
 use super::fit::{Fit, robust_scale};
 use super::unknowns::Point;
+use crate::observation::LocalEstimate;
 use crate::simulator::Prepared;
 use crate::{Error, Result};
 
 /// A fit whose residual exceeds the noise this many times may sit in a wrong valley and is tried again from elsewhere.
 const SUSPICIOUS_SCALE: f64 = 3.0;
+/// ... and one whose mean square does so this many times, where the median is blind: a channel or two may be far off while
+/// the others fit.
+const SUSPICIOUS_SQUARE: f64 = 2.0;
 /// A fit that ends within this share of the bounds from one of them is looked at again ...
 const NEAR_BOUND: f64 = 0.1;
 /// ... from these shares away from it.
@@ -16,9 +20,14 @@ const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08,
 /// friction is large enough to stop the slip, more of it changes nothing.
 const SPREAD_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
 
+/// Two misfits closer than this share of them are the same.
+const SAME_MISFIT: f64 = 1e-9;
+/// Places across the bounds, denser towards the lower one, at which a parameter without influence is looked for one.
+const FLAT_STARTS: u32 = 40;
+
 impl Tuning<'_> {
-    /// The best of several starts; more of them where the first leaves too much.
-    pub(super) fn best_fit(&self, near: &Point) -> Result<(Fit, usize)> {
+    /// The best of several starts, `near` and `also` among them; more of them where the first leaves too much.
+    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, usize)> {
         let problem = self.problem();
         if self.free.is_empty() {
             let fit = problem.fit(near.clone(), 1.0)?;
@@ -27,18 +36,27 @@ impl Tuning<'_> {
         }
         let mut starts = vec![near.clone()];
         starts.extend(self.local_start(near));
-        // One parameter at a time across its bounds, the others where the file or the events have them.
+        // One parameter at a time across its bounds, the others where the file, a network or the events have them.
         for base in starts.clone() {
             for &i in self.free {
                 let p = &self.simulator.parameters()[i];
                 starts.extend(SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()])));
             }
         }
+        let networked = also.is_some();
+        starts.extend(also);
         for start in starts.clone() {
             // The recordings' first guesses as well, where the start carries own unknowns fitted to other parameters.
             starts.push(Point { own: self.recordings.iter().map(Prepared::own_values).collect(), ..start });
         }
         let mut rollouts = starts.len() * self.recordings.len();
+        // A network's start is fitted whatever lies nearer by rollouts alone: short records have several valleys.
+        let mut best: Option<Fit> = None;
+        if networked {
+            let fit = problem.fit(near.clone(), 1.0)?;
+            rollouts += fit.rollouts;
+            best = Some(fit);
+        }
         let mut ranked: Vec<(f64, Point)> = Vec::with_capacity(starts.len());
         for start in starts {
             if let Ok(residuals) = problem.residuals(&start, 1.0) {
@@ -46,7 +64,8 @@ impl Tuning<'_> {
             }
         }
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut best: Option<Fit> = None;
+        // Where a parameter changes nothing, one start is as good as the next: only the first of them counts.
+        ranked.dedup_by(|next, kept| (next.0 - kept.0).abs() <= SAME_MISFIT * kept.0);
         for (tried, (_, start)) in ranked.into_iter().enumerate() {
             let grow = tried >= 2;
             let mut point = start;
@@ -62,13 +81,18 @@ impl Tuning<'_> {
             if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
                 best = Some(fit);
             }
-            let settled = best.as_ref().is_some_and(|b| robust_scale(&b.residuals) < SUSPICIOUS_SCALE);
+            let settled = best.as_ref().is_some_and(|b| {
+                let count = b.residuals.iter().map(Vec::len).sum::<usize>() as f64;
+                robust_scale(&b.residuals) < SUSPICIOUS_SCALE && 2.0 * b.cost < SUSPICIOUS_SQUARE * count
+            });
             if settled || tried >= 5 {
                 break;
             }
         }
         if let Some(found) = best.take() {
             let (found, used) = self.look_along_bounds(found)?;
+            rollouts += used;
+            let (found, used) = self.look_past_flats(found)?;
             rollouts += used;
             best = Some(found);
         }
@@ -110,6 +134,38 @@ impl Tuning<'_> {
         Ok((if again.cost < found.cost { again } else { found }, rollouts))
     }
 
+    /// Where a parameter has no influence at all, no step leaves the place (friction that grips, however great): looks for
+    /// values that do matter by plain rollouts, and fits again from the best of them.
+    fn look_past_flats(&self, found: Fit) -> Result<(Fit, usize)> {
+        let problem = self.problem();
+        let (mut rollouts, mut found) = (0, found);
+        for (k, &i) in self.free.iter().enumerate() {
+            if found.covariance.get((k, k)).is_none_or(|v| v.is_finite()) {
+                continue;
+            }
+            let p = &self.simulator.parameters()[i];
+            let level = problem.rmse(&found.residuals);
+            let places = (1..=FLAT_STARTS).map(|n| p.min + (f64::from(n) / f64::from(FLAT_STARTS)).powi(2) * p.span());
+            let mut other: Option<(f64, Point)> = None;
+            for value in places {
+                let point = found.point.with(&[i], &[value]);
+                rollouts += self.recordings.len();
+                let Ok(residuals) = problem.residuals(&point, 1.0) else { continue };
+                let rmse = problem.rmse(&residuals);
+                if (rmse - level).abs() > SAME_MISFIT * level && other.as_ref().is_none_or(|o| rmse < o.0) {
+                    other = Some((rmse, point));
+                }
+            }
+            let Some((_, start)) = other else { continue };
+            let again = problem.fit(start, 1.0)?;
+            rollouts += again.rollouts;
+            if again.cost < found.cost {
+                found = again;
+            }
+        }
+        Ok((found, rollouts))
+    }
+
     /// The parameters as the recordings' events alone suggest them.
     fn local_start(&self, near: &Point) -> Option<Point> {
         let local = |&i: &usize| {
@@ -126,9 +182,8 @@ impl Tuning<'_> {
 }
 
 /// What the events of all recordings together say of parameter `i`: the mean weighted by certainty, and its standard
-/// deviation.
+/// deviation, the scatter between recordings included.
 pub(super) fn local_estimate(recordings: &[Prepared], i: usize) -> Option<(f64, f64)> {
-    let each = || recordings.iter().filter_map(|r| r.local[i]);
-    let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
-    (weight > 0.0).then(|| (each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight, weight.sqrt().recip()))
+    let each: Vec<LocalEstimate> = recordings.iter().filter_map(|r| r.local[i]).collect();
+    LocalEstimate::mean(&each).map(|l| (l.value, l.sd))
 }

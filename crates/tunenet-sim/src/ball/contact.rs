@@ -9,29 +9,101 @@ use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, ColliderHandle, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
 };
 
-use super::scene::Scene;
+use super::scene::{GREATEST, Scene, within};
+
+/// What a contact has beside restitution and friction. Zero means absent.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Contact {
+    /// How restitution falls with the approach speed v: e (v / 3 m/s)^(−exponent), kept within 0 and 1.
+    pub restitution_exponent: f64,
+    /// The share of the slip that an impact takes, beyond friction; 0 to 2.
+    pub tangential_loss: f64,
+    /// How long a bounce lasts, s; 0 or more. The ball moves as if on a spring with a damper meanwhile.
+    pub duration_s: f64,
+    /// How much a rolling ball slows down, as a share of the acceleration that presses it onto the surface; 0 or more.
+    pub rolling_resistance: f64,
+    /// By how much the normal is turned at each impact, in order: about x, then y, rad. Level where there are no more.
+    pub kicks_rad: Vec<[f64; 2]>,
+}
+
+impl Contact {
+    /// # Errors
+    /// A sentence that names the first number that is not finite or outside its range.
+    pub fn check(&self) -> Result<(), String> {
+        within("restitution_exponent", self.restitution_exponent, -10.0, 10.0)?;
+        within("tangential_loss", self.tangential_loss, 0.0, 2.0)?;
+        within("duration_s", self.duration_s, 0.0, 10.0)?;
+        within("rolling_resistance", self.rolling_resistance, 0.0, GREATEST)?;
+        self.kicks_rad.iter().flatten().try_for_each(|angle| within("kicks_rad", *angle, -1.0, 1.0))
+    }
+}
+
+/// The approach speed at which an exponent leaves the restitution as it is, m/s.
+const REFERENCE_M_S: f64 = 3.0;
+/// Below this approach speed the restitution stays what it is here, m/s. A power law has no end at small speeds: the ball
+/// would bounce for ever. Hops from here are .5 mm high.
+const SLOWEST_LAW_M_S: f64 = 0.1;
+/// How much an impulse of 1 per mass at the skin of a solid sphere changes its slip: 1 + r²/(2/5·r²).
+const SLIP_PER_IMPULSE: f64 = 3.5;
 
 /// The law of contact: which coefficients an impact has. Effects that change an impact belong here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
-    /// Coefficient of restitution at any speed, 0 to 1.
+    /// Coefficient of restitution at 3 m/s, 0 to 1.
     pub restitution: f64,
     /// Coulomb's coefficient of friction, 0 or more.
     pub friction: f64,
+    /// See [`Contact::restitution_exponent`].
+    pub restitution_exponent: f64,
+    /// See [`Contact::tangential_loss`].
+    pub tangential_loss: f64,
+    /// See [`Contact::duration_s`].
+    pub duration_s: f64,
+    /// See [`Contact::rolling_resistance`].
+    pub rolling_resistance: f64,
 }
 
 impl Law {
     /// The law of a scene.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
-        Self { restitution: scene.restitution, friction: scene.friction }
+        Self {
+            restitution: scene.restitution,
+            friction: scene.friction,
+            restitution_exponent: scene.contact.restitution_exponent,
+            tangential_loss: scene.contact.tangential_loss,
+            duration_s: scene.contact.duration_s,
+            rolling_resistance: scene.contact.rolling_resistance,
+        }
     }
 
     /// Restitution and friction at a normal approach speed (m/s, 0 or more).
     #[must_use]
-    pub fn at(&self, _approach_m_s: f64) -> (f64, f64) {
-        (self.restitution, self.friction)
+    pub fn at(&self, approach_m_s: f64) -> (f64, f64) {
+        if self.restitution_exponent == 0.0 {
+            return (self.restitution, self.friction);
+        }
+        let speed = approach_m_s.max(SLOWEST_LAW_M_S) / REFERENCE_M_S;
+        ((self.restitution * speed.powf(-self.restitution_exponent)).clamp(0.0, 1.0), self.friction)
     }
+
+    /// Velocity and spin after the loss of slip that follows an impact on a surface with this unit `normal`.
+    pub(crate) fn lose_slip(&self, normal: Vector, radius: f64, (v, w): (Vector, Vector)) -> (Vector, Vector) {
+        if self.tangential_loss == 0.0 {
+            return (v, w);
+        }
+        let skin = v - w.cross(normal * radius);
+        let slip = skin - normal * normal.dot(skin);
+        let impulse = slip * (-self.tangential_loss / SLIP_PER_IMPULSE);
+        (v + impulse, w - normal.cross(impulse) * (2.5 / radius))
+    }
+}
+
+/// `normal` turned about x, then y; the same convention as a tilt of the surface, which a level one's becomes.
+pub(crate) fn turned(normal: Vector, [about_x, about_y]: [f64; 2]) -> Vector {
+    let ((sin_a, cos_a), (sin_b, cos_b)) = (about_x.sin_cos(), about_y.sin_cos());
+    let (x, z) = (cos_b * normal.x + sin_b * normal.z, cos_b * normal.z - sin_b * normal.x);
+    Vector::new(x, cos_a * normal.y - sin_a * z, sin_a * normal.y + cos_a * z)
 }
 
 /// The step in which the solver resolves an impact, s. Long enough for arithmetic, and so short that a spinning contact

@@ -84,7 +84,11 @@ const REACH: f64 = 0.02;
 /// A step is not cut at an apex nearer than this share of it.
 const SHORTEST: f64 = 1e-3;
 /// A sphere that rolls without slip keeps this share of a tangential acceleration: 1 / (1 + 2/5).
-const ROLLING_SHARE: f64 = 5.0 / 7.0;
+pub(crate) const ROLLING_SHARE: f64 = 5.0 / 7.0;
+
+/// The shortest step of a ball that rolls to a stop on a bent way, s, and how far its direction may turn within one, rad.
+const SHORTEST_ROLL_S: f64 = 1e-4;
+const TURN: f64 = 0.05;
 
 /// What bends a path.
 #[derive(Debug, Clone, Copy)]
@@ -93,8 +97,10 @@ enum Bend {
     Even { a: Vector, spin_up: Vector },
     /// A field that follows the velocity: Runge–Kutta of fourth order.
     Flight { field: Field },
-    /// The same, but rolling without slip on a plane.
-    Rolling { field: Field, normal: Vector, radius: f64 },
+    /// The same, but rolling without slip on a plane, slowed by this resistance (m/s²).
+    Rolling { field: Field, normal: Vector, radius: f64, resistance: f64 },
+    /// In contact: pressed onto a surface until the motion is `end`.
+    Pressed { end: Motion, normal: Vector },
 }
 
 /// One smooth piece of motion, from its start on.
@@ -117,13 +123,37 @@ impl Path {
         Self::even(start, field.constant, Vector::ZERO, f64::INFINITY)
     }
 
-    /// Rolling without slip on the plane with this normal.
-    pub fn rolling(start: Motion, field: &Field, normal: Vector, radius: f64) -> Self {
-        if field.varies {
-            return Self::bent(start, field, Bend::Rolling { field: *field, normal, radius });
+    /// Rolling without slip on the plane with this normal, slowed by a resistance (m/s², 0 or more).
+    pub fn rolling(start: Motion, field: &Field, normal: Vector, radius: f64, resistance: f64) -> Self {
+        let a = rolling(field, normal, resistance, start.v);
+        if resistance == 0.0 {
+            if field.varies {
+                return Self::bent(start, field, Bend::Rolling { field: *field, normal, radius, resistance });
+            }
+            return Self::even(start, a, normal.cross(a) / radius, f64::INFINITY);
         }
-        let a = along(field.constant, normal) * ROLLING_SHARE;
-        Self::even(start, a, normal.cross(a) / radius, f64::INFINITY)
+        let (speed, size) = (start.v.length(), a.length());
+        let towards = start.v.dot(a);
+        // On a straight way the ball slows evenly, and what held it back turns round only after it has stopped.
+        let stop = if towards < 0.0 { speed * speed / -towards } else { f64::INFINITY };
+        if !field.varies && start.v.cross(a).length() <= 1e-12 * speed * size {
+            return Self::even(start, a, normal.cross(a) / radius, stop);
+        }
+        let mut path = Self::bent(start, field, Bend::Rolling { field: *field, normal, radius, resistance });
+        // The direction of the resistance must not turn far within a step.
+        path.horizon = path.horizon.min((TURN * speed / size).max(SHORTEST_ROLL_S)).min(stop);
+        path.slack += 2.0 * resistance;
+        path
+    }
+
+    /// In contact for `duration` seconds: from `start`, with a velocity into the surface, to `end`'s velocity and spin.
+    ///
+    /// Normal to the surface the ball is on a spring with a damper, at whose restitution e the depth is
+    /// (v T/π) e^(t/T) sin(π t/T): it starts with −v and ends on the surface with e v. Along it, velocity and spin change
+    /// evenly. Both join the flights before and after without a jump of speed.
+    pub fn pressed(start: Motion, mut end: Motion, normal: Vector, duration: f64) -> Self {
+        end.x = start.x + along(start.v + end.v, normal) * (0.5 * duration);
+        Self { start, horizon: duration, slack: 0.0, bend: Bend::Pressed { end, normal } }
     }
 
     /// Constant accelerations for a while.
@@ -155,9 +185,25 @@ impl Path {
                 let (x, v) = runge_kutta(x, v, t, |v| field.acceleration(v));
                 Motion { x, v, w }
             }
-            Bend::Rolling { field, normal, radius } => {
-                let (x, v) = runge_kutta(x, v, t, |v| along(field.acceleration(v), *normal) * ROLLING_SHARE);
+            Bend::Rolling { field, normal, radius, resistance } => {
+                let (x, v) = runge_kutta(x, v, t, |v| rolling(field, *normal, *resistance, v));
                 Motion { x, v, w: normal.cross(v) / *radius + *normal * normal.dot(w) }
+            }
+            Bend::Pressed { end, .. } if t >= self.horizon => *end,
+            Bend::Pressed { end, normal } => {
+                let share = t / self.horizon;
+                let approach = -normal.dot(v);
+                let restitution = (normal.dot(end.v) / approach).max(f64::MIN_POSITIVE);
+                let (sin, cos) = (std::f64::consts::PI * share).sin_cos();
+                let swing = approach * restitution.powf(share);
+                let depth = swing * self.horizon * std::f64::consts::FRAC_1_PI * sin;
+                let speed = swing * (cos + restitution.ln() * std::f64::consts::FRAC_1_PI * sin);
+                let (before, after) = (along(v, *normal), along(end.v, *normal));
+                Motion {
+                    x: x + (before + (after - before) * (0.5 * share)) * t - *normal * depth,
+                    v: before + (after - before) * share - *normal * speed,
+                    w: w + (end.w - w) * share,
+                }
             }
         }
     }
@@ -167,7 +213,9 @@ impl Path {
         match &self.bend {
             Bend::Even { a, .. } => *a,
             Bend::Flight { field } => field.acceleration(v),
-            Bend::Rolling { field, normal, .. } => along(field.acceleration(v), *normal) * ROLLING_SHARE,
+            Bend::Rolling { field, normal, resistance, .. } => rolling(field, *normal, *resistance, v),
+            // Nothing else is looked for during a contact.
+            Bend::Pressed { .. } => Vector::ZERO,
         }
     }
 }
@@ -175,6 +223,15 @@ impl Path {
 /// The part of `a` that lies in the plane with this normal.
 pub(crate) fn along(a: Vector, normal: Vector) -> Vector {
     a - normal * normal.dot(a)
+}
+
+/// The acceleration of a ball that rolls at velocity `v`; from rest the resistance points against the drive.
+fn rolling(field: &Field, normal: Vector, resistance: f64, v: Vector) -> Vector {
+    let drive = along(field.acceleration(v), normal) * ROLLING_SHARE;
+    if resistance == 0.0 {
+        return drive;
+    }
+    drive - if v == Vector::ZERO { drive } else { v }.normalize_or_zero() * resistance
 }
 
 /// The classical step of fourth order for x' = v, v' = a(v). As a depends on v alone, the position needs no stages of

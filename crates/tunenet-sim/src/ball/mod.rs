@@ -7,10 +7,11 @@
 //! - [`flight`]: what acts in flight, and the curves that follow;
 //! - [`impact`]: when the ball first touches an obstacle, by distance queries of parry;
 //! - [`contact`]: what the touch does, by Rapier's solver;
+//! - [`effects`]: what may be added to all this, one file each;
 //! - `support`: lying, rolling and sliding, by contacts without rebound;
 //! - [`world`]: one rollout, all of this in order.
 //!
-//! Left out: the ball's own deformation, the duration of a contact, torques in flight, and twisting friction.
+//! Left out: the ball's own deformation (but for [`Contact::duration_s`]), torques in flight, and twisting friction.
 //!
 //! ```
 //! use tunenet_sim::ball::{Scene, State, impact_times, positions};
@@ -26,12 +27,14 @@
 //! ```
 
 pub mod contact;
+pub mod effects;
 pub mod flight;
 pub mod impact;
 pub mod scene;
 mod support;
 pub mod world;
 
+pub use contact::Contact;
 pub use flight::Forces;
 pub use scene::Scene;
 pub use world::World;

@@ -2,6 +2,7 @@
 
 use rapier3d::math::Vector;
 
+use super::contact::Contact;
 use super::flight::Forces;
 
 /// The greatest size of any number of a scene or a start: beyond it, sums of squares would lose the ball's own size.
@@ -41,6 +42,8 @@ pub struct Scene {
     pub restitution: f64,
     /// What acts on the ball in flight beside gravity.
     pub flight: Forces,
+    /// What a contact has beside restitution and friction.
+    pub contact: Contact,
 }
 
 impl Default for Scene {
@@ -56,6 +59,7 @@ impl Default for Scene {
             friction: 0.3,
             restitution: 0.7,
             flight: Forces::default(),
+            contact: Contact::default(),
         }
     }
 }
@@ -91,7 +95,8 @@ impl Scene {
             ("restitution", self.restitution, 0.0, 1.0),
         ];
         own.into_iter().try_for_each(|(name, value, min, max)| within(name, value, min, max))?;
-        self.flight.check()
+        self.flight.check()?;
+        self.contact.check()
     }
 }
 

@@ -4,7 +4,7 @@ use rapier3d::math::Vector;
 use rapier3d::parry::shape::Ball;
 
 use super::contact::{Law, Server};
-use super::flight::{Field, Motion, Path, along};
+use super::flight::{Field, Motion, Path, ROLLING_SHARE, along};
 use super::impact::{Gap, Obstacle};
 
 /// A rebound slower than this (m/s) ends the bouncing. What it cuts off is a hop of v²/2g = 5e-10 m.
@@ -15,6 +15,8 @@ const TOUCH_M: f64 = 1e-9;
 const SLIDING_STEP_S: f64 = 1.0 / 240.0;
 /// A skin slower than this against the surface, relative to the ball's speed plus 1 m/s, rolls.
 const SLIP: f64 = 1e-8;
+/// Slower than this (m/s) a ball that rolling resistance can hold stands still.
+const STANDSTILL_M_S: f64 = 1e-7;
 /// Rounds over several supports, one after the other, within a step.
 const MOST_ROUNDS: usize = 32;
 /// More supports than this never matter: three planes hold a sphere.
@@ -61,8 +63,13 @@ impl Ground<'_> {
             let sticks = slip.length() <= SLIP * (1.0 + motion.v.length());
             // Rolling needs friction for 2/7 of the driving acceleration.
             if sticks && drive.length() * 2.0 / 7.0 <= friction * pressing {
+                let resistance = self.law.rolling_resistance * pressing;
+                if motion.v.length() < STANDSTILL_M_S && drive.length() * ROLLING_SHARE <= resistance {
+                    (motion.v, motion.w) = (Vector::ZERO, *normal * normal.dot(motion.w));
+                    return Some((Path::even(motion, Vector::ZERO, Vector::ZERO, f64::INFINITY), supports));
+                }
                 motion.w = normal.cross(motion.v) / radius + *normal * normal.dot(motion.w);
-                return Some((Path::rolling(motion, self.field, *normal, radius), supports));
+                return Some((Path::rolling(motion, self.field, *normal, radius, resistance), supports));
             }
             if friction == 0.0 && !self.field.varies {
                 return Some((Path::even(motion, drive, Vector::ZERO, f64::INFINITY), supports));

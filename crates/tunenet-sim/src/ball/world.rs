@@ -3,7 +3,7 @@
 use rapier3d::math::Vector;
 use rapier3d::parry::shape::Ball;
 
-use super::contact::{Law, Server};
+use super::contact::{Law, Server, turned};
 use super::flight::{Field, Motion, Path};
 use super::impact::{Gap, Obstacle, first_touch};
 use super::scene::{Scene, within};
@@ -25,6 +25,8 @@ pub struct World {
     ball: Ball,
     field: Field,
     law: Law,
+    /// How each impact's normal is turned about x and y, rad.
+    kicks_rad: Vec<[f64; 2]>,
     /// The present piece of motion and when it started.
     path: Path,
     started_s: f64,
@@ -78,6 +80,7 @@ impl World {
             ball,
             field,
             law: Law::new(scene),
+            kicks_rad: scene.contact.kicks_rad.clone(),
             path: Path::flight(motion, &field),
             started_s: start_time_s,
             until: f64::INFINITY,
@@ -159,8 +162,16 @@ impl World {
         }
         let mut motion = self.path.at(self.until);
         self.started_s += self.until;
-        if let Some(touch) = self.hit {
-            motion = self.strike(motion, &touch);
+        if let Some(touch) = self.hit.take() {
+            // Onto the surface, so that what rounding left of the gap does not add up over the impacts.
+            motion.x -= touch.normal * touch.distance;
+            let before = motion;
+            motion = self.strike(before, &touch);
+            if self.law.duration_s > 0.0 && !self.supported && touch.normal.dot(before.v) < 0.0 {
+                self.path = Path::pressed(before, motion, touch.normal, self.law.duration_s);
+                self.until = self.law.duration_s;
+                return Ok(());
+            }
         }
         let mut supports = Supports::default();
         if self.supported {
@@ -179,18 +190,20 @@ impl World {
 
     /// One impact, at its instant.
     fn strike(&mut self, mut motion: Motion, touch: &Gap) -> Motion {
-        let normal = touch.normal;
-        // Onto the surface, so that what rounding left of the gap does not add up over the impacts.
-        motion.x -= normal * touch.distance;
-        let approach = -normal.dot(motion.v);
+        let radius = self.ball.radius;
+        let kick = self.kicks_rad.get(self.impacts.len()).filter(|kick| **kick != [0.0; 2]);
+        let struck = kick.map_or(touch.normal, |kick| turned(touch.normal, *kick));
+        let approach = -struck.dot(motion.v);
         if approach > 0.0 {
             let coefficients = self.law.at(approach);
-            (motion.v, motion.w) = self.server.resolve(normal, self.ball.radius, (motion.v, motion.w), coefficients);
+            let after = self.server.resolve(struck, radius, (motion.v, motion.w), coefficients);
+            (motion.v, motion.w) = self.law.lose_slip(struck, radius, after);
             self.contacts += 1;
         }
         if approach >= SLOWEST_REBOUND_M_S {
             self.impacts.push(Impact { time_s: self.started_s, approach_m_s: approach });
         }
+        let normal = touch.normal;
         let rebound = normal.dot(motion.v);
         self.supported = rebound < SLOWEST_REBOUND_M_S && normal.dot(self.field.acceleration(motion.v)) < 0.0;
         if self.supported {

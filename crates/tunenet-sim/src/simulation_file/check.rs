@@ -6,7 +6,7 @@ use std::path::Path;
 use toml_edit::{Item, Table, TableLike};
 use tunenet_core::{Error, Result};
 
-use super::schema::{BALL_KEYS, BALL_PARAMETERS, PARAMETER_KEYS, find, item_number, siblings};
+use super::schema::{BALL_KEYS, BALL_PARAMETERS, PARAMETER_KEYS, find, item_number, keys, siblings};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing.
 pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
@@ -16,15 +16,15 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
     }
     walk(path, text, root, "")?;
     for key in BALL_KEYS.iter().filter(|k| k.required) {
-        if lookup(root, key.path).is_none() {
+        if lookup(root, &key.path).is_none() {
             let message = format!("expected `{}` ({}), found none", key.path, key.meaning);
-            let (table, name) = key.path.split_once('.').unwrap_or(("", key.path));
+            let (table, name) = key.path.split_once('.').unwrap_or(("", &key.path));
             return Err(Error::file(path, message, format!("add `{name} = …` under [{table}]")));
         }
     }
     for name in BALL_PARAMETERS {
         let Some(table) = lookup(root, &format!("parameters.{name}")).and_then(Item::as_table_like) else { continue };
-        if let Some(key) = PARAMETER_KEYS.iter().find(|k| k.required && table.get(k.path).is_none()) {
+        if let Some(key) = PARAMETER_KEYS.iter().find(|k| k.required && table.get(&k.path).is_none()) {
             let message = format!("expected `{}` ({}) in [parameters.{name}], found none", key.path, key.meaning);
             return Err(Error::file(path, message, "a parameter needs value, min and max"));
         }
@@ -121,7 +121,7 @@ fn walk(path: &Path, text: &str, table: &dyn TableLike, prefix: &str) -> Result<
 fn known_table(path: &str) -> bool {
     let inside = format!("{path}.");
     let parameter = path.strip_prefix("parameters.").is_some_and(|name| BALL_PARAMETERS.contains(&name));
-    path == "parameters" || parameter || BALL_KEYS.iter().any(|k| k.path.starts_with(&inside))
+    path == "parameters" || parameter || keys().any(|k| k.path.starts_with(&inside))
 }
 
 fn unknown(path: &Path, text: &str, span: Range<usize>, key: &str) -> Error {

@@ -2,13 +2,19 @@
 //! comments and its order kept.
 
 mod check;
+mod effects;
 pub mod schema;
+mod template;
 
 use std::path::{Path, PathBuf};
 
 use toml_edit::{Document, DocumentMut, Item, Table, Value};
+use tunenet_core::observation::recording::read_text;
 use tunenet_core::simulator::Parameter;
 use tunenet_core::{Error, Result};
+
+pub use effects::PresentEffect;
+pub use template::template;
 
 use schema::{find, item_number, siblings};
 
@@ -61,11 +67,10 @@ impl SimulationFile {
     /// Reads and checks the file at `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] where it cannot be read; [`Error::Text`] with line and column where it is not TOML, holds an unknown
+    /// [`Error::Io`] where it cannot be read; [`Error::File`] where it is no text in UTF-8; [`Error::Text`] with line and column where it is not TOML, holds an unknown
     /// key, a value of the wrong kind or outside its bounds; [`Error::File`] where a key is missing.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, "reading", source))?;
-        Self::parse(path, &text)
+        Self::parse(path, &read_text(path)?)
     }
 
     /// Checks `text` as the content of `path`.
@@ -157,6 +162,23 @@ impl SimulationFile {
             Ok(Parameter { tune, ..parameter })
         });
         each.collect()
+    }
+
+    /// What determines how this file's balls move while they are tuned, in a fixed order: neither comments, nor what is
+    /// recorded, nor the values that tuning is to find.
+    #[must_use]
+    pub fn essence(&self) -> String {
+        let keys = schema::keys().filter(|key| !key.path.starts_with("record."));
+        let scene = keys.filter_map(|key| {
+            let mut value = self.item(&key.path)?.as_value()?.clone();
+            value.decor_mut().clear();
+            Some(format!("{}={value}", key.path))
+        });
+        let parameters = self.parameters().unwrap_or_default().into_iter().map(|p| {
+            let value = if p.tune { "tuned".into() } else { p.value.to_string() };
+            format!("{}={value} in {} to {}", p.name, p.min, p.max)
+        });
+        scene.chain(parameters).collect::<Vec<_>>().join("\n")
     }
 
     /// How the ball starts.

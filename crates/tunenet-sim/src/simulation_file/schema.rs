@@ -1,6 +1,13 @@
 //! Which keys a simulation file may hold, with unit and range: the one list that reading, `--set` and the docs share.
 
+use std::borrow::Cow;
+use std::sync::LazyLock;
+
 use toml_edit::{Item, Value};
+use tunenet_core::observation::Kind;
+use tunenet_core::simulator::measurement_effects;
+
+use crate::ball::effects::{ALL, Body};
 
 /// What a key's value looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,16 +73,16 @@ pub(super) fn item_number(item: &Item) -> Option<f64> {
 }
 
 /// One key.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Key {
     /// Its path: `ball.radius_m`.
-    pub path: &'static str,
+    pub path: Cow<'static, str>,
     /// What it holds.
     pub shape: Shape,
     /// Whether a file cannot do without it.
     pub required: bool,
     /// One line for people.
-    pub meaning: &'static str,
+    pub meaning: Cow<'static, str>,
 }
 
 const GREATEST: f64 = 1e9;
@@ -83,10 +90,10 @@ const LEAST: f64 = 1e-6;
 const STEEPEST: f64 = 1.5;
 
 const fn key(path: &'static str, shape: Shape, required: bool, meaning: &'static str) -> Key {
-    Key { path, shape, required, meaning }
+    Key { path: Cow::Borrowed(path), shape, required, meaning: Cow::Borrowed(meaning) }
 }
 
-/// The keys of a ball's file beside its parameters and its provenance.
+/// The keys of a ball's file beside its effects, its parameters and its provenance.
 pub const BALL_KEYS: &[Key] = &[
     key("kind", Shape::Word(&["ball"]), true, "what is simulated"),
     key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards; 9.81 where left out"),
@@ -117,15 +124,28 @@ pub const BALL_KEYS: &[Key] = &[
     ),
     key("record.rate_hz", Shape::Number(1e-3, 1e6), false, "frames per second that `simulate` and `gen` write"),
     key("record.frames", Shape::Whole(3, 10_000_000), false, "how many frames they write"),
-    key("effects.quadratic_drag.c_1_m", Shape::Number(0.0, 1e3), false, "air drag: a = -c |v| v"),
-    key("effects.linear_drag.b_1_s", Shape::Number(0.0, 1e3), false, "viscous drag: a = -b v"),
-    key("effects.wind.ax_m_s2", Shape::Number(-1e3, 1e3), false, "steady acceleration along x"),
-    key("effects.wind.ay_m_s2", Shape::Number(-1e3, 1e3), false, "steady acceleration along y"),
-    key("effects.magnus.sx_1_s", Shape::Number(-1e4, 1e4), false, "lift of a spinning ball: a = S x v"),
-    key("effects.magnus.sy_1_s", Shape::Number(-1e4, 1e4), false, "its y part"),
-    key("effects.magnus.sz_1_s", Shape::Number(-1e4, 1e4), false, "its z part"),
-    key("effects.effective_gravity.dg_m_s2", Shape::Number(-1e3, 1e3), false, "added to gravity: buoyancy, added mass"),
 ];
+
+/// The keys below `[effects]`: one for each coefficient of the catalogues, within the bounds that it has there.
+pub static EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
+    let any = Body { radius_m: 1.0, mass_kg: None, gravity_m_s2: 1.0 };
+    let entries = ALL.iter().map(|e| e.entry(&any)).chain(measurement_effects(Kind::Positions));
+    let keys = entries.flat_map(|effect| {
+        let one = |i: usize| Key {
+            path: Cow::Owned(format!("effects.{}", effect.parameter_name(i))),
+            shape: Shape::Number(effect.coefficients[i].min, effect.coefficients[i].max),
+            required: false,
+            meaning: Cow::Borrowed(effect.sentence),
+        };
+        (0..effect.coefficients.len()).map(one).collect::<Vec<_>>()
+    });
+    keys.collect()
+});
+
+/// All keys of a ball's file beside its parameters and its provenance.
+pub fn keys() -> impl Iterator<Item = &'static Key> {
+    BALL_KEYS.iter().chain(EFFECT_KEYS.iter())
+}
 
 /// The names that `[parameters.NAME]` may have in a ball's file.
 pub const BALL_PARAMETERS: &[&str] = &["restitution", "friction"];
@@ -144,9 +164,9 @@ pub const PARAMETER_KEYS: &[Key] = &[
 pub fn find(path: &str) -> Option<Key> {
     if let Some(rest) = path.strip_prefix("parameters.") {
         let (name, field) = rest.split_once('.')?;
-        return BALL_PARAMETERS.contains(&name).then(|| PARAMETER_KEYS.iter().find(|k| k.path == field).copied())?;
+        return BALL_PARAMETERS.contains(&name).then(|| PARAMETER_KEYS.iter().find(|k| k.path == field).cloned())?;
     }
-    BALL_KEYS.iter().find(|k| k.path == path).copied()
+    keys().find(|k| k.path == path).cloned()
 }
 
 /// The keys that could have been meant beside `path`: those of its table, or all tables.
@@ -161,17 +181,19 @@ pub fn siblings(path: &str) -> Vec<String> {
             BALL_PARAMETERS.iter().map(|p| format!("parameters.{p}")).collect()
         };
     }
-    let prefix = format!("{table}.");
-    let mut near: Vec<String> = BALL_KEYS
-        .iter()
-        .filter(|k| !table.is_empty() && k.path.starts_with(&prefix))
-        .map(|k| k.path.to_string())
-        .collect();
-    if near.is_empty() {
-        near =
-            BALL_KEYS.iter().map(|k| k.path.split_once('.').map_or(k.path, |(table, _)| table).to_string()).collect();
-        near.extend(["parameters".to_string(), "provenance".to_string()]);
-        near.dedup();
+    // Of an effect's table the coefficients; of an unknown effect, the effects.
+    let inside = format!("{table}.");
+    let near: Vec<String> =
+        keys().filter(|k| !table.is_empty() && k.path.starts_with(&inside)).map(|k| k.path.to_string()).collect();
+    if !near.is_empty() {
+        return near;
     }
+    let depth = if table.starts_with("effects") { 2 } else { 1 };
+    let head = |k: &Key| k.path.split('.').take(depth).collect::<Vec<_>>().join(".");
+    let mut near: Vec<String> = keys().filter(|k| depth == 1 || k.path.starts_with("effects.")).map(head).collect();
+    if depth == 1 {
+        near.extend(["parameters".to_string(), "provenance".to_string()]);
+    }
+    near.dedup();
     near
 }

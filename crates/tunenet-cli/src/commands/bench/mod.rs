@@ -1,7 +1,11 @@
 //! `tunenet bench`: every figure that is claimed, measured here.
 
+mod diagnose;
 mod intervals;
+mod preflight;
 mod process;
+mod regions;
+mod resume;
 mod speed;
 mod tuning;
 
@@ -14,6 +18,9 @@ pub fn run(options: &Bench) -> Result<Exit> {
     match &options.what {
         Measured::Speed(options) => speed::run(options),
         Measured::Tuning(options) => tuning::run(options),
+        Measured::Diagnose(options) => diagnose::run(options),
         Measured::Intervals(options) => intervals::run(options),
+        Measured::Regions(options) => regions::run(options),
+        Measured::Preflight(options) => preflight::run(options),
     }
 }

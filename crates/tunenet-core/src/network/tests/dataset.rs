@@ -104,3 +104,32 @@ fn what_is_no_dataset_is_refused_in_one_sentence() {
     assert!(refusal(&damaged).contains("expected"));
     assert!(matches!(DatasetReader::open(folder.path().join("none.mcap")), Err(Error::Io { .. })));
 }
+
+#[test]
+fn pairs_with_clocks_of_their_own_come_back() {
+    let folder = folder();
+    let out = folder.path().join("pairs.mcap");
+    let header = DatasetHeader { clock: Vec::new(), ..header(40, 0) };
+    let make = |number: u64, random: &mut ChaCha8Rng| {
+        let clock: Vec<f64> = (0..30 + number).map(|i| i as f64 / 20.0).collect();
+        let PairDraw { proposed, target, own, scale } = draw(number, random);
+        let roll = |e: &[f64]| rollout(&Bouncer::new(), e, &own, &clock);
+        let (one, two) = (roll(&proposed)?, roll(&target)?);
+        let (proposed_parameters, target_parameters) = (proposed, target);
+        Ok(Pair { proposed: one, target: two, proposed_parameters, target_parameters, own, scale, clock })
+    };
+    super::super::fill(&header, &make, &out, &mut |_, _| true).unwrap();
+    let pairs: Vec<Pair> = DatasetReader::open(&out).unwrap().collect::<Result<_>>().unwrap();
+    assert!(pairs.iter().enumerate().all(|(i, pair)| pair.clock.len() == 30 + i && pair.target.len() == 3 * (30 + i)));
+    let seed = header.seed;
+    assert_eq!(pairs[7], make(7, &mut stream(seed, 7)).unwrap());
+    // From the file or from memory, the network is the same.
+    let options = options(short(40), None);
+    let from_file = train(&out, &options, &mut |_| true).unwrap();
+    let from_memory = train_on(&header, &pairs, &options, &mut |_| true).unwrap();
+    assert!(from_file.from_recordings() && from_file.to_bytes().unwrap() == from_memory.to_bytes().unwrap());
+    assert!(matches!(
+        train(&out, &TrainOptions { preset: Preset::paper(), ..options }, &mut |_| true),
+        Err(Error::File { .. })
+    ));
+}

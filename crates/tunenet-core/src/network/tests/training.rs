@@ -171,3 +171,24 @@ fn error_by_rollout(model: &Model, low: f64, high: f64, noise_m: f64) -> [f64; 6
     }
     errors
 }
+
+#[test]
+fn stored_rollouts_start_near_without_a_rollout() {
+    let folder = folder();
+    let out = dataset(&folder, 300, 400);
+    let model = train(&out, &options(Preset { library: 61, ..short(400) }, None), &mut |_| true).unwrap();
+    let without = train(&out, &options(Preset { library: 0, ..short(400) }, None), &mut |_| true).unwrap();
+    let scale = scale(4.3);
+    for truth in [0.05, 0.33, 0.71, 0.98] {
+        let target = seen(truth, 4.3, 400);
+        let side = Side { observation: &target, scale: Some(&scale) };
+        let start = model.start(side).unwrap().unwrap()[0];
+        assert!((start - truth).abs() < 0.02, "{start} is not {truth}");
+        assert_eq!(without.start(side).unwrap(), None);
+        // The slope between stored rollouts leads on from a rollout nearby.
+        let near = seen(truth - 0.004, 4.3, 400);
+        let rolled = Side { observation: &near, scale: Some(&scale) };
+        let step = model.library_step(truth - 0.004, rolled, side).unwrap().unwrap();
+        assert!((step - 0.004).abs() < 0.002, "{step} at {truth}");
+    }
+}

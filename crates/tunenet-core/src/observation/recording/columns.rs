@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::guess::guess;
 use super::lines::{Cell, Line, cells};
-use super::quantity::{Family, Meaning, Quantity, Scale, meaning, plain};
+use super::quantity::{Family, Meaning, Quantity, Scale, meaning};
 use super::{Note, list};
 use crate::observation::{Channel, Kind};
 use crate::{Error, Result};
@@ -71,16 +72,29 @@ impl Header<'_> {
         }
     }
 
-    /// An example of `--columns` with two of the file's own columns.
-    fn example(&self) -> String {
-        if !self.named {
-            return "say which column is which, counted from 1, for example `--columns t_s=1,z_m=2`".into();
-        }
+    /// What to type: the mapping that the names suggest, or an example of one.
+    fn remedy(&self) -> String {
         let cells = self.cells();
-        let clock = cells.iter().find(|c| plain(c.text).starts_with('t') && !plain(c.text).starts_with("tau"));
-        let clock = clock.map_or("time", |c| c.text);
-        let other = cells.iter().map(|c| c.text).find(|text| *text != clock && !text.is_empty()).unwrap_or("height");
-        format!("say which column is which, for example `--columns t_s={clock},z_m={other}`")
+        let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
+        if !self.named {
+            let example = match names.len() {
+                0 | 1 => "bounce_time_s=1",
+                2 => "t_s=1,z_m=2",
+                3 => "t_s=1,x_m=2,z_m=3",
+                _ => "t_s=1,x_m=2,y_m=3,z_m=4",
+            };
+            return format!("say which column is which, counted from 1, for example `--columns {example}`");
+        }
+        match guess(&names) {
+            Some((option, false)) => format!("try `{option}`"),
+            Some((option, true)) => {
+                format!("try `{option}`; where another unit is meant, write it into our name: `t_ms`, `z_mm`")
+            }
+            None => {
+                "say which column is which, as in `--columns t_s=time,z_m=height` for a file with `time` and `height`"
+                    .into()
+            }
+        }
     }
 }
 
@@ -96,11 +110,11 @@ pub(super) fn layout(header: &Header<'_>, mapping: &[(String, String)]) -> Resul
     }
     let kind = match (kinds_mapped.as_slice(), kinds(&found).as_slice()) {
         ([kind], _) | ([], [kind]) => *kind,
-        ([], []) => return missing(header, &found, "`z_m`, `u_px` and `v_px`, `bounce_time_s`, or `q1_rad`", None),
+        ([], []) => return missing(header, &found, "columns `t_s` and `z_m`, or `bounce_time_s`", None),
         ([], several) | (several, _) => {
             let names: Vec<&str> = several.iter().map(|kind| kind.name()).collect();
             let message = format!("expected columns of one kind, found those of {}", names.join(" and "));
-            return header.refuse(None, message, header.example());
+            return header.refuse(None, message, header.remedy());
         }
     };
     build(header, kind, &found, notes)
@@ -130,7 +144,7 @@ fn mapped(header: &Header<'_>, mapping: &[(String, String)]) -> Result<Found> {
             return header.refuse(
                 None,
                 format!("`{theirs}` is not a column: found {}", header.found()),
-                header.example(),
+                header.remedy(),
             );
         };
         if found.insert(quantity, Source { column, scale, quantity }).is_some() {
@@ -184,7 +198,7 @@ fn named(header: &Header<'_>, found: &mut Found, notes: &mut Vec<Note>) {
 fn build(header: &Header<'_>, kind: Kind, found: &Found, mut notes: Vec<Note>) -> Result<Layout> {
     let need = |quantity: Quantity| match found.get(&quantity) {
         Some(source) => Ok(*source),
-        None => missing(header, found, &format!("`{}`", quantity.header()), Some(quantity)),
+        None => missing(header, found, &format!("a column `{}`", quantity.header()), Some(quantity)),
     };
     let clock = match kind {
         Kind::BounceTimes => found.get(&Quantity::BounceNumber).copied(),
@@ -238,11 +252,11 @@ fn joints_agree(header: &Header<'_>, wanted: &[Quantity]) -> Result<()> {
         }
         if let Some(absent) = (1..=joints).map(family).find(|quantity| !wanted.contains(quantity)) {
             let message = format!(
-                "column `{}` is missing: the joints go up to {joints}, found {}",
+                "expected a column `{}`, since the joints go up to {joints}, found {}",
                 absent.header(),
                 header.found()
             );
-            return header.refuse(None, message, header.example());
+            return header.refuse(None, message, header.remedy());
         }
     }
     Ok(())
@@ -264,9 +278,9 @@ fn missing<T>(header: &Header<'_>, found: &Found, what: &str, quantity: Option<Q
         }
     }
     let message = if header.named {
-        format!("column {what} is missing: found {}", header.found())
+        format!("expected {what}, found {}", header.found())
     } else {
         format!("expected a header with {what}, found a line of numbers")
     };
-    header.refuse(None, message, header.example())
+    header.refuse(None, message, header.remedy())
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::lines::{Lines, cells, named, separator};
 use super::quantity::{Meaning, meaning};
 use super::scan::scan;
+use super::source::unchanged;
 use super::topics::{Topic, survey};
 use super::{Format, Note, ReadOptions, format};
 use crate::observation::Kind;
@@ -44,7 +45,9 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// The kind of observation it makes, or why it makes none.
     pub usable: std::result::Result<Kind, String>,
-    /// Lines after the header that hold something; 0 where the columns make no observation.
+    /// What to try where it makes none; empty where nothing is known.
+    pub remedy: String,
+    /// Lines after the header that hold something.
     pub rows: usize,
     /// Good samples among them.
     pub samples: usize,
@@ -89,6 +92,10 @@ pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
 /// As [`contents`].
 pub fn contents_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Contents> {
     let path = path.as_ref();
+    unchanged(path, || contents_once(path, options))
+}
+
+fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
     match format(path)? {
         Format::Csv => table(path, &options.columns).map(Contents::Table),
         Format::Mcap => {
@@ -104,8 +111,9 @@ pub fn contents_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Co
 
 fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
     let mut table = Table {
-        columns: columns(path)?,
+        columns: columns(path, mapping)?,
         usable: Err(String::new()),
+        remedy: String::new(),
         rows: 0,
         samples: 0,
         span_s: None,
@@ -117,14 +125,17 @@ fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
     };
     let scan = match scan(path, mapping) {
         Ok(scan) => scan,
-        Err(Error::Text { message, .. }) => {
-            table.usable = Err(message);
+        Err(Error::Text { message, hint, .. }) => {
+            (table.usable, table.remedy, table.rows) = (Err(message), hint, rows(path)?);
             return Ok(table);
         }
         Err(error) => return Err(error),
     };
     table.usable = scan.check().map(|()| scan.layout.kind).map_err(|error| match error {
-        Error::Text { line, message, .. } => format!("line {line}: {message}"),
+        Error::Text { line, message, hint, .. } => {
+            table.remedy = hint;
+            format!("line {line}: {message}")
+        }
         other => other.to_string(),
     });
     let times = if scan.layout.kind == Kind::BounceTimes { &scan.values } else { &scan.clock };
@@ -141,7 +152,19 @@ fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
     Ok(table)
 }
 
-fn columns(path: &Path) -> Result<Vec<Column>> {
+/// How many samples a table without a known column could hold.
+fn rows(path: &Path) -> Result<usize> {
+    let mut lines = Lines::open(path)?;
+    let Some(first) = lines.next()? else { return Ok(0) };
+    let separator = separator(&first.text);
+    let mut rows = usize::from(!named(&cells(&first.text, separator), separator));
+    while lines.next()?.is_some() {
+        rows += 1;
+    }
+    Ok(rows)
+}
+
+fn columns(path: &Path, mapping: &[(String, String)]) -> Result<Vec<Column>> {
     let Some(first) = Lines::open(path)?.next()? else { return Ok(Vec::new()) };
     let read_as = |name: &str| match meaning(name) {
         Meaning::Known(quantity, _) => Some(quantity.header()),
@@ -151,5 +174,14 @@ fn columns(path: &Path) -> Result<Vec<Column>> {
     let cells = cells(&first.text, separator);
     let named = named(&cells, separator);
     let name = |text: &str| if named { text.to_owned() } else { String::new() };
-    Ok(cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect())
+    let mut columns: Vec<Column> =
+        cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect();
+    for (ours, theirs) in mapping {
+        let by_name = columns.iter().position(|column| column.name == *theirs);
+        let by_number = || theirs.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        if let Some(column) = by_name.or_else(by_number).and_then(|at| columns.get_mut(at)) {
+            column.read_as = read_as(ours).or_else(|| column.read_as.take());
+        }
+    }
+    Ok(columns)
 }

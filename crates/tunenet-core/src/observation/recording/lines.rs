@@ -3,11 +3,15 @@
 use std::io::{BufRead, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
+use super::encoding::line;
 use super::open;
 use crate::{Error, Result};
 
 /// Longest line in bytes. A thousand columns of 17 digits need 24 kB.
 const LONGEST_LINE: u64 = 1 << 20;
+
+/// Most lines of a file that hold no sample: a second or two of reading. Fewer in tests, which have no second to spare.
+pub(super) const MOST_IDLE: usize = if cfg!(test) { 1000 } else { 10_000_000 };
 
 /// One line of a text file, without its end.
 #[derive(Debug, Clone)]
@@ -39,11 +43,13 @@ pub(super) struct Lines {
     reader: BufReader<std::fs::File>,
     number: usize,
     buffer: Vec<u8>,
+    /// Lines that held nothing, or only a comment.
+    idle: usize,
 }
 
 impl Lines {
     pub fn open(path: &Path) -> Result<Self> {
-        Ok(Self { path: path.into(), reader: BufReader::new(open(path)?), number: 0, buffer: Vec::new() })
+        Ok(Self { path: path.into(), reader: BufReader::new(open(path)?), number: 0, buffer: Vec::new(), idle: 0 })
     }
 
     /// The next line that holds something and is no `#` comment.
@@ -57,26 +63,28 @@ impl Lines {
             }
             self.number += 1;
             self.check_bytes(read)?;
-            let text = String::from_utf8_lossy(&self.buffer);
+            let text = line(&self.buffer);
+            if self.number == 1 && text.trim_end_matches(['\n', '\r']).contains('\r') {
+                let message = "expected a line feed at the end of each line, found carriage returns alone";
+                return Err(Error::file(&self.path, message, "convert it: `tr '\\r' '\\n'`"));
+            }
             let text = text.strip_prefix('\u{feff}').unwrap_or(&text).trim_end_matches(['\n', '\r']);
             if !text.trim().is_empty() && !text.trim_start().starts_with('#') {
                 return Ok(Some(Line { number: self.number, text: text.to_owned() }));
+            }
+            self.idle += 1;
+            if self.idle > MOST_IDLE {
+                return Err(idle(&self.path, "empty lines"));
             }
         }
     }
 
     fn check_bytes(&self, read: usize) -> Result<()> {
         let refuse = |message: String, hint: &str| Err(Error::file(&self.path, message, hint));
-        if self.number == 1 && (self.buffer.starts_with(&[0xff, 0xfe]) || self.buffer.starts_with(&[0xfe, 0xff])) {
-            return refuse(
-                "expected UTF-8 text, found UTF-16".into(),
-                "save it as UTF-8, or convert it with `iconv -f UTF-16 -t UTF-8`",
-            );
-        }
         if self.buffer.contains(&0) {
             return refuse(
                 format!("expected text, found a zero byte in line {}", self.number),
-                "give a CSV or MCAP file; a UTF-16 text must be saved as UTF-8",
+                "give a CSV or MCAP file, or write the line again",
             );
         }
         if read as u64 == LONGEST_LINE && !self.buffer.ends_with(b"\n") {
@@ -89,6 +97,12 @@ impl Lines {
     }
 }
 
+/// What is said of a file that goes on and on without a sample.
+pub(super) fn idle(path: &Path, what: &str) -> Error {
+    let message = format!("expected samples, found more than {MOST_IDLE} {what}");
+    Error::file(path, message, "is this the right file? keep the lines that hold samples")
+}
+
 /// The separator that a header uses; `None` where it holds one cell. A tab wins over a semicolon, which wins over a comma,
 /// because commas can be decimal marks.
 pub(super) fn separator(header: &str) -> Option<char> {
@@ -97,15 +111,17 @@ pub(super) fn separator(header: &str) -> Option<char> {
 
 /// The cells of a line. A quoted cell may hold the separator.
 pub(super) fn cells(line: &str, separator: Option<char>) -> Vec<Cell<'_>> {
-    let mut cells = Vec::new();
+    let mut cells = Vec::with_capacity(8);
     let mut start = 0;
     let mut quoted = false;
-    for (at, mark) in line.char_indices() {
-        if mark == '"' {
+    // Quotes and separators are ASCII, so no byte of another sign is taken for one.
+    let separator = separator.and_then(|mark| u8::try_from(mark).ok());
+    for (at, mark) in line.bytes().enumerate() {
+        if mark == b'"' {
             quoted = !quoted;
         } else if Some(mark) == separator && !quoted {
             cells.push(cell(line, start, at));
-            start = at + mark.len_utf8();
+            start = at + 1;
         }
     }
     cells.push(cell(line, start, line.len()));

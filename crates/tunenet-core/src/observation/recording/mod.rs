@@ -6,8 +6,9 @@
 //!
 //! | file | subject |
 //! |---|---|
-//! | `lines`, `quantity`, `columns`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, what the columns make, the numbers, an observation from them |
+//! | `lines`, `quantity`, `columns`, `guess`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, what the columns make or could make, the numbers, an observation from them |
 //! | `mcap_read`, `topics`, `message`, `ros`, `json`, `joints`, `mcap_series`, `stamps` | MCAP: records, topics, messages, an observation from them |
+//! | `source`, `encoding` | the file itself: what is opened, whether it changed meanwhile, and how its text is written |
 //! | `csv_write`, `mcap_write`, `definitions`, `atomic` | writing |
 //! | `contents` | the listing |
 
@@ -18,6 +19,8 @@ mod contents;
 mod csv;
 mod csv_write;
 mod definitions;
+mod encoding;
+mod guess;
 mod joints;
 mod json;
 mod lines;
@@ -28,6 +31,7 @@ mod message;
 mod quantity;
 mod ros;
 mod scan;
+mod source;
 mod stamps;
 #[cfg(test)]
 mod testing;
@@ -41,16 +45,20 @@ use std::path::Path;
 pub use atomic::write_atomically;
 pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv_write::write_csv;
+pub use encoding::read_text;
 #[allow(unused_imports, reason = "the reader of other files made of messages")]
 pub(crate) use mcap_read::{ChannelInfo, Messages, RawMessage, messages};
 pub use mcap_write::write_mcap;
+pub use source::open;
 pub use topics::Topic;
 
 use super::{Note, Observation};
 use crate::{Error, Result};
+use source::LARGEST_TEXT;
 
-/// Most numbers of one observation; a file with more is refused, since fitting would not end.
-pub const MOST_NUMBERS: usize = 20_000_000;
+/// Most numbers of one observation, its clock apart: ten million positions and a third more. A file with more is refused,
+/// since it would take gigabytes of memory.
+pub const MOST_NUMBERS: usize = 40_000_000;
 
 /// Greatest size of a number in an observation, in SI units: seconds since 1970 fit, and nothing that a person measures
 /// is larger.
@@ -90,6 +98,10 @@ enum Format {
 /// [`Error::Observation`] where the numbers make no observation.
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Recording> {
     let path = path.as_ref();
+    source::unchanged(path, || read_once(path, options))
+}
+
+fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
     match format(path)? {
         Format::Csv if options.topic.is_some() => Err(Error::Setting {
             name: "topic",
@@ -119,10 +131,31 @@ fn refuse_too_large(path: &Path, seen: &Observation) -> Result<()> {
     Err(Error::file(path, message, "check the unit, or leave the message out"))
 }
 
+/// Files of other kinds: where in them their mark stands, the mark, what they are, and what to do.
+const OTHERS: [(usize, &[u8], &str, &str); 15] = [
+    (0, b"SQLite format 3", "a ROS 2 bag in SQLite form", "convert it with `ros2 bag convert` to MCAP"),
+    (0, b"#ROSBAG V2.0", "a ROS 1 bag", "convert it with `mcap convert` and record ROS 2 messages"),
+    (0, b"PK\x03\x04", "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
+    (0, b"\xd0\xcf\x11\xe0", "an old spreadsheet", "export the sheet as CSV"),
+    (0, b"\x1f\x8b", "a gzip archive", "unpack it first"),
+    (0, b"\x28\xb5\x2f\xfd", "a zstd archive", "unpack it first"),
+    (0, b"\xfd7zXZ\0", "an xz archive", "unpack it first"),
+    (0, b"\x89PNG", "a picture", "give the numbers that were measured, as CSV"),
+    (0, b"\xff\xd8\xff", "a picture", "give the numbers that were measured, as CSV"),
+    (0, b"%PDF", "a PDF document", "give the numbers that were measured, as CSV"),
+    (4, b"ftyp", "a video", "give the positions that were seen in it, as CSV"),
+    (0, b"\x89HDF", "an HDF5 file", "export the series as CSV"),
+    (0, b"MATLAB 5.0", "a MATLAB file", "export the series as CSV"),
+    (0, b"\x93NUMPY", "a NumPy array", "save it as CSV, for example with `numpy.savetxt`"),
+    (0, b"PAR1", "a Parquet file", "save it as CSV"),
+];
+
 /// Content first: an MCAP file under any name is read as one, and a text file named `.mcap` is not called empty.
 fn format(path: &Path) -> Result<Format> {
     let mut start = Vec::new();
-    open(path)?.take(512).read_to_end(&mut start).map_err(|e| Error::io(path, "reading", e))?;
+    let file = open(path)?;
+    let bytes = file.metadata().map_err(|e| Error::io(path, "reading", e))?.len();
+    file.take(512).read_to_end(&mut start).map_err(|e| Error::io(path, "reading", e))?;
     let named_mcap = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
     if start.starts_with(mcap::MAGIC) {
         return Ok(Format::Mcap);
@@ -137,36 +170,38 @@ fn format(path: &Path) -> Result<Format> {
         };
         return Err(Error::file(path, message, "copy the recording again, or name a text file `.csv`"));
     }
-    let other = [
-        (&b"SQLite format 3"[..], "a ROS 2 bag in SQLite form", "convert it with `ros2 bag convert` to MCAP"),
-        (b"#ROSBAG V2.0", "a ROS 1 bag", "convert it with `mcap convert` and record ROS 2 messages"),
-        (b"PK\x03\x04", "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
-        (b"\x1f\x8b", "a gzip archive", "unpack it first"),
-        (b"\x28\xb5\x2f\xfd", "a zstd archive", "unpack it first"),
-    ];
-    if let Some((_, what, hint)) = other.iter().find(|(mark, ..)| start.starts_with(mark)) {
+    if let Some((_, _, what, hint)) =
+        OTHERS.iter().find(|(at, mark, ..)| start.get(*at..).is_some_and(|s| s.starts_with(mark)))
+    {
         return Err(Error::file(path, format!("expected CSV or MCAP, found {what}"), *hint));
     }
-    Ok(Format::Csv)
-}
-
-/// Opens a file and refuses a folder, which some systems open without complaint.
-fn open(path: &Path) -> Result<std::fs::File> {
-    let file = std::fs::File::open(path).map_err(|e| Error::io(path, "opening", e))?;
-    let about = file.metadata().map_err(|e| Error::io(path, "opening", e))?;
-    if about.is_dir() {
-        return Err(Error::file(path, "expected a file, found a folder", "name one file in it"));
+    encoding::refuse_foreign(path, &start)?;
+    if bytes > LARGEST_TEXT {
+        let message = format!("expected at most {LARGEST_TEXT} bytes of text, found {bytes}");
+        let hint = "keep the columns that are needed, for example `cut -d, -f1,4`, or cut the file into pieces";
+        return Err(Error::file(path, message, hint));
     }
-    Ok(file)
+    Ok(Format::Csv)
 }
 
 /// `a`, `b` and `c` in backquotes, at most `most` of them.
 fn list<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) -> String {
     let names: Vec<&str> = names.into_iter().collect();
-    let shown: Vec<String> = names.iter().take(most).map(|name| format!("`{name}`")).collect();
+    let shown: Vec<String> = names.iter().take(most).map(|name| format!("`{}`", shortened(name))).collect();
     match names.len().saturating_sub(most) {
         0 if shown.is_empty() => "none".into(),
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// Most characters of a user's text that a message repeats.
+const LONGEST_SHOWN: usize = 40;
+
+/// The text, cut where it is too long for a message.
+fn shortened(text: &str) -> std::borrow::Cow<'_, str> {
+    match text.char_indices().nth(LONGEST_SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]).into(),
+        None => text.into(),
     }
 }

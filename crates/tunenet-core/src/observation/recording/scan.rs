@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::columns::{Header, Layout, Source, layout};
-use super::lines::{Line, Lines, cells, named, number, separator};
-use super::{LARGEST, MOST_NUMBERS, Note};
+use super::lines::{Line, Lines, MOST_IDLE, cells, idle, named, number, separator};
+use super::{LARGEST, MOST_NUMBERS, Note, shortened};
 use crate::observation::Kind;
 use crate::{Error, Result};
 
@@ -17,9 +17,6 @@ const MOST_REPEATED: f64 = 0.05;
 
 /// How many times its neighbours' interval a time may be ahead before it, and not the next line, is called wrong.
 const LEAP: f64 = 10.0;
-
-/// Most characters of a cell that a message repeats.
-const LONGEST_SHOWN: usize = 40;
 
 /// Least time between two impacts, s. Nothing that bounces can be told apart below it.
 const SHORTEST_INTERVAL_S: f64 = 1e-6;
@@ -136,6 +133,9 @@ fn scan_at_most(path: &Path, mapping: &[(String, String)], most: usize) -> Resul
             let message = format!("expected at most {most} numbers, found more in its {bytes} bytes");
             return Err(Error::file(path, message, "cut it into pieces, or keep fewer samples per second"));
         }
+        if scan.rows - scan.values.len() / scan.layout.channels.len() > MOST_IDLE {
+            return Err(idle(path, "lines without one"));
+        }
         next = lines.next()?;
     }
     Ok(scan)
@@ -187,10 +187,7 @@ impl Scan {
             let text = cells[source.column].text;
             let broken = |why: &str, expected: &str| {
                 // Damaged numbers can be hundreds of digits long.
-                let mut shown: String = text.chars().take(LONGEST_SHOWN).collect();
-                if shown.len() < text.len() {
-                    shown.push('…');
-                }
+                let shown = shortened(text);
                 let message = format!("`{}` is {why}: expected {expected}, found `{shown}`", source.quantity.header());
                 let hint = "correct the cell, or empty it to leave the sample out";
                 Box::new(Broken::at(&line, self.separator, source.column, message, hint))
@@ -358,5 +355,19 @@ mod tests {
         let (message, hint) = told(&scan_at_most(&path, &[], 5).unwrap_err());
         assert_eq!(message, "a.csv: expected at most 5 numbers, found more in its 32 bytes");
         assert_eq!(hint, "cut it into pieces, or keep fewer samples per second");
+    }
+
+    #[test]
+    fn a_file_that_goes_on_without_a_sample_is_refused() {
+        for (text, what) in [
+            (format!("t_s,z_m\n{}", "\n".repeat(MOST_IDLE + 1)), "empty lines"),
+            (format!("t_s,z_m\n{}", "# \n".repeat(MOST_IDLE + 1)), "empty lines"),
+            (format!("t_s,z_m\n{}", "0,\n".repeat(MOST_IDLE + 1)), "lines without one"),
+            (format!("t_s,z_m\n0,1\n{}", "x\n".repeat(MOST_IDLE + 1)), "lines without one"),
+        ] {
+            let (_folder, path) = file("a.csv", text);
+            let (message, _) = told(&scan(&path, &[]).unwrap_err());
+            assert_eq!(message, format!("a.csv: expected samples, found more than {MOST_IDLE} {what}"));
+        }
     }
 }

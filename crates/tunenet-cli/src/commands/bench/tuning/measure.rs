@@ -107,7 +107,7 @@ pub fn reference(simulation: &Simulation, conditions: Conditions, targets: &[Tar
     Reference { mean, median, bound: bound.is_finite().then_some(bound) }
 }
 
-fn mean_and_median(mut values: Vec<f64>) -> (f64, f64) {
+pub fn mean_and_median(mut values: Vec<f64>) -> (f64, f64) {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     let median = if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) };

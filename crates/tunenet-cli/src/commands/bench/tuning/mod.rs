@@ -4,15 +4,16 @@
 //! targets (closed_form) → measure (ours, rivals | likelihood) → results → write
 //! ```
 //!
-//! Every finished cell is kept by [`resume`].
+//! Every finished cell is kept by [`resume`](super::resume).
 
 pub(super) mod closed_form;
 mod cross;
+mod general;
+mod information;
 mod likelihood;
 mod measure;
 mod ours;
 mod results;
-mod resume;
 mod rivals;
 mod rows;
 mod targets;
@@ -27,10 +28,10 @@ use tunenet_core::network::{Model, Preset};
 use self::measure::{Accuracy, Rival, Tuner};
 use self::ours::Seconds;
 use self::results::{Method, Results, Table};
-use self::resume::Store;
 use self::rivals::Stored;
 use self::rows::{BUDGETS, Goal, Limit, Statistic};
 use self::targets::{Simulation, Target};
+use super::resume::Store;
 use crate::cli::{BenchTuning, Row};
 use crate::commands::{load, print_json};
 use crate::failure::Exit;
@@ -55,15 +56,29 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
     let store = Store::open(&options.out, key)?;
 
     let per_row = 2 * trainings.len() as u64 + 4;
-    let steps = rows.iter().map(|r| if *r == Row::Cross { 4 * per_row } else { per_row }).sum::<u64>();
-    let bar = progress(steps + 2 * trainings.len() as u64, "tuning");
+    let in_row = |row: &Row| match row {
+        Row::Cross => 4 * per_row,
+        Row::General => general::SETS.len() as u64,
+        _ => per_row,
+    };
+    // The built-in network needs no training here.
+    let trained: &[u64] = if rows.iter().all(|r| *r == Row::General) { &[] } else { &trainings };
+    let bar = progress(rows.iter().map(in_row).sum::<u64>() + 2 * trained.len() as u64, "tuning");
     let simulation = Simulation::new()?;
-    let models = Models::make(&store, &trainings, options.quick, &bar)?;
+    let models = Models::make(&store, trained, options.quick, &bar)?;
     let stored = Stored::new(&simulation)?;
     let bench = Bench { simulation: &simulation, store: &store, models: &models, stored: &stored, bar: &bar };
 
-    let (mut tables, mut warnings) = (Vec::new(), Vec::new());
+    let (mut tables, mut general, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     for row in rows {
+        if row == Row::General {
+            for set in general::SETS {
+                let make = || general::table(set, seed, targets);
+                general.push(store.keep(&format!("general-{}", set.0), make)?);
+                bar.inc(1);
+            }
+            continue;
+        }
         if row != Row::Cross {
             tables.extend(bench.row(row, seed, targets)?);
             continue;
@@ -84,6 +99,7 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
         trainings,
         rollouts: BUDGETS.to_vec(),
         rows: tables,
+        general,
         making: models.making,
         making_limit_s: MAKING_LIMIT_S,
         warnings,
@@ -124,6 +140,9 @@ impl Models {
         };
         let each = |name, preset| trainings.iter().map(move |seed| (name, preset, *seed));
         let mut jobs: Vec<_> = each("default", &own).chain(each("paper", &paper)).collect();
+        if jobs.is_empty() {
+            return Ok(Self { all: Vec::new(), making: None });
+        }
         // The first alone, because its time is stated.
         let first = make(jobs.remove(0))?;
         let rest: Vec<_> = jobs.into_par_iter().map(make).collect::<Result<_>>()?;

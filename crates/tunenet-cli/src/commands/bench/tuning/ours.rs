@@ -8,10 +8,10 @@ use tunenet_core::network::{Course as Shown, Model, Preset, TrainOptions, train}
 use tunenet_core::tune::{Loop, walk};
 
 use super::super::process;
-use super::resume::Store;
 use super::rivals::Course;
 use super::rows::MOST;
 use super::targets::{Simulation, Target};
+use crate::commands::bench::resume::Store;
 
 /// What making a model took, s.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ fn recipe(preset: &Preset, quick: bool) -> (&'static str, &'static str, Preset) 
 /// The model of a preset and a seed, from disk where it has been trained already.
 pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result<(Model, Seconds)> {
     let name = format!("{}-{seed}", preset.name);
-    let path = store.model(&name);
+    let path = store.room("models")?.join(format!("{name}.safetensors"));
     let seconds = store.keep(&format!("training-{name}"), || {
         let (pairs, count, preset) = recipe(preset, quick);
         let data = path.with_extension("mcap");
@@ -67,7 +67,7 @@ pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result
 pub fn course(simulation: &Simulation, model: &Model, target: &Target) -> Result<Course> {
     // As `tune` asks for the two: the paper's loop is the bare one. Values without a rollout are none, so both are clamped.
     let own = model.preset().name != "paper";
-    let how = Loop { iterations: MOST, clamp: true, secant: own, best: own };
+    let how = Loop { iterations: MOST, clamp: true, secant: own, best: own, library: own };
     let walk = walk(&simulation.ball, &target.prepared, model, simulation.start(target), how)?;
     Ok(walk.iterations.iter().map(|i| i.parameters[0]).collect())
 }

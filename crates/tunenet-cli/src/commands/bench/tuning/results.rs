@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::general;
 use super::measure::{Accuracy, Reference};
 use super::ours::Seconds;
 use super::rows::{BUDGETS, Goal, Limit, Statistic};
@@ -104,6 +105,7 @@ pub struct Results {
     pub trainings: Vec<u64>,
     pub rollouts: Vec<usize>,
     pub rows: Vec<Table>,
+    pub general: Vec<general::Table>,
     /// Making one model of preset `default`, alone on the machine.
     pub making: Option<Seconds>,
     pub making_limit_s: f64,

@@ -181,10 +181,55 @@ pub fn brent(simulation: &Simulation, target: &Target) -> Result<Course> {
     Ok(course)
 }
 
+/// Rebound over approach speed where two parabolas cross, their curvature that of gravity: one through the first fall, one
+/// through the first rebound. Takes instants with heights above anything; knows neither height of fall, release nor floor.
+pub fn two_parabolas(seen: &[(f64, f64)]) -> f64 {
+    let highest = |range: &[(f64, f64)]| range.iter().map(|p| p.1).fold(f64::MIN, f64::max);
+    let fall = highest(seen) - seen.iter().map(|p| p.1).fold(f64::MAX, f64::min);
+    // The first low: the lowest sample before the ball has risen from it by 3 % of the fall, or the record ends.
+    let mut low = 0;
+    for (i, (_, z)) in seen.iter().enumerate() {
+        if *z < seen[low].1 {
+            low = i;
+        } else if z - seen[low].1 > 0.03 * fall && highest(seen) - seen[low].1 > 0.5 * fall {
+            break;
+        }
+    }
+    // The rebound lasts until the ball is as low again, or nearly.
+    let apex = (low..seen.len()).take_while(|&i| i == low || seen[i].1 > seen[low].1);
+    let rebound: Vec<usize> = apex.skip(1).collect();
+    let end = rebound.last().map_or(low, |i| *i);
+    // z + g t²/2 is a straight line a + b t in either flight; the samples next to the impact are left out.
+    let line = |range: &[(f64, f64)]| {
+        let n = range.len() as f64;
+        let y = |(t, z): &(f64, f64)| z + 0.5 * GRAVITY_M_S2 * t * t;
+        let (t0, y0) = (range.iter().map(|p| p.0).sum::<f64>() / n, range.iter().map(y).sum::<f64>() / n);
+        let square: f64 = range.iter().map(|p| (p.0 - t0).powi(2)).sum();
+        let slope = range.iter().map(|p| (p.0 - t0) * (y(p) - y0)).sum::<f64>() / square;
+        (range.len() >= 2 && square > 0.0).then_some((y0 - slope * t0, slope))
+    };
+    let (before, after) = (&seen[..low], seen.get(low + 1..end).unwrap_or_default());
+    let (Some(down), Some(up)) = (line(before), line(after)) else { return 0.0 };
+    let time = (down.0 - up.0) / (up.1 - down.1);
+    let (approach, rebound) = (GRAVITY_M_S2 * time - down.1, up.1 - GRAVITY_M_S2 * time);
+    let rule = rebound / approach;
+    if rule.is_finite() { rule.clamp(0.0, 1.0) } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::closed_form::Drop;
     use super::*;
+
+    #[test]
+    fn two_parabolas_are_exact_without_noise() {
+        for restitution in [0.2, 0.5, 0.9] {
+            let clock: Vec<f64> = (3..200).map(|i| f64::from(i) / 100.0).collect();
+            let heights = Drop { fall_m: 1.3, restitution }.heights(&clock);
+            let seen: Vec<(f64, f64)> = clock.into_iter().zip(heights.into_iter().map(|z| z - 7.0)).collect();
+            assert!((two_parabolas(&seen) - restitution).abs() < 1e-9, "{}", two_parabolas(&seen));
+        }
+    }
 
     #[test]
     fn the_apex_rule_is_exact_without_noise() {

@@ -44,8 +44,16 @@ pub struct Goal {
 
 impl Row {
     /// Every row, in the order of the table.
-    pub const ALL: [Self; 7] =
-        [Self::Easy0, Self::Hard0, Self::Easy5mm, Self::Easy2cm, Self::Hard5mm, Self::Hard2cm, Self::Cross];
+    pub const ALL: [Self; 8] = [
+        Self::Easy0,
+        Self::Hard0,
+        Self::Easy5mm,
+        Self::Easy2cm,
+        Self::Hard5mm,
+        Self::Hard2cm,
+        Self::General,
+        Self::Cross,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -55,11 +63,12 @@ impl Row {
             Self::Easy2cm => "easy-2cm",
             Self::Hard5mm => "hard-5mm",
             Self::Hard2cm => "hard-2cm",
+            Self::General => "general",
             Self::Cross => "cross",
         }
     }
 
-    /// How the targets are drawn; `None` where they come from files.
+    /// How the targets are drawn; `None` where they come from files, or differ in more than this.
     pub fn conditions(self) -> Option<Conditions> {
         let (easy, hard) = ((0.3, 0.7), (0.0, 1.0));
         let (restitution, noise_m) = match self {
@@ -69,7 +78,7 @@ impl Row {
             Self::Easy2cm => (easy, 0.02),
             Self::Hard5mm => (hard, 0.005),
             Self::Hard2cm => (hard, 0.02),
-            Self::Cross => return None,
+            Self::General | Self::Cross => return None,
         };
         Some(Conditions { restitution, noise_m })
     }
@@ -87,7 +96,7 @@ impl Row {
                 mean(5, Limit::Likelihoods(1.3)),
                 Goal { rollouts: 5, statistic: Statistic::Median, limit: Limit::Likelihoods(1.1) },
             ],
-            Self::Hard5mm | Self::Cross => vec![],
+            Self::Hard5mm | Self::General | Self::Cross => vec![],
         }
     }
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use tunenet_core::observation::recording::write_atomically;
 
+use super::general;
 use super::results::{Method, Results, Table, short};
 use super::rows::BUDGETS;
 
@@ -37,6 +38,7 @@ pub fn markdown(results: &Results) -> String {
     for table in &results.rows {
         one_table(&mut out, table);
     }
+    out.push_str(&general::markdown(&results.general));
     if let Some(seconds) = results.making {
         let sum = seconds.generate + seconds.train;
         let core = seconds.train_on_core.map_or(String::new(), |s| format!(" (one core, {s:.1} s of it on that core)"));
@@ -117,5 +119,6 @@ fn csv(results: &Results) -> String {
             let _ = writeln!(out, "{row},{name},{trainings},{k},{unit},{},{spread},{}", mean[b], median[b]);
         }
     }
+    out.push_str(&general::csv(&results.general));
     out
 }

@@ -36,10 +36,11 @@ fn at_most_ten_broken_lines_are_kept() {
 
 #[test]
 fn a_table_without_a_known_header_is_listed_too() {
-    let (_folder, path) = file("a.csv", "a,b\n0,1\n");
+    let (_folder, path) = file("a.csv", "time,b\n0,1\n1,1\n");
     let Contents::Table(table) = contents(&path).unwrap() else { panic!("a table") };
-    assert_eq!(table.columns[1].name, "b");
-    assert!(table.usable.unwrap_err().ends_with("is missing: found `a`, `b`"));
+    assert_eq!((table.columns[1].name.as_str(), table.rows, table.samples), ("b", 2, 0));
+    assert!(table.usable.unwrap_err().ends_with("found `time`, `b`"));
+    assert!(table.remedy.starts_with("say which column is which"), "{}", table.remedy);
 }
 
 #[test]

@@ -8,7 +8,8 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
-/// A folder of finished pieces. A piece counts only for the run that it was made by: program, seed and targets.
+/// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and whatever
+/// else decides what comes out.
 pub struct Store {
     folder: PathBuf,
     run: Value,
@@ -16,16 +17,16 @@ pub struct Store {
 
 impl Store {
     pub fn open(folder: &Path, run: Value) -> Result<Self> {
-        for each in ["cells", "models"] {
-            let path = folder.join(each);
-            std::fs::create_dir_all(&path).with_context(|| format!("creating {}", path.display()))?;
-        }
-        Ok(Self { folder: folder.into(), run })
+        let store = Self { folder: folder.into(), run };
+        store.room("cells")?;
+        Ok(store)
     }
 
-    /// Where a model lies.
-    pub fn model(&self, name: &str) -> PathBuf {
-        self.folder.join("models").join(format!("{name}.safetensors"))
+    /// A folder of its own within, made where it is missing.
+    pub fn room(&self, name: &str) -> Result<PathBuf> {
+        let path = self.folder.join(name);
+        std::fs::create_dir_all(&path).with_context(|| format!("creating {}", path.display()))?;
+        Ok(path)
     }
 
     /// The piece `name`, from disk where this run has made it already. Either way it has passed through its file, so that

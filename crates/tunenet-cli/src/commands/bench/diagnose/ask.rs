@@ -1,0 +1,99 @@
+//! The code under test, asked about recordings. Nothing but the recordings goes in.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Result;
+use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict, diagnose};
+use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::simulator::Simulator;
+use tunenet_sim::{SimulationFile, simulator};
+
+use super::blind::RADIUS_M;
+use super::trial::Answer;
+
+/// What a person would know of the scene beforehand: the ball's size. Its mass is left open, as an effect of any size is to
+/// be found.
+const SCENE: &str = "\
+kind = \"ball\"
+
+[parameters.restitution]
+value = 0.5
+min = 0.0
+max = 1.0
+
+[parameters.friction]
+value = 0.0
+min = 0.0
+max = 2.0
+tune = false
+";
+
+/// A throw that was asked for.
+pub struct Throw {
+    pub position_m: [f64; 3],
+    pub velocity_m_s: [f64; 3],
+}
+
+/// Who is asked.
+pub struct Asked {
+    simulator: Box<dyn Simulator>,
+}
+
+impl Asked {
+    pub fn new() -> Result<Self> {
+        let mut file = SimulationFile::parse(Path::new("blind.toml"), &format!("ball.radius_m = {RADIUS_M}\n{SCENE}"))?;
+        file.set("world.gravity_m_s2=9.81")?;
+        Ok(Self { simulator: simulator(&file, Kind::Positions)? })
+    }
+
+    /// The answer to `seen`, judged by `held_out`, and the throw that it asks for next.
+    pub fn ask(&self, seen: &[Observation], held_out: &[Observation]) -> Result<(Answer, Option<Throw>)> {
+        let subjects = [Subject { name: "ball".into(), simulator: self.simulator.as_ref() }];
+        let one = |(number, seen, held_out)| {
+            let kind = if held_out { "held out" } else { "drop" };
+            Recording { name: format!("{kind} {number}"), object: 0, held_out, seen }
+        };
+        let recordings: Vec<Recording> = seen
+            .iter()
+            .enumerate()
+            .map(|(i, o)| one((i + 1, o, false)))
+            .chain(held_out.iter().enumerate().map(|(i, o)| one((i + 1, o, true))))
+            .collect();
+        let settings = Settings { set_aside: false, ..Settings::default() };
+        let began = Instant::now();
+        let diagnosis = diagnose(&subjects, &recordings, &settings, &|_| {})?;
+        let seconds = began.elapsed().as_secs_f64();
+        Ok((answer(&diagnosis, seconds)?, throw(&diagnosis)))
+    }
+}
+
+fn answer(diagnosis: &Diagnosis, seconds: f64) -> Result<Answer> {
+    let gap = diagnosis.gap.as_ref();
+    let own = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let effects: Vec<&str> = diagnosis.effects.iter().map(|e| e.effect.name).collect();
+    Ok(Answer {
+        verdict: serde_json::to_value(diagnosis.verdict)?.as_str().unwrap_or_default().into(),
+        effects: if diagnosis.verdict == Verdict::Named { own(&effects) } else { vec![] },
+        candidates: if diagnosis.verdict == Verdict::Named { vec![] } else { own(&diagnosis.names) },
+        held_out_m: gap.and_then(|g| Some(g.held_out?.after)),
+        forecast_m: gap.and_then(|g| Some(g.forecast?.after)),
+        rollouts: diagnosis.rollouts as u64,
+        seconds,
+    })
+}
+
+/// The start of the throw that is asked for, where it is one; what it leaves unsaid is a drop from a metre.
+fn throw(diagnosis: &Diagnosis) -> Option<Throw> {
+    let settings = &diagnosis.next_experiment.as_ref()?.settings;
+    if settings.is_empty() {
+        return None;
+    }
+    let number = |name: &str, unsaid: f64| settings.iter().find(|(n, _)| n == name).map_or(unsaid, |(_, v)| *v);
+    let axes = ["x", "y", "z"];
+    let height = number("release.height", 1.0) + RADIUS_M;
+    Some(Throw {
+        position_m: axes.map(|axis| number(&format!("release.{axis}"), if axis == "z" { height } else { 0.0 })),
+        velocity_m_s: axes.map(|axis| number(&format!("release.velocity_{axis}"), 0.0)),
+    })
+}

@@ -1,0 +1,157 @@
+//! What can be hidden in a set: every effect of the catalogue that drops can show, and some that no catalogue holds.
+
+/// An effect, in this generator's own words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    QuadraticDrag,
+    LinearDrag,
+    Wind,
+    Magnus,
+    EffectiveGravity,
+    SpeedDependentRestitution,
+    SurfaceTilt,
+    BounceFriction,
+    TangentialRestitution,
+    ContactTime,
+    BounceScatter,
+    LengthScale,
+    AspectRatio,
+    TimeScale,
+    CameraTilt,
+    Perspective,
+    LensDistortion,
+    RollingShutter,
+    ObservationBlur,
+    /// A fan that blows sideways at one height.
+    Fan,
+    /// A magnet under the floor.
+    Magnet,
+    /// A floor or ball that wears: every bounce returns less than the one before.
+    Wear,
+    /// One place of the floor is soft.
+    SoftSpot,
+    /// An updraught that grows with time.
+    Updraught,
+    /// A camera that sways to and fro.
+    CameraShake,
+    /// Air drag that begins in the middle of the record.
+    LateDrag,
+}
+
+impl Kind {
+    /// Effects that the catalogue names. `time_offset` is left out, as the free start hides it, and `rolling_resistance`,
+    /// as a throw that bounces does not roll.
+    pub const CATALOGUE: [Self; 19] = [
+        Self::QuadraticDrag,
+        Self::LinearDrag,
+        Self::Wind,
+        Self::Magnus,
+        Self::EffectiveGravity,
+        Self::SpeedDependentRestitution,
+        Self::SurfaceTilt,
+        Self::BounceFriction,
+        Self::TangentialRestitution,
+        Self::ContactTime,
+        Self::BounceScatter,
+        Self::LengthScale,
+        Self::AspectRatio,
+        Self::TimeScale,
+        Self::CameraTilt,
+        Self::Perspective,
+        Self::LensDistortion,
+        Self::RollingShutter,
+        Self::ObservationBlur,
+    ];
+
+    /// Effects that no catalogue names.
+    pub const OUTSIDE: [Self; 7] =
+        [Self::Fan, Self::Magnet, Self::Wear, Self::SoftSpot, Self::Updraught, Self::CameraShake, Self::LateDrag];
+
+    /// Its name in answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::QuadraticDrag => "quadratic_drag",
+            Self::LinearDrag => "linear_drag",
+            Self::Wind => "wind",
+            Self::Magnus => "magnus",
+            Self::EffectiveGravity => "effective_gravity",
+            Self::SpeedDependentRestitution => "speed_dependent_restitution",
+            Self::SurfaceTilt => "surface_tilt",
+            Self::BounceFriction => "bounce_friction",
+            Self::TangentialRestitution => "tangential_restitution",
+            Self::ContactTime => "contact_time",
+            Self::BounceScatter => "bounce_scatter",
+            Self::LengthScale => "length_scale",
+            Self::AspectRatio => "aspect_ratio",
+            Self::TimeScale => "time_scale",
+            Self::CameraTilt => "camera_tilt",
+            Self::Perspective => "perspective",
+            Self::LensDistortion => "lens_distortion",
+            Self::RollingShutter => "rolling_shutter",
+            Self::ObservationBlur => "observation_blur",
+            Self::Fan => "fan",
+            Self::Magnet => "magnet",
+            Self::Wear => "wear",
+            Self::SoftSpot => "soft_spot",
+            Self::Updraught => "updraught",
+            Self::CameraShake => "camera_shake",
+            Self::LateDrag => "late_drag",
+        }
+    }
+
+    /// The greatest size that nature or a workshop brings, in the coefficient's unit.
+    pub fn greatest(self) -> f64 {
+        match self {
+            Self::QuadraticDrag | Self::LateDrag => 1.0,
+            Self::LinearDrag | Self::EffectiveGravity => 2.5,
+            Self::Wind => 4.0,
+            Self::Magnus | Self::Fan => 6.0,
+            Self::SpeedDependentRestitution => 0.4,
+            Self::SurfaceTilt | Self::BounceScatter | Self::Perspective => 0.25,
+            Self::BounceFriction | Self::TangentialRestitution => 0.9,
+            Self::ContactTime => 0.03,
+            Self::LengthScale | Self::AspectRatio | Self::TimeScale | Self::CameraShake => 0.2,
+            Self::CameraTilt => 0.3,
+            Self::LensDistortion | Self::Wear => 0.15,
+            Self::RollingShutter => 0.02,
+            Self::ObservationBlur => 0.04,
+            Self::Magnet => 30.0,
+            Self::SoftSpot => 0.8,
+            Self::Updraught => 5.0,
+        }
+    }
+
+    /// Effects that no throw whatever can tell from this one, itself included. A ball that falls freely onto a floor of
+    /// unknown height, without friction, shows one length alone, g t²: whatever scales heights, times or g is the same, and
+    /// what happens to lengths along the floor is the start's.
+    pub fn twins(self) -> &'static [Self] {
+        const SCALES: &[Kind] = &[Kind::EffectiveGravity, Kind::LengthScale, Kind::AspectRatio, Kind::TimeScale];
+        if SCALES.contains(&self) { SCALES } else { &[] }
+    }
+}
+
+/// An effect of some size.
+#[derive(Debug, Clone, Copy)]
+pub struct Hidden {
+    pub kind: Kind,
+    /// In the coefficient's unit; of a factor, its distance from 1.
+    pub size: f64,
+    /// 1 or −1, where a sign makes sense.
+    pub sign: f64,
+    /// Where it points in the plane, rad.
+    pub turn: f64,
+    /// How steeply it points, rad; or a phase.
+    pub lift: f64,
+}
+
+impl Hidden {
+    /// Its size with its sign.
+    pub fn signed(&self) -> f64 {
+        self.sign * self.size
+    }
+
+    /// A horizontal direction of its size.
+    pub fn level(&self) -> [f64; 2] {
+        [self.size * self.turn.cos(), self.size * self.turn.sin()]
+    }
+}

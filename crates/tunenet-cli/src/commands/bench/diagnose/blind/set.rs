@@ -1,0 +1,276 @@
+//! One blind set: recordings for the code under test, and the truth, which it never gets.
+
+use anyhow::Result;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use sha2::{Digest, Sha256};
+use tunenet_core::observation::Observation;
+
+use super::ball::Throw;
+use super::camera::{Noise, seen};
+use super::hidden::{Hidden, Kind};
+use super::vector::{Vector, dot, plus};
+use super::world::{RADIUS_M, World};
+
+/// Frames of a recording, and how fast they come.
+pub const FRAMES: usize = 216;
+pub const RATE_HZ: f64 = 120.0;
+/// Bounces whose scatter is drawn; no recording has more.
+const MOST_BOUNCES: usize = 40;
+/// Halvings of the range of sizes, on a logarithmic scale of [`DECADES`].
+const HALVINGS: usize = 22;
+const DECADES: f64 = 5.0;
+
+/// What a set is to hold.
+#[derive(Debug, Clone)]
+pub struct Recipe {
+    pub hidden: Vec<Kind>,
+    /// RMS deviation that each effect causes over the standard deviation of the noise, per number of the recordings and
+    /// before any tuning.
+    pub ratio: f64,
+    pub drops: usize,
+    pub held_out: usize,
+    pub noise: Noise,
+}
+
+/// Recordings, and behind them what is true.
+pub struct Set {
+    pub seen: Vec<Observation>,
+    pub held_out: Vec<Observation>,
+    truth: Truth,
+}
+
+struct Truth {
+    world: World,
+    held_out: Vec<Throw>,
+    noise: Noise,
+}
+
+/// What the true world leaves of the held-out recordings once their starts are fitted, m (RMS of the distance).
+#[derive(Debug, Clone, Copy)]
+pub struct Floor {
+    pub held_out_m: f64,
+    /// Start fitted to the first 40 %, residual of the rest.
+    pub forecast_m: f64,
+}
+
+/// A stream of draws that depends on these words alone.
+pub fn stream(purpose: &str, seed: u64, cell: &str, number: u64) -> ChaCha8Rng {
+    ChaCha8Rng::from_seed(Sha256::digest(format!("{purpose}/{seed}/{cell}/{number}")).into())
+}
+
+impl Set {
+    /// Draws a set; `None` where no possible size of an effect reaches the ratio.
+    pub fn draw(recipe: &Recipe, random: &mut ChaCha8Rng) -> Result<Option<Self>> {
+        let mut world = World { restitution: random.random_range(0.7..0.9), hidden: vec![] };
+        let throws: Vec<Throw> = (0..recipe.drops + recipe.held_out).map(|_| throw(random)).collect();
+        let mut hidden = Vec::new();
+        for kind in &recipe.hidden {
+            let drawn = Hidden {
+                kind: *kind,
+                size: 0.0,
+                sign: if random.random() { 1.0 } else { -1.0 },
+                turn: random.random_range(0.0..std::f64::consts::TAU),
+                lift: random.random_range(-1.2..1.2),
+            };
+            let Some(size) = size(&world, drawn, &throws[..recipe.drops], recipe.ratio * recipe.noise.sd_m) else {
+                return Ok(None);
+            };
+            hidden.push(Hidden { size, ..drawn });
+        }
+        world.hidden = hidden;
+        let mut recordings =
+            throws.iter().map(|t| recorded(&world, t, recipe.noise, random)).collect::<Result<Vec<_>>>()?;
+        let held_out = recordings.split_off(recipe.drops);
+        let truth = Truth { world, held_out: throws[recipe.drops..].to_vec(), noise: recipe.noise };
+        Ok(Some(Self { seen: recordings, held_out, truth }))
+    }
+
+    /// One more recording of the same world, thrown as told.
+    pub fn thrown(&self, position_m: Vector, velocity_m_s: Vector, random: &mut ChaCha8Rng) -> Result<Observation> {
+        let throw = Throw { position_m, velocity_m_s, scatter: scatter(random) };
+        recorded(&self.truth.world, &throw, self.truth.noise, random)
+    }
+
+    /// What the true world leaves of the held-out recordings.
+    pub fn floor(&self) -> Option<Floor> {
+        let pairs = self.truth.held_out.iter().zip(&self.held_out);
+        let (mut whole, mut rest) = (Rms::default(), Rms::default());
+        for (throw, observation) in pairs {
+            let (clock, width) = (observation.clock(), observation.channels().len());
+            let flat = |throw: &Throw| seen(&self.truth.world, throw, clock).concat();
+            let error: Vec<f64> =
+                observation.values().iter().zip(flat(throw)).map(|(seen, true_)| seen - true_).collect();
+            let columns: Vec<Vec<f64>> = (0..6).map(|i| column(&flat, throw, i)).collect();
+            whole.add(&projected(&error, &columns, error.len()), width);
+            let early = clock.len() * 2 / 5 * width;
+            rest.add(&projected(&error, &columns, early)[early..], width);
+        }
+        (whole.samples > 0).then(|| Floor { held_out_m: whole.value(), forecast_m: rest.value() })
+    }
+}
+
+/// A throw like a person's: from about a metre, in any direction.
+fn throw(random: &mut ChaCha8Rng) -> Throw {
+    let turn = random.random_range(0.0..std::f64::consts::TAU);
+    let speed = random.random_range(0.4..3.0);
+    let at = [random.random_range(-0.3..0.3), random.random_range(-0.3..0.3), random.random_range(0.7..1.8)];
+    let velocity_m_s = [speed * turn.cos(), speed * turn.sin(), random.random_range(-0.5..1.5)];
+    Throw { position_m: plus(at, [0.0, 0.0, 1.0], RADIUS_M), velocity_m_s, scatter: scatter(random) }
+}
+
+fn scatter(random: &mut ChaCha8Rng) -> Vec<[f64; 2]> {
+    (0..MOST_BOUNCES).map(|_| [random.sample(StandardNormal), random.sample(StandardNormal)]).collect()
+}
+
+fn clock() -> Vec<f64> {
+    (0..FRAMES).map(|i| i as f64 / RATE_HZ).collect()
+}
+
+fn recorded(world: &World, throw: &Throw, noise: Noise, random: &mut ChaCha8Rng) -> Result<Observation> {
+    let clock = clock();
+    let mut positions = seen(world, throw, &clock);
+    let arrives = noise.spoil(&mut positions, random);
+    let (clock, positions): (Vec<f64>, Vec<Vector>) =
+        clock.into_iter().zip(positions).zip(arrives).filter(|(_, arrives)| *arrives).map(|(sample, _)| sample).unzip();
+    Ok(Observation::positions(clock, &positions)?)
+}
+
+/// The size at which `hidden` moves the numbers of `throws` by `deviation_m` (RMS).
+fn size(world: &World, hidden: Hidden, throws: &[Throw], deviation_m: f64) -> Option<f64> {
+    let clock = clock();
+    let plain: Vec<Vec<Vector>> = throws.iter().map(|t| seen(world, t, &clock)).collect();
+    let deviation = |size: f64| {
+        let mut changed = world.clone();
+        changed.hidden.push(Hidden { size, ..hidden });
+        let mut sum = 0.0;
+        for (throw, plain) in throws.iter().zip(&plain) {
+            let moved = seen(&changed, throw, &clock);
+            sum += moved.iter().zip(plain).map(|(a, b)| square(plus(*a, *b, -1.0))).sum::<f64>();
+        }
+        (sum / (3 * clock.len() * throws.len()) as f64).sqrt()
+    };
+    let greatest = hidden.kind.greatest();
+    if deviation(greatest) < deviation_m {
+        return None;
+    }
+    let (mut low, mut high) = (-DECADES, 0.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if deviation(greatest * 10_f64.powf(middle)) < deviation_m { low = middle } else { high = middle }
+    }
+    Some(greatest * 10_f64.powf(high))
+}
+
+fn square(a: Vector) -> f64 {
+    dot(a, a)
+}
+
+/// How the picture moves with number `i` of the start (three of position, three of velocity).
+fn column(flat: &dyn Fn(&Throw) -> Vec<f64>, throw: &Throw, i: usize) -> Vec<f64> {
+    const STEP: f64 = 1e-5;
+    let moved = |by: f64| {
+        let mut throw = throw.clone();
+        if i < 3 {
+            throw.position_m[i] += by;
+        } else {
+            throw.velocity_m_s[i - 3] += by;
+        }
+        flat(&throw)
+    };
+    moved(STEP).iter().zip(moved(-STEP)).map(|(a, b)| (a - b) / (2.0 * STEP)).collect()
+}
+
+/// `error` less its least-squares fit by `columns` over the first `fitted` numbers; the fit is carried on to the others.
+fn projected(error: &[f64], columns: &[Vec<f64>], fitted: usize) -> Vec<f64> {
+    let inner = |a: &[f64], b: &[f64]| a[..fitted].iter().zip(&b[..fitted]).map(|(a, b)| a * b).sum::<f64>();
+    let (mut rest, mut basis) = (error.to_vec(), Vec::<Vec<f64>>::new());
+    // Gram and Schmidt, on whole columns, so that what is fitted early is taken along to the end.
+    for column in columns {
+        let mut column = column.clone();
+        for _ in 0..2 {
+            for one in &basis {
+                let share = inner(one, &column);
+                column.iter_mut().zip(one).for_each(|(c, o)| *c -= share * o);
+            }
+        }
+        let norm = inner(&column, &column).sqrt();
+        if norm > 1e-12 {
+            for c in &mut column {
+                *c /= norm;
+            }
+            basis.push(column);
+        }
+    }
+    for one in &basis {
+        let share = inner(one, &rest);
+        rest.iter_mut().zip(one).for_each(|(r, o)| *r -= share * o);
+    }
+    rest
+}
+
+#[derive(Default)]
+struct Rms {
+    squares: f64,
+    samples: usize,
+}
+
+impl Rms {
+    fn add(&mut self, numbers: &[f64], width: usize) {
+        self.squares += numbers.iter().map(|v| v * v).sum::<f64>();
+        self.samples += numbers.len() / width;
+    }
+
+    fn value(&self) -> f64 {
+        (self.squares / self.samples as f64).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recipe(hidden: Vec<Kind>, ratio: f64, noise: Noise) -> Recipe {
+        Recipe { hidden, ratio, drops: 3, held_out: 2, noise }
+    }
+
+    #[test]
+    fn every_effect_moves_the_recordings_by_the_ratio() {
+        let quiet = Noise { sd_m: 1e-12, ..Noise::WHITE };
+        for kind in Kind::CATALOGUE.into_iter().chain(Kind::OUTSIDE) {
+            let stream = || stream("test", 1, kind.name(), 0);
+            let plain = Set::draw(&recipe(vec![], 0.0, quiet), &mut stream()).unwrap().unwrap();
+            let target = Recipe { noise: Noise::WHITE, ..recipe(vec![kind], 3.0, quiet) };
+            let Some(set) = Set::draw(&target, &mut stream()).unwrap() else {
+                assert_eq!(kind, Kind::ObservationBlur, "{kind:?} cannot be made visible");
+                continue;
+            };
+            // Starts and restitution are drawn first, so they are the same.
+            let squares = plain.seen.iter().zip(&set.seen).map(|(a, b)| {
+                let each = a.values().iter().zip(b.values());
+                each.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.values().len() as f64
+            });
+            let ratio = (squares.sum::<f64>() / 3.0).sqrt() / 0.002;
+            // Signal and noise of ratio 3 and 1: √10.
+            assert!((ratio - 10_f64.sqrt()).abs() < 0.25, "{kind:?} {ratio}");
+        }
+    }
+
+    #[test]
+    fn the_true_world_leaves_the_noise() {
+        let mut mean = 0.0;
+        for number in 0..8 {
+            let set = Set::draw(&recipe(vec![Kind::Wind], 10.0, Noise::WHITE), &mut stream("test", 2, "floor", number));
+            mean += set.unwrap().unwrap().floor().unwrap().held_out_m / 8.0;
+        }
+        let expected = 0.002 * (3.0 * (1.0 - 6.0 / (3.0 * FRAMES as f64))).sqrt();
+        assert!((mean / expected - 1.0).abs() < 0.02, "{mean} {expected}");
+    }
+
+    #[test]
+    fn equal_words_draw_equal_sets() {
+        let draw = || Set::draw(&recipe(vec![Kind::Magnus], 3.0, Noise::WHITE), &mut stream("test", 3, "a", 0));
+        assert_eq!(draw().unwrap().unwrap().seen, draw().unwrap().unwrap().seen);
+    }
+}

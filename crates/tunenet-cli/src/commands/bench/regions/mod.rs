@@ -1,0 +1,143 @@
+//! `tunenet bench regions`: how often the intervals and joint regions of several parameters hold the truth.
+//!
+//! ```text
+//! throw, swing (closed forms) → cell (draw, tune, judge) → table
+//! ```
+//!
+//! A finished cell is kept, so that an interrupted run goes on where it stopped.
+
+mod cell;
+mod swing;
+mod throw;
+
+use std::fmt::Write;
+
+use anyhow::{Context, Result};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use tunenet_core::observation::recording::write_atomically;
+use tunenet_core::tune::Status;
+
+use self::cell::{Cell, Found};
+use super::resume::Store;
+use crate::cli::BenchRegions;
+use crate::commands::{load, print_json};
+use crate::failure::Exit;
+use crate::terminal::{progress, stage};
+
+/// What one cell found: shares of its recordings.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Row {
+    #[serde(flatten)]
+    cell: Cell,
+    /// For each parameter, how often its interval holds the truth, and how often it is determined.
+    parameters: Vec<Interval>,
+    /// Of those with a region: how often it holds the truth, by the likelihood and as it is drawn.
+    joint: f64,
+    drawn: f64,
+    /// How often its boundary had to be walked.
+    walked: f64,
+    /// How often there was no region, poor fits included.
+    without: f64,
+    called_poor: f64,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Interval {
+    name: String,
+    covered: f64,
+    determined: f64,
+}
+
+pub fn run(options: &BenchRegions) -> Result<Exit> {
+    let seed = options.common.seed;
+    // The version alone would not tell a rebuilt program from the one that made a cell.
+    let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
+    let store = Store::open(&options.out, json!({ "program": program, "seed": seed, "draws": options.draws }))?;
+    let cells = Cell::all();
+    let bar = progress(cells.len() as u64 * u64::from(options.draws), "recordings");
+    let mut rows = Vec::with_capacity(cells.len());
+    for (number, cell) in cells.into_iter().enumerate() {
+        let make = || {
+            let one = |draw: u32| {
+                let found = cell.one(seed, ((number as u64) << 32) + u64::from(draw));
+                bar.inc(1);
+                found
+            };
+            Ok(Row::of(cell, &(0..options.draws).into_par_iter().map(one).collect::<Result<Vec<_>>>()?))
+        };
+        let row: Row = store.keep(&format!("region-{number}"), make)?;
+        bar.set_position((number as u64 + 1) * u64::from(options.draws));
+        rows.push(row);
+    }
+    bar.finish_and_clear();
+    let command = format!("tunenet bench regions --draws {} --seed {seed}", options.draws);
+    let text = markdown(&command, &rows);
+    let object: Value = json!({
+        "schema": "tunenet.bench.regions/1", "draws": options.draws, "seed": seed, "cells": rows, "warnings": [],
+    });
+    for (name, text) in [("regions.md", text.clone()), ("regions.json", format!("{object:#}\n"))] {
+        write_atomically(options.out.join(name), |file| file.write_all(text.as_bytes()))?;
+    }
+    anstream::eprintln!("{text}");
+    stage("wrote", &options.out.join("regions.md").display().to_string());
+    if options.common.json {
+        print_json(&object);
+    }
+    Ok(Exit::Done)
+}
+
+impl Row {
+    fn of(cell: Cell, found: &[Found]) -> Self {
+        let count = found.len() as f64;
+        let share = |is: &dyn Fn(&Found) -> bool| found.iter().filter(|f| is(f)).count() as f64 / count;
+        let names: Vec<String> = found
+            .iter()
+            .map(|f| &f.parameters)
+            .find(|p| !p.is_empty())
+            .into_iter()
+            .flatten()
+            .map(|p| p.0.clone())
+            .collect();
+        let interval = |(i, name): (usize, String)| {
+            let is = |what: &dyn Fn(&(String, bool, Status)) -> bool| share(&|f| f.parameters.get(i).is_some_and(what));
+            Interval { name, covered: is(&|p| p.1), determined: is(&|p| p.2.identified()) }
+        };
+        let regions: Vec<(bool, bool)> = found.iter().filter_map(|f| f.region).collect();
+        let of_regions = |is: fn(&(bool, bool)) -> bool| {
+            regions.iter().filter(|r| is(r)).count() as f64 / (regions.len() as f64).max(1.0)
+        };
+        Self {
+            cell,
+            parameters: names.into_iter().enumerate().map(interval).collect(),
+            joint: of_regions(|r| r.0),
+            drawn: of_regions(|r| r.1),
+            walked: share(&|f| f.walked),
+            without: 1.0 - regions.len() as f64 / count,
+            called_poor: share(&|f| f.poor),
+        }
+    }
+}
+
+/// The table. Writing to a string cannot fail, so its results are dropped.
+fn markdown(command: &str, rows: &[Row]) -> String {
+    let mut out = format!("# Several parameters: how often 95 % regions hold the truth\n\n    {command}\n\n");
+    out.push_str(
+        "Recordings come from closed forms, not from the simulator that is tuned. *Joint* is the region by the likelihood \
+         ratio, *drawn* its ellipse or walked boundary, both of the recordings that have one.\n\n\
+         | recordings | joint | drawn | walked | no region | poor fit | intervals (determined) |\n\
+         |---|---|---|---|---|---|---|\n",
+    );
+    let percent = |v: f64| format!("{:.1} %", 100.0 * v);
+    for row in rows {
+        let each = |p: &Interval| format!("{} {} ({})", p.name, percent(p.covered), percent(p.determined));
+        let intervals = row.parameters.iter().map(each).collect::<Vec<_>>().join(", ");
+        let shares = [row.joint, row.drawn, row.walked, row.without, row.called_poor].map(percent).join(" | ");
+        let _ = writeln!(out, "| {} | {shares} | {intervals} |", row.cell.name());
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests;

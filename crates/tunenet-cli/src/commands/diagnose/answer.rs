@@ -1,0 +1,75 @@
+//! What was found, with what is needed to tell it.
+
+use tunenet_core::diagnose::{Diagnosis, NamedEffect, Value, Verdict};
+use tunenet_core::observation::Note;
+use tunenet_core::simulator::{Effect, measurement_effects};
+use tunenet_sim::ball::effects::Body;
+
+use super::load::Loaded;
+
+/// The effect whose coefficient is known to everyone in another form.
+pub const DRAG: &str = "quadratic_drag";
+
+/// A diagnosis and what it was made of.
+pub struct Answer<'a> {
+    pub loaded: &'a Loaded,
+    pub diagnosis: &'a Diagnosis,
+    pub seconds: f64,
+}
+
+impl Answer<'_> {
+    /// Names to choose from: of a set, or the nearest where nothing fits.
+    pub fn candidates(&self) -> &[&'static str] {
+        match self.diagnosis.verdict {
+            Verdict::OneOf | Verdict::Unknown => &self.diagnosis.names,
+            _ => &[],
+        }
+    }
+
+    /// The drag coefficient of an object: the force over that of the pressure ρv²/2 on the ball's section. None where its
+    /// mass is not known.
+    pub fn drag_coefficient(&self, effect: &NamedEffect, value: &Value) -> Option<Value> {
+        // A value of all objects together is only ever that of the measurement.
+        let object = self.loaded.objects.get(value.object.unwrap_or(0)).filter(|_| effect.effect.name == DRAG)?;
+        let unit = body(object)?.drag_1_m()?;
+        let (low, high) = value.interval95;
+        Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
+    }
+
+    /// Where coefficient `i` of an effect has to lie to be believed, for the object that a value belongs to.
+    pub fn believed(&self, named: &NamedEffect, i: usize, value: &Value) -> (f64, f64) {
+        let own = value.object.and_then(|object| self.loaded.objects.get(object));
+        let own = own.and_then(|o| o.simulator.effects().into_iter().find(|e| e.name == named.effect.name));
+        let effect = own.as_ref().unwrap_or(&named.effect);
+        effect.plausible.get(i).copied().unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
+    }
+
+    /// Everything that a person should know, of reading and of judging.
+    pub fn notes(&self) -> Vec<Note> {
+        self.loaded.notes.iter().chain(&self.diagnosis.notes).cloned().collect()
+    }
+
+    /// Why recordings do not suffice: what is said of all, then of each that cannot be used.
+    pub fn reasons(&self) -> Vec<&Note> {
+        let of_all = self.diagnosis.notes.iter().filter(|n| n.code.starts_with("recordings."));
+        of_all.chain(self.diagnosis.uses.iter().filter(|u| !u.used).filter_map(|u| u.notes.first())).collect()
+    }
+
+    /// An entry of the catalogue.
+    pub fn entry(&self, name: &str) -> Option<Effect> {
+        let simulator = &self.loaded.objects.first()?.simulator;
+        let all = simulator.effects().into_iter().chain(measurement_effects(simulator.kind()));
+        all.into_iter().find(|effect| effect.name == name)
+    }
+
+    /// The name of the object that a value belongs to.
+    pub fn object(&self, value: &Value) -> Option<&str> {
+        Some(self.loaded.objects.get(value.object?)?.name.as_str())
+    }
+}
+
+fn body(object: &super::load::Object) -> Option<Body> {
+    let number = |path: &str| object.file.number(path);
+    let gravity_m_s2 = number("world.gravity_m_s2").unwrap_or(0.0);
+    Some(Body { radius_m: number("ball.radius_m")?, mass_kg: number("ball.mass_kg"), gravity_m_s2 })
+}

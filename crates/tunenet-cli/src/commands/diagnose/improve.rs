@@ -1,0 +1,220 @@
+//! The improved simulation file: tuned parameters, the named effects, and on what evidence they stand there.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use toml_edit::{Array, DocumentMut, InlineTable, Value as Toml};
+use tunenet_core::Error;
+use tunenet_core::diagnose::{Change, Diagnosis, Fitted, Gap, NamedEffect, Value, Verdict};
+use tunenet_core::observation::recording::write_atomically;
+use tunenet_sim::SimulationFile;
+
+use super::answer::Answer;
+use super::load::Object;
+use super::manifest::Source;
+use crate::cli::Diagnose;
+use crate::commands::load;
+
+const UNFITTED: &str = "nothing could be fitted";
+
+/// What was written, and why nothing was where nothing was.
+pub enum Written {
+    NotAsked,
+    Files(Vec<PathBuf>),
+    Not(&'static str),
+}
+
+/// Refuses a report that could not be saved, or that would replace what is read or written otherwise.
+pub fn report_writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
+    let Some(report) = &options.report else { return Ok(()) };
+    let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
+    let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).chain(options.out.as_deref()).collect();
+    let objects = sources.iter().map(|s| format!("{}.toml", s.object));
+    let mut outputs = options.out.iter().flat_map(|out| objects.clone().map(|o| out.join(o)).chain([out.clone()]));
+    let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    if outputs.any(|out| place(&out) == place(report)) {
+        let (expected, found) = ("another file than `--out`".into(), load::name(report));
+        return Err(Error::Setting { name: "--report", expected, found }.into());
+    }
+    load::writable(report, &inputs)
+}
+
+/// Refuses an output that cannot be written before anything is spent on it. For several objects it is a folder.
+pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
+    let Some(out) = &options.out else { return Ok(()) };
+    if !several(sources.iter().map(|s| s.object.as_str())) {
+        let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
+        let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).collect();
+        return load::writable(out, &inputs);
+    }
+    if out.is_file() {
+        let message = "expected a folder, since every object gets a file of its own, found a file";
+        return Err(Error::file(out, message, "name a folder with --out").into());
+    }
+    for source in sources {
+        let plain = source.object.chars().all(|c| c.is_alphanumeric() || "-_. ".contains(c));
+        if !plain || source.object.starts_with('.') {
+            let message = format!("`{}` makes no file name for --out", source.object);
+            let path = options.manifest.clone().unwrap_or_default();
+            return Err(Error::file(path, message, "use letters, digits, -, _ and spaces in `object`").into());
+        }
+    }
+    std::fs::create_dir_all(out).map_err(|e| Error::io(out, "creating", e))?;
+    Ok(())
+}
+
+fn several<'a>(mut objects: impl Iterator<Item = &'a str>) -> bool {
+    let first = objects.next();
+    objects.any(|object| Some(object) != first)
+}
+
+/// Writes the files that were asked for, one for each object that has an answer.
+pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
+    let Some(out) = &options.out else { return Ok(Written::NotAsked) };
+    let diagnosis = answer.diagnosis;
+    let gap = match (&diagnosis.gap, why_not(diagnosis)) {
+        (_, Some(why)) => return Ok(Written::Not(why)),
+        (None, None) => return Ok(Written::Not(UNFITTED)),
+        (Some(gap), None) => gap,
+    };
+    let mut written = Vec::new();
+    for (number, object) in answer.loaded.objects.iter().enumerate() {
+        let mut file = improved(answer, number)?;
+        file.set_provenance(&provenance(options, answer, gap, number)?);
+        let path =
+            if answer.loaded.objects.len() == 1 { out.clone() } else { out.join(format!("{}.toml", object.name)) };
+        put(&path, &file)?;
+        written.push(path);
+    }
+    Ok(Written::Files(written))
+}
+
+/// Why there is no improved file.
+fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
+    match diagnosis.verdict {
+        Verdict::Unknown => Some("no known effect explains the recordings"),
+        Verdict::Insufficient => Some("the recordings do not suffice for an answer"),
+        Verdict::None | Verdict::Named | Verdict::OneOf => diagnosis.gap.is_none().then_some(UNFITTED),
+    }
+}
+
+/// The file of an object with the tuned parameters and the named effects.
+fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
+    let diagnosis = answer.diagnosis;
+    let mut file = answer.loaded.objects[number].file.clone();
+    for tuned in diagnosis.parameters.iter().filter(|p| p.object == number) {
+        // What is not a parameter of the file is a coefficient, written below.
+        if !tuned.name.contains('.') {
+            file.set_value(&tuned.name, tuned.value);
+        }
+    }
+    for effect in &diagnosis.effects {
+        let values: Vec<(&str, f64)> =
+            effect.coefficients.iter().filter_map(|c| Some((c.key, of(c, number)?.value))).collect();
+        file.add_effect(effect.effect.name, &values)?;
+    }
+    Ok(file)
+}
+
+/// A simulation file as it was given and as it would be, both without provenance.
+pub struct Edited {
+    pub object: String,
+    pub given: String,
+    pub improved: String,
+}
+
+/// What the answer changes in the simulation file of every object, or why it changes nothing.
+pub fn edits(options: &Diagnose, answer: &Answer) -> Result<std::result::Result<Vec<Edited>, &'static str>> {
+    if let Some(why) = why_not(answer.diagnosis) {
+        return Ok(Err(why));
+    }
+    let given = without_provenance(&SimulationFile::read(&options.simulation.sim)?.text())?;
+    let one = |(number, object): (usize, &Object)| {
+        let improved = without_provenance(&improved(answer, number)?.text())?;
+        Ok(Edited { object: object.name.clone(), given: given.clone(), improved })
+    };
+    answer.loaded.objects.iter().enumerate().map(one).collect::<Result<_>>().map(Ok)
+}
+
+fn without_provenance(text: &str) -> Result<String> {
+    let mut document: DocumentMut = text.parse()?;
+    document.remove("provenance");
+    Ok(document.to_string())
+}
+
+fn put(path: &Path, file: &SimulationFile) -> Result<()> {
+    Ok(write_atomically(path, |out| out.write_all(file.text().as_bytes()))?)
+}
+
+/// The value of an object, or the one that all share.
+fn of(fitted: &Fitted, object: usize) -> Option<&Value> {
+    fitted.values.iter().find(|v| v.object.is_none_or(|o| o == object))
+}
+
+fn provenance(options: &Diagnose, answer: &Answer, gap: &Gap, object: usize) -> Result<Vec<(&'static str, Toml)>> {
+    let diagnosis = answer.diagnosis;
+    let verdict = serde_json::to_value(diagnosis.verdict)?;
+    let mut observations = Array::new();
+    for recorded in answer.loaded.recorded.iter().filter(|r| r.object == object) {
+        let mut one = InlineTable::new();
+        one.insert("file", recorded.name.as_str().into());
+        one.insert("sha256", recorded.hash.as_str().into());
+        let held_out =
+            diagnosis.uses.iter().find(|u| u.name == recorded.name).map_or(recorded.held_out, |u| u.held_out);
+        one.insert("held_out", held_out.into());
+        observations.push(one);
+    }
+    let intervals: InlineTable = diagnosis
+        .parameters
+        .iter()
+        .filter(|p| p.object == object)
+        .map(|p| (p.name.replace('.', "_"), Array::from_iter([p.interval95.0, p.interval95.1])))
+        .collect();
+    let effects: Array = diagnosis.effects.iter().map(|e| evidence(e, object)).collect();
+    let mut entries: Vec<(&str, Toml)> = vec![
+        ("tool", concat!("tunenet ", env!("CARGO_PKG_VERSION")).into()),
+        ("command", "diagnose".into()),
+        ("seed", i64::try_from(options.common.seed).unwrap_or(i64::MAX).into()),
+        ("verdict", verdict.as_str().unwrap_or_default().into()),
+        ("observations", observations.into()),
+        ("interval95", intervals.into()),
+        ("effects", effects.into()),
+    ];
+    if diagnosis.verdict == Verdict::OneOf {
+        entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
+    }
+    entries.extend([
+        ("gap_unit", Toml::from(gap.unit.as_str())),
+        ("gap_before", gap.before.into()),
+        ("gap_after", gap.after.into()),
+        ("gap_noise_floor", gap.noise_floor.into()),
+    ]);
+    let pairs = [
+        (["held_out_before", "held_out_after"], &gap.held_out),
+        (["forecast_before", "forecast_after"], &gap.forecast),
+    ];
+    for ([before, after], change) in pairs {
+        if let Some(Change { before: old, after: new }) = change {
+            entries.extend([(before, Toml::from(*old)), (after, Toml::from(*new))]);
+        }
+    }
+    Ok(entries)
+}
+
+/// What an effect stands there for.
+fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
+    let mut one = InlineTable::new();
+    one.insert("name", named.effect.name.into());
+    one.insert("bic_gain", named.evidence.bic_gain.into());
+    if let Some(other) = named.evidence.runner_up {
+        one.insert("runner_up", other.into());
+        one.insert("runner_up_bic_gap", named.evidence.runner_up_bic_gap.into());
+    }
+    for fitted in &named.coefficients {
+        if let Some(value) = of(fitted, object) {
+            let (low, high) = value.interval95;
+            one.insert(format!("{}_interval95", fitted.key), Array::from_iter([low, high]).into());
+        }
+    }
+    one
+}

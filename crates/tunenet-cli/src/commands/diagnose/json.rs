@@ -1,0 +1,123 @@
+//! The answer as JSON, for programs; docs/json.md lists the keys.
+
+use serde_json::{Map, Value as Json, json};
+use tunenet_core::diagnose::{Candidate, Change, Explained, Fitted, Gap, NamedEffect, Test, Tuned, Use, Value};
+
+use super::answer::Answer;
+use crate::commands::tune::warning;
+
+pub fn object(answer: &Answer) -> Json {
+    let diagnosis = answer.diagnosis;
+    let warnings: Vec<Json> = answer.loaded.notes.iter().chain(&diagnosis.notes).map(warning).collect();
+    json!({
+        "schema": "tunenet.diagnose/1",
+        "verdict": diagnosis.verdict,
+        "effects": diagnosis.effects.iter().map(|e| effect(answer, e)).collect::<Vec<_>>(),
+        "candidates": answer.candidates(),
+        "scores": diagnosis.candidates.iter().map(score).collect::<Vec<_>>(),
+        "gap": diagnosis.gap.as_ref().map(gap),
+        "adequacy": diagnosis.adequacy.iter().map(test).collect::<Vec<_>>(),
+        "description": diagnosis.description,
+        "next_experiment": diagnosis.next_experiment.as_ref().map(|next| {
+            let settings: Map<String, Json> = next.settings.iter().map(|(k, v)| (k.clone(), json!(v))).collect();
+            json!({ "text": next.text, "settings": settings })
+        }),
+        "parameters": diagnosis.parameters.iter().map(|p| parameter(answer, p)).collect::<Vec<_>>(),
+        "recordings": diagnosis.uses.iter().map(used).collect::<Vec<_>>(),
+        "estimated": diagnosis.explained.iter().map(estimated).collect::<Vec<_>>(),
+        "rollouts": diagnosis.rollouts,
+        "seconds": answer.seconds,
+        "warnings": warnings,
+    })
+}
+
+fn effect(answer: &Answer, named: &NamedEffect) -> Json {
+    let mut coefficients: Map<String, Json> =
+        named.coefficients.iter().map(|c| (c.key.to_owned(), coefficient(answer, c))).collect();
+    if let Some(fitted) = named.coefficients.first() {
+        let values: Option<Vec<Value>> = fitted.values.iter().map(|v| answer.drag_coefficient(named, v)).collect();
+        if let Some(values) = values.filter(|values| !values.is_empty()) {
+            let fitted = Fitted { key: "drag_coefficient", unit: "1", values };
+            coefficients.insert(fitted.key.into(), coefficient(answer, &fitted));
+        }
+    }
+    let evidence = &named.evidence;
+    json!({
+        "name": named.effect.name,
+        "sentence": named.effect.sentence,
+        "coefficients": coefficients,
+        "where": { "phase": named.effect.phase, "text": named.effect.phase.name() },
+        "evidence": {
+            "bic_gain": evidence.bic_gain,
+            "runner_up": evidence.runner_up,
+            // JSON knows no infinity: null where nothing comes second.
+            "runner_up_bic_gap": evidence.runner_up_bic_gap,
+            "p_value": evidence.p_value,
+        },
+        "alternatives": named.alternatives,
+    })
+}
+
+/// One value where all objects share it or there is one object; else one for each, and none that stands for all.
+fn coefficient(answer: &Answer, fitted: &Fitted) -> Json {
+    let range = |v: &Value| json!([v.interval95.0, v.interval95.1]);
+    if let [one] = &fitted.values[..] {
+        return json!({ "value": one.value, "unit": fitted.unit, "interval95": range(one) });
+    }
+    let each = fitted.values.iter().map(|v| {
+        let object = answer.object(v);
+        json!({ "object": object, "value": v.value, "interval95": range(v) })
+    });
+    json!({ "value": null, "unit": fitted.unit, "interval95": null, "objects": each.collect::<Vec<_>>() })
+}
+
+fn score(candidate: &Candidate) -> Json {
+    json!({
+        "name": candidate.name,
+        "bic_gain": candidate.bic_gain,
+        "behind_best": candidate.delta,
+        "fitted": candidate.fitted,
+        "held_out_ratio": candidate.held_out_ratio,
+        "excluded": candidate.excluded,
+    })
+}
+
+fn change(change: &Change) -> Json {
+    json!({ "before": change.before, "after": change.after })
+}
+
+fn gap(gap: &Gap) -> Json {
+    json!({
+        "unit": gap.unit,
+        "before": gap.before,
+        "after": gap.after,
+        "noise_floor": gap.noise_floor,
+        "held_out": gap.held_out.as_ref().map(change),
+        "forecast": gap.forecast.as_ref().map(change),
+        "control": gap.control.map(|(name, after)| json!({ "name": name, "after": after })),
+    })
+}
+
+fn test(test: &Test) -> Json {
+    json!({ "name": test.name, "value": test.value, "threshold": test.threshold, "passed": test.passed })
+}
+
+fn parameter(answer: &Answer, tuned: &Tuned) -> Json {
+    let object = answer.loaded.objects.get(tuned.object).map(|o| &o.name);
+    json!({
+        "object": object, "name": tuned.name, "unit": tuned.unit, "given": tuned.given, "before": tuned.before,
+        "value": tuned.value, "interval95": [tuned.interval95.0, tuned.interval95.1],
+    })
+}
+
+fn used(one: &Use) -> Json {
+    json!({
+        "file": one.name, "used": one.used, "held_out": one.held_out,
+        "notes": one.notes.iter().map(warning).collect::<Vec<_>>(),
+    })
+}
+
+fn estimated(one: &Explained) -> Json {
+    let own = one.own.iter().map(|(name, value, unit)| json!({ "name": name, "value": value, "unit": unit }));
+    json!({ "file": one.name, "own": own.collect::<Vec<_>>() })
+}

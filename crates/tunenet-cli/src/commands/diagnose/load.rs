@@ -1,0 +1,135 @@
+//! From files to objects with their simulators, and recordings.
+
+use anyhow::{Context, Result};
+use tunenet_core::Error;
+use tunenet_core::diagnose;
+use tunenet_core::observation::{Kind, Note, Observation};
+use tunenet_core::simulator::Simulator;
+use tunenet_sim::{SimulationFile, simulator};
+
+use super::manifest::Source;
+use crate::cli::Diagnose;
+use crate::commands::load;
+
+/// Most samples of one recording that are used; more would not sharpen the answer by as much as they cost.
+const MOST_SAMPLES: usize = 4_000;
+
+/// One thing that was recorded, possibly several times.
+pub struct Object {
+    pub name: String,
+    pub file: SimulationFile,
+    pub simulator: Box<dyn Simulator>,
+    /// What its manifest entries say of the scene.
+    scene: Vec<(String, String)>,
+}
+
+/// One recording of it.
+pub struct Recorded {
+    pub name: String,
+    pub hash: String,
+    pub object: usize,
+    pub held_out: bool,
+    pub seen: Observation,
+}
+
+/// Everything that was read.
+pub struct Loaded {
+    pub objects: Vec<Object>,
+    pub recorded: Vec<Recorded>,
+    pub notes: Vec<Note>,
+}
+
+impl Loaded {
+    /// As the library takes them.
+    pub fn recordings<'a>(&'a self) -> Vec<diagnose::Recording<'a>> {
+        let one = |r: &'a Recorded| diagnose::Recording {
+            name: r.name.clone(),
+            object: r.object,
+            held_out: r.held_out,
+            seen: &r.seen,
+        };
+        self.recorded.iter().map(one).collect()
+    }
+}
+
+pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
+    let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
+    let mut kept: Vec<&Source> = Vec::new();
+    for source in sources {
+        let name = load::name(&source.path);
+        if let Some(same) = kept.iter().find(|other| other.hash == source.hash && other.object == source.object) {
+            let text = format!("{name} holds the same as {}, and counts once", load::name(&same.path));
+            notes.push(Note::new("recording.repeated", text, "give every recording once"));
+            continue;
+        }
+        let mut recording = load::recording(&source.path, &options.reading)?;
+        if let Some(fewer) = recording.observation.thinned(MOST_SAMPLES)? {
+            let text = format!("{} of {} samples are used, evenly chosen", fewer.len(), recording.observation.len());
+            recording.notes.push(Note::new("samples.thinned", text, ""));
+            recording.observation = fewer;
+        }
+        let several = sources.len() > 1;
+        let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
+        notes.extend(recording.notes.into_iter().map(named));
+        kept.push(source);
+        let (hash, held_out, seen) = (source.hash.clone(), source.held_out, recording.observation);
+        recorded.push(Recorded { name, hash, object: 0, held_out, seen });
+    }
+    let kind = one_kind(&kept, &recorded)?;
+    let mut objects: Vec<Object> = Vec::new();
+    for (source, recorded) in kept.iter().zip(&mut recorded) {
+        let known = objects.iter().position(|o| o.name == source.object);
+        if let Some(at) = known {
+            same_scene(options, source, &objects[at])?;
+        } else {
+            objects.push(object(options, source, kind)?);
+        }
+        recorded.object = known.unwrap_or(objects.len() - 1);
+    }
+    Ok(Loaded { objects, recorded, notes })
+}
+
+/// All recordings have to be of one kind.
+fn one_kind(sources: &[&Source], recorded: &[Recorded]) -> Result<Kind> {
+    let (first, kind) = (&recorded[0].name, recorded[0].seen.kind());
+    let Some(other) = recorded.iter().position(|r| r.seen.kind() != kind) else { return Ok(kind) };
+    let found = recorded[other].seen.kind().name();
+    let message = format!("expected {} as in {first}, found {found}", kind.name());
+    Err(Error::file(&sources[other].path, message, "diagnose recordings of each kind alone").into())
+}
+
+fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
+    let mut file = load::simulation(&options.simulation)?;
+    for (key, value) in &source.scene {
+        file.set(&format!("{key}={value}")).map_err(|e| match e {
+            // Not the command line's fault.
+            Error::Setting { expected, found, .. } => {
+                let message = format!("{}: expected {expected}, found {found}", source.path.display());
+                Error::file(options.manifest.clone().unwrap_or_default(), message, "see docs/files.md for the keys")
+            }
+            other => other,
+        })?;
+    }
+    let simulator = simulator(&file, kind).with_context(|| load::name(&source.path))?;
+    Ok(Object { name: source.object.clone(), file, simulator, scene: source.scene.clone() })
+}
+
+/// Recordings of one object share its scene.
+fn same_scene(options: &Diagnose, source: &Source, object: &Object) -> Result<()> {
+    if source.scene == object.scene {
+        return Ok(());
+    }
+    let told = |scene: &[(String, String)]| {
+        let each: Vec<String> = scene.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        if each.is_empty() { "no keys of the scene".into() } else { each.join(", ") }
+    };
+    let message = format!(
+        "{}: expected {} as for the other recordings of `{}`, found {}",
+        source.path.display(),
+        told(&object.scene),
+        object.name,
+        told(&source.scene)
+    );
+    let hint = "give it another `object`, or say the same of all";
+    Err(Error::file(options.manifest.clone().unwrap_or_default(), message, hint).into())
+}

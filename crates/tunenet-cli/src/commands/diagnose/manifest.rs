@@ -1,0 +1,155 @@
+//! Which files to diagnose: from the command line, or from a manifest that groups them into objects.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use toml_edit::{Document, Item, TableLike};
+use tunenet_core::Error;
+
+use crate::cli::Diagnose;
+use crate::commands::load::hash;
+
+/// The object of files that no manifest groups.
+pub const ONLY: &str = "ball";
+
+/// One file, and what is said of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    pub path: PathBuf,
+    pub object: String,
+    pub held_out: bool,
+    /// Keys of the scene that differ for its object, with their values.
+    pub scene: Vec<(String, String)>,
+    /// SHA-256 of its bytes.
+    pub hash: String,
+}
+
+/// Everything that is to be read, in the order given. A file that is given for training and held out is refused, whatever
+/// its names.
+pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {
+    let mut sources = Vec::new();
+    if let Some(path) = &options.manifest {
+        sources = read(path)?;
+    }
+    let given = options.observation.iter().map(|path| (path, false));
+    for (path, held_out) in given.chain(options.held_out.iter().map(|path| (path, true))) {
+        let (object, scene) = (ONLY.to_owned(), vec![]);
+        sources.push(Source { path: path.clone(), object, held_out, scene, hash: hash(path)? });
+    }
+    for held in sources.iter().filter(|s| s.held_out) {
+        if let Some(other) = sources.iter().find(|s| !s.held_out && s.hash == held.hash) {
+            let message = format!(
+                "expected a recording that is not fitted to, found the same as {}, which is given for training",
+                other.path.display()
+            );
+            return Err(Error::file(&held.path, message, "hold another recording out").into());
+        }
+    }
+    if let Some(first) = sources.first().filter(|_| sources.iter().all(|s| s.held_out)) {
+        let message = "expected at least one recording to fit to, found only held-out ones";
+        return Err(Error::file(&first.path, message, "give one with --observation").into());
+    }
+    Ok(sources)
+}
+
+fn read(path: &Path) -> Result<Vec<Source>> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
+    let document = Document::parse(text.as_str()).map_err(|e| {
+        let line = e.span().map_or(1, |span| text[..span.start].lines().count().max(1));
+        Error::file(path, format!("line {line}: {}", e.message()), "a manifest is TOML: [[observation]] tables")
+    })?;
+    let mut entries = None;
+    for (key, item) in document.as_table() {
+        match (key, item) {
+            ("observation", Item::ArrayOfTables(all)) => entries = Some(all),
+            ("observation", _) => {
+                return Err(wrong(path, "expected [[observation]] tables, found another `observation`").into());
+            }
+            _ => return Err(wrong(path, &format!("expected [[observation]] tables, found `{key}` beside them")).into()),
+        }
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let entries = entries.filter(|all| !all.is_empty());
+    let entries = entries.ok_or_else(|| wrong(path, "expected at least one [[observation]], found none"))?;
+    let read = |(number, entry)| source(path, folder, number, entry);
+    entries.iter().enumerate().map(|(i, table)| (i + 1, table as &dyn TableLike)).map(read).collect()
+}
+
+fn wrong(path: &Path, message: &str) -> Error {
+    Error::file(
+        path,
+        message,
+        "each [[observation]] has `file`, and may have `object`, `held_out` and keys of the scene",
+    )
+}
+
+fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) -> Result<Source> {
+    let place = |what: &str| wrong(manifest, &format!("[[observation]] {number}: {what}"));
+    let (mut file, mut object, mut held_out, mut scene) = (None, ONLY.to_owned(), false, Vec::new());
+    for (key, item) in entry.iter() {
+        match key {
+            "file" => file = Some(item.as_str().ok_or_else(|| place("expected a name in quotes for `file`"))?),
+            "object" => {
+                let name = item.as_str().filter(|name| !name.trim().is_empty());
+                name.ok_or_else(|| place("expected a name in quotes for `object`"))?.clone_into(&mut object);
+            }
+            "held_out" => {
+                held_out = item.as_bool().ok_or_else(|| place("expected true or false for `held_out`"))?;
+            }
+            "reference" => {
+                return Err(place("expected no `reference`, which a ball's recordings have no use for").into());
+            }
+            _ => keys(key, item, &mut scene),
+        }
+    }
+    let path = folder.join(file.ok_or_else(|| place("expected `file`, found none"))?);
+    let hash = hash(&path)?;
+    Ok(Source { path, object, held_out, scene, hash })
+}
+
+/// The scene's keys below `item`, whether written `ball.radius_m = …`, `"ball.radius_m" = …` or as tables.
+fn keys(path: &str, item: &Item, into: &mut Vec<(String, String)>) {
+    match item.as_table_like() {
+        Some(table) => table.iter().for_each(|(key, inner)| keys(&format!("{path}.{key}"), inner, into)),
+        None => into.push((path.to_owned(), item.to_string().trim().to_owned())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn manifest(text: &str) -> Result<Vec<Source>> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.csv"), "a").unwrap();
+        std::fs::write(folder.path().join("m.toml"), text).unwrap();
+        read(&folder.path().join("m.toml"))
+    }
+
+    #[test]
+    fn keys_of_the_scene_may_be_written_in_every_way_of_toml() {
+        let ways = ["ball.radius_m = 0.1", "\"ball.radius_m\" = 0.1", "ball = { radius_m = 0.1 }"];
+        for way in ways {
+            let found = manifest(&format!("[[observation]]\nfile = \"a.csv\"\nobject = \"red\"\n{way}\n")).unwrap();
+            assert_eq!((found[0].object.as_str(), found[0].held_out), ("red", false));
+            assert_eq!(found[0].scene, [("ball.radius_m".to_owned(), "0.1".to_owned())], "{way}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_place() {
+        for (text, expected) in [
+            ("", "at least one [[observation]]"),
+            ("x = 1\n", "found `x` beside"),
+            ("observation = 3\n", "another `observation`"),
+            ("[[observation]]\nobject = \"a\"\n", "[[observation]] 1: expected `file`"),
+            ("[[observation]]\nfile = 3\n", "a name in quotes for `file`"),
+            ("[[observation]]\nfile = \"a.csv\"\nheld_out = 1\n", "true or false"),
+            ("[[observation]\n", "line 1"),
+        ] {
+            let message = manifest(text).unwrap_err().to_string();
+            assert!(message.contains(expected), "{text}: {message}");
+        }
+        assert!(manifest("[[observation]]\nfile = \"none.csv\"\n").unwrap_err().to_string().contains("none.csv"));
+    }
+}

@@ -1,0 +1,67 @@
+//! `tunenet diagnose`: where simulation and measurement disagree, which effect is missing, and the file with it.
+//!
+//! ```text
+//! manifest → load → tunenet_core::diagnose → json, tell, improve, crate::report
+//! ```
+
+pub(crate) mod answer;
+pub(crate) mod improve;
+mod json;
+pub(crate) mod load;
+mod manifest;
+mod tell;
+
+use std::time::Instant;
+
+use anyhow::Result;
+use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
+
+use self::answer::Answer;
+use super::load::name as load_name;
+use super::print_json;
+use crate::cli::Diagnose;
+use crate::failure::Exit;
+use crate::report;
+use crate::terminal::stage;
+
+pub fn run(options: &Diagnose) -> Result<Exit> {
+    let sources = manifest::sources(options)?;
+    improve::report_writable(options, &sources)?;
+    improve::writable(options, &sources)?;
+    let loaded = load::load(options, &sources)?;
+    tell::read(&loaded);
+    let began = Instant::now();
+    let diagnosis = super::load::threads(options.jobs)?.install(|| ask(&loaded, options.common.seed))?;
+    let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
+    let wrote = improve::write(options, &answer)?;
+    if options.common.json {
+        print_json(&json::object(&answer));
+    }
+    tell::answer(options, &answer, &wrote);
+    if let Some(path) = &options.report {
+        let edits = improve::edits(options, &answer)?;
+        report::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
+        stage("report", &load_name(path));
+    }
+    Ok(match diagnosis.verdict {
+        Verdict::None | Verdict::Named => Exit::Done,
+        Verdict::OneOf | Verdict::Unknown | Verdict::Insufficient => Exit::Inconclusive,
+    })
+}
+
+fn provenance(options: &Diagnose, sources: &[manifest::Source]) -> report::Provenance {
+    let scene = [options.simulation.sim.as_path()].into_iter().chain(options.manifest.as_deref());
+    let read: Vec<&std::path::Path> = scene.chain(sources.iter().map(|s| s.path.as_path())).collect();
+    report::Provenance::new(options.common.seed, &read)
+}
+
+/// Asks the library, showing what it does.
+fn ask(loaded: &load::Loaded, seed: u64) -> Result<Diagnosis> {
+    let subjects: Vec<Subject> =
+        loaded.objects.iter().map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() }).collect();
+    let working = crate::terminal::working();
+    let settings = Settings { seed, ..Settings::default() };
+    let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| tell::progress(&working, at));
+    working.finish_and_clear();
+    Ok(diagnosis?)
+}

@@ -1,0 +1,197 @@
+//! The answer for people, on standard error.
+
+use indicatif::ProgressBar;
+use tunenet_core::diagnose::{Candidate, Change, Diagnosis, NamedEffect, Progress, Value, Verdict};
+
+use super::answer::Answer;
+use super::improve::Written;
+use super::load::Loaded;
+use crate::cli::Diagnose;
+use crate::commands::load::name;
+use crate::terminal::{in_words, rounded, stage, table, warn};
+
+/// Candidates that are shown; the JSON has all of them.
+const SHOWN: usize = 6;
+
+/// Says what was read.
+pub fn read(loaded: &Loaded) {
+    let held_out = loaded.recorded.iter().filter(|r| r.held_out).count();
+    let count = loaded.recorded.len() - held_out;
+    let samples: usize = loaded.recorded.iter().map(|r| r.seen.len()).sum();
+    let mut text = format!("{count} recording{}", if count == 1 { "" } else { "s" });
+    if loaded.objects.len() > 1 {
+        text = format!("{text} of {} objects", loaded.objects.len());
+    }
+    if held_out > 0 {
+        text = format!("{text}, {held_out} held out");
+    }
+    stage("read", &format!("{text}, {samples} samples"));
+}
+
+/// Shows what is being done.
+pub fn progress(working: &ProgressBar, at: Progress) {
+    working.set_message(match at {
+        Progress::Tuning => "tuning".to_owned(),
+        Progress::Scoring { candidates, effects: 0 } => format!("scoring {candidates} effects"),
+        Progress::Scoring { candidates, effects } => format!("scoring {candidates} effects beside {effects}"),
+        Progress::Fitting(name) => format!("fitting {name}"),
+        Progress::Judging => "judging what is left".to_owned(),
+    });
+}
+
+/// The whole answer.
+pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
+    let diagnosis = answer.diagnosis;
+    if let Some(gap) = &diagnosis.gap {
+        let words = |value: f64| in_words(value, &gap.unit);
+        let remains = if diagnosis.verdict == Verdict::None { "nothing remains" } else { "structure remains" };
+        stage("tuned", &format!("gap {}, noise floor {}: {remains}", words(gap.before), words(gap.noise_floor)));
+    }
+    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
+    anstream::eprintln!("\n{bold}{}{reset}", sentence(answer));
+    for line in details(answer) {
+        anstream::eprintln!("  {line}");
+    }
+    if !diagnosis.candidates.is_empty() {
+        anstream::eprintln!("{}", candidates(diagnosis));
+    }
+    if let Some(line) = margins(diagnosis) {
+        anstream::eprintln!("  {line}");
+    }
+    for one in diagnosis.uses.iter().filter(|u| !u.used) {
+        let why = one.notes.first().map_or("", |n| n.text.as_str());
+        anstream::eprintln!("  not used: {} ({why})", one.name);
+    }
+    let aside: Vec<&str> = diagnosis
+        .uses
+        .iter()
+        .filter(|u| u.used && u.held_out && !given_as_held_out(answer, &u.name))
+        .map(|u| u.name.as_str())
+        .collect();
+    if !aside.is_empty() {
+        anstream::eprintln!("  set aside to judge by: {}", aside.join(", "));
+    }
+    if let Some(next) = &diagnosis.next_experiment {
+        anstream::eprintln!("  next: {}", next.text);
+    }
+    anstream::eprintln!();
+    answer.loaded.notes.iter().chain(&diagnosis.notes).for_each(warn);
+    let wrote = match written {
+        Written::NotAsked => String::new(),
+        Written::Files(files) => {
+            let names: Vec<String> = files.iter().map(|path| name(path)).collect();
+            format!("wrote {}, ", names.join(", "))
+        }
+        Written::Not(why) => {
+            let out = options.out.as_deref().map(name).unwrap_or_default();
+            format!("{out} not written: {why}; ")
+        }
+    };
+    let (rollouts, seed) = (diagnosis.rollouts, options.common.seed);
+    anstream::eprintln!("{wrote}{rollouts} rollouts, {:.1} s, seed {seed}", answer.seconds);
+}
+
+fn given_as_held_out(answer: &Answer, name: &str) -> bool {
+    answer.loaded.recorded.iter().any(|r| r.held_out && r.name == name)
+}
+
+/// The verdict in one sentence.
+fn sentence(answer: &Answer) -> String {
+    let diagnosis = answer.diagnosis;
+    match diagnosis.verdict {
+        Verdict::None => "NONE  nothing is missing that these recordings could show".into(),
+        Verdict::Named => format!("NAMED  {}", diagnosis.effects.iter().map(lone).collect::<Vec<_>>().join(" and ")),
+        Verdict::OneOf => format!("ONE OF  {}: these recordings cannot tell", answer.candidates().join(", ")),
+        Verdict::Unknown => {
+            let nearest = answer.candidates().first().map(|n| format!(" (nearest: {n})")).unwrap_or_default();
+            format!("UNKNOWN  something is missing, and no known effect explains it{nearest}")
+        }
+        Verdict::Insufficient => "INSUFFICIENT  these recordings do not suffice for an answer".into(),
+    }
+}
+
+fn lone(named: &NamedEffect) -> String {
+    format!("{} {}", named.effect.name, named.effect.phase.name())
+}
+
+/// What a person wants to know beyond the verdict.
+fn details(answer: &Answer) -> Vec<String> {
+    let diagnosis = answer.diagnosis;
+    let mut lines: Vec<String> = diagnosis.description.iter().cloned().collect();
+    for named in &diagnosis.effects {
+        for fitted in &named.coefficients {
+            let (key, unit) = (fitted.key, if fitted.unit == "1" { "" } else { fitted.unit });
+            for value in &fitted.values {
+                let object = answer.object(value).filter(|_| fitted.values.len() > 1);
+                let object = object.map(|o| format!("{o}: ")).unwrap_or_default();
+                let drag = answer.drag_coefficient(named, value);
+                let drag = drag.map(|d| format!(", drag coefficient {}", ranged(&d, ""))).unwrap_or_default();
+                lines.push(format!("{object}{} {key} {}{drag}", named.effect.name, ranged(value, unit)));
+            }
+        }
+    }
+    for tuned in diagnosis.parameters.iter().filter(|p| !p.name.contains('.')) {
+        let object = answer.loaded.objects.get(tuned.object).filter(|_| answer.loaded.objects.len() > 1);
+        let object = object.map(|o| format!("{}: ", o.name)).unwrap_or_default();
+        let value = Value { object: None, value: tuned.value, interval95: tuned.interval95 };
+        let unit = if tuned.unit == "1" { "" } else { &tuned.unit };
+        lines.push(format!("{object}{} {}, was {}", tuned.name, ranged(&value, unit), tuned.given));
+    }
+    if let Some(gap) = &diagnosis.gap {
+        let words = |value: f64| in_words(value, &gap.unit);
+        if !diagnosis.effects.is_empty() {
+            let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
+            let mut line = format!("gap {} → {}", words(gap.before), words(gap.after));
+            if let Some(change) = &gap.held_out {
+                line = format!("{line}, held out {}", to(change));
+            }
+            if let Some(change) = &gap.forecast {
+                line = format!("{line}, forecast {}", to(change));
+            }
+            lines.push(line);
+        }
+        if let Some((wrong, after)) = gap.control {
+            lines.push(format!("control: with {wrong} instead, held out {}", words(after)));
+        }
+    }
+    lines
+}
+
+fn ranged(value: &Value, unit: &str) -> String {
+    let (low, high) = value.interval95;
+    let half = (high - low) / 2.0;
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let of = |v: f64| rounded(v, half);
+    format!("{}{unit} (95 %: {} to {})", of(value.value), of(low), of(high))
+}
+
+/// The best candidates, and the model without any.
+fn candidates(diagnosis: &Diagnosis) -> String {
+    let mut rows = vec![["effect", "BIC gain", "behind best", "held out"].map(String::from).to_vec()];
+    let row = |c: &Candidate| {
+        let about = if c.fitted { "" } else { "~" };
+        let ratio = c.held_out_ratio.map_or("-".into(), |r| format!("×{r:.3}"));
+        vec![c.name.to_owned(), format!("{about}{:.0}", c.bic_gain), format!("{about}{:.0}", c.delta), ratio]
+    };
+    rows.extend(diagnosis.candidates.iter().filter(|c| c.excluded.is_none()).take(SHOWN).map(row));
+    rows.push(vec!["none".into(), "0".into(), "-".into(), "×1".into()]);
+    table(&rows)
+}
+
+/// Margins and tests in one line.
+fn margins(diagnosis: &Diagnosis) -> Option<String> {
+    if diagnosis.adequacy.is_empty() {
+        return None;
+    }
+    let passed = diagnosis.adequacy.iter().filter(|t| t.passed).count();
+    let mut line = format!("adequacy {passed}/{}", diagnosis.adequacy.len());
+    let failed: Vec<&str> = diagnosis.adequacy.iter().filter(|t| !t.passed).map(|t| t.name).collect();
+    if !failed.is_empty() {
+        line = format!("{line} (failed: {})", failed.join(", "));
+    }
+    let margin = diagnosis.effects.iter().map(|e| e.evidence.runner_up_bic_gap).reduce(f64::min);
+    if let Some(margin) = margin.filter(|m| m.is_finite()) {
+        line = format!("margin {margin:.0}, {line}");
+    }
+    Some(line)
+}

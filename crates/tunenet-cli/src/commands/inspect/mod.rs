@@ -1,0 +1,324 @@
+//! `tunenet inspect`.
+
+mod motion;
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde_json::{Value, json};
+use tunenet_core::Error;
+use tunenet_core::network::{DatasetHeader, DatasetReader, Model};
+use tunenet_core::observation::Kind;
+use tunenet_core::observation::preflight::{ApparentGravity, Expected};
+use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
+use tunenet_sim::SimulationFile;
+
+use super::{load, print_json};
+use crate::cli::Inspect;
+use crate::failure::{Exit, sentence};
+use crate::terminal::{stage, table, warn};
+use motion::Motion;
+
+pub fn run(options: &Inspect) -> Result<Exit> {
+    if let [path] = options.files.as_slice() {
+        let found = look(path, options)?;
+        if options.common.json {
+            print_json(&found.object);
+        }
+        return Ok(if found.usable { Exit::Done } else { Exit::Inconclusive });
+    }
+    Ok(several(options))
+}
+
+/// What was found in one file.
+struct Found {
+    object: Value,
+    usable: bool,
+    motion: Option<Motion>,
+}
+
+fn look(path: &Path, options: &Inspect) -> Result<Found> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let plain = |object: Value, usable: bool| Found { object, usable, motion: None };
+    let mut found = match extension.as_str() {
+        "toml" => plain(simulation(&SimulationFile::read(path)?)?, true),
+        "safetensors" => plain(model(&Model::load(path)?), true),
+        _ => match contents_with(path, &load::reading(&options.reading))? {
+            Contents::Table(found) => series(&found, path, options),
+            // What `gen` writes is a log too, though none of measurements.
+            Contents::Log(found) => match DatasetReader::open(path) {
+                Ok(reader) => {
+                    let header = reader.header().clone();
+                    // Whether it is whole shows only at its end.
+                    let broken = reader.into_iter().find_map(Result::err);
+                    plain(dataset(&header, broken.as_ref()), broken.is_none())
+                }
+                Err(_) => log(&found, path, options),
+            },
+        },
+    };
+    found.object["schema"] = json!("tunenet.inspect/1");
+    found.object["file"] = json!(load::name(path));
+    found.object["usable"] = json!(found.usable);
+    Ok(found)
+}
+
+/// Several files: each on its own, then what all of them say of gravity.
+fn several(options: &Inspect) -> Exit {
+    let (mut objects, mut gravities, mut worst, mut rate_hz) = (Vec::new(), Vec::new(), Exit::Done, 0.0);
+    let head = ["file", "bounces", "gravity", "noticed"];
+    let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
+    for path in &options.files {
+        let name = load::name(path);
+        stage("file", &name);
+        match look(path, options) {
+            Ok(found) => {
+                if !found.usable && worst == Exit::Done {
+                    worst = Exit::Inconclusive;
+                }
+                if let Some(motion) = &found.motion {
+                    gravities.extend(motion.gravity());
+                    rate_hz = motion.rate_hz();
+                    rows.push([vec![name], motion.row()].concat());
+                }
+                objects.push(found.object);
+            }
+            Err(error) => {
+                worst = Exit::Refused;
+                let text = sentence(&error);
+                stage("refused", &text);
+                objects.push(json!({ "schema": "tunenet.inspect/1", "file": name, "usable": false, "error": text }));
+            }
+        }
+        anstream::eprintln!();
+    }
+    anstream::eprintln!("{}", table(&rows));
+    let pooled = ApparentGravity::pooled(&gravities);
+    let mut causes = Vec::new();
+    if let Some(gravity) = &pooled {
+        let expected = Expected::default().gravity_m_s2;
+        motion::tell_gravity(gravity, &format!(" from {} recordings together", gravities.len()));
+        if gravity.differs(expected) {
+            causes = gravity.causes(expected, rate_hz);
+            for cause in &causes {
+                stage("perhaps", cause);
+            }
+        }
+    }
+    if options.common.json {
+        print_json(&json!({
+            "schema": "tunenet.inspect.files/1", "files": objects, "gravity": pooled.as_ref().map(motion::gravity_json),
+            "causes": causes, "warnings": [],
+        }));
+    }
+    worst
+}
+
+/// What an observation of this kind can be used for.
+fn purpose(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Positions => "tune a ball's restitution and friction",
+        Kind::BounceTimes => "tune a ball's restitution",
+        Kind::Pixels => "nothing yet: pixels need a camera",
+        Kind::Joints => "nothing yet: joint series need an arm",
+        _ => "a simulator of your own",
+    }
+}
+
+fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
+    // With `--columns` the file is what the mapping makes of it.
+    let mapped = !options.reading.columns.is_empty();
+    let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()) };
+    let read = readable.and_then(|()| load::recording(path, &options.reading).map_err(|e| sentence(&e)));
+    let usable = read.as_ref().map(|r| r.observation.kind()).map_err(Clone::clone);
+    let motion = read.ok().and_then(|r| Motion::of(&r.observation));
+    // A table whose columns say nothing has rows and no samples: what to type comes first.
+    let samples = if found.samples == 0 { String::new() } else { format!(", {} samples", found.samples) };
+    stage("table", &format!("{} rows{samples}", found.rows));
+    let columns: Vec<Vec<String>> =
+        found.columns.iter().map(|c| vec![c.name.clone(), c.read_as.clone().unwrap_or_else(|| "-".into())]).collect();
+    anstream::eprintln!("{}", table(&columns));
+    if let (Some((first, last)), Some(rate)) = (found.span_s, found.median_rate_hz) {
+        let gap = found.largest_gap_s.unwrap_or(0.0);
+        let [first, last] = [first, last].map(|t| (t * 1e6).round() / 1e6);
+        stage("clock", &format!("{first} s to {last} s, {rate:.1} Hz, largest gap {gap:.4} s"));
+    }
+    for line in &found.broken {
+        stage("broken", &format!("line {}: {}", line.line, line.message));
+    }
+    if found.broken_count > found.broken.len() {
+        stage("broken", &format!("{} more lines", found.broken_count - found.broken.len()));
+    }
+    if let Some((first, last)) = whole_lines(found) {
+        stage("whole", &format!("lines {first} to {last}: `sed -n {first},{last}p` cuts them out"));
+    }
+    found.notes.iter().for_each(warn);
+    let usable = judged(usable, motion.as_ref());
+    if usable.is_err() && !found.remedy.is_empty() {
+        anstream::eprintln!("  try: {}", found.remedy.strip_prefix("try ").unwrap_or(&found.remedy));
+    }
+    let mut object = json!({
+        "kind": usable.as_ref().map(|k| k.name()).ok(),
+        "reason": usable.as_ref().err(),
+        "remedy": usable.as_ref().err().map(|_| &found.remedy),
+        "for": usable.as_ref().ok().map(|k| motion.as_ref().and_then(Motion::purpose).unwrap_or_else(|| purpose(*k))),
+        "rows": found.rows, "samples": found.samples,
+        "columns": found.columns.iter().map(|c| json!({ "name": c.name, "read_as": c.read_as })).collect::<Vec<_>>(),
+        "span_s": found.span_s.map(|(a, b)| [a, b]), "median_rate_hz": found.median_rate_hz, "largest_gap_s": found.largest_gap_s,
+        "broken_lines": found.broken.iter().map(|b| json!({ "line": b.line, "message": b.message })).collect::<Vec<_>>(),
+        "broken_count": found.broken_count,
+        "warnings": found.notes.iter().map(super::tune::warning).collect::<Vec<_>>(),
+    });
+    if let Some(motion) = &motion {
+        motion.add_to(&mut object);
+    }
+    Found { object, usable: usable.is_ok(), motion }
+}
+
+/// Tells what its motion shows, and the verdict.
+fn judged(usable: Result<Kind, String>, motion: Option<&Motion>) -> Result<Kind, String> {
+    if let Some(motion) = motion {
+        motion.tell();
+    }
+    let usable = usable.and_then(|kind| match motion.and_then(Motion::rejected) {
+        Some(reason) => Err(reason.to_owned()),
+        None => Ok(kind),
+    });
+    match &usable {
+        Ok(kind) => {
+            let good = motion.and_then(Motion::purpose).unwrap_or_else(|| purpose(*kind));
+            stage("usable", &format!("{}: {good}", kind.name()));
+        }
+        Err(reason) => stage("unusable", reason),
+    }
+    usable
+}
+
+fn topics(count: usize) -> String {
+    if count == 1 { "1 topic".into() } else { format!("{count} topics") }
+}
+
+/// The longest stretch of lines without a broken one, where some are broken and all are listed.
+fn whole_lines(found: &Table) -> Option<(usize, usize)> {
+    if found.broken.is_empty() || found.broken_count > found.broken.len() {
+        return None;
+    }
+    let header = usize::from(found.columns.iter().any(|c| !c.name.is_empty()));
+    let ends = found.broken.iter().map(|b| b.line).chain([header + found.rows + 1]);
+    let mut start = header + 1;
+    let mut best = None;
+    for end in ends {
+        if end > start && best.is_none_or(|(first, last)| end - start > last + 1 - first) {
+            best = Some((start, end - 1));
+        }
+        start = end + 1;
+    }
+    best
+}
+
+fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
+    stage(
+        "log",
+        &format!("{}, profile `{}`, written by `{}`", topics(found.topics.len()), found.profile, found.library),
+    );
+    let rows: Vec<Vec<String>> = found
+        .topics
+        .iter()
+        .map(|t| {
+            let usable = t.usable.as_ref().map_or_else(|reason| format!("- {reason}"), |kind| kind.name().to_string());
+            vec![t.name.clone(), t.schema.clone(), t.encoding.clone(), t.messages.to_string(), usable]
+        })
+        .collect();
+    anstream::eprintln!("{}", table(&rows));
+    if let Some(reason) = &found.ended {
+        stage("broken", reason);
+    }
+    let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
+    let chosen = usable.len() == 1 || options.reading.topic.is_some();
+    let read = chosen.then(|| load::recording(path, &options.reading).ok()).flatten();
+    let motion = read.and_then(|r| Motion::of(&r.observation));
+    let rejected = motion.as_ref().and_then(Motion::rejected);
+    if let Some(motion) = &motion {
+        motion.tell();
+    }
+    match usable.as_slice() {
+        [] => stage("unusable", "no topic carries positions, joints or bounces"),
+        _ if rejected.is_some() => stage("unusable", rejected.unwrap_or_default()),
+        [one] => stage("usable", &one.name),
+        several => stage("usable", &format!("{} topics, choose one with --topic", several.len())),
+    }
+    let mut object = json!({
+        "kind": "log", "profile": found.profile, "library": found.library,
+        "topics": found.topics.iter().map(|t| json!({
+            "name": t.name, "schema": t.schema, "encoding": t.encoding, "messages": t.messages,
+            "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(),
+        })).collect::<Vec<_>>(),
+        "ended": found.ended,
+        "warnings": [],
+    });
+    let good = !usable.is_empty() && found.ended.is_none() && rejected.is_none();
+    if let Some(motion) = &motion {
+        motion.add_to(&mut object);
+    }
+    Found { object, usable: good, motion }
+}
+
+fn dataset(header: &DatasetHeader, broken: Option<&Error>) -> Value {
+    stage("dataset", &format!("{} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed));
+    let rows: Vec<Vec<String>> = header
+        .parameters
+        .iter()
+        .map(|p| {
+            let learned = if p.tuned { "learned" } else { "fixed" };
+            vec![p.name.clone(), format!("{} to {}", p.min, p.max), p.unit.clone(), learned.into()]
+        })
+        .collect();
+    anstream::eprintln!("{}", table(&rows));
+    match broken {
+        None => stage("usable", "train a network"),
+        Some(error) => stage("unusable", &error.to_string()),
+    }
+    json!({
+        "kind": "dataset", "reason": broken.map(ToString::to_string), "preset": header.preset, "pairs": header.pairs, "seed": header.seed,
+        "frames": header.clock.len(),
+        "parameters": header.parameters.iter().map(|p| json!({
+            "name": p.name, "min": p.min, "max": p.max, "unit": p.unit, "tune": p.tuned,
+        })).collect::<Vec<_>>(),
+        "warnings": [],
+    })
+}
+
+fn simulation(file: &SimulationFile) -> Result<Value> {
+    let parameters = file.parameters()?;
+    let rows: Vec<Vec<String>> = parameters
+        .iter()
+        .map(|p| {
+            let tuned = if p.tune { "tuned" } else { "fixed" };
+            vec![p.name.clone(), p.value.to_string(), format!("{} to {}", p.min, p.max), p.unit.clone(), tuned.into()]
+        })
+        .collect();
+    stage("ball", "a simulation file");
+    anstream::eprintln!("{}", table(&rows));
+    Ok(json!({
+        "kind": "simulation",
+        "parameters": parameters.iter().map(|p| json!({
+            "name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit, "tune": p.tune,
+        })).collect::<Vec<_>>(),
+        "warnings": [],
+    }))
+}
+
+fn model(model: &Model) -> Value {
+    let parameters = model.parameters();
+    stage("model", &format!("preset `{}`, seed {}", model.preset().name, model.seed()));
+    let rows: Vec<Vec<String>> =
+        parameters.iter().map(|p| vec![p.name.clone(), format!("{} to {}", p.min, p.max), p.unit.clone()]).collect();
+    anstream::eprintln!("{}", table(&rows));
+    json!({
+        "kind": "model", "preset": model.preset().name, "seed": model.seed(),
+        "parameters": parameters.iter().map(|p| json!({
+            "name": p.name, "min": p.min, "max": p.max, "unit": p.unit,
+        })).collect::<Vec<_>>(),
+        "warnings": [],
+    })
+}

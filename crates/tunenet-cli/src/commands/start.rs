@@ -1,0 +1,35 @@
+//! What `tune` starts from: said before any recording is read, so that no recording is blamed for it.
+
+use tunenet_core::{Error, Result};
+use tunenet_sim::SimulationFile;
+
+use crate::cli::Tune;
+
+/// Refuses a start from which nothing can be tuned.
+///
+/// # Errors
+/// [`Error::Setting`] where `--set` or `--initial` is to blame, [`Error::File`] where the simulation file is.
+pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
+    let parameters = file.parameters()?;
+    if !parameters.iter().any(|p| p.tune) {
+        let named = |set: &&String| set.starts_with("parameters.") && set.contains(".tune");
+        if let Some(last) = options.simulation.set.iter().rev().find(named) {
+            let expected = "at least one parameter that may be tuned".into();
+            return Err(Error::Setting { name: "--set", expected, found: format!("none after `{last}`") });
+        }
+        let message = "expected at least one parameter with `tune = true`, found none";
+        let hint = "write it under [parameters.restitution], or add `--set parameters.restitution.tune=true`";
+        return Err(Error::file(file.path(), message, hint));
+    }
+    for (name, value) in &options.initial {
+        let refuse = |expected: String, found: String| Err(Error::Setting { name: "--initial", expected, found });
+        let Some(parameter) = parameters.iter().find(|p| p.name == *name) else {
+            let known: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
+            return refuse(format!("a parameter ({})", known.join(", ")), format!("`{name}`"));
+        };
+        if !(parameter.min..=parameter.max).contains(value) {
+            return refuse(format!("{} to {} for `{name}`", parameter.min, parameter.max), value.to_string());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! The answer at the head of the page: a shape, a word, a sentence that a person can act on.
+
+use maud::{Markup, html};
+use tunenet_core::diagnose::{Change, Verdict};
+use tunenet_core::simulator::Phase;
+
+use super::{capital, plain};
+use crate::commands::diagnose::answer::Answer;
+use crate::report::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, prose, quantity, shape};
+
+pub fn finding(answer: &Answer) -> Markup {
+    let diagnosis = answer.diagnosis;
+    let class =
+        if matches!(diagnosis.verdict, Verdict::None | Verdict::Named) { "verdict tuned" } else { "verdict not" };
+    let next = diagnosis.next_experiment.as_ref();
+    html! {
+        section class=(class) {
+            (shape(shape_of(diagnosis.verdict), word(diagnosis.verdict)))
+            div {
+                p.word { (word(diagnosis.verdict)) }
+                p.act { (sentence(answer)) }
+                @if diagnosis.verdict == Verdict::Named {
+                    @for named in &diagnosis.effects { p { (capital(named.effect.sentence)) "." } }
+                }
+                @if let Some(text) = &diagnosis.description { p { (capital(text)) "." } }
+                @if let Some(gap) = gap(answer) { p { (gap) } }
+                @if diagnosis.verdict == Verdict::Insufficient {
+                    @for note in answer.reasons() { p { (capital(&note.text)) "." @if !note.remedy.is_empty() { " " span.try { (prose(&note.remedy)) "." } } } }
+                }
+                @if let Some(next) = next { p { span.try { (next.text) "." } } }
+            }
+        }
+    }
+}
+
+pub fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::None => "None",
+        Verdict::Named => "Named",
+        Verdict::OneOf => "One of several",
+        Verdict::Unknown => "Unknown",
+        Verdict::Insufficient => "Insufficient",
+    }
+}
+
+fn shape_of(verdict: Verdict) -> Shape {
+    match verdict {
+        Verdict::None => TICK,
+        Verdict::Named => PLUS,
+        Verdict::OneOf => QUESTION,
+        Verdict::Unknown => NOTICE,
+        Verdict::Insufficient => CROSS,
+    }
+}
+
+/// What is missing, and where.
+pub fn sentence(answer: &Answer) -> String {
+    let diagnosis = answer.diagnosis;
+    match diagnosis.verdict {
+        Verdict::None => "Nothing is missing that these recordings could show.".into(),
+        Verdict::Named => {
+            let each: Vec<_> = diagnosis
+                .effects
+                .iter()
+                .map(|e| format!("{} {}", plain(e.effect.name), e.effect.phase.name()))
+                .collect();
+            let verb = if each.len() == 1 { "is" } else { "are" };
+            format!("{} {verb} missing.", capital(&joined(&each, "and")))
+        }
+        Verdict::OneOf => {
+            let names: Vec<String> = answer.candidates().iter().map(|name| plain(name)).collect();
+            let place = common_place(answer).map(|p| format!(" {}", p.name())).unwrap_or_default();
+            format!("{}{place}: these recordings cannot tell.", capital(&joined(&names, "or")))
+        }
+        Verdict::Unknown => {
+            let place = diagnosis.remains.map(|p| format!(" {}", p.name())).unwrap_or_default();
+            format!("Something is missing{place}; nothing known fits.")
+        }
+        Verdict::Insufficient => "These recordings do not suffice for an answer.".into(),
+    }
+}
+
+/// Where all effects that are left act, if they act at the same place.
+fn common_place(answer: &Answer) -> Option<Phase> {
+    let mut places = answer.candidates().iter().map(|name| answer.entry(name).map(|effect| effect.phase));
+    let first = places.next()??;
+    places.all(|place| place == Some(first)).then_some(first)
+}
+
+/// What the gap was and is.
+fn gap(answer: &Answer) -> Option<String> {
+    let gap = answer.diagnosis.gap.as_ref()?;
+    let words = |value: f64| quantity(value, &gap.unit);
+    if answer.diagnosis.effects.is_empty() {
+        return Some(format!(
+            "Tuned, the simulation stays {} away; noise alone leaves {}.",
+            words(gap.before),
+            words(gap.noise_floor)
+        ));
+    }
+    let unseen = match gap.held_out {
+        Some(Change { before, after }) => {
+            format!(" On recordings that were not fitted: from {} to {}.", words(before), words(after))
+        }
+        None => String::new(),
+    };
+    let which = if answer.diagnosis.verdict == Verdict::OneOf {
+        format!("With {}, the best of them,", plain(answer.diagnosis.effects[0].effect.name))
+    } else {
+        "With it".into()
+    };
+    Some(format!(
+        "{which} the gap falls from {} to {}; noise alone leaves {}.{unseen}",
+        words(gap.before),
+        words(gap.after),
+        words(gap.noise_floor)
+    ))
+}
+
+/// "a", "a and b", "a, b and c".
+fn joined(items: &[String], last: &str) -> String {
+    match items {
+        [] => "something".into(),
+        [one] => one.clone(),
+        [first @ .., end] => format!("{} {last} {end}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::joined;
+
+    #[test]
+    fn lists_read_as_people_write_them() {
+        let items = ["wind", "Magnus", "tilt"].map(String::from);
+        assert_eq!(joined(&items, "or"), "wind, Magnus or tilt");
+        assert_eq!(joined(&items[..2], "and"), "wind and Magnus");
+        assert_eq!(joined(&items[..1], "and"), "wind");
+    }
+}

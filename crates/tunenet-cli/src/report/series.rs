@@ -1,0 +1,267 @@
+//! A recording beside the simulation before and after, and what is left over below it on the same axis.
+
+use maud::{Markup, html};
+use tunenet_core::diagnose::Explained;
+use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::tune::Comparison;
+
+use super::axis::Axis;
+use super::label::Labels;
+use super::panel::{ABOVE, BELOW, Panel, left_edge};
+use super::svg::{Anchor, Svg};
+
+/// Most dots of one drawing; beyond, an even choice is drawn.
+const MOST_DOTS: usize = 2000;
+/// Up to this many stand apart and are drawn larger.
+const FEW_DOTS: usize = 60;
+/// Noise stays within this many standard deviations in 95 of 100 samples.
+const BAND: f64 = 2.0;
+
+type Points = Vec<(f64, f64)>;
+
+/// One channel of one recording, ready to be drawn.
+pub struct Series {
+    /// Above the drawing: `drop.csv, z`.
+    pub title: String,
+    x_name: String,
+    y_name: String,
+    y_unit: String,
+    measured: Points,
+    before: Points,
+    after: Points,
+    /// What is written on the line after.
+    after_name: &'static str,
+    residual: Points,
+    events: Vec<f64>,
+}
+
+/// How large to draw.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// Over the whole page.
+    Wide,
+    /// Over half of it, or over a telephone.
+    Narrow,
+}
+
+impl Size {
+    pub fn width(self) -> f64 {
+        if self == Self::Wide { 760.0 } else { 368.0 }
+    }
+}
+
+impl Series {
+    /// Every channel that moves, of a recording that was tuned to.
+    pub fn of(name: &str, comparison: &Comparison) -> Vec<Self> {
+        let seen = &comparison.seen;
+        let moving = (0..seen.channels().len()).filter(|c| comparison.moves[*c]);
+        moving
+            .map(|channel| {
+                let curve = |values: &[f64]| column(seen, &comparison.clock, values, channel);
+                let clock = seen.clock().iter().copied();
+                let width = seen.channels().len();
+                let residual = comparison.residual.iter().copied().skip(channel).step_by(width);
+                Self {
+                    before: curve(&comparison.before),
+                    after: curve(&comparison.after),
+                    residual: clock.zip(residual).collect(),
+                    events: comparison.events.clone(),
+                    ..Self::measured(name, seen, channel)
+                }
+            })
+            .collect()
+    }
+
+    /// Every channel of a recording that was not used.
+    pub fn unused(name: &str, seen: &Observation) -> Vec<Self> {
+        (0..seen.channels().len()).map(|channel| Self::measured(name, seen, channel)).collect()
+    }
+
+    /// One channel of a recording, explained; `before` only where it differs.
+    pub fn explained(one: &Explained, channel: usize, before: Option<&[f64]>) -> Self {
+        let (seen, width) = (&one.seen, one.noise.len());
+        let simulated = |residual: &[f64]| {
+            let counted = (channel..residual.len()).step_by(width).filter(|&i| one.kept[i]);
+            let spots = counted.map(|i| (seen.clock()[i / width], seen.values()[i] - residual[i] * one.noise[channel]));
+            intervals(seen.kind(), spots.collect())
+        };
+        Self {
+            before: before.map_or_else(Vec::new, simulated),
+            after: simulated(&one.after),
+            after_name: if before.is_some() { "improved" } else { "tuned" },
+            ..Self::measured(&one.name, seen, channel)
+        }
+    }
+
+    fn measured(name: &str, seen: &Observation, channel: usize) -> Self {
+        let about = &seen.channels()[channel];
+        let (x_name, y_name) = if seen.kind() == Kind::BounceTimes {
+            ("bounce, counted from 0".into(), "interval before it".into())
+        } else {
+            ("time, s".into(), about.name.clone())
+        };
+        let title = if seen.channels().len() > 1 { format!("{name}, {}", about.name) } else { name.to_string() };
+        Self {
+            title,
+            x_name,
+            y_name,
+            y_unit: about.unit.clone(),
+            measured: column(seen, seen.clock(), seen.values(), channel),
+            before: Vec::new(),
+            after: Vec::new(),
+            after_name: "tuned",
+            residual: Vec::new(),
+            events: Vec::new(),
+        }
+    }
+
+    /// The greatest residual, in standard deviations.
+    pub fn greatest(&self) -> f64 {
+        self.residual.iter().map(|r| r.1.abs()).fold(0.0, f64::max)
+    }
+
+    /// Whether only a choice of the samples is drawn.
+    fn is_thinned(&self) -> bool {
+        self.measured.len().max(self.residual.len()) > MOST_DOTS
+    }
+
+    /// Few dots may be large.
+    fn dot(&self, class: &str) -> String {
+        if self.measured.len() > FEW_DOTS { class.into() } else { format!("{class} few") }
+    }
+
+    /// The drawing; residuals on a scale of ± `limit` standard deviations.
+    pub fn draw(&self, size: Size, limit: f64) -> Markup {
+        let width = size.width();
+        let (tall, low) = if size == Size::Wide { (270.0, 110.0) } else { (200.0, 96.0) };
+        let curves = || self.measured.iter().chain(&self.before).chain(&self.after);
+        let y = Axis::around(curves().map(|p| p.1), (ABOVE + tall, ABOVE), 0.05);
+        let left = left_edge(&[(y.low(), y.high()), (-limit, limit)]);
+        let x = Axis::around(curves().chain(&self.residual).map(|p| p.0), (left, width - 10.0), 0.0);
+        let top = Panel { x: x.clone(), y };
+        let height = ABOVE + tall + if self.residual.is_empty() { BELOW } else { ABOVE + low + BELOW + 6.0 };
+        let mut svg = Svg::new(width, height);
+        let y_name = top.y.title(&self.y_name, &self.y_unit);
+        top.frame(&mut svg, self.residual.is_empty().then_some(&self.x_name), &y_name);
+        let dots = top.spots(&thinned(&self.measured, MOST_DOTS));
+        let curve = |points: &Points| top.spots(&thinned(points, if size == Size::Wide { 1200 } else { 600 }));
+        let (before, after) = (curve(&self.before), curve(&self.after));
+        svg.dots(&self.dot("dot"), &dots);
+        svg.path("line before", &before, false);
+        svg.path("line after", &after, false);
+        let mut labels = Labels::new(&top, &dots, &[&before, &after]);
+        if !after.is_empty() {
+            labels.on(&mut svg, "before", "before", &before, &after);
+            labels.on(&mut svg, "after", self.after_name, &after, &before);
+        }
+        labels.on(&mut svg, "", "\u{2022} measured", &dots, &before);
+        if !self.residual.is_empty() {
+            let begin = 2.0 * ABOVE + tall + 6.0;
+            let bottom = Panel { x, y: Axis::new((-limit, limit), (begin + low, begin)) };
+            self.draw_residual(&mut svg, &top, &bottom);
+        }
+        let class = if size == Size::Wide { "wide" } else { "narrow" };
+        let below = if self.residual.is_empty() { "" } else { ", with residuals below" };
+        let label = format!("{}: measured, simulated before and {}{below}", self.title, self.after_name);
+        svg.finish(class, &label)
+    }
+
+    fn draw_residual(&self, svg: &mut Svg, top: &Panel, bottom: &Panel) {
+        let (left, right) = bottom.x.places();
+        svg.area("band", (left, bottom.y.at(BAND)), (right, bottom.y.at(-BAND)));
+        bottom.frame(svg, Some(&self.x_name), "residual / \u{3c3}");
+        for edge in [-BAND, BAND] {
+            bottom.level(svg, "limit", edge);
+        }
+        bottom.level(svg, "zero", 0.0);
+        svg.text("name", (right, bottom.y.places().1 - 12.0), Anchor::End, "band: \u{b1}2 \u{3c3} of the noise");
+        svg.dots(&self.dot("dot small"), &bottom.spots(&thinned(&self.residual, MOST_DOTS)));
+        for event in &self.events {
+            for panel in [top, bottom] {
+                let (x, floor) = (panel.x.at(*event), panel.y.places().0);
+                svg.line("event", (x, floor), (x, floor - 9.0));
+            }
+        }
+    }
+}
+
+/// The drawings of all `series`: one large one, or many small ones with the same scale of residuals.
+pub fn drawings(series: &[Series]) -> Markup {
+    let limit = series.iter().map(Series::greatest).fold(3.0, f64::max) * 1.1;
+    let thinned = series.iter().any(Series::is_thinned);
+    let events = series.iter().any(|s| !s.events.is_empty());
+    let fitted = series.iter().any(|s| !s.residual.is_empty());
+    let how = html! {
+        p.how {
+            @if fitted {
+                "Dots are measured; the dashed line is the simulation with the old parameters, the solid line with the tuned ones. "
+                "Below: measured \u{2212} tuned, in standard deviations of the noise. If the simulation is right, 95 of 100 dots lie \
+                 in the band, without a pattern."
+                @if events { " Ticks on the lower edges mark bounces." }
+            } @else {
+                "What was read. Nothing was simulated beside it."
+            }
+            @if thinned { " Of long recordings an even choice of at most " (MOST_DOTS) " samples is drawn." }
+        }
+    };
+    html! {
+        @if let [one] = series {
+            figure.screen { (one.draw(Size::Wide, limit)) (one.draw(Size::Narrow, limit)) }
+            (how)
+        } @else {
+            div.grid {
+                @for one in series {
+                    figure { figcaption.above { (one.title) } (one.draw(Size::Narrow, limit)) }
+                }
+                (how)
+            }
+        }
+    }
+}
+
+/// One channel over the clock; of bounce times, the intervals between bounces that follow each other.
+fn column(seen: &Observation, clock: &[f64], values: &[f64], channel: usize) -> Points {
+    let all: Points =
+        clock.iter().copied().zip(values.iter().copied().skip(channel).step_by(seen.channels().len())).collect();
+    intervals(seen.kind(), all)
+}
+
+/// Of bounce times the intervals between bounces that follow each other; of anything else the values as they are.
+pub fn intervals(kind: Kind, all: Points) -> Points {
+    if kind != Kind::BounceTimes {
+        return all;
+    }
+    let next =
+        |pair: &[(f64, f64)]| ((pair[1].0 - pair[0].0 - 1.0).abs() < 0.5).then(|| (pair[1].0, pair[1].1 - pair[0].1));
+    all.windows(2).filter_map(next).collect()
+}
+
+/// An even choice of at most about `most` points, the last one among them.
+pub fn thinned(points: &[(f64, f64)], most: usize) -> Points {
+    let every = points.len().div_ceil(most).max(1);
+    let last = points.last().filter(|_| !(points.len().max(1) - 1).is_multiple_of(every));
+    points.iter().step_by(every).chain(last).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tunenet_core::observation::Channel;
+
+    #[test]
+    fn an_even_choice_keeps_both_ends() {
+        let points: Points = (0..10).map(|i| (f64::from(i), 0.0)).collect();
+        let chosen: Vec<f64> = thinned(&points, 4).iter().map(|p| p.0).collect();
+        assert_eq!(chosen, [0.0, 3.0, 6.0, 9.0]);
+        assert_eq!(thinned(&points, 5).last(), Some(&(9.0, 0.0)));
+        assert!(thinned(&[], 4).is_empty());
+    }
+
+    #[test]
+    fn a_missed_bounce_leaves_its_intervals_out() {
+        let clock = vec![0.0, 1.0, 3.0, 4.0];
+        let seen =
+            Observation::new(Kind::BounceTimes, Channel::bounce_times(), clock, vec![1.0, 1.5, 2.0, 2.25]).unwrap();
+        assert_eq!(column(&seen, seen.clock(), seen.values(), 0), [(1.0, 0.5), (4.0, 0.25)]);
+    }
+}

@@ -1,0 +1,224 @@
+//! Putting the answer together.
+
+use std::sync::atomic::Ordering;
+
+use super::answer::{
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use,
+    Value, Verdict,
+};
+use super::held_out::{HeldOut, rmse};
+use super::search::{Found, Place};
+use super::sets::Set;
+use super::study::{Model, Study};
+use super::unknown::describe;
+use super::verdict::in_place_of;
+use super::{Recording, experiment};
+use crate::Result;
+use crate::observation::Note;
+
+/// 95 % of a normal distribution lies within so many standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// Everything judged, to be put together.
+pub(super) struct Judged<'a> {
+    /// Of the best candidates: the held-out residual of each alone over that without it.
+    pub ratios: Vec<(usize, f64)>,
+    pub verdict: Verdict,
+    pub names: Vec<&'static str>,
+    /// How far behind the best an explanation is still left.
+    pub margin: f64,
+    /// The mean square that noise alone leaves.
+    pub floor: f64,
+    pub found: Found<'a>,
+    pub tests: Vec<Test>,
+    pub before: Option<HeldOut>,
+    pub after: Option<HeldOut>,
+    pub control: Option<(&'static str, f64)>,
+    pub held_out: Vec<Set>,
+    pub uses: Vec<Use>,
+    pub notes: Vec<Note>,
+}
+
+/// The answer.
+pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) -> Result<Diagnosis> {
+    let found = &judged.found;
+    let told = matches!(judged.verdict, Verdict::Named | Verdict::OneOf);
+    let last = if told { found.best.as_ref().unwrap_or(&found.base) } else { &found.base };
+    let effects = if told {
+        let model = last;
+        found.places.iter().map(|place| named(study, model, place, judged.margin)).collect()
+    } else {
+        Vec::new()
+    };
+    let gap = gap(study, &judged, last)?;
+    let (description, remains) = match judged.verdict {
+        Verdict::Unknown => {
+            let (text, phase) = describe(study, found.best.as_ref().unwrap_or(&found.base))?;
+            (Some(text), phase)
+        }
+        _ => (None, None),
+    };
+    Ok(Diagnosis {
+        verdict: judged.verdict,
+        effects,
+        candidates: candidates(study, found, &judged.ratios),
+        gap: Some(gap),
+        next_experiment: next(study, &judged)?,
+        margin: judged.margin,
+        description,
+        remains,
+        parameters: parameters(study, found, last),
+        explained: explained(study, &judged, last, recordings)?,
+        names: judged.names,
+        adequacy: judged.tests,
+        uses: judged.uses,
+        notes: judged.notes,
+        rollouts: study.rollouts.load(Ordering::Relaxed),
+    })
+}
+
+/// What to measure next.
+fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
+    let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
+    Ok(match judged.verdict {
+        Verdict::OneOf => experiment::next(study, &judged.found, judged.margin)?
+            .or_else(|| plain("add recordings of the same ball from other heights and in other directions")),
+        Verdict::Unknown => plain(
+            "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
+        ),
+        _ => None,
+    })
+}
+
+/// Standard deviation of a free number, the noise's size taken from what is left.
+fn sd(study: &Study, model: &Model, global: usize) -> f64 {
+    let freedom = study.count() as f64 - model.structure.globals.len() as f64;
+    let variance = model.deviance(model.scale()) / freedom.max(1.0);
+    (variance * model.fit.covariance[(global, global)].max(0.0)).sqrt()
+}
+
+fn interval(study: &Study, model: &Model, global: usize) -> (f64, f64) {
+    let (p, value) = (&model.structure.globals[global].parameter, model.fit.point.globals[global]);
+    let reach = NORMAL_95 * sd(study, model, global);
+    ((value - reach).max(p.min), (value + reach).min(p.max))
+}
+
+fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffect {
+    let entry = &study.catalogue[place.entry];
+    let position = model.structure.effects.iter().position(|&e| e == place.entry);
+    let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
+    let tilts: usize =
+        study.sets.iter().map(|s| s.pull.iter().filter(|pull| Some(**pull) == study.chance).count()).sum();
+    let found_chance = study.chance.map(|sd| (sd, tilts.max(1)));
+    let coefficients = entry.of[0].coefficients.iter().enumerate().map(|(k, coefficient)| {
+        let globals = &model.structure.globals;
+        let places = mine.iter().copied().filter(|&g| globals[g].effect.is_some_and(|e| e.1 == k));
+        let values = places.map(|g| Value {
+            object: globals[g].object,
+            value: model.fit.point.globals[g],
+            interval95: interval(study, model, g),
+        });
+        let values = match &found_chance {
+            Some((sd, count)) if entry.chance() => {
+                // The relative standard deviation of a spread estimated from so many draws.
+                let reach = NORMAL_95 * sd / (2.0 * *count as f64).sqrt();
+                vec![Value { object: None, value: *sd, interval95: ((sd - reach).max(0.0), sd + reach) }]
+            }
+            _ => values.collect(),
+        };
+        Fitted { key: coefficient.key, unit: coefficient.unit, values }
+    });
+    let next = place.others.first();
+    let alternatives = in_place_of(place, margin);
+    NamedEffect {
+        effect: entry.of[0].clone(),
+        coefficients: coefficients.collect(),
+        evidence: Evidence {
+            bic_gain: place.gain,
+            runner_up: next.map(|(other, _)| study.catalogue[*other].name),
+            runner_up_bic_gap: next.map_or(f64::INFINITY, |(_, gap)| *gap),
+            p_value: place.p_value,
+        },
+        alternatives: alternatives.into_iter().map(|other| study.catalogue[other].name).collect(),
+    }
+}
+
+fn candidates(study: &Study, found: &Found, ratios: &[(usize, f64)]) -> Vec<Candidate> {
+    let best = found.alone.iter().filter(|t| t.excluded.is_none()).map(|t| t.gain).fold(f64::NEG_INFINITY, f64::max);
+    let each = found.alone.iter().map(|t| Candidate {
+        name: study.catalogue[t.entry].name,
+        bic_gain: t.gain,
+        delta: best - t.gain,
+        fitted: t.model.is_some(),
+        held_out_ratio: ratios.iter().find(|(entry, _)| *entry == t.entry).map(|(_, ratio)| *ratio),
+        excluded: t.excluded.clone(),
+    });
+    each.collect()
+}
+
+fn gap(study: &Study, judged: &Judged, last: &Model) -> Result<Gap> {
+    let found = &judged.found;
+    let error = |model: &Model| -> Result<f64> {
+        let plain = study.joint(&model.structure).plain_residuals(&model.fit.point)?;
+        Ok(rmse(&study.sets, &plain, 0.0))
+    };
+    let told = !std::ptr::eq(last, &raw const found.base);
+    let pair = |of: fn(&HeldOut) -> f64| {
+        let (before, after) = (judged.before.as_ref()?, judged.after.as_ref()?);
+        Some(Change { before: of(before), after: if told { of(after) } else { of(before) } })
+    };
+    Ok(Gap {
+        unit: study.subjects[0].simulator.channels()[0].unit.clone(),
+        before: error(&found.base)?,
+        after: error(last)?,
+        noise_floor: judged.floor.sqrt(),
+        held_out: pair(|h| h.rmse),
+        control: judged.control,
+        forecast: pair(|h| h.forecast),
+    })
+}
+
+fn parameters(study: &Study, found: &Found, last: &Model) -> Vec<Tuned> {
+    let own = last.structure.globals.iter().enumerate().filter(|(_, g)| g.effect.is_none());
+    own.map(|(g, global)| {
+        let object = global.object.unwrap_or(0);
+        let given = study.subjects[object].simulator.parameters().iter().find(|p| p.name == global.parameter.name);
+        Tuned {
+            object,
+            name: global.parameter.name.clone(),
+            unit: global.parameter.unit.clone(),
+            given: given.map_or(global.parameter.value, |p| p.value),
+            before: found.base.fit.point.globals[g],
+            value: last.fit.point.globals[g],
+            interval95: interval(study, last, g),
+        }
+    })
+    .collect()
+}
+
+fn explained(study: &Study, judged: &Judged, last: &Model, recordings: &[Recording]) -> Result<Vec<Explained>> {
+    let told = matches!(judged.verdict, Verdict::Named | Verdict::OneOf);
+    let one = |set: &Set, before: &[f64], after: &[f64], own: &[f64]| Explained {
+        recording: set.recording,
+        name: recordings[set.recording].name.clone(),
+        held_out: set.held_out,
+        seen: set.prepared.seen.clone(),
+        kept: set.keep.clone(),
+        before: before.to_vec(),
+        after: after.to_vec(),
+        noise: set.noise.clone(),
+        contacts: set.contacts.clone(),
+        own: set.prepared.own.iter().zip(own).map(|(p, v)| (p.name.clone(), *v, p.unit.clone())).collect(),
+    };
+    let (before, after) = (study.weighted(&judged.found.base)?, study.weighted(last)?);
+    let mut all: Vec<Explained> =
+        (0..study.sets.len()).map(|d| one(&study.sets[d], &before[d], &after[d], &last.fit.point.own[d])).collect();
+    if let (Some(before), Some(after)) = (&judged.before, &judged.after) {
+        let after = if told { after } else { before };
+        for (d, set) in judged.held_out.iter().enumerate() {
+            all.push(one(set, &before.residuals[d], &after.residuals[d], &after.own[d]));
+        }
+    }
+    all.sort_by_key(|e| e.recording);
+    Ok(all)
+}

@@ -1,0 +1,103 @@
+//! The tuned simulation without any effect: where every diagnosis begins.
+
+use super::joint::{Effort, Point};
+use super::structure::Structure;
+use super::study::{FULL, Model, Study};
+use crate::Result;
+use crate::tune::robust_scale;
+
+/// Shares of the recordings that are fitted one after the other: the count of bounces stays right on the way.
+const HORIZONS: [f64; 2] = [0.45, 0.7];
+const EARLY: Effort = Effort { steps: 6, tolerance: 0.5, horizon: 1.0 };
+const MOST_STARTS: usize = 3;
+/// Starts that lead so near to each other, as a share of the bounds, lead to the same.
+const SAME: f64 = 1e-3;
+/// A fit that leaves this many times the noise may sit in a wrong valley.
+const SUSPICIOUS: f64 = 3.0;
+/// Starts across the bounds of each object's first parameters.
+const SPREAD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+impl<'a> Study<'a> {
+    /// The best fit of the simulation as it is.
+    pub fn base(&self) -> Result<Model<'a>> {
+        let structure = self.structure(&[])?;
+        let joint = self.joint(&structure);
+        let mut ranked: Vec<(f64, Point)> = Vec::new();
+        for point in self.starts(&structure) {
+            if let Ok(residuals) = joint.residuals(&point, 1.0) {
+                // A robust size: a start that is right for most of the record is a good one.
+                ranked.push((robust_scale(&residuals), point));
+            }
+        }
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best = None;
+        let mut refused = None;
+        let mut seen: Vec<Vec<f64>> = Vec::new();
+        for (_, start) in ranked.into_iter().take(MOST_STARTS) {
+            let early =
+                |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }, None).map(|f| f.point);
+            let first = early(start, HORIZONS[0]);
+            if let Ok(point) = &first {
+                let spans = || structure.globals.iter().map(|g| g.parameter.span());
+                let same = |other: &Vec<f64>| {
+                    other.iter().zip(&point.globals).zip(spans()).all(|((a, b), span)| (a - b).abs() < SAME * span)
+                };
+                if seen.iter().any(same) {
+                    continue;
+                }
+                seen.push(point.globals.clone());
+            }
+            let fit = first.and_then(|point| early(point, HORIZONS[1])).and_then(|point| joint.fit(point, FULL, None));
+            match fit {
+                Ok(fit) => {
+                    if best.as_ref().is_none_or(|b: &super::joint::Outcome| fit.cost < b.cost) {
+                        best = Some(fit);
+                    }
+                    if best.as_ref().is_some_and(|b| robust_scale(&b.residuals) < SUSPICIOUS) {
+                        break;
+                    }
+                }
+                Err(error) => refused = Some(error),
+            }
+        }
+        let fit = best.ok_or_else(|| {
+            refused.unwrap_or_else(|| crate::Error::Simulator {
+                at: "every start".into(),
+                message: "no start within the bounds could be simulated".into(),
+            })
+        })?;
+        Ok(Model { structure, fit })
+    }
+
+    /// As the files have it, as the contacts have it, and spread over the bounds.
+    fn starts(&self, structure: &Structure) -> Vec<Point> {
+        let own: Vec<Vec<f64>> = self.sets.iter().map(|s| s.prepared.own_values()).collect();
+        let given: Vec<f64> = structure.globals.iter().map(|g| g.parameter.value).collect();
+        let local: Vec<f64> = structure.globals.iter().map(|g| self.local(g).unwrap_or(g.parameter.value)).collect();
+        let mut all = vec![given, local.clone()];
+        for share in SPREAD {
+            let spread = structure.globals.iter().zip(&local);
+            all.push(
+                spread
+                    .map(|(g, local)| match self.local(g) {
+                        Some(_) => *local,
+                        None => g.parameter.min + share * g.parameter.span(),
+                    })
+                    .collect(),
+            );
+        }
+        all.dedup();
+        all.into_iter().map(|globals| Point { globals, own: own.clone() }).collect()
+    }
+
+    /// What the neighbourhood of the events alone says of a parameter.
+    fn local(&self, global: &super::structure::Global) -> Option<f64> {
+        let object = global.object?;
+        let parameters = self.subjects[object].simulator.parameters();
+        let i = parameters.iter().position(|p| p.name == global.parameter.name)?;
+        let each = || self.sets.iter().filter(|s| s.object == object).filter_map(|s| s.prepared.local[i]);
+        let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
+        let value = each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight;
+        value.is_finite().then(|| value.clamp(global.parameter.min, global.parameter.max))
+    }
+}

@@ -1,0 +1,82 @@
+//! What may be missing: the effects that every subject knows, and simulators that carry some of them.
+
+use std::ops::Deref;
+
+use super::Subject;
+use crate::Result;
+use crate::simulator::{Effect, Measured, Phase, Simulator, measurement_effects};
+
+/// An effect that may be missing.
+pub(super) struct Entry {
+    pub name: &'static str,
+    /// The entry as each subject has it: the ranges may differ with mass and size.
+    pub of: Vec<Effect>,
+}
+
+impl Entry {
+    /// Whether all objects share its coefficients.
+    pub fn shared(&self) -> bool {
+        self.of[0].phase == Phase::Measurement
+    }
+
+    /// Whether it is chance, which no coefficient rolls out.
+    pub fn chance(&self) -> bool {
+        self.name == SCATTER
+    }
+}
+
+/// A simulator, lent or made.
+pub(super) enum Carrier<'a> {
+    Plain(&'a dyn Simulator),
+    Made(Box<dyn Simulator>),
+    Seen(Measured<&'a dyn Simulator>),
+}
+
+impl<'a> Deref for Carrier<'a> {
+    type Target = dyn Simulator + 'a;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Plain(simulator) => *simulator,
+            Self::Made(simulator) => simulator.as_ref(),
+            Self::Seen(simulator) => simulator,
+        }
+    }
+}
+
+/// The effect that is chance; see [`scatter`](super::scatter).
+pub(super) const SCATTER: &str = "bounce_scatter";
+
+/// The effects that all subjects know, and those of how they were seen.
+pub(super) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {
+    let known: Vec<Vec<Effect>> = subjects
+        .iter()
+        .map(|s| s.simulator.effects().into_iter().chain(measurement_effects(s.simulator.kind())).collect())
+        .collect();
+    let everywhere = |effect: &Effect| {
+        let of: Option<Vec<Effect>> =
+            known.iter().map(|effects| effects.iter().find(|e| e.name == effect.name).cloned()).collect();
+        of.map(|of| Entry { name: effect.name, of })
+    };
+    known.first().into_iter().flatten().filter_map(everywhere).collect()
+}
+
+/// `subject` with these effects added.
+pub(super) fn carrier<'a>(subject: &Subject<'a>, effects: &[&Entry]) -> Result<Carrier<'a>> {
+    let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
+    let (seen, physical): (Vec<&Entry>, Vec<&Entry>) = effects.iter().partition(|e| e.shared());
+    if names.is_empty() {
+        return Ok(Carrier::Plain(subject.simulator));
+    }
+    let made = subject.simulator.with_effects(&names);
+    if seen.is_empty() || made.is_ok() {
+        return made.map(Carrier::Made);
+    }
+    let seen: Vec<&str> = seen.iter().map(|e| e.name).collect();
+    let physical: Vec<&str> = physical.iter().map(|e| e.name).collect();
+    Ok(if physical.is_empty() {
+        Carrier::Seen(Measured::new(subject.simulator, &seen)?)
+    } else {
+        Carrier::Made(Box::new(Measured::new(subject.simulator.with_effects(&physical)?, &seen)?))
+    })
+}

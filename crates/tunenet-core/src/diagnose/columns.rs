@@ -1,0 +1,111 @@
+//! Columns of effects, less what start states and parameters can do in their stead.
+
+use super::joint::{Columns, dot};
+
+/// A direction whose projection keeps less than this share of its square is taken for dependent.
+const DEPENDENT: f64 = 1e-9;
+
+/// Takes out of a stacked column whatever own unknowns and free numbers of the model explain.
+pub(super) struct Projector {
+    /// Orthonormal, one group for each recording; the stretch of the stack that it covers.
+    own: Vec<(std::ops::Range<usize>, Vec<Vec<f64>>)>,
+    /// Orthonormal, stacked over all recordings.
+    shared: Vec<Vec<f64>>,
+}
+
+impl Projector {
+    /// From the derivatives of a model with `globals` free numbers, over recordings of these lengths (values).
+    pub fn new(columns: &[Columns], lengths: &[usize], globals: usize) -> Self {
+        let mut own = Vec::with_capacity(columns.len());
+        let mut begin = 0;
+        for (one, &length) in columns.iter().zip(lengths) {
+            own.push((begin..begin + length, orthonormal(one.own.clone())));
+            begin += length;
+        }
+        let mut projector = Self { own, shared: Vec::new() };
+        let stacked = (0..globals).map(|place| stack(columns, lengths, place));
+        let reduced = stacked.map(|mut column| {
+            projector.project_own(&mut column);
+            column
+        });
+        projector.shared = orthonormal(reduced.collect());
+        projector
+    }
+
+    fn project_own(&self, column: &mut [f64]) {
+        for (range, basis) in &self.own {
+            take_out(&mut column[range.clone()], basis);
+        }
+    }
+
+    /// In place.
+    pub fn project(&self, column: &mut [f64]) {
+        self.project_own(column);
+        take_out(column, &self.shared);
+    }
+}
+
+/// The column of free number `place` over all recordings; 0 where it does not touch one.
+pub(super) fn stack(columns: &[Columns], lengths: &[usize], place: usize) -> Vec<f64> {
+    let mut stacked = Vec::with_capacity(lengths.iter().sum());
+    for (one, &length) in columns.iter().zip(lengths) {
+        match one.places.iter().position(|&p| p == place) {
+            Some(i) => stacked.extend_from_slice(&one.shared[i]),
+            None => stacked.resize(stacked.len() + length, 0.0),
+        }
+    }
+    stacked
+}
+
+/// Twice, since once leaves rounding of the size of what was taken out.
+fn take_out(column: &mut [f64], basis: &[Vec<f64>]) {
+    for _ in 0..2 {
+        for direction in basis {
+            let part = dot(direction, column);
+            column.iter_mut().zip(direction).for_each(|(c, d)| *c -= part * d);
+        }
+    }
+}
+
+/// An orthonormal basis of the columns' span; dependent ones are left out.
+pub(super) fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::with_capacity(columns.len());
+    for mut column in columns {
+        let before = dot(&column, &column);
+        take_out(&mut column, &basis);
+        let after = dot(&column, &column);
+        if after > DEPENDENT * before && after.is_finite() {
+            let scale = after.sqrt().recip();
+            for c in &mut column {
+                *c *= scale;
+            }
+            basis.push(column);
+        }
+    }
+    basis
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_model_can_do_is_gone() {
+        // Two recordings of three values; each has its own level, both share a slope.
+        let level = vec![1.0; 3];
+        let slope = vec![0.0, 1.0, 2.0];
+        let one = Columns { places: vec![0], shared: vec![slope.clone()], own: vec![level.clone()] };
+        let projector = Projector::new(&[one.clone(), one], &[3, 3], 1);
+        let mut line = vec![5.0, 6.0, 7.0, -1.0, 0.0, 1.0];
+        projector.project(&mut line);
+        assert!(dot(&line, &line) < 1e-24, "{line:?}");
+        let mut bend = vec![0.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+        projector.project(&mut bend);
+        assert!((dot(&bend, &bend) - 2.0 * 2.0 / 3.0).abs() < 1e-12, "a bend less its mean has 2/3 each");
+    }
+
+    #[test]
+    fn dependent_columns_add_no_direction() {
+        assert_eq!(orthonormal(vec![vec![1.0, 1.0], vec![-2.0, -2.0], vec![0.0, 0.0]]).len(), 1);
+    }
+}

@@ -1,0 +1,214 @@
+//! What to measure next: the motion in which the explanations that are left differ most.
+
+use super::answer::NextExperiment;
+use super::colour::Filter;
+use super::columns::{Projector, orthonormal, stack};
+use super::joint::{Columns, Joint, Point, Which, dot};
+use super::search::Found;
+use super::sets::Set;
+use super::study::{Model, Study};
+use super::verdict::{in_place_of, unique};
+use crate::Result;
+use crate::observation::Observation;
+use crate::simulator::{Parameter, Prepared, rollout};
+
+/// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
+const HEIGHTS_M: [f64; 3] = [0.5, 1.0, 2.0];
+const SPEEDS_M_S: [[f64; 3]; 7] = [
+    [0.0, 0.0, 0.0],
+    [2.0, 0.0, 0.0],
+    [0.0, 2.0, 0.0],
+    [4.0, 0.0, 0.0],
+    [0.0, 4.0, 0.0],
+    [3.0, 3.0, 2.0],
+    [2.0, -2.0, 4.0],
+];
+/// Two explanations whose expected logarithmic likelihoods differ by less than this stay together: the usual margin of 6
+/// in the information criterion.
+const SEPARATED: f64 = 3.0;
+/// Names of own unknowns that a person can choose.
+const START: &str = "release.";
+
+/// The experiment that separates what the search left together; `margin` as it was applied.
+pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<NextExperiment>> {
+    let Some(best) = &found.best else { return Ok(None) };
+    let near = found.places.iter().find(|p| !in_place_of(p, margin).is_empty());
+    let Some(place) = near.or(found.places.iter().find(|p| !p.others.is_empty())) else { return Ok(None) };
+    let mut others = in_place_of(place, margin);
+    if others.is_empty() {
+        others.extend(place.others.first().map(|(entry, _)| *entry));
+    }
+    let name = |entry: usize| study.catalogue[entry].name;
+    let designs = designs(study, best)?;
+    let gaps = gaps(study, best, place.entry, &others, &designs)?;
+    // What some motion separates at all; the rest are twins in any of them.
+    let separable: Vec<usize> =
+        (0..others.len()).filter(|&b| gaps.iter().any(|design| design[b] > SEPARATED)).collect();
+    let twins: Vec<&str> = (0..others.len()).filter(|b| !separable.contains(b)).map(|b| name(others[b])).collect();
+    let least = |design: &[f64]| separable.iter().map(|&b| design[b]).fold(f64::INFINITY, f64::min);
+    let chosen = (0..designs.len()).max_by(|&a, &b| least(&gaps[a]).total_cmp(&least(&gaps[b])));
+    let mut text = String::new();
+    let mut settings = Vec::new();
+    if let (Some(chosen), false) = (chosen, separable.is_empty()) {
+        let own = &designs[chosen].prepared.own;
+        settings = own.iter().filter(|p| p.name.starts_with(START)).map(|p| (p.name.clone(), p.value)).collect();
+        let value = |key: &str| settings.iter().find(|(name, _)| name.ends_with(key)).map_or(0.0, |(_, v)| *v);
+        let (x, y, z) = (value("velocity_x"), value("velocity_y"), value("velocity_z"));
+        let height = value("release.z");
+        let how = if (x, y, z) == (0.0, 0.0, 0.0) {
+            format!("drop it from {height:.2} m")
+        } else {
+            format!("throw it from {height:.2} m with {x:.1} m/s along x, {y:.1} along y and {z:.1} upwards")
+        };
+        let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
+        text = format!(
+            "{how} and add that recording: it tells {} from {} (expected gain {:.0})",
+            name(place.entry),
+            apart.join(", "),
+            2.0 * least(&gaps[chosen])
+        );
+    }
+    if !twins.is_empty() {
+        let known: Vec<&str> =
+            std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(knowledge).collect();
+        let unique = unique(known);
+        let also = if text.is_empty() { "no throw tells" } else { "; no throw tells" };
+        let rest = twins.join(", ");
+        text = format!("{text}{also} {} from {rest}: {}", name(place.entry), unique.join(", or "));
+    }
+    Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
+}
+
+/// What a person can find out beside any motion that settles whether an effect is there.
+fn knowledge(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "length_scale" | "aspect_ratio" | "perspective" | "lens_distortion" => {
+            "put objects of known length in view, upright and lying, low and high"
+        }
+        "time_scale" => "film a clock, or look up the true frame rate",
+        "time_offset" => "record the instant of release",
+        "camera_tilt" => "hang a plumb line in view",
+        "surface_tilt" => "lay a spirit level on the surface",
+        "effective_gravity" => "weigh the ball and measure its size, or drop a dense ball before the same camera",
+        "rolling_shutter" | "observation_blur" => "look up the camera's shutter and exposure",
+        "quadratic_drag" | "linear_drag" | "magnus" | "wind" => {
+            "repeat with a heavy ball of the same size before the same camera"
+        }
+        "contact_time" | "speed_dependent_restitution" | "tangential_restitution" | "bounce_friction" => {
+            "repeat on another surface"
+        }
+        _ => return None,
+    })
+}
+
+/// Recordings that could be made, as the best model predicts them; the first recording lends clock and noise.
+fn designs(study: &Study, best: &Model) -> Result<Vec<Set>> {
+    let set = &study.sets[0];
+    let own = &best.fit.point.own[0];
+    let place = |key: &str| set.prepared.own.iter().position(|p| p.name == format!("{START}{key}"));
+    let [Some(_), Some(_), Some(_)] = ["velocity_x", "velocity_y", "velocity_z"].map(place) else {
+        return Ok(Vec::new());
+    };
+    let (simulator, parameters) =
+        (best.structure.simulator(set.object), best.structure.parameters(set.object, &best.fit.point.globals));
+    let mut all = Vec::new();
+    for height in HEIGHTS_M {
+        for velocity in SPEEDS_M_S {
+            let mut start = own.clone();
+            let wanted =
+                [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", velocity[0]), ("velocity_y", velocity[1])];
+            for (key, value) in wanted.into_iter().chain([("velocity_z", velocity[2])]) {
+                if let Some(i) = place(key) {
+                    start[i] = value;
+                }
+            }
+            let Ok(values) = rollout(simulator, &parameters, &start, set.clock()) else { continue };
+            let seen = &set.prepared.seen;
+            let seen = Observation::new(seen.kind(), seen.channels().to_vec(), seen.clock().to_vec(), values)?;
+            let free = |(p, value): (&Parameter, &f64)| {
+                let reach = p.span().max(2.0 * (value - p.value).abs());
+                Parameter { value: *value, min: value - reach, max: value + reach, ..p.clone() }
+            };
+            let own: Vec<Parameter> = set.prepared.own.iter().zip(&start).map(free).collect();
+            let keep = vec![true; seen.values().len()];
+            let filter = Filter::new(seen.clock(), &set.noise, &keep, 0.0);
+            let mut prepared = Prepared::whole(seen, parameters.len());
+            prepared.own = own;
+            all.push(Set {
+                recording: 0,
+                object: set.object,
+                held_out: false,
+                pull: set.pull.clone(),
+                prepared,
+                noise: set.noise.clone(),
+                keep,
+                filter,
+                contacts: Vec::new(),
+            });
+        }
+    }
+    Ok(all)
+}
+
+/// For each design and each other explanation: the expected difference of logarithmic likelihood, half the square of what
+/// the best effect does that parameters, start states and the other effect cannot do instead, over all recordings and the
+/// new one.
+fn gaps(study: &Study, best: &Model, entry: usize, others: &[usize], designs: &[Set]) -> Result<Vec<Vec<f64>>> {
+    let effects: Vec<usize> = best.structure.effects.iter().copied().chain(others.iter().copied()).collect();
+    let structure = study.structure(&effects)?;
+    let globals = structure.carry(&best.structure, &best.fit.point.globals);
+    let columns = |sets: &[Set], own: Vec<Vec<f64>>| -> Result<(Vec<Columns>, Vec<usize>)> {
+        let joint = Joint { structure: &structure, sets, rollouts: &study.rollouts };
+        let point = Point { globals: globals.clone(), own };
+        let residuals = joint.residuals(&point, 1.0)?;
+        let lengths = residuals.iter().map(Vec::len).collect();
+        Ok((joint.columns(&point, &residuals, Which::ALL), lengths))
+    };
+    let (known, lengths) = columns(&study.sets, best.fit.point.own.clone())?;
+    let of = |entry: usize| -> Vec<usize> {
+        effects.iter().position(|&e| e == entry).map_or_else(Vec::new, |position| structure.of_effect(position))
+    };
+    let (mine, rivals) = (of(entry), others.iter().map(|&o| of(o)).collect::<Vec<_>>());
+    let shared = |all: &[Columns], wanted: &dyn Fn(usize) -> bool| -> Vec<Columns> {
+        all.iter()
+            .map(|one| {
+                let kept: Vec<usize> = (0..one.places.len()).filter(|&i| wanted(one.places[i])).collect();
+                Columns {
+                    places: kept.iter().map(|&i| one.places[i]).collect(),
+                    shared: kept.iter().map(|&i| one.shared[i].clone()).collect(),
+                    own: one.own.clone(),
+                }
+            })
+            .collect()
+    };
+    let mut all = Vec::new();
+    for design in designs {
+        let start = design.prepared.own_values();
+        let Ok((new, new_lengths)) = columns(std::slice::from_ref(design), vec![start]) else {
+            all.push(vec![0.0; others.len()]);
+            continue;
+        };
+        let both: Vec<Columns> = known.iter().cloned().chain(new).collect();
+        let lengths: Vec<usize> = lengths.iter().copied().chain(new_lengths).collect();
+        let contested = |place: usize| mine.contains(&place) || rivals.iter().any(|r| r.contains(&place));
+        let base = shared(&both, &|place| !contested(place));
+        let projector = Projector::new(&base, &lengths, structure.globals.len());
+        let projected = |place: usize| {
+            let mut column = stack(&both, &lengths, place);
+            projector.project(&mut column);
+            column
+        };
+        let mut effect = vec![0.0; lengths.iter().sum()];
+        for &place in &mine {
+            let size = globals[place] - structure.globals[place].absent.map_or(0.0, |a| a.0);
+            effect.iter_mut().zip(projected(place)).for_each(|(e, c)| *e += size * c);
+        }
+        let each = rivals.iter().map(|rival| {
+            let span = orthonormal(rival.iter().map(|&place| projected(place)).collect());
+            let taken: f64 = span.iter().map(|direction| dot(direction, &effect).powi(2)).sum();
+            0.5 * (dot(&effect, &effect) - taken).max(0.0)
+        });
+        all.push(each.collect());
+    }
+    Ok(all)
+}

@@ -1,0 +1,117 @@
+//! What is missing: where simulation and measurement disagree, and which effect would make them agree.
+//!
+//! ```text
+//! recordings → prepare → tune → score every candidate → fit the best → what else explains as much? → is the rest noise?
+//! ```
+//!
+//! [`diagnose`] runs the whole chain. A smaller residual does not prove a name, since any further coefficient shrinks it; so
+//! an effect is named only where the information criterion gains clearly, its coefficients are physical, nothing else of the
+//! catalogue does as well, and what is left looks like noise. Otherwise the answer says which of these failed.
+
+mod adequacy;
+mod answer;
+mod assemble;
+mod base;
+mod catalogue;
+mod colour;
+mod columns;
+mod confusable;
+mod evidence;
+mod experiment;
+mod held_out;
+mod input;
+mod joint;
+mod practical;
+mod rest;
+mod scatter;
+mod search;
+mod sets;
+mod stage;
+mod structure;
+mod study;
+mod unknown;
+mod verdict;
+
+#[cfg(test)]
+mod tests;
+
+pub use answer::{
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use,
+    Value, Verdict,
+};
+pub use input::{Progress, Recording, Settings, Subject};
+
+use std::sync::atomic::AtomicUsize;
+
+use crate::observation::Note;
+use crate::simulator::Preparation;
+use crate::{Error, Result};
+use sets::Set;
+use study::Study;
+
+/// Finds which effects are missing from the simulators of `subjects`, given what was seen of them.
+///
+/// All recordings of one object share its parameters and the coefficients of physical effects; all objects share which
+/// effects there are, and the coefficients of measurement effects.
+///
+/// # Errors
+/// [`Error::Setting`] where a setting is out of range or a recording names no subject; [`Error::Observation`] where a
+/// recording is of another kind than its simulator predicts; whatever a simulator refuses with every start.
+pub fn diagnose(
+    subjects: &[Subject],
+    recordings: &[Recording],
+    settings: &Settings,
+    progress: &dyn Fn(Progress),
+) -> Result<Diagnosis> {
+    settings.check()?;
+    if let Some(lost) = recordings.iter().find(|r| r.object >= subjects.len()) {
+        let (expected, found) =
+            (format!("one of {} subjects", subjects.len()), format!("{} of {}", lost.object, lost.name));
+        return Err(Error::Setting { name: "object", expected, found });
+    }
+    let mut uses = Vec::new();
+    let mut sets = Vec::new();
+    for (i, recording) in recordings.iter().enumerate() {
+        let mut one = Use { name: recording.name.clone(), used: true, held_out: recording.held_out, notes: Vec::new() };
+        match subjects[recording.object].simulator.prepare(recording.seen)? {
+            Preparation::Usable(prepared) => {
+                one.notes.clone_from(&prepared.notes);
+                sets.push(Set::new(i, recording.object, recording.held_out, *prepared));
+            }
+            Preparation::Rejected(rejected) => {
+                one.used = false;
+                one.notes.push(rejected.note);
+            }
+        }
+        uses.push(one);
+    }
+    let mut notes = Vec::new();
+    if settings.set_aside && !sets.iter().any(|s| s.held_out) {
+        let objects: Vec<usize> = sets.iter().map(|s| s.object).collect();
+        for i in held_out::set_aside(&objects, settings.seed) {
+            sets[i].held_out = true;
+            uses[sets[i].recording].held_out = true;
+        }
+        let names: Vec<&str> = uses.iter().filter(|u| u.held_out).map(|u| u.name.as_str()).collect();
+        if !names.is_empty() {
+            notes.push(Note::new("held_out.chosen", format!("set aside to judge by: {}", names.join(", ")), ""));
+        }
+    }
+    let (held_out, sets): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.held_out);
+    let study = Study {
+        subjects,
+        sets,
+        catalogue: catalogue::catalogue(subjects),
+        settings,
+        chance: None,
+        independent: 1.0,
+        rollouts: AtomicUsize::new(0),
+    };
+    verdict::judge(study, held_out, recordings, Answered { uses, notes }, progress)
+}
+
+/// What is known of the answer before anything is fitted.
+struct Answered {
+    uses: Vec<Use>,
+    notes: Vec<Note>,
+}

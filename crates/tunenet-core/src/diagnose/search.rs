@@ -1,0 +1,151 @@
+//! The search for the missing effects: forward, swap, backward, and what else explains as much.
+
+use super::evidence::p_value;
+use super::practical::WORTH;
+use super::stage::Trial;
+use super::study::{Model, Study};
+use super::{Progress, confusable};
+use crate::Result;
+
+/// A swap may open the way to another; each is better than the one before.
+const MOST_SWAPS: usize = 6;
+
+/// What the search found.
+pub(super) struct Found<'a> {
+    /// The simulation without any effect.
+    pub base: Model<'a>,
+    /// Candidates beside it, each alone, best first.
+    pub alone: Vec<Trial<'a>>,
+    /// The best structure; `None` where no effect earns its place.
+    pub best: Option<Model<'a>>,
+    /// For each effect of the best: what it is worth and what could stand in its place.
+    pub places: Vec<Place>,
+}
+
+/// What becomes of a structure whose effects are judged one by one.
+enum Judged<'a> {
+    /// Each earns its place.
+    Stands(Vec<Place>),
+    /// This one is better; `None` is the simulation without any effect.
+    Yields(Option<Box<Model<'a>>>),
+}
+
+/// An effect whose worth was not looked at: it has none.
+fn unjudged(entry: usize) -> Place {
+    Place { entry, gain: 0.0, p_value: 1.0, others: Vec::new() }
+}
+
+/// One effect of the best structure.
+pub(super) struct Place {
+    /// Position in the catalogue.
+    pub entry: usize,
+    /// Gain by having it beside the others.
+    pub gain: f64,
+    /// Probability of that by chance, all candidates counted.
+    pub p_value: f64,
+    /// Others in its place with how far they fall behind, nearest first; exact twins included.
+    pub others: Vec<(usize, f64)>,
+}
+
+impl<'a> Study<'a> {
+    /// Searches from the tuned simulation.
+    pub fn search(&self, base: Model<'a>, progress: &dyn Fn(Progress)) -> Result<Found<'a>> {
+        progress(Progress::Scoring { candidates: self.catalogue.len(), effects: 0 });
+        let alone = self.stage(&base);
+        let mut best = self.accepted(&base, &alone)?;
+        while let Some(model) = &best
+            && model.structure.effects.len() < self.settings.most_effects
+        {
+            let effects = model.structure.effects.len();
+            progress(Progress::Scoring { candidates: self.catalogue.len() - effects, effects });
+            let next = self.stage(model);
+            let Some(more) = self.accepted(model, &next)? else { break };
+            best = Some(more);
+        }
+        let mut places = Vec::new();
+        for _ in 0..MOST_SWAPS {
+            let Some(model) = best.take() else { break };
+            // With all that may be added and still no fit, there is nothing to compare with.
+            let full = model.structure.effects.len() >= self.settings.most_effects.max(2);
+            if full && self.independent >= 1.0 && !self.adequacy(&model).iter().all(|t| t.passed) {
+                best = Some(model);
+                break;
+            }
+            match self.judge_places(&base, &alone, &model)? {
+                Judged::Stands(found) => {
+                    (best, places) = (Some(model), found);
+                    break;
+                }
+                Judged::Yields(other) => best = other.map(|model| *model),
+            }
+        }
+        if let (Some(model), true) = (&best, places.is_empty()) {
+            places = model.structure.effects.iter().map(|&e| unjudged(e)).collect();
+        }
+        Ok(Found { base, alone, best, places })
+    }
+
+    /// The best trial of a stage as a model of its own, where it earns its place.
+    fn accepted(&self, before: &Model<'a>, trials: &[Trial<'a>]) -> Result<Option<Model<'a>>> {
+        let Some(trial) = trials.iter().find(|t| t.excluded.is_none() && t.model.is_some()) else { return Ok(None) };
+        let Some(model) = &trial.model else { return Ok(None) };
+        let (_, p) = self.worth(before, model);
+        if trial.gain > self.settings.margin && p < self.settings.significance && self.matters(before, model) {
+            let structure = self.structure(&model.structure.effects)?;
+            return Ok(Some(Model { structure, fit: model.fit.clone() }));
+        }
+        Ok(None)
+    }
+
+    /// Whether an effect takes away enough to be worth a name where all that is left counts as noise.
+    fn matters(&self, before: &Model, after: &Model) -> bool {
+        let scale = after.scale();
+        self.independent >= 1.0 || before.deviance(scale) >= WORTH * after.deviance(scale)
+    }
+
+    /// Gain of the information criterion and the probability of it by chance, all candidates counted.
+    fn worth(&self, before: &Model, after: &Model) -> (f64, f64) {
+        let scale = after.scale();
+        let coefficients = after.structure.globals.len() - before.structure.globals.len();
+        let gain = self.likelihood(before.deviance(scale), after.deviance(scale));
+        let p = p_value(gain, coefficients) * self.catalogue.len() as f64;
+        (self.gain(before, after, scale), p.min(1.0))
+    }
+
+    /// For each effect: what it is worth, and what explains as much in its place; or a better structure, one swapped or
+    /// dropped.
+    fn judge_places(&self, base: &Model<'a>, alone: &[Trial<'a>], model: &Model<'a>) -> Result<Judged<'a>> {
+        let effects = model.structure.effects.clone();
+        let mut places = Vec::new();
+        for &entry in &effects {
+            let others: Vec<usize> = effects.iter().copied().filter(|&e| e != entry).collect();
+            let made;
+            let (without, trials);
+            if others.is_empty() {
+                (without, trials) = (base, alone);
+            } else {
+                let fitted = self.fit_near(&others, model)?;
+                let stage = self.stage(&fitted);
+                made = (fitted, stage);
+                (without, trials) = (&made.0, made.1.as_slice());
+            }
+            let (gain, p_value) = self.worth(without, model);
+            if gain < self.settings.margin || p_value > self.settings.significance || !self.matters(without, model) {
+                let fitted = if others.is_empty() { None } else { Some(self.fit_near(&others, model)?) };
+                return Ok(Judged::Yields(fitted.map(Box::new)));
+            }
+            let others = confusable::others(self, model, entry, trials);
+            if let Some(better) = others.iter().find(|(_, gap)| *gap < -1.0)
+                && effects.len() > 1
+            {
+                let found = trials.iter().find(|t| t.entry == better.0).and_then(|t| t.model.as_ref());
+                if let Some(found) = found {
+                    let structure = self.structure(&found.structure.effects)?;
+                    return Ok(Judged::Yields(Some(Box::new(Model { structure, fit: found.fit.clone() }))));
+                }
+            }
+            places.push(Place { entry, gain, p_value, others });
+        }
+        Ok(Judged::Stands(places))
+    }
+}

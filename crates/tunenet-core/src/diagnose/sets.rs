@@ -1,0 +1,150 @@
+//! The recordings made ready: noise, weights, and samples that count.
+
+use super::colour::Filter;
+use super::rest::before_rest;
+use crate::observation::{Arcs, Kind, Observation};
+use crate::simulator::{Parameter, Prepared};
+use crate::tune::channel_noise;
+
+/// A model that explains a channel to better than this share of its range is as good as exact; it bounds the noise of data
+/// without any from below.
+const PRACTICAL_SHARE: f64 = 1e-5;
+/// A channel that moves less than this share of the widest stands still and says nothing.
+const STILL_SHARE: f64 = 1e-7;
+/// A clock whose steps stray farther than this from their median is uneven.
+const UNEVEN: f64 = 0.2;
+/// A sample is set aside where it leaves the median of its neighbours' residuals by this many robust standard deviations.
+const OUTLYING: f64 = 6.0;
+/// More than this share of outlying samples is no accident, and they stay.
+const MOST_OUTLYING: f64 = 0.05;
+/// Near enough for marking contacts; nothing is fitted with it.
+const GRAVITY_M_S2: f64 = 9.81;
+
+/// One recording, ready.
+#[derive(Clone)]
+pub(super) struct Set {
+    /// Its position among the recordings given.
+    pub recording: usize,
+    pub object: usize,
+    pub held_out: bool,
+    pub prepared: Prepared,
+    /// How strongly each own unknown is drawn to its guess: a standard deviation.
+    pub pull: Vec<f64>,
+    /// Standard deviation of each channel.
+    pub noise: Vec<f64>,
+    /// Whether a value counts, shape `[sample · channel]`.
+    pub keep: Vec<bool>,
+    /// From plain residuals to white ones in units of the noise.
+    pub filter: Filter,
+    /// When contacts are seen, s.
+    pub contacts: Vec<f64>,
+}
+
+impl Set {
+    pub fn new(recording: usize, object: usize, held_out: bool, mut prepared: Prepared) -> Self {
+        let height_noise = noise(&prepared.seen).last().copied().unwrap_or(0.0);
+        if let Ok(moving) = prepared.seen.slice(0..before_rest(&prepared.seen, height_noise)) {
+            prepared.seen = moving;
+        }
+        let seen = &prepared.seen;
+        let width = seen.channels().len();
+        let ranges: Vec<f64> = (0..width).map(|c| range(seen.column(c))).collect();
+        let widest = ranges.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+        let noise: Vec<f64> = noise(seen).iter().map(|sd| sd.max(PRACTICAL_SHARE * widest)).collect();
+        let keep: Vec<bool> =
+            (0..seen.values().len()).map(|i| ranges[i % width] > STILL_SHARE * widest || width == 1).collect();
+        let contacts = match seen.kind() {
+            Kind::Positions => Arcs::cut(seen, GRAVITY_M_S2)
+                .map_or_else(Vec::new, |arcs| arcs.contacts.iter().map(|c| c.time_s).collect()),
+            _ => Vec::new(),
+        };
+        let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
+        let pull = prepared.own.iter().map(Parameter::span).collect();
+        Self { recording, object, held_out, prepared, pull, noise, keep, filter, contacts }
+    }
+
+    pub fn width(&self) -> usize {
+        self.noise.len()
+    }
+
+    pub fn clock(&self) -> &[f64] {
+        self.prepared.seen.clock()
+    }
+
+    /// How many values count.
+    pub fn count(&self) -> usize {
+        self.keep.iter().filter(|keep| **keep).count()
+    }
+
+    /// Sets single samples aside that leave their neighbours, by residuals in units of the noise; returns how many.
+    /// A misfit is smooth between contacts, so it moves neighbours together.
+    pub fn set_outliers_aside(&mut self, residuals: &[f64]) -> usize {
+        let width = self.width();
+        let mut set_aside = 0;
+        for channel in 0..width {
+            let places: Vec<usize> = (channel..residuals.len()).step_by(width).filter(|&i| self.keep[i]).collect();
+            if places.len() < 12 {
+                continue;
+            }
+            let off: Vec<f64> = (0..places.len())
+                .map(|k| {
+                    let (low, high) = (k.saturating_sub(3), (k + 4).min(places.len()));
+                    let near = (low..high).filter(|&j| j != k).map(|j| residuals[places[j]]).collect();
+                    residuals[places[k]] - median(near)
+                })
+                .collect();
+            let spread = (1.4826 * median(off.iter().map(|v| v.abs()).collect())).max(0.5);
+            let outlying: Vec<usize> = (0..off.len()).filter(|&k| off[k].abs() > OUTLYING * spread).collect();
+            if (outlying.len() as f64) < MOST_OUTLYING * places.len() as f64 {
+                for k in &outlying {
+                    self.keep[places[*k]] = false;
+                }
+                set_aside += outlying.len();
+            }
+        }
+        set_aside
+    }
+
+    /// Takes this lag-one correlation of the noise for given.
+    pub fn colour(&mut self, rho: f64) {
+        self.filter = Filter::new(self.prepared.seen.clock(), &self.noise, &self.keep, rho);
+    }
+}
+
+/// Noise of each channel. Third differences that allow for an uneven clock: weights that cancel any quadratic, of unit norm.
+fn noise(seen: &Observation) -> Vec<f64> {
+    let plain = channel_noise(seen);
+    let clock = seen.clock();
+    let steps: Vec<f64> = clock.windows(2).map(|w| w[1] - w[0]).collect();
+    let usual = median(steps.clone());
+    let uneven = steps.iter().any(|step| (step / usual - 1.0).abs() > UNEVEN);
+    if seen.kind() == Kind::BounceTimes || !uneven || seen.len() < 8 {
+        return plain;
+    }
+    let spread = |channel: usize| {
+        let values: Vec<f64> = seen.column(channel).collect();
+        let differences = clock.windows(4).zip(values.windows(4)).map(|(t, v)| {
+            let weight = |j: usize| (0..4).filter(|&k| k != j).map(|k| usual / (t[j] - t[k])).product::<f64>();
+            let weights = [0, 1, 2, 3].map(weight);
+            let norm = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+            (weights.iter().zip(v).map(|(w, v)| w * v).sum::<f64>() / norm).abs()
+        });
+        1.4826 * median(differences.collect())
+    };
+    // A channel on a coarse grid may show no differences at all; then what the even clock would give stands.
+    (0..plain.len()).map(|c| Some(spread(c)).filter(|sd| *sd > 0.0).map_or(plain[c], |sd| sd.min(plain[c]))).collect()
+}
+
+fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    high - low
+}
+
+/// The middle value; 0 of none.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}

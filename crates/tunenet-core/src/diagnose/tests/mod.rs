@@ -1,0 +1,121 @@
+//! Verdicts on a simulator of the tests' own, judged by truth in closed form.
+
+mod glider;
+
+use super::*;
+use crate::observation::Observation;
+use glider::{Glider, Truth, throws};
+
+fn ask(seen: &[&[Observation]], settings: &Settings) -> Diagnosis {
+    let gliders: Vec<Glider> = seen.iter().map(|_| Glider::new()).collect();
+    let subjects: Vec<Subject> =
+        gliders.iter().enumerate().map(|(i, g)| Subject { name: format!("glider {i}"), simulator: g }).collect();
+    let recordings: Vec<Recording> = seen
+        .iter()
+        .enumerate()
+        .flat_map(|(object, all)| {
+            all.iter().enumerate().map(move |(i, seen)| Recording {
+                name: format!("throw {object}.{i}"),
+                object,
+                held_out: false,
+                seen,
+            })
+        })
+        .collect();
+    diagnose(&subjects, &recordings, settings, &|_| {}).unwrap()
+}
+
+fn verdict_of(truth: Truth, count: usize, seed: u64) -> Diagnosis {
+    ask(&[&throws(truth, count, 180, seed)], &Settings::default())
+}
+
+#[test]
+fn a_glider_without_anything_missing_gets_none() {
+    for seed in 0..20 {
+        let found = verdict_of(Truth { push: 0.4, ..Truth::default() }, 3, seed);
+        assert_eq!(found.verdict, Verdict::None, "seed {seed}: {:?} {:?}", found.names, found.adequacy);
+        assert!((found.parameters[0].value - 0.4).abs() < 0.02, "{:?}", found.parameters);
+    }
+}
+
+#[test]
+fn drag_is_named_with_its_size_and_proven_on_a_throw_set_aside() {
+    let truth = Truth { push: 0.3, drag: 0.15, ..Truth::default() };
+    let found = verdict_of(truth, 5, 1);
+    assert_eq!((found.verdict, found.names.as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
+    let value = &found.effects[0].coefficients[0].values[0];
+    let half = 0.5 * (value.interval95.1 - value.interval95.0);
+    assert!((value.value - 0.15).abs() < 2.0 * half && half < 0.02, "{value:?}");
+    let gap = found.gap.unwrap();
+    let held_out = gap.held_out.unwrap();
+    assert_eq!(found.uses.iter().filter(|u| u.held_out).count(), 1);
+    assert!(held_out.after < 0.8 * held_out.before && held_out.after < 1.15 * gap.noise_floor, "{gap:?}");
+    assert!(gap.control.unwrap().1 > held_out.after, "a wrong effect does not reach it: {gap:?}");
+}
+
+#[test]
+fn what_no_throw_separates_is_reported_together_with_what_would() {
+    let found = verdict_of(Truth { more_gravity: 0.3, ..Truth::default() }, 3, 2);
+    assert_eq!(found.verdict, Verdict::OneOf);
+    for twin in ["effective_gravity", "length_scale", "time_scale"] {
+        assert!(found.names.contains(&twin), "{twin} in {:?}", found.names);
+    }
+    let text = found.next_experiment.unwrap().text;
+    assert!(text.contains("weigh the ball") && text.contains("known length"), "{text}");
+}
+
+#[test]
+fn what_is_in_no_catalogue_is_unknown_and_described() {
+    let found = verdict_of(Truth { sway_m: 0.02, ..Truth::default() }, 3, 3);
+    assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.names);
+    assert!(found.effects.is_empty() && found.adequacy.iter().any(|t| !t.passed));
+    assert!(found.description.unwrap().contains("along z"));
+}
+
+#[test]
+fn a_single_throw_earns_no_lone_name() {
+    let found = verdict_of(Truth { drag: 0.01, ..Truth::default() }, 1, 4);
+    assert!(matches!(found.verdict, Verdict::OneOf | Verdict::None), "{:?} {:?}", found.verdict, found.names);
+    let found = verdict_of(Truth { drag: 0.02, ..Truth::default() }, 1, 5);
+    assert_eq!(found.verdict, Verdict::OneOf);
+    assert!(found.names.len() > 1 && found.names.contains(&"linear_drag"), "{:?}", found.names);
+}
+
+#[test]
+fn a_handful_of_samples_is_insufficient() {
+    let found = ask(&[&throws(Truth::default(), 1, 6, 6)], &Settings::default());
+    assert_eq!(found.verdict, Verdict::Insufficient);
+    assert!(found.notes.iter().any(|n| n.code == "recordings.short"));
+    assert_eq!(ask(&[&[]], &Settings::default()).verdict, Verdict::Insufficient);
+}
+
+#[test]
+fn each_object_has_its_own_size_of_a_shared_effect() {
+    let (light, heavy) = (Truth { drag: 0.3, ..Truth::default() }, Truth { drag: 0.05, push: 1.0, ..Truth::default() });
+    let found = ask(&[&throws(light, 3, 180, 7), &throws(heavy, 3, 180, 8)], &Settings::default());
+    assert_eq!((found.verdict, found.names.as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
+    let values = &found.effects[0].coefficients[0].values;
+    assert!((values[0].value - 0.3).abs() < 0.03 && (values[1].value - 0.05).abs() < 0.03, "{values:?}");
+    assert!((found.parameters[1].value - 1.0).abs() < 0.05 && found.parameters[1].object == 1);
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let seen = throws(Truth { drag: 0.15, ..Truth::default() }, 3, 180, 9);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| format!("{:?}", ask(&[&seen], &Settings::default())))
+    };
+    assert_eq!(with(1), with(4));
+}
+
+#[test]
+fn settings_out_of_range_are_refused() {
+    let glider = Glider::new();
+    let subjects = [Subject { name: "glider".into(), simulator: &glider }];
+    let settings = Settings { margin: f64::NAN, ..Settings::default() };
+    assert!(diagnose(&subjects, &[], &settings, &|_| {}).is_err());
+    let seen = &throws(Truth::default(), 1, 60, 1)[0];
+    let lost = [Recording { name: "a".into(), object: 3, held_out: false, seen }];
+    assert!(diagnose(&subjects, &lost, &Settings::default(), &|_| {}).is_err());
+}

@@ -1,0 +1,136 @@
+//! What is left, in words: where it acts, along which axis, how large it is and what it goes with. No name is given.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::sets::Set;
+use super::study::{Model, Study};
+use crate::Result;
+use crate::simulator::Phase;
+
+/// An arc with fewer samples says nothing of its bend.
+const LEAST_SAMPLES: usize = 10;
+/// Arcs that go with a quantity this closely (correlation) are said to.
+const CLOSE: f64 = 0.7;
+const FEWEST_ARCS: usize = 4;
+
+/// One free flight of one channel: what the residual does in it beyond the model.
+struct Arc {
+    channel: usize,
+    /// Which flight of its recording, from 0.
+    number: usize,
+    /// Bend of the residual, in the channel's unit per s².
+    acceleration: f64,
+    /// What the bend explains of the weighted squares, and the offset and slope.
+    bend_square: f64,
+    line_square: f64,
+    samples: usize,
+    middle_s: f64,
+    height: f64,
+    speed: f64,
+}
+
+/// Describes what `model` leaves, and says where it acts as far as that shows.
+pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<Phase>)> {
+    let residuals = study.weighted(model)?;
+    let arcs: Vec<Arc> = study.sets.iter().zip(&residuals).flat_map(|(set, residual)| arcs(set, residual)).collect();
+    let channels = study.subjects[0].simulator.channels();
+    let excess = |channel: usize| -> f64 {
+        arcs.iter().filter(|a| a.channel == channel).map(|a| a.bend_square + a.line_square - 3.0).sum()
+    };
+    let Some(worst) = (0..channels.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))) else {
+        return Ok(("what is left has no shape that could be described".into(), None));
+    };
+    let mine: Vec<&Arc> = arcs.iter().filter(|a| a.channel == worst).collect();
+    let count = mine.len().max(1) as f64;
+    let (bend, line) =
+        mine.iter().fold((0.0, 0.0), |(b, l), a| (b + a.bend_square / count, l + a.line_square / (2.0 * count)));
+    let weight: f64 = mine.iter().map(|a| a.samples as f64).sum();
+    let size = (mine.iter().map(|a| a.samples as f64 * a.acceleration.powi(2)).sum::<f64>() / weight.max(1.0)).sqrt();
+    let axis = &channels[worst];
+    let later = mine.iter().any(|a| a.number > 0);
+    let (place, phase) = if bend > 4.0 || !later {
+        let text = format!("within the flights, as a bend of about {size:.2e} {}/s² along {}", axis.unit, axis.name);
+        (text, Some(Phase::Flight))
+    } else if line > 4.0 {
+        (format!("from one flight to the next, so at the contacts, along {}", axis.name), Some(Phase::Contact))
+    } else {
+        (format!("faster than a flight, as an oscillation or a jitter along {}", axis.name), None)
+    };
+    let with = goes_with(&mine).map_or_else(
+        || "it follows neither height, speed nor time clearly".to_string(),
+        |(what, r)| format!("it {} with {what}", if r > 0.0 { "grows" } else { "falls" }),
+    );
+    Ok((format!("what is left acts {place}; {with}"), phase))
+}
+
+/// The quantity that the arcs' bends follow most closely, with the correlation, where it is close.
+fn goes_with(arcs: &[&Arc]) -> Option<(&'static str, f64)> {
+    if arcs.len() < FEWEST_ARCS {
+        return None;
+    }
+    let bends: Vec<f64> = arcs.iter().map(|a| a.acceleration).collect();
+    let each: [(&'static str, Vec<f64>); 4] = [
+        ("the height", arcs.iter().map(|a| a.height).collect()),
+        ("the speed", arcs.iter().map(|a| a.speed).collect()),
+        ("the time in the record", arcs.iter().map(|a| a.middle_s).collect()),
+        ("the count of bounces", arcs.iter().map(|a| a.number as f64).collect()),
+    ];
+    let best = each.into_iter().map(|(name, values)| (name, correlation(&bends, &values)));
+    best.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|(_, r)| r.abs() > CLOSE)
+}
+
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len() as f64;
+    let (mean_a, mean_b) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
+    let sum = |f: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(x, y)| f(x - mean_a, y - mean_b)).sum::<f64>();
+    let scale = (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt();
+    if scale > 0.0 { sum(&|x, y| x * y) / scale } else { 0.0 }
+}
+
+/// The flights between contacts, each channel's residual fitted by a parabola.
+fn arcs(set: &Set, residual: &[f64]) -> Vec<Arc> {
+    let (clock, width) = (set.clock(), set.width());
+    let seen = &set.prepared.seen;
+    let mut edges = vec![0];
+    edges.extend(set.contacts.iter().map(|t| clock.partition_point(|c| c < t)));
+    edges.push(clock.len());
+    let mut all = Vec::new();
+    for (number, edge) in edges.windows(2).enumerate() {
+        // The samples beside a contact may belong to either side.
+        let (begin, end) = (edge[0] + usize::from(edge[0] > 0), edge[1].saturating_sub(1).max(edge[0]));
+        if end < begin + LEAST_SAMPLES {
+            continue;
+        }
+        let (middle_s, half) = (0.5 * (clock[begin] + clock[end - 1]), 0.5 * (clock[end - 1] - clock[begin]));
+        let travelled: f64 =
+            (0..width).map(|c| (seen.row(end - 1)[c] - seen.row(begin)[c]).powi(2)).sum::<f64>().sqrt();
+        for channel in 0..width {
+            let kept: Vec<usize> = (begin..end).filter(|&k| set.keep[k * width + channel]).collect();
+            if kept.len() < LEAST_SAMPLES {
+                continue;
+            }
+            // Legendre's polynomials, near enough orthogonal on even samples.
+            let x = |k: usize| (clock[k] - middle_s) / half;
+            let basis = DMatrix::from_fn(kept.len(), 3, |i, j| match j {
+                0 => 1.0,
+                1 => x(kept[i]),
+                _ => 1.5 * x(kept[i]).powi(2) - 0.5,
+            });
+            let values = DVector::from_iterator(kept.len(), kept.iter().map(|&k| residual[k * width + channel]));
+            let Some(inverse) = (basis.transpose() * &basis).try_inverse() else { continue };
+            let fit = &inverse * (basis.transpose() * values);
+            all.push(Arc {
+                channel,
+                number,
+                acceleration: 3.0 * fit[2] / (half * half) * set.noise[channel],
+                bend_square: fit[2].powi(2) / inverse[(2, 2)],
+                line_square: fit[0].powi(2) / inverse[(0, 0)] + fit[1].powi(2) / inverse[(1, 1)],
+                samples: kept.len(),
+                middle_s,
+                height: kept.iter().map(|&k| seen.row(k)[width - 1]).sum::<f64>() / kept.len() as f64,
+                speed: travelled / (2.0 * half),
+            });
+        }
+    }
+    all
+}

@@ -1,0 +1,136 @@
+//! A few of the training's rollouts, kept with the weights: the nearest of them starts an iteration before anything is
+//! rolled out, and two neighbours give a slope.
+
+use std::path::Path;
+
+use candle_core::{DType, Device, Tensor};
+
+use super::input::Encoded;
+use super::training_set::TrainingSet;
+use super::weights_file::Contents;
+use crate::Result;
+
+/// A rollout is kept where it covers at least this share of what the longest covers.
+const WHOLE: f64 = 0.95;
+/// A slope is taken between rollouts about this far on either side, as a share of the span: nearer, they differ by how
+/// their samples fall into the intervals; farther, the chord is no slope.
+const SLOPE_REACH: f64 = 0.01;
+
+/// Stored rollouts as a branch sees them, with what they cover and the parameters that made them.
+#[derive(Debug, Clone)]
+pub(super) struct Library {
+    rows: Vec<Encoded>,
+    /// Parameters less their least value, over their span, shape `[rollout][parameter]`.
+    places: Vec<Vec<f64>>,
+}
+
+impl Library {
+    /// At most `most` proposed rollouts of a training set: for one parameter those nearest to an even grid, in its order.
+    pub(super) fn choose(set: &TrainingSet, most: usize) -> Option<Self> {
+        if most == 0 {
+            return None;
+        }
+        let parameters = set.parameters.len();
+        let longest = (0..set.pairs()).map(|pair| set.covered[2 * pair].len()).max()?;
+        let whole = |pair: &usize| set.covered[2 * pair].len() as f64 >= WHOLE * longest as f64;
+        let mut pairs: Vec<usize> = (0..set.pairs()).filter(whole).collect();
+        if parameters == 1 {
+            pairs.sort_by(|a, b| set.places[2 * a].total_cmp(&set.places[2 * b]));
+            let place = |i: usize| set.places[2 * pairs[i]];
+            let mut chosen: Vec<usize> = (0..most)
+                .map(|i| {
+                    let grid = i as f64 / (most - 1).max(1) as f64;
+                    let after = pairs.partition_point(|p| set.places[2 * p] < grid).min(pairs.len() - 1);
+                    let before = after.saturating_sub(1);
+                    if grid - place(before) < place(after) - grid { before } else { after }
+                })
+                .collect();
+            chosen.dedup();
+            pairs = chosen.into_iter().map(|i| pairs[i]).collect();
+        }
+        pairs.truncate(most);
+        let row = |pair: &usize| Encoded {
+            values: set.row(2 * pair).iter().map(|v| f64::from(*v)).collect(),
+            covered: set.covered[2 * pair].clone(),
+        };
+        let place = |pair: &usize| set.places[2 * pair * parameters..(2 * pair + 1) * parameters].to_vec();
+        (!pairs.is_empty())
+            .then(|| Self { rows: pairs.iter().map(row).collect(), places: pairs.iter().map(place).collect() })
+    }
+
+    /// The stored rollout nearest to `seen`, over what both cover, with its parameters; `None` where none overlaps it.
+    pub(super) fn nearest(&self, seen: &Encoded) -> Option<(Encoded, &[f64])> {
+        let distance = |row: &Encoded| {
+            let both = row.covered.start.max(seen.covered.start)..row.covered.end.min(seen.covered.end);
+            let squares = both.clone().map(|i| (row.values[i] - seen.values[i]).powi(2)).sum::<f64>();
+            if both.is_empty() { f64::INFINITY } else { squares / both.len() as f64 }
+        };
+        let each = self.rows.iter().zip(&self.places).map(|(row, place)| (distance(row), row, place));
+        let (distance, row, place) = each.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        distance.is_finite().then(|| (row.clone(), place.as_slice()))
+    }
+
+    /// How far a rollout of one parameter at `place`, read between two stored ones, would lie from `seen`: mean square over
+    /// what they cover; `None` for several parameters.
+    pub(super) fn distance(&self, place: f64, seen: &Encoded) -> Option<f64> {
+        if self.places.first().is_none_or(|p| p.len() != 1) || self.rows.len() < 2 {
+            return None;
+        }
+        let after = self.places.partition_point(|p| p[0] < place).clamp(1, self.rows.len() - 1);
+        let (a, b) = (&self.rows[after - 1], &self.rows[after]);
+        let share = (place - self.places[after - 1][0]) / (self.places[after][0] - self.places[after - 1][0]);
+        let start = a.covered.start.max(b.covered.start).max(seen.covered.start);
+        let both = start..a.covered.end.min(b.covered.end).min(seen.covered.end);
+        let between = |i: usize| a.values[i] + share * (b.values[i] - a.values[i]) - seen.values[i];
+        (!both.is_empty()).then(|| both.clone().map(|i| between(i).powi(2)).sum::<f64>() / both.len() as f64)
+    }
+
+    /// How a rollout of one parameter changes with it at `place`, both in units of the span; 0 outside what is covered.
+    pub(super) fn slope(&self, place: f64) -> Option<Encoded> {
+        if self.places.first().is_none_or(|p| p.len() != 1) {
+            return None;
+        }
+        let last = self.rows.len() - 1;
+        let after = |at: f64| self.places.partition_point(|p| p[0] < at).min(last);
+        let (low, high) = (after(place - SLOPE_REACH).saturating_sub(1), after(place + SLOPE_REACH));
+        let (a, b) = (&self.rows[low], &self.rows[high]);
+        let width = self.places[high][0] - self.places[low][0];
+        let covered = a.covered.start.max(b.covered.start)..a.covered.end.min(b.covered.end);
+        let mut values = vec![0.0; a.values.len()];
+        for i in covered.clone() {
+            values[i] = (b.values[i] - a.values[i]) / width;
+        }
+        (width > 0.0 && width < 4.0 * SLOPE_REACH && !covered.is_empty()).then_some(Encoded { values, covered })
+    }
+
+    /// As tensors of the model file.
+    pub(super) fn tensors(&self) -> Result<[(String, Tensor); 3]> {
+        let (count, width) = (self.rows.len(), self.rows[0].values.len());
+        let values: Vec<f32> = self.rows.iter().flat_map(|r| &r.values).map(|v| super::single(*v)).collect();
+        let covered: Vec<f64> = self.rows.iter().flat_map(|r| [r.covered.start as f64, r.covered.end as f64]).collect();
+        let tensor = |numbers: Vec<f64>, wide: usize| Tensor::from_vec(numbers, (count, wide), &Device::Cpu);
+        Ok([
+            ("library.rollouts".into(), Tensor::from_vec(values, (count, width), &Device::Cpu)?),
+            ("library.covered".into(), tensor(covered, 2)?),
+            ("library.places".into(), tensor(self.places.concat(), self.places[0].len())?),
+        ])
+    }
+
+    /// Out of a model file, for branches of `width` numbers; `None` where the file holds none.
+    pub(super) fn take(path: &Path, contents: &mut Contents, width: usize, parameters: usize) -> Result<Option<Self>> {
+        let Some(count) = contents.tensors.get("library.rollouts").and_then(|t| t.dims().first().copied()) else {
+            return Ok(None);
+        };
+        let rows = contents.take(path, "library.rollouts", DType::F32, &[count, width])?.to_vec2::<f32>()?;
+        let covered = contents.take(path, "library.covered", DType::F64, &[count, 2])?.to_vec2::<f64>()?;
+        let places = contents.take(path, "library.places", DType::F64, &[count, parameters])?.to_vec2::<f64>()?;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a saturating cast, then clamped")]
+        let bound = |v: f64| (v as usize).min(width);
+        let row = |(values, covered): (Vec<f32>, Vec<f64>)| Encoded {
+            values: values.into_iter().map(f64::from).collect(),
+            covered: bound(covered[0])..bound(covered[1]),
+        };
+        let rows: Vec<Encoded> = rows.into_iter().zip(covered).map(row).collect();
+        Ok((!rows.is_empty()).then_some(Self { rows, places }))
+    }
+}

@@ -1,0 +1,166 @@
+//! Normal equations in the shape of an arrow: unknowns shared by recordings, and blocks of each recording's own, which are
+//! eliminated by a Schur complement.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Normal equations: shared unknowns, and per recording its own with their coupling to the shared ones.
+pub(crate) struct Arrow {
+    /// Shape `[shared, shared]`.
+    pub shared: DMatrix<f64>,
+    /// Shape `[shared]`.
+    pub right: DVector<f64>,
+    /// One for each recording.
+    pub blocks: Vec<Block>,
+}
+
+/// One recording's part.
+pub(crate) struct Block {
+    /// Which shared unknowns it knows of; the others (another object's) do not touch it.
+    pub places: Vec<usize>,
+    /// Shape `[places, own]`.
+    pub coupling: DMatrix<f64>,
+    /// Shape `[own, own]`.
+    pub own: DMatrix<f64>,
+    /// Shape `[own]`.
+    pub own_right: DVector<f64>,
+}
+
+impl Block {
+    /// `whole[places, places] -= part`.
+    fn take(&self, whole: &mut DMatrix<f64>, part: &DMatrix<f64>) {
+        for (i, &row) in self.places.iter().enumerate() {
+            for (j, &column) in self.places.iter().enumerate() {
+                whole[(row, column)] -= part[(i, j)];
+            }
+        }
+    }
+}
+
+impl Arrow {
+    /// Empty equations for `shared` unknowns, with room for `recordings` blocks.
+    pub fn new(shared: usize, recordings: usize) -> Self {
+        Self {
+            shared: DMatrix::zeros(shared, shared),
+            right: DVector::zeros(shared),
+            blocks: Vec::with_capacity(recordings),
+        }
+    }
+
+    /// Keeps shared unknown `i` where it is.
+    pub fn hold(&mut self, i: usize) {
+        self.shared.row_mut(i).fill(0.0);
+        self.shared.column_mut(i).fill(0.0);
+        self.shared[(i, i)] = 1.0;
+        self.right[i] = 0.0;
+        for block in &mut self.blocks {
+            if let Some(row) = block.places.iter().position(|&place| place == i) {
+                block.coupling.row_mut(row).fill(0.0);
+            }
+        }
+    }
+
+    /// The damped step: first the shared unknowns from the Schur complement, then each recording's own.
+    pub fn solve(&self, damping: f64) -> (DVector<f64>, Vec<DVector<f64>>) {
+        let damped = |m: &DMatrix<f64>| {
+            let mut m = m.clone();
+            for i in 0..m.nrows() {
+                m[(i, i)] += damping * m[(i, i)] + f64::MIN_POSITIVE.sqrt();
+            }
+            m
+        };
+        let mut schur = damped(&self.shared);
+        let mut right = self.right.clone();
+        let inverses: Vec<DMatrix<f64>> = self.blocks.iter().map(|b| inverse(damped(&b.own))).collect();
+        for (block, inverse) in self.blocks.iter().zip(&inverses) {
+            let through = &block.coupling * inverse;
+            block.take(&mut schur, &(&through * block.coupling.transpose()));
+            let known = &through * &block.own_right;
+            block.places.iter().zip(known.iter()).for_each(|(&place, known)| right[place] -= known);
+        }
+        let shared = inverse(schur) * right;
+        let own = |(block, inverse): (&Block, &DMatrix<f64>)| {
+            let near = DVector::from_iterator(block.places.len(), block.places.iter().map(|&place| shared[place]));
+            inverse * (&block.own_right - block.coupling.transpose() * near)
+        };
+        let own = self.blocks.iter().zip(&inverses).map(own).collect();
+        (shared, own)
+    }
+
+    /// The equations of the shared unknowns alone, the own eliminated.
+    pub fn reduced(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let (mut schur, mut right) = (self.shared.clone(), self.right.clone());
+        for block in &self.blocks {
+            let through = &block.coupling * inverse(block.own.clone());
+            block.take(&mut schur, &(&through * block.coupling.transpose()));
+            let known = &through * &block.own_right;
+            block.places.iter().zip(known.iter()).for_each(|(&place, known)| right[place] -= known);
+        }
+        (schur, right)
+    }
+
+    /// Covariance of the shared unknowns with the own marginalised. One without influence gets an infinite variance.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        let (mut schur, _) = self.reduced();
+        let dead: Vec<bool> =
+            (0..schur.nrows()).map(|i| schur[(i, i)] <= 1e-9 * self.shared[(i, i)].max(1e-12)).collect();
+        for i in (0..schur.nrows()).filter(|&i| dead[i]) {
+            schur.row_mut(i).fill(0.0);
+            schur.column_mut(i).fill(0.0);
+            schur[(i, i)] = 1.0;
+        }
+        let mut covariance = inverse(schur);
+        for i in (0..covariance.nrows()).filter(|&i| dead[i]) {
+            covariance[(i, i)] = f64::INFINITY;
+        }
+        covariance
+    }
+}
+
+/// The inverse of a symmetric positive matrix, scaled to a unit diagonal first; its pseudo-inverse where it is singular.
+pub(crate) fn inverse(m: DMatrix<f64>) -> DMatrix<f64> {
+    let n = m.nrows();
+    if n == 0 {
+        return m;
+    }
+    let scale = DVector::from_fn(n, |i, _| m[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip());
+    let scaled = DMatrix::from_fn(n, n, |i, j| m[(i, j)] * scale[i] * scale[j]);
+    let inverted = scaled.clone().cholesky().map(|c| c.inverse()).or_else(|| {
+        // The decomposition never ends on what is not finite.
+        scaled.iter().all(|v| v.is_finite()).then(|| scaled.pseudo_inverse(1e-12).ok()).flatten()
+    });
+    inverted.map_or_else(|| DMatrix::zeros(n, n), |v| DMatrix::from_fn(n, n, |i, j| v[(i, j)] * scale[i] * scale[j]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same equations written out in full: two shared unknowns, of which each of two recordings knows one.
+    #[test]
+    fn elimination_equals_the_whole_system() {
+        let mut arrow = Arrow::new(2, 2);
+        arrow.shared = DMatrix::from_row_slice(2, 2, &[9.0, 1.0, 1.0, 7.0]);
+        arrow.right = DVector::from_row_slice(&[1.0, -2.0]);
+        for (place, coupling, own, right) in [(0, 1.5, 4.0, 0.3), (1, -0.5, 3.0, 0.7)] {
+            arrow.blocks.push(Block {
+                places: vec![place],
+                coupling: DMatrix::from_element(1, 1, coupling),
+                own: DMatrix::from_element(1, 1, own),
+                own_right: DVector::from_element(1, right),
+            });
+        }
+        #[rustfmt::skip]
+        let whole = DMatrix::from_row_slice(4, 4, &[
+            9.0, 1.0, 1.5, 0.0,
+            1.0, 7.0, 0.0, -0.5,
+            1.5, 0.0, 4.0, 0.0,
+            0.0, -0.5, 0.0, 3.0,
+        ]);
+        let all = whole.clone().lu().solve(&DVector::from_row_slice(&[1.0, -2.0, 0.3, 0.7])).unwrap();
+        let (shared, own) = arrow.solve(0.0);
+        let found = [shared[0], shared[1], own[0][0], own[1][0]];
+        assert!(found.iter().zip(all.iter()).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {all}");
+        let covariance = whole.try_inverse().unwrap();
+        assert!((arrow.covariance() - covariance.view((0, 0), (2, 2))).norm() < 1e-14);
+    }
+}

@@ -1,0 +1,109 @@
+//! The misfit over one parameter, everything else fitted again: what an interval is cut from, for people to look at.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::fit::{Fit, Problem};
+use super::interval::Spread;
+use super::unknowns::Point;
+use crate::Result;
+
+/// Values on either side of the best.
+const STEPS: u32 = 12;
+
+/// A profile likelihood.
+///
+/// The misfit is twice the robust cost above its least, divided by the variance of the residuals and by what their
+/// correlation widens it: 0 at the best value, and near it the squared distance in standard deviations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Position of the parameter among the simulator's.
+    pub parameter: usize,
+    /// `(value, misfit)`, values rising.
+    pub curve: Vec<(f64, f64)>,
+    /// The misfit that the 50 % interval is cut at: the squared quantile of Student's t.
+    pub cut50: f64,
+    /// The misfit that the 95 % interval is cut at.
+    pub cut95: f64,
+}
+
+impl Profile {
+    /// The values whose misfit is at most `cut`, as the stretch around the best one; it ends where the curve ends at the
+    /// latest.
+    #[must_use]
+    pub fn inside(&self, cut: f64) -> (f64, f64) {
+        let best = self.curve.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1)).map_or(0, |(i, _)| i);
+        let edge = |path: &mut dyn Iterator<Item = &(f64, f64)>| {
+            let mut before: Option<(f64, f64)> = None;
+            for &(value, misfit) in path {
+                if let (Some((near, low)), true) = (before, misfit > cut) {
+                    // The root of the misfit is straight where the likelihood is normal.
+                    let share = (cut.sqrt() - low.sqrt()) / (misfit.sqrt() - low.sqrt());
+                    return near + share * (value - near);
+                }
+                before = Some((value, misfit));
+            }
+            before.map_or(f64::NAN, |(value, _)| value)
+        };
+        (edge(&mut self.curve[..=best].iter().rev()), edge(&mut self.curve[best..].iter()))
+    }
+}
+
+/// The profile of the free parameter number `i` over `range` (cut to its bounds) around `fit`, and the rollouts it took.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> Result<(Profile, usize)> {
+    let position = problem.free[i];
+    let p = &problem.simulator.parameters()[position];
+    let spread = Spread::of(problem, fit);
+    let best = fit.point.parameters[position];
+    let (mut costs, mut rollouts) = (vec![(best, fit.cost)], 0);
+    for end in [range.0.max(p.min).min(best), range.1.min(p.max).max(best)] {
+        if end == best {
+            continue;
+        }
+        let mut point = fit.point.clone();
+        for step in 1..=STEPS {
+            point.parameters[position] = best + (end - best) * f64::from(step) / f64::from(STEPS);
+            let there = held(problem, point, &[position], &spread)?;
+            rollouts += there.rollouts;
+            costs.push((there.point.parameters[position], there.cost));
+            point = there.point;
+        }
+    }
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let least = costs.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
+    let curve = costs.into_iter().map(|(value, cost)| (value, misfit(&spread, cost - least))).collect();
+    Ok((Profile { parameter: position, curve, cut50: cut(&spread, 0.5), cut95: cut(&spread, 0.95) }, rollouts))
+}
+
+/// Everything but the parameters at `positions` fitted from `start`.
+pub(super) fn held(problem: &Problem, start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
+    let others: Vec<usize> = problem.free.iter().copied().filter(|f| !positions.contains(f)).collect();
+    Problem { free: &others, ..*problem }.fit_until(start, 1.0, spread.negligible())
+}
+
+/// The misfit of a cost above the least one.
+pub(super) fn misfit(spread: &Spread, excess: f64) -> f64 {
+    (2.0 * excess / (spread.variance * spread.inflation)).max(0.0)
+}
+
+fn cut(spread: &Spread, level: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, spread.freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + level / 2.0).powi(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Profile;
+
+    #[test]
+    fn a_parabola_is_cut_at_its_closed_form() {
+        // misfit ((v − 2) / 0.5)²: cut at 4 it holds 1 to 3.
+        let curve = (0..=20).map(|i| 0.2 * f64::from(i)).map(|v| (v, ((v - 2.0) / 0.5).powi(2))).collect();
+        let profile = Profile { parameter: 0, curve, cut50: 0.45, cut95: 4.0 };
+        let (low, high) = profile.inside(profile.cut95);
+        assert!((low - 1.0).abs() < 1e-12 && (high - 3.0).abs() < 1e-12, "{low} {high}");
+        let (low, high) = profile.inside(1e9);
+        assert!(low == 0.0 && high == 4.0, "open on both sides: {low} {high}");
+    }
+}

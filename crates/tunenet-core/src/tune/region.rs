@@ -1,0 +1,255 @@
+//! Joint 95 % regions of several parameters: what the data allow them to be together.
+//!
+//! The region holds the values whose misfit, everything else fitted again, exceeds the least one by no more than noise does
+//! in 95 of 100 recordings (a likelihood ratio). Where the misfit is quadratic this is an ellipse; where it is not, or a
+//! bound cuts it, the boundary of a pair is walked.
+
+use nalgebra::{DMatrix, DVector, Vector2};
+
+use super::fit::{Fit, Problem};
+use super::interval::{Interval, Spread};
+use super::profile::held;
+use super::residual::channel_noise;
+use super::unknowns::Point;
+use crate::Result;
+use crate::observation::Observation;
+use crate::simulator::{Preparation, Prepared, Simulator};
+
+/// The misfit at the ends of the ellipse's axes may stray from the quantile by this share; beyond, the ellipse is no picture
+/// of the region.
+const ELLIPTIC: f64 = 0.2;
+/// Corners of a walked boundary.
+const CORNERS: usize = 36;
+/// Each corner is found to this share of its distance from the middle.
+const CORNER_SHARE: f64 = 0.01;
+const MOST_HALVINGS: usize = 12;
+/// The ellipse gives the rays their directions where no interval is this many times as long.
+const SAME_SIZE: f64 = 2.0;
+
+/// The joint 95 % region of the parameters that the data bear on.
+#[derive(Debug, Clone)]
+pub struct Region {
+    /// Their names.
+    pub parameters: Vec<String>,
+    /// The estimate, shape `[parameter]`.
+    pub centre: Vec<f64>,
+    /// Covariance of the estimate, the scatter and the colour of the residuals included, shape `[parameter, parameter]`.
+    /// `None` where a parameter has no slope at the estimate, so that the region is no ellipse.
+    pub covariance: Option<DMatrix<f64>>,
+    /// The ellipse holds θ with (θ − centre)ᵀ covariance⁻¹ (θ − centre) ≤ this.
+    pub quantile: f64,
+    /// For a pair whose region is no ellipse within the bounds: the corners of its boundary, in order around it.
+    pub boundary: Vec<[f64; 2]>,
+    spread: Spread,
+    best: Point,
+    cost: f64,
+    /// All positions that were fitted, and those of `parameters` among the simulator's.
+    free: Vec<usize>,
+    joint: Vec<usize>,
+}
+
+impl Region {
+    /// The region of the free parameters at the places `joint` of `fit`, and the rollouts that it took. `intervals` are
+    /// those of all free parameters, and scale the search for a boundary.
+    ///
+    /// # Errors
+    /// Where the simulator refuses.
+    pub fn of(
+        problem: &Problem,
+        fit: &Fit,
+        spread: &Spread,
+        intervals: &[Interval],
+        joint: &[usize],
+    ) -> Result<(Self, usize)> {
+        let covariance = DMatrix::from_fn(joint.len(), joint.len(), |a, b| {
+            fit.covariance[(joint[a], joint[b])] * spread.variance * spread.inflation
+        });
+        let positions: Vec<usize> = joint.iter().map(|&j| problem.free[j]).collect();
+        let mut region = Self {
+            parameters: positions.iter().map(|&i| problem.simulator.parameters()[i].name.clone()).collect(),
+            centre: fit.point.at(&positions),
+            covariance: covariance.iter().all(|v| v.is_finite()).then_some(covariance),
+            quantile: spread.joint_quantile(joint.len()),
+            boundary: Vec::new(),
+            spread: *spread,
+            best: fit.point.clone(),
+            cost: fit.cost,
+            free: problem.free.to_vec(),
+            joint: positions,
+        };
+        let mut rollouts = 0;
+        if joint.len() == 2 && !region.is_elliptic(problem, &mut rollouts)? {
+            region.walk(problem, [intervals[joint[0]], intervals[joint[1]]], &mut rollouts)?;
+        }
+        Ok((region, rollouts))
+    }
+
+    /// Whether the region holds `values`, in the order of [`parameters`](Region::parameters): everything else is fitted
+    /// again with these held, and the misfit compared. `simulator` and `observations` are those that were tuned.
+    ///
+    /// # Errors
+    /// Where the simulator refuses these values or observations.
+    pub fn contains(&self, simulator: &dyn Simulator, observations: &[Observation], values: &[f64]) -> Result<bool> {
+        let mut recordings: Vec<Prepared> = Vec::with_capacity(observations.len());
+        for seen in observations {
+            if let Preparation::Usable(prepared) = simulator.prepare(seen)? {
+                recordings.push(*prepared);
+            }
+        }
+        let noise: Vec<Vec<f64>> = recordings.iter().map(|r| channel_noise(&r.seen)).collect();
+        let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &self.free };
+        Ok(self.excess(&problem, values, &mut 0)? <= self.quantile)
+    }
+
+    /// Whether the region as it is drawn holds `values`: its boundary where it was walked, its ellipse otherwise. Quicker
+    /// than [`contains`](Region::contains), and only an approximation of it.
+    #[must_use]
+    pub fn draws(&self, values: &[f64]) -> bool {
+        if !self.boundary.is_empty() {
+            return inside(&self.boundary, [values[0], values[1]]);
+        }
+        let away = DVector::from_fn(values.len(), |i, _| values[i] - self.centre[i]);
+        let root = self.covariance.clone().and_then(nalgebra::DMatrix::cholesky);
+        root.is_some_and(|root| away.dot(&root.solve(&away)) <= self.quantile)
+    }
+
+    /// How far the misfit at `values`, all else fitted, lies above the least, in squares of standard deviations.
+    fn excess(&self, problem: &Problem, values: &[f64], rollouts: &mut usize) -> Result<f64> {
+        Ok(self.excess_from(problem, &self.best, values, rollouts)?.0)
+    }
+
+    /// The same from other first values of all else, and where the fit ended.
+    fn excess_from(
+        &self,
+        problem: &Problem,
+        near: &Point,
+        values: &[f64],
+        rollouts: &mut usize,
+    ) -> Result<(f64, Point)> {
+        let fit = held(problem, near.with(&self.joint, values), &self.joint, &self.spread)?;
+        *rollouts += fit.rollouts;
+        Ok((self.spread.excess(fit.cost - self.cost), fit.point))
+    }
+
+    /// Whether the ends of the ellipse's axes lie within the bounds and on the quantile.
+    fn is_elliptic(&self, problem: &Problem, rollouts: &mut usize) -> Result<bool> {
+        let Some(covariance) = &self.covariance else { return Ok(false) };
+        let eigen = covariance.clone().symmetric_eigen();
+        for (k, variance) in eigen.eigenvalues.iter().enumerate() {
+            for side in [-1.0, 1.0] {
+                let reach = side * (self.quantile * variance.max(0.0)).sqrt();
+                let values: Vec<f64> =
+                    self.centre.iter().zip(&eigen.eigenvectors.column(k)).map(|(c, axis)| c + reach * axis).collect();
+                let within = values.iter().zip(&self.joint).all(|(v, &i)| {
+                    let p = &problem.simulator.parameters()[i];
+                    (p.min..=p.max).contains(v)
+                });
+                if !within || (self.excess(problem, &values, rollouts)? / self.quantile - 1.0).abs() > ELLIPTIC {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Walks the boundary of a pair: along rays from the middle, the last place that the region holds.
+    fn walk(&mut self, problem: &Problem, intervals: [Interval; 2], rollouts: &mut usize) -> Result<()> {
+        let ends = intervals.map(|i| [i.low.value, i.high.value]);
+        let half = Vector2::from(ends.map(|[low, high]| ((high - low) / 2.0).max(f64::MIN_POSITIVE)));
+        let estimate = Vector2::new(self.centre[0], self.centre[1]);
+        // From the middle of the intervals all of a long region is seen; where it is bent, the middle may lie outside.
+        let middle = Vector2::from(ends.map(|[low, high]| low.midpoint(high)));
+        let held = self.excess(problem, middle.as_slice(), rollouts)? <= self.quantile;
+        let origin = if held { middle } else { estimate };
+        let bounds = [0, 1].map(|i| {
+            let p = &problem.simulator.parameters()[self.joint[i]];
+            (p.min, p.max)
+        });
+        // The ellipse's own shape, or that of the intervals where it has none or is a small part of them: at a kink the
+        // curvature speaks of one side only.
+        let like = |c: &DMatrix<f64>| (0..2).all(|i| half[i] < SAME_SIZE * self.spread.quantile() * c[(i, i)].sqrt());
+        let shape = self.covariance.clone().filter(like).and_then(nalgebra::DMatrix::cholesky);
+        let shape = shape.map(|c| c.l() * self.quantile.sqrt());
+        for corner in 0..CORNERS {
+            let (sin, cos) = (std::f64::consts::TAU * corner as f64 / CORNERS as f64).sin_cos();
+            let ray = shape.as_ref().map_or_else(
+                || Vector2::new(half[0] * cos, half[1] * sin),
+                |l| Vector2::new(l[(0, 0)] * cos, l[(1, 0)] * cos + l[(1, 1)] * sin),
+            );
+            // How far along the ray a bound is met.
+            let room = |i: usize| match ray[i] {
+                r if r > 0.0 => (bounds[i].1 - origin[i]) / r,
+                r if r < 0.0 => (bounds[i].0 - origin[i]) / r,
+                _ => f64::INFINITY,
+            };
+            let most = room(0).min(room(1)).max(0.0);
+            let at = |length: f64| {
+                let place = origin + ray * length;
+                [0, 1].map(|i| place[i].clamp(bounds[i].0, bounds[i].1))
+            };
+            let (length, used) = self.edge(problem, most, at)?;
+            *rollouts += used;
+            self.boundary.push(at(length));
+        }
+        Ok(())
+    }
+
+    /// Where the ray `at` leaves the region, at most after `most`. The root of the misfit is nearly straight along a ray, so
+    /// a place is interpolated; where it is not (a flat stretch, a kink), every second guess halves what is left.
+    fn edge(&self, problem: &Problem, most: f64, at: impl Fn(f64) -> [f64; 2]) -> Result<(f64, usize)> {
+        let (mut rollouts, mut near) = (0, self.best.clone());
+        let limit = self.quantile.sqrt();
+        let (mut inner, mut outer) = ((0.0, 0.0), (1f64.min(most), f64::INFINITY));
+        loop {
+            let (excess, point) = self.excess_from(problem, &near, &at(outer.0), &mut rollouts)?;
+            outer.1 = excess.sqrt();
+            if outer.1 > limit {
+                break;
+            }
+            (inner, near) = (outer, point);
+            if outer.0 >= most {
+                return Ok((most, rollouts));
+            }
+            outer.0 = (1.5 * outer.0).min(most);
+        }
+        for guess in 0..MOST_HALVINGS {
+            if outer.0 - inner.0 <= CORNER_SHARE * outer.0 {
+                break;
+            }
+            let share = if guess % 2 == 0 { (limit - inner.1) / (outer.1 - inner.1) } else { 0.5 };
+            let between = inner.0 + share.clamp(0.05, 0.95) * (outer.0 - inner.0);
+            let (excess, point) = self.excess_from(problem, &near, &at(between), &mut rollouts)?;
+            let root = excess.sqrt();
+            if (root / limit - 1.0).abs() < CORNER_SHARE {
+                return Ok((between, rollouts));
+            }
+            if root <= limit {
+                (inner, near) = ((between, root), point);
+            } else {
+                outer = (between, root);
+            }
+        }
+        Ok((f64::midpoint(inner.0, outer.0), rollouts))
+    }
+}
+
+/// Whether a polygon holds a place: a ray from it crosses the polygon's sides an odd number of times.
+fn inside(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+    let crossed = |([ax, ay], [bx, by]): (&[f64; 2], &[f64; 2])| {
+        (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax)
+    };
+    sides.filter(|s| crossed(*s)).count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::inside;
+
+    #[test]
+    fn a_polygon_holds_what_lies_in_it() {
+        let bent = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5], [0.0, 2.0]];
+        assert!(inside(&bent, [0.2, 1.0]) && inside(&bent, [1.9, 1.0]) && inside(&bent, [1.0, 0.4]));
+        assert!(!inside(&bent, [1.0, 1.0]) && !inside(&bent, [3.0, 0.5]) && !inside(&bent, [0.2, 2.1]));
+    }
+}

@@ -1,0 +1,18 @@
+//! A ball that is not round, or a rough floor: every bounce meets a normal of its own.
+
+use tunenet_core::simulator::{Coefficient, Phase};
+
+use super::BallEffect;
+
+/// Chance has no rollout: a simulator rolls out the bounce without it, and a recording brings the tilt of the normal at
+/// each of its bounces as unknowns of its own. Their root mean square is the coefficient.
+pub(super) const EFFECT: BallEffect = BallEffect {
+    name: "bounce_scatter",
+    phase: Phase::Contact,
+    coefficients: &[Coefficient::new("sd_rad", "rad", 0.0, (0.0, 0.5), 0.02)],
+    plausible: |_| vec![(0.0, 0.3)],
+    sentence: "each bounce turns the ball by chance, as if the surface were tilted anew (a ball that is not round)",
+    mistaken_for: &["surface_tilt", "bounce_friction"],
+    heard: false,
+    apply: |_, _| {},
+};

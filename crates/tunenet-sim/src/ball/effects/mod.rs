@@ -1,0 +1,109 @@
+//! Physical effects of a ball: what its world may hold beyond gravity, restitution and friction.
+//!
+//! One file each, which holds the entry of the catalogue and how the coefficients enter the [`Scene`]; [`ALL`] is the
+//! list. To add one, write its file and its line: the simulation file, tuning and diagnosis follow from the list.
+
+mod bounce_friction;
+mod bounce_scatter;
+mod contact_time;
+mod effective_gravity;
+mod linear_drag;
+mod magnus;
+mod quadratic_drag;
+mod rolling_resistance;
+mod speed_dependent_restitution;
+mod surface_tilt;
+mod tangential_restitution;
+mod wind;
+
+use tunenet_core::simulator::{Coefficient, Effect, Phase};
+
+use super::Scene;
+
+/// Density of air at 20 °C and sea level, kg/m³.
+pub const AIR_KG_M3: f64 = 1.2;
+
+/// What is known of a ball before anything is tuned: it decides what is plausible.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Its radius, m.
+    pub radius_m: f64,
+    /// Its mass, kg, where it is known.
+    pub mass_kg: Option<f64>,
+    /// Gravity where it falls, m/s².
+    pub gravity_m_s2: f64,
+}
+
+impl Body {
+    /// The mass of the air that it displaces over its own mass, where that is known.
+    #[must_use]
+    pub fn buoyancy(&self) -> Option<f64> {
+        let volume = 4.0 / 3.0 * std::f64::consts::PI * self.radius_m.powi(3);
+        self.mass_kg.map(|mass| AIR_KG_M3 * volume / mass)
+    }
+
+    /// The quadratic drag (1/m) of a drag coefficient of 1: c = ρ A / (2 m), where the mass is known.
+    #[must_use]
+    pub fn drag_1_m(&self) -> Option<f64> {
+        let area = std::f64::consts::PI * self.radius_m * self.radius_m;
+        self.mass_kg.map(|mass| 0.5 * AIR_KG_M3 * area / mass)
+    }
+}
+
+/// A physical effect: its entry in the catalogue, and how it acts.
+#[derive(Debug, Clone, Copy)]
+pub struct BallEffect {
+    /// Its name in simulation files.
+    pub name: &'static str,
+    /// Where it acts.
+    pub phase: Phase,
+    /// Its numbers.
+    pub coefficients: &'static [Coefficient],
+    /// Where each coefficient has to lie to be believed of this ball.
+    pub plausible: fn(&Body) -> Vec<(f64, f64)>,
+    /// What it is, in one plain sentence.
+    pub sentence: &'static str,
+    /// What some recordings cannot tell from it.
+    pub mistaken_for: &'static [&'static str],
+    /// Whether the bounce times of a vertical drop show it.
+    pub heard: bool,
+    /// Adds it to a scene.
+    pub apply: fn(&mut Scene, &[f64]),
+}
+
+/// The catalogue.
+pub const ALL: [BallEffect; 12] = [
+    quadratic_drag::EFFECT,
+    linear_drag::EFFECT,
+    wind::EFFECT,
+    magnus::EFFECT,
+    effective_gravity::EFFECT,
+    speed_dependent_restitution::EFFECT,
+    surface_tilt::EFFECT,
+    bounce_friction::EFFECT,
+    tangential_restitution::EFFECT,
+    contact_time::EFFECT,
+    rolling_resistance::EFFECT,
+    bounce_scatter::EFFECT,
+];
+
+impl BallEffect {
+    /// The effect of this name.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        ALL.into_iter().find(|e| e.name == name)
+    }
+
+    /// Its entry for this ball.
+    #[must_use]
+    pub fn entry(&self, body: &Body) -> Effect {
+        Effect {
+            name: self.name,
+            phase: self.phase,
+            coefficients: self.coefficients.to_vec(),
+            plausible: (self.plausible)(body),
+            sentence: self.sentence,
+            mistaken_for: self.mistaken_for,
+        }
+    }
+}

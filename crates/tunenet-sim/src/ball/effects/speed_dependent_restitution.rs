@@ -1,0 +1,16 @@
+//! Restitution that falls with speed, e(v) = e (v / 3 m/s)^(−exponent).
+
+use tunenet_core::simulator::{Coefficient, Phase};
+
+use super::BallEffect;
+
+pub(super) const EFFECT: BallEffect = BallEffect {
+    name: "speed_dependent_restitution",
+    phase: Phase::Contact,
+    coefficients: &[Coefficient::new("exponent", "1", 0.0, (-1.0, 1.0), 0.02)],
+    plausible: |_| vec![(-0.3, 0.5)],
+    sentence: "fast impacts rebound otherwise than slow ones: e(v) = e (v / 3 m/s)^(-exponent)",
+    mistaken_for: &["quadratic_drag", "linear_drag", "contact_time"],
+    heard: true,
+    apply: |scene, c| scene.contact.restitution_exponent += c[0],
+};

@@ -1,0 +1,43 @@
+//! From a simulation file to the simulator that it describes.
+
+use tunenet_core::Result;
+use tunenet_core::observation::Kind;
+use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
+
+use crate::{ObservedBall, SimulationFile};
+
+/// The simulator that `file` describes, observed as `kind`: its physical effects in the world, its effects of the
+/// measurement around it. Those that this kind of observation cannot show are passed over.
+///
+/// # Errors
+/// As [`ObservedBall::new`].
+pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>> {
+    around(file, ObservedBall::new(file, kind)?)
+}
+
+/// As [`simulator`], around a ball of `file` that was made before.
+///
+/// # Errors
+/// As [`Measured::fixed`].
+pub fn around(file: &SimulationFile, ball: ObservedBall) -> Result<Box<dyn Simulator>> {
+    if measured(file, ball.kind()).is_empty() {
+        return Ok(Box::new(ball));
+    }
+    Ok(Box::new(seen(file, ball)?))
+}
+
+/// `simulator` as the file's effects of the measurement make it look.
+///
+/// # Errors
+/// As [`Measured::fixed`].
+pub fn seen<S: Simulator>(file: &SimulationFile, simulator: S) -> Result<Measured<S>> {
+    let present = measured(file, simulator.kind());
+    present.iter().try_fold(Measured::new(simulator, &[])?, |measured, (name, values)| measured.fixed(name, values))
+}
+
+/// The file's effects of the measurement that show in this kind of observation.
+fn measured(file: &SimulationFile, kind: Kind) -> Vec<(String, Vec<f64>)> {
+    let known = measurement_effects(kind);
+    let present = file.effects().into_iter().filter(|e| known.iter().any(|k| k.name == e.name));
+    present.map(|e| (e.name, e.values)).collect()
+}

@@ -1,0 +1,99 @@
+//! The physical effects of an observed ball: which it can take on, and where their numbers go.
+
+use tunenet_core::observation::{Arcs, Kind, Observation};
+use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation};
+use tunenet_core::{Error, Result};
+
+use super::ObservedBall;
+use crate::ball::Scene;
+use crate::ball::effects::{ALL, BallEffect};
+
+/// The effect that is chance.
+const SCATTER: &str = "bounce_scatter";
+/// How far a bounce may turn the normal, rad, and at how many bounces of a record it may; later ones are next to rest.
+const GREATEST_KICK_RAD: f64 = 0.5;
+const MOST_KICKS: usize = 12;
+/// Parameters that come before the coefficients: restitution and friction.
+pub(super) const OWN_PARAMETERS: usize = 2;
+
+impl ObservedBall {
+    /// Those that are not there, and that this kind of observation can show.
+    pub(super) fn absent_effects(&self) -> Vec<Effect> {
+        let present = |name| self.fixed.iter().any(|(e, _)| e.name == name) || self.free.iter().any(|e| e.name == name);
+        ALL.iter().filter(|e| !present(e.name) && self.can_take(e)).map(|e| e.entry(&self.body)).collect()
+    }
+
+    /// The same ball with the coefficients of these effects as further parameters.
+    pub(super) fn freed(&self, names: &[&str]) -> Result<Self> {
+        let mut ball = self.clone();
+        for name in names {
+            let new = |e: &BallEffect| self.can_take(e) && !ball.free.iter().any(|f| f.name == e.name);
+            let Some(effect) = BallEffect::find(name).filter(new) else {
+                let known = ball.absent_effects().iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
+                let expected = format!("an effect of a ball seen as {} ({known})", self.kind.name());
+                return Err(Error::Setting { name: "effects", expected, found: format!("`{name}`") });
+            };
+            let at = ball.fixed.iter().position(|(e, _)| e.name == *name);
+            let present = at.map(|i| ball.fixed.remove(i).1);
+            let parameters = effect.entry(&self.body).parameters(present.as_deref())?;
+            // Chance is not rolled out; its size follows from the tilts that a recording brings.
+            let tune = effect.name != SCATTER;
+            ball.parameters.extend(parameters.into_iter().map(|p| Parameter { tune, ..p }));
+            ball.free.push(effect);
+        }
+        Ok(ball)
+    }
+
+    /// Puts the effects into the scene: the file's, those with these coefficients, and the tilts of single bounces,
+    /// which follow a recording's other unknowns.
+    pub(super) fn apply_effects(&self, scene: &mut Scene, mut coefficients: &[f64], own: &[f64]) {
+        for (effect, values) in &self.fixed {
+            (effect.apply)(scene, values);
+        }
+        for effect in &self.free {
+            let (values, rest) = coefficients.split_at(effect.coefficients.len());
+            (effect.apply)(scene, values);
+            coefficients = rest;
+        }
+        if let Some(kicks) = own.get(self.unknown.len()..) {
+            scene.contact.kicks_rad = kicks.chunks_exact(2).map(|kick| [kick[0], kick[1]]).collect();
+        }
+    }
+
+    /// What effects change of a recording made ready.
+    pub(super) fn with_unknowns_of_effects(&self, preparation: Preparation) -> Result<Preparation> {
+        let Preparation::Usable(mut prepared) = preparation else { return Ok(preparation) };
+        // A record without a bounce is silent about contacts alone.
+        let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
+        for (silent, phase) in prepared.silent[OWN_PARAMETERS..].iter_mut().zip(phases) {
+            if phase == Phase::Flight {
+                *silent = None;
+            }
+        }
+        if self.scatters() {
+            prepared.own.extend(self.kicks(&prepared.seen)?);
+        }
+        Ok(Preparation::Usable(prepared))
+    }
+
+    /// Whether this kind of observation can show an effect.
+    fn can_take(&self, effect: &BallEffect) -> bool {
+        // Beside a tuned coefficient of friction its addition is the same thing twice.
+        let twin = effect.name == "bounce_friction" && self.parameters[1].tune;
+        !twin && (effect.heard || self.kind == Kind::Positions)
+    }
+
+    /// Whether a recording's own unknowns include the tilt of the normal at each bounce.
+    fn scatters(&self) -> bool {
+        let fixed = self.fixed.iter().any(|(e, values)| e.name == SCATTER && values[0] > 0.0);
+        self.kind == Kind::Positions && (fixed || self.free.iter().any(|e| e.name == SCATTER))
+    }
+
+    /// The tilts of the normal as own unknowns: about x and y, for each bounce of the record.
+    fn kicks(&self, seen: &Observation) -> Result<Vec<Parameter>> {
+        let bounces = Arcs::cut(seen, self.scene.gravity_m_s2).map_or(0, |arcs| arcs.contacts.len());
+        let name = |bounce: usize, axis: &str| format!("bounce.{}.tilt_about_{axis}", bounce + 1);
+        let each = (0..bounces.min(MOST_KICKS)).flat_map(|bounce| [name(bounce, "x"), name(bounce, "y")]);
+        each.map(|name| Parameter::new(name, "rad", 0.0, -GREATEST_KICK_RAD, GREATEST_KICK_RAD)).collect()
+    }
+}

@@ -1,0 +1,262 @@
+//! The ball as core sees it: a [`Simulator`] whose rollouts are positions or bounce times.
+
+mod effects;
+mod prepare;
+
+use tunenet_core::observation::{Channel, Kind, Observation};
+use tunenet_core::simulator::{Effect, Parameter, Preparation, Scale, Simulator};
+use tunenet_core::{Error, Result};
+
+use crate::ball::effects::{BallEffect, Body};
+use crate::ball::{Scene, State, impact_times, positions};
+use crate::simulation_file::{Release, SimulationFile};
+
+/// A number of the start that the file leaves to the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Unknown {
+    Position(usize),
+    Velocity(usize),
+    Surface,
+    Height,
+    Time,
+}
+
+impl Unknown {
+    fn name(self) -> (String, &'static str) {
+        let axis = |i: usize| ["x", "y", "z"][i];
+        match self {
+            Self::Position(i) => (format!("release.{}", axis(i)), "m"),
+            Self::Velocity(i) => (format!("release.velocity_{}", axis(i)), "m/s"),
+            Self::Surface => ("surface.height".into(), "m"),
+            Self::Height => ("release.height".into(), "m"),
+            Self::Time => ("release.time".into(), "s"),
+        }
+    }
+}
+
+/// A ball's simulation file, observed as positions or as bounce times.
+///
+/// Own unknowns of a recording of positions are whatever the file leaves out of the start position, the start velocity and
+/// the surface's height; of bounce times, the height of the first fall and its instant. A record is cut at blows and,
+/// where the release is unknown, to the samples after it.
+#[derive(Debug, Clone)]
+pub struct ObservedBall {
+    scene: Scene,
+    release: Release,
+    surface_height_m: Option<f64>,
+    parameters: Vec<Parameter>,
+    channels: Vec<Channel>,
+    kind: Kind,
+    unknown: Vec<Unknown>,
+    body: Body,
+    /// Effects of the file, at its values.
+    fixed: Vec<(BallEffect, Vec<f64>)>,
+    /// Effects whose coefficients follow the parameters.
+    free: Vec<BallEffect>,
+    forced: bool,
+}
+
+impl ObservedBall {
+    /// The ball of `file`, observed as `kind`.
+    ///
+    /// # Errors
+    /// [`Error::Observation`] where a ball cannot be observed so; what the file's parameters refuse.
+    pub fn new(file: &SimulationFile, kind: Kind) -> Result<Self> {
+        let release = file.release();
+        let surface_height_m = file.number("surface.height_m");
+        let (channels, unknown) = match kind {
+            Kind::Positions => (Channel::positions(), unknown_start(&release, surface_height_m)),
+            Kind::BounceTimes => {
+                let height = release.height_m.is_none().then_some(Unknown::Height);
+                (Channel::bounce_times(), height.into_iter().chain([Unknown::Time]).collect())
+            }
+            _ => {
+                let expected = "positions or bounce times for a simulation of kind \"ball\"".into();
+                return Err(Error::Observation { what: "the observation".into(), expected, found: kind.name().into() });
+            }
+        };
+        let parameters = file.parameters()?;
+        let scene = scene(file);
+        let mass_kg = file.number("ball.mass_kg");
+        let body = Body { radius_m: scene.radius_m, mass_kg, gravity_m_s2: scene.gravity_m_s2 };
+        let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
+        let free = Vec::new();
+        let forced = false;
+        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free, forced })
+    }
+
+    /// The same, which uses recordings that their checks reject, and says so among their notes.
+    #[must_use]
+    pub fn forced(self, forced: bool) -> Self {
+        Self { forced, ..self }
+    }
+
+    /// How a recording with these own unknowns starts.
+    #[must_use]
+    pub fn start(&self, own: &[f64]) -> State {
+        let parameters: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
+        self.world(&parameters, own).1
+    }
+
+    /// The scene with these parameters, and the start with these own unknowns.
+    pub(crate) fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
+        let mut scene = Scene { restitution: parameters[0], friction: parameters[1], ..self.scene.clone() };
+        self.apply_effects(&mut scene, &parameters[effects::OWN_PARAMETERS..], own);
+        let mut start = State {
+            position_m: self.release.position_m.unwrap_or_default(),
+            velocity_m_s: self.release.velocity_m_s.unwrap_or_default(),
+            spin_rad_s: self.release.spin_rad_s.unwrap_or_default(),
+        };
+        let mut height = self.release.height_m;
+        let mut time_s = self.release.time_s.unwrap_or(0.0);
+        scene.surface_height_m = self.surface_height_m.unwrap_or(0.0);
+        for (unknown, &value) in self.unknown.iter().zip(own) {
+            match *unknown {
+                Unknown::Position(axis) => start.position_m[axis] = value,
+                Unknown::Velocity(axis) => start.velocity_m_s[axis] = value,
+                Unknown::Surface => scene.surface_height_m = value,
+                Unknown::Height => height = Some(value),
+                Unknown::Time => time_s = value,
+            }
+        }
+        if let Some(height) = height {
+            let normal = scene.normal();
+            let [x, y, _] = start.position_m;
+            let below = scene.surface_height_m - (normal[0] * x + normal[1] * y) / normal[2];
+            start.position_m[2] = below + scene.radius_m + height;
+        }
+        (scene, start, time_s)
+    }
+
+    /// The own unknowns of a rollout that is not compared with anything: let go at `time_s` above the origin.
+    #[must_use]
+    pub fn own_at_rest(&self, time_s: f64) -> Vec<f64> {
+        self.unknown.iter().map(|u| if *u == Unknown::Time { time_s } else { 0.0 }).collect()
+    }
+
+    /// How many impacts happen until `end_s`, at most a thousand.
+    ///
+    /// # Errors
+    /// [`Error::Simulator`] where the ball cannot be followed.
+    pub fn impacts_within(&self, parameters: &[f64], own: &[f64], end_s: f64) -> Result<usize> {
+        let (scene, start, time_s) = self.world(parameters, own);
+        let times = impact_times(&scene, &start, time_s, 1000)
+            .map_err(|message| Error::Simulator { at: "the scene's values".into(), message })?;
+        Ok(times.partition_point(|t| *t <= end_s))
+    }
+
+    /// The natural scales of a drop with these own unknowns, released at `start_s`: heights from rest, in heights of fall;
+    /// time from the apex of the first flight.
+    #[must_use]
+    pub fn scale(&self, own: &[f64], start_s: f64) -> Scale {
+        let parameters: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
+        let (scene, start, _) = self.world(&parameters, own);
+        let gravity = scene.gravity_m_s2;
+        let origin = scene.surface_height_m + scene.radius_m;
+        let rise = start.velocity_m_s[2];
+        let length = (start.position_m[2] - origin + rise * rise / (2.0 * gravity)).max(1e-3);
+        Scale { origin, length, start_s: start_s + rise / gravity, time_s: (length / gravity).sqrt() }
+    }
+
+    fn wrong_kind(&self, seen: &Observation) -> Error {
+        Error::Observation {
+            what: "the observation".into(),
+            expected: self.kind.name().into(),
+            found: seen.kind().name().into(),
+        }
+    }
+}
+
+impl Simulator for ObservedBall {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+        let preparation =
+            if self.kind == Kind::BounceTimes { self.prepare_bounces(seen) } else { self.prepare_positions(seen) };
+        self.with_unknowns_of_effects(preparation?)
+    }
+
+    fn effects(&self) -> Vec<Effect> {
+        self.absent_effects()
+    }
+
+    fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
+        Ok(Box::new(self.freed(names)?))
+    }
+
+    fn rollout(
+        &self,
+        parameters: &[f64],
+        own: &[f64],
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        let (scene, start, time_s) = self.world(parameters, own);
+        if self.kind == Kind::Positions {
+            let begin = self.release.time_s.unwrap_or(clock[0]);
+            return positions(&scene, &start, begin, clock, values);
+        }
+        let last = clock[clock.len() - 1].max(0.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count of impacts, checked to be small"
+        )]
+        let count = if last < 1e6 { last as usize + 1 } else { return Err(format!("{last} impacts are too many")) };
+        let times = impact_times(&scene, &start, time_s, count)?;
+        let Some(&rest) = times.last() else { return Err("the ball never reaches the surface".into()) };
+        for (value, index) in values.iter_mut().zip(clock) {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below `count`")]
+            let index = index.max(0.0) as usize;
+            // A ball that has come to rest makes no more impacts: the sum of its intervals has converged.
+            *value = times.get(index).copied().unwrap_or(rest);
+        }
+        Ok(())
+    }
+}
+
+/// What the file leaves out of a start that is observed as positions.
+fn unknown_start(release: &Release, surface_height_m: Option<f64>) -> Vec<Unknown> {
+    let mut unknown = Vec::new();
+    match (release.position_m, release.height_m) {
+        (Some(_), _) => {}
+        // The height fixes z through the surface; a drop from rest at a known instant stays on its vertical line.
+        (None, Some(_)) => unknown.extend([Unknown::Position(0), Unknown::Position(1)]),
+        (None, None) => unknown.extend([0, 1, 2].map(Unknown::Position)),
+    }
+    if release.velocity_m_s.is_none() {
+        unknown.extend([0, 1, 2].map(Unknown::Velocity));
+    }
+    if surface_height_m.is_none() {
+        unknown.push(Unknown::Surface);
+    }
+    unknown
+}
+
+/// The scene of a ball's file without its effects; its restitution and friction come from the parameters.
+#[must_use]
+pub fn scene(file: &SimulationFile) -> Scene {
+    let number = |path: &str| file.number(path).unwrap_or(0.0);
+    let default = Scene::default();
+    Scene {
+        gravity_m_s2: file.number("world.gravity_m_s2").unwrap_or(default.gravity_m_s2),
+        radius_m: file.number("ball.radius_m").unwrap_or(default.radius_m),
+        mass_kg: file.number("ball.mass_kg").unwrap_or(default.mass_kg),
+        surface_height_m: number("surface.height_m"),
+        surface_tilt_about_x_rad: number("surface.tilt_about_x_rad"),
+        surface_tilt_about_y_rad: number("surface.tilt_about_y_rad"),
+        friction: 0.0,
+        restitution: 0.0,
+        ..default
+    }
+}

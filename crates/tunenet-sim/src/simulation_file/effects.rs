@@ -1,0 +1,77 @@
+//! The effects of a simulation file: `[effects.NAME]`, read and written.
+
+use toml_edit::Item;
+use tunenet_core::observation::Kind;
+use tunenet_core::simulator::{Coefficient, measurement_effects};
+use tunenet_core::{Error, Result};
+
+use super::schema::{find, item_number, siblings};
+use super::{SimulationFile, table};
+use crate::ball::effects::BallEffect;
+
+/// An effect that a file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PresentEffect {
+    /// Its name.
+    pub name: String,
+    /// Its coefficients in the order of the catalogue; the absent value where the file leaves one out.
+    pub values: Vec<f64>,
+}
+
+/// The coefficients of an effect of either catalogue.
+fn coefficients(name: &str) -> Option<Vec<Coefficient>> {
+    let measured = || measurement_effects(Kind::Positions).into_iter().find(|e| e.name == name);
+    BallEffect::find(name).map(|e| e.coefficients.to_vec()).or_else(|| measured().map(|e| e.coefficients))
+}
+
+impl SimulationFile {
+    /// The effects that the file holds, in its order.
+    #[must_use]
+    pub fn effects(&self) -> Vec<PresentEffect> {
+        let Some(all) = self.item("effects").and_then(Item::as_table_like) else { return Vec::new() };
+        let each = all.iter().filter_map(|(name, item)| {
+            let (table, known) = (item.as_table_like()?, coefficients(name)?);
+            let value = |c: &Coefficient| table.get(c.key).and_then(item_number).unwrap_or(c.absent);
+            Some(PresentEffect { name: name.into(), values: known.iter().map(value).collect() })
+        });
+        each.filter(|e| !e.values.is_empty()).collect()
+    }
+
+    /// Writes an effect's coefficients under `[effects.NAME]`; what stands there already takes the new values, and
+    /// everything else is kept as it stands.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use tunenet_sim::SimulationFile;
+    /// let mut file = SimulationFile::parse(Path::new("ball.toml"), "kind = \"ball\"\nball.radius_m = 0.02\n")?;
+    /// file.add_effect("quadratic_drag", &[("c_1_m", 0.13)])?;
+    /// assert!(file.text().ends_with("\n[effects.quadratic_drag]\nc_1_m = 0.13\n"));
+    /// assert_eq!(file.effects()[0].values, [0.13]);
+    /// # Ok::<(), tunenet_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Setting`] where the effect or a coefficient is unknown, or a value outside its bounds; the file is as
+    /// before then.
+    pub fn add_effect(&mut self, name: &str, values: &[(&str, f64)]) -> Result<()> {
+        for (key, value) in values {
+            let path = format!("effects.{name}.{key}");
+            let refuse = |expected: String, found: String| Err(Error::Setting { name: "effects", expected, found });
+            let Some(known) = find(&path) else {
+                return refuse(format!("one of {}", siblings(&path).join(", ")), format!("`{path}`"));
+            };
+            if !known.shape.accepts(&(*value).into()) {
+                return refuse(format!("{} for `{path}`", known.shape.expected()), value.to_string());
+            }
+        }
+        let one = table(table(self.document.as_table_mut(), "effects", true), name, false);
+        for (key, value) in values {
+            let decor = one.get(key).and_then(Item::as_value).map(|v| v.decor().clone());
+            one[key] = toml_edit::value(*value);
+            if let (Some(decor), Some(new)) = (decor, one[key].as_value_mut()) {
+                *new.decor_mut() = decor;
+            }
+        }
+        Ok(())
+    }
+}

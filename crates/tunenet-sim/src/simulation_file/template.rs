@@ -1,0 +1,203 @@
+//! A simulation file to start from, written from the schema, so that it names every key there is.
+
+use std::fmt::Write as _;
+
+use super::schema::{BALL_PARAMETERS, Key, PARAMETER_KEYS, Shape, keys};
+
+/// What stands above everything else.
+const HEAD: &str = "\
+# A ball that falls and bounces. Write your ball's radius into it and tune:
+#
+#   tunenet tune --sim ball.toml --observation drop.csv --out tuned.toml
+#
+# A line `# key = value` is optional: take the mark away to use it, and the mark before its [table] where there is one.
+# Above each key stand its meaning, its unit and its range. z points up, axes are right-handed; a ball's position is
+# that of its centre, and a height of fall is measured from its lowest point. What is left out of [release] and of the
+# surface's height is estimated from each recording.
+";
+
+/// Keys that are written without a mark, and the values to start from. Others begin at 0, or at their least value.
+const VALUES: &[(&str, bool, &str)] = &[
+    ("kind", true, "\"ball\""),
+    ("world.gravity_m_s2", true, "9.81"),
+    ("ball.radius_m", true, "0.02"),
+    ("ball.mass_kg", false, "0.0027"),
+    ("release.height_m", false, "1.0"),
+    ("release.position_m", false, "[0.0, 0.0, 1.02]"),
+    ("record.rate_hz", true, "120.0"),
+    ("record.frames", true, "360"),
+];
+
+/// Start value, least and greatest, whether it is tuned, and what it means.
+const PARAMETERS: &[(&str, [f64; 3], bool, &str)] = &[
+    ("restitution", [0.5, 0.0, 1.0], true, "Speed after a bounce over speed before it, along the surface's normal"),
+    ("friction", [0.0, 0.0, 2.0], false, "Coulomb's coefficient between ball and surface; only a throw shows it"),
+];
+
+/// A commented simulation file of a ball with every key that there is: required ones with a value, optional ones behind a
+/// mark. It is valid as it stands.
+#[must_use]
+pub fn template() -> String {
+    let mut text = String::from(HEAD);
+    let mut table = "";
+    for key in keys() {
+        let (head, name) = key.path.rsplit_once('.').unwrap_or(("", &key.path));
+        let (active, value) = value(key);
+        if head != table {
+            // An effect is there as soon as its table is; the other tables may be empty.
+            let mark = if head.starts_with("effects.") { "# " } else { "" };
+            text.push_str(&line(&format!("\n{mark}[{head}]")));
+            table = head;
+        } else if head.is_empty() {
+            text.push('\n');
+        }
+        text.push_str(&comment(key));
+        let mark = if active { "" } else { "# " };
+        text.push_str(&line(&format!("{mark}{name} = {value}")));
+    }
+    for name in BALL_PARAMETERS {
+        parameter(&mut text, name);
+    }
+    text
+}
+
+fn parameter(text: &mut String, name: &str) {
+    let known = PARAMETERS.iter().find(|(known, ..)| *known == name);
+    let (_, [value, min, max], tune, meaning) = known.copied().unwrap_or((name, [0.0, 0.0, 1.0], false, ""));
+    text.push_str(&line(&format!("\n[parameters.{name}]")));
+    if !meaning.is_empty() {
+        text.push_str(&line(&format!("# {meaning}.")));
+    }
+    for key in PARAMETER_KEYS {
+        let value = match &*key.path {
+            "value" => format!("{value:?}"),
+            "min" => format!("{min:?}"),
+            "max" => format!("{max:?}"),
+            "unit" => "\"1\"".into(),
+            "tune" => tune.to_string(),
+            other => value_of(key.shape, other),
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{:<16}# {}", format!("{} = {value}", key.path), key.meaning);
+    }
+}
+
+fn line(text: &str) -> String {
+    format!("{text}\n")
+}
+
+/// Whether the key stands without a mark, and the value to start from.
+fn value(key: &Key) -> (bool, String) {
+    match VALUES.iter().find(|(path, ..)| *path == key.path) {
+        Some((_, active, value)) => (*active || key.required, (*value).into()),
+        None => (key.required, value_of(key.shape, &key.path)),
+    }
+}
+
+fn value_of(shape: Shape, path: &str) -> String {
+    // A factor is absent at 1, everything else at 0.
+    let absent = if path.ends_with(".factor") { 1.0_f64 } else { 0.0 };
+    let nearest = |min: f64, max: f64| format!("{:?}", absent.clamp(min, max));
+    match shape {
+        Shape::Number(min, max) => nearest(min, max),
+        Shape::Whole(min, max) => 0.clamp(min, max).to_string(),
+        Shape::Numbers(count, min, max) => format!("[{}]", vec![nearest(min, max); count].join(", ")),
+        Shape::Word(words) => format!("\"{}\"", words.first().unwrap_or(&path)),
+        Shape::Flag => "false".into(),
+    }
+}
+
+/// `# Gravity, downwards; 9.81 where left out. A number from 0.000001 to 1000, in m/s².`
+fn comment(key: &Key) -> String {
+    let unit = unit(&key.path).map_or_else(String::new, |unit| format!(", in {unit}"));
+    line(&format!("# {}. {}{unit}.", capital(&key.meaning), capital(&key.shape.expected())))
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The unit that ends a key. Longer endings come first.
+fn unit(path: &str) -> Option<&'static str> {
+    const UNITS: [(&str, &str); 16] = [
+        ("_rad_s", "rad/s"),
+        ("_m_s2", "m/s²"),
+        ("_s_m", "s/m"),
+        ("_m_s", "m/s"),
+        ("_1_m", "1/m"),
+        ("_1_s", "1/s"),
+        ("_n_m", "N/m"),
+        ("_pa_s", "Pa·s"),
+        ("_rad", "radians"),
+        ("_px", "pixels"),
+        ("_hz", "1/s (Hz)"),
+        ("_kg", "kilograms"),
+        ("_nm", "N·m"),
+        ("_pa", "pascals"),
+        ("_m", "metres"),
+        ("_s", "seconds"),
+    ];
+    UNITS.iter().find(|(ending, _)| path.ends_with(ending)).map(|(_, unit)| *unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::SimulationFile;
+    use super::*;
+
+    fn parsed(text: &str) -> SimulationFile {
+        SimulationFile::parse(Path::new("ball.toml"), text).unwrap_or_else(|e| panic!("{e}\n{text}"))
+    }
+
+    #[test]
+    fn it_is_valid_and_names_every_key() {
+        let text = template();
+        let parameters = parsed(&text).parameters().unwrap();
+        assert_eq!(parameters.iter().map(|p| p.tune).collect::<Vec<_>>(), [true, false]);
+        for key in keys() {
+            let name = key.path.rsplit_once('.').map_or(&*key.path, |(_, name)| name);
+            let count = text.lines().filter(|l| l.trim_start_matches("# ").starts_with(&format!("{name} = "))).count();
+            assert!(count > 0, "{}", key.path);
+        }
+        assert!(text.lines().all(|l| l.chars().count() <= 120 || l.starts_with('#')));
+    }
+
+    /// What a person is told to do: take the mark away from any one line.
+    #[test]
+    fn every_optional_line_can_be_used() {
+        let text = template();
+        let lines: Vec<&str> = text.lines().collect();
+        let mut used = 0;
+        for (i, optional) in lines.iter().enumerate() {
+            let Some(bare) =
+                optional.strip_prefix("# ").filter(|l| l.split_once(" = ").is_some_and(|(k, _)| is_key(k)))
+            else {
+                continue;
+            };
+            let mut changed: Vec<&str> = lines.clone();
+            changed[i] = bare;
+            if let Some(head) = (0..i).rev().find(|j| lines[*j].trim_start_matches("# ").starts_with('[')) {
+                changed[head] = lines[head].trim_start_matches("# ");
+            }
+            parsed(&changed.join("\n"));
+            used += 1;
+        }
+        let optional = keys().filter(|key| !value(key).0).count();
+        assert_eq!(used, optional);
+    }
+
+    fn is_key(text: &str) -> bool {
+        text.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+    }
+
+    #[test]
+    fn a_physical_key_has_its_unit_in_words() {
+        assert_eq!(unit("world.gravity_m_s2"), Some("m/s²"));
+        assert_eq!(unit("effects.magnus.sx_1_s"), Some("1/s"));
+        assert_eq!(unit("release.spin_rad_s"), Some("rad/s"));
+        assert_eq!(unit("record.frames"), None);
+    }
+}

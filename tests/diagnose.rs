@@ -1,0 +1,240 @@
+//! `tunenet diagnose` as a process: its JSON, its exit codes, the files that it writes, and what it refuses.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use common::{Drop, Folder, Noise, Ran, table};
+use serde_json::Value;
+
+const SCENE: &str = "\
+kind = \"ball\"
+ball.radius_m = 0.02
+ball.mass_kg = 0.0027
+surface.height_m = 0.0
+
+[parameters.restitution]
+value = 0.5
+min = 0.0
+max = 1.0
+";
+
+fn light(number: usize) -> PathBuf {
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/observations");
+    assets.join(format!("light_{number}.csv"))
+}
+
+/// The scene, and the throws of a light ball from the assets as `1.csv` to `5.csv`.
+fn with_throws() -> Folder {
+    let folder = Folder::new();
+    folder.write("scene.toml", SCENE);
+    for number in 1..=5 {
+        folder.write(&format!("{number}.csv"), std::fs::read(light(number)).expect("an asset"));
+    }
+    folder
+}
+
+fn list<'a>(json: &'a Value, key: &str) -> &'a Vec<Value> {
+    json[key].as_array().unwrap_or_else(|| panic!("no list `{key}` in {json:#}"))
+}
+
+fn codes(json: &Value) -> Vec<&str> {
+    list(json, "warnings").iter().filter_map(|w| w["code"].as_str()).collect()
+}
+
+#[test]
+fn a_missing_effect_is_named_and_written_and_proven() {
+    let folder = with_throws();
+    let line = "diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv 4.csv --held-out 5.csv --out improved.toml";
+    let ran = folder.run(&format!("{line} --json")).ends(0);
+    let json = ran.json();
+    for key in
+        ["schema", "verdict", "effects", "candidates", "gap", "next_experiment", "rollouts", "seconds", "warnings"]
+    {
+        assert!(json.get(key).is_some(), "no `{key}` in {json:#}");
+    }
+    assert_eq!(json["verdict"], "named", "{json:#}");
+    let [drag] = &list(&json, "effects")[..] else { panic!("{json:#}") };
+    assert_eq!((&drag["name"], &drag["where"]["phase"]), (&"quadratic_drag".into(), &"flight".into()));
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("no number in {json:#}"));
+    let c = &drag["coefficients"]["c_1_m"];
+    assert!((number(&c["value"]) - 0.1317).abs() < 0.01, "{c}");
+    assert!(number(&c["interval95"][0]) < 0.1317 && 0.1317 < number(&c["interval95"][1]), "{c}");
+    // 2 c m / (1.2 A)
+    let expected = 2.0 * number(&c["value"]) * 0.0027 / (1.2 * std::f64::consts::PI * 4e-4);
+    assert!((number(&drag["coefficients"]["drag_coefficient"]["value"]) - expected).abs() < 1e-9);
+    assert!(number(&drag["evidence"]["bic_gain"]) > 6.0);
+    let (gap, held_out) = (&json["gap"], &json["gap"]["held_out"]);
+    assert!(number(&gap["after"]) < 0.5 * number(&gap["before"]), "{gap}");
+    assert!(number(&held_out["after"]) < 0.5 * number(&held_out["before"]), "{held_out}");
+    assert!(number(&gap["after"]) < 1.05 * number(&gap["noise_floor"]), "{gap}");
+
+    // What was written is a simulation like any other, and it has the effect.
+    let text = String::from_utf8(folder.read("improved.toml")).expect("text");
+    for part in ["[effects.quadratic_drag]\nc_1_m = 0.1", "[provenance]", "command = \"diagnose\"", "held_out_after"] {
+        assert!(text.contains(part), "no `{part}` in\n{text}");
+    }
+    folder.run("simulate --sim improved.toml --set release.height_m=1 --out again.csv").ends(0);
+    let tuned = folder.run("tune --sim improved.toml --observation 5.csv --json").ends(0).json();
+    assert!((number(&tuned["parameters"]["restitution"]["value"]) - 0.8).abs() < 5e-3, "{tuned:#}");
+    // Equal runs write equal bytes, whatever the number of threads.
+    let first = folder.read("improved.toml");
+    folder.run(&format!("{line} --jobs 1")).ends(0);
+    assert!(folder.read("improved.toml") == first);
+}
+
+#[test]
+fn the_answer_for_people_names_what_was_found() {
+    let folder = with_throws();
+    let ran = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv --held-out 5.csv").ends(0);
+    assert!(ran.stdout.is_empty());
+    for part in
+        ["read     3 recordings, 1 held out, 864 samples", "NAMED  quadratic_drag in flight", "held out", "adequacy"]
+    {
+        assert!(ran.stderr.contains(part), "no `{part}` in\n{}", ran.stderr);
+    }
+}
+
+#[test]
+fn a_complete_simulation_lacks_nothing() {
+    let folder = with_throws();
+    folder.write("complete.toml", format!("{SCENE}\n[effects.quadratic_drag]\nc_1_m = 0.1317\n"));
+    let json = folder.run("diagnose --sim complete.toml --observation 1.csv 2.csv 3.csv --json").ends(0).json();
+    assert_eq!(json["verdict"], "none", "{json:#}");
+    assert!(list(&json, "effects").is_empty());
+}
+
+#[test]
+fn objects_of_a_manifest_get_a_file_each() {
+    let folder = with_throws();
+    let entry = |object: &str, file: &str, held_out: bool| {
+        format!(
+            "[[observation]]\nfile = \"{file}\"\nobject = \"{object}\"\nheld_out = {held_out}\nball.mass_kg = 0.0027\n"
+        )
+    };
+    let all = [
+        ("a", "1.csv", false),
+        ("a", "2.csv", false),
+        ("b", "3.csv", false),
+        ("b", "4.csv", false),
+        ("b", "5.csv", true),
+    ];
+    folder.write("m.toml", all.map(|(object, file, held_out)| entry(object, file, held_out)).concat());
+    let json = folder.run("diagnose --sim scene.toml --manifest m.toml --out improved --json").ends(0).json();
+    assert_eq!(json["effects"][0]["name"], "quadratic_drag", "{json:#}");
+    let each = json["effects"][0]["coefficients"]["c_1_m"]["objects"].as_array().expect("one for each object");
+    assert_eq!(each.iter().map(|o| o["object"].as_str().unwrap()).collect::<Vec<_>>(), ["a", "b"]);
+    for name in ["improved/a.toml", "improved/b.toml"] {
+        let text = String::from_utf8(folder.read(name)).expect("text");
+        assert!(text.contains("[effects.quadratic_drag]"), "{text}");
+    }
+}
+
+/// A refusal: this status, these words on standard error, nothing on standard output.
+#[track_caller]
+fn refused(ran: Ran, code: i32, words: &[&str]) {
+    let ran = ran.ends(code);
+    assert!(ran.stdout.is_empty());
+    for word in words {
+        assert!(ran.stderr.contains(word), "no `{word}` in\n{}", ran.stderr);
+    }
+}
+
+#[test]
+fn a_recording_is_either_fitted_or_held_out() {
+    let folder = with_throws();
+    let start = "diagnose --sim scene.toml --observation 1.csv 2.csv";
+    refused(folder.run(&format!("{start} --held-out 1.csv")), 1, &["1.csv", "given for training"]);
+    // Under another name it is the same recording.
+    folder.write("copy.csv", folder.read("2.csv"));
+    refused(folder.run(&format!("{start} --held-out copy.csv")), 1, &["copy.csv", "2.csv", "given for training"]);
+    let twice = folder.run(&format!("{start} copy.csv 3.csv --json"));
+    assert!(codes(&twice.json()).contains(&"recording.repeated"), "{}", twice.stdout);
+}
+
+#[test]
+fn recordings_of_two_kinds_are_refused() {
+    let folder = with_throws();
+    let times: Vec<String> = (0..6).map(|i| (0.4 * f64::from(i) + 0.3).to_string()).collect();
+    folder.write("heard.csv", format!("bounce_time_s\n{}\n", times.join("\n")));
+    let line = "diagnose --sim scene.toml --observation 1.csv heard.csv";
+    refused(folder.run(line), 1, &["heard.csv", "positions", "bounce times"]);
+    folder.write("joints.csv", "t_s,q1_rad,tau1_nm\n0,0,0\n0.1,0.1,0\n0.2,0.2,0\n0.3,0.1,0\n");
+    let line = "diagnose --sim scene.toml --observation joints.csv";
+    refused(folder.run(line), 1, &["joints.csv", "positions"]);
+}
+
+#[test]
+fn a_wrong_manifest_is_refused_with_its_place() {
+    let folder = with_throws();
+    let tried = |text: &str, words: &[&str]| {
+        folder.write("m.toml", text);
+        refused(folder.run("diagnose --sim scene.toml --manifest m.toml"), 1, words);
+    };
+    tried("[[observation]]\nfile = \"1.csv\"\nball.radios_m = 1\n", &["m.toml", "ball.radios_m"]);
+    tried("[[observation]]\nfile = \"1.csv\"\nreference = \"2.csv\"\n", &["reference"]);
+    tried("[[observation]]\nfile = \"9.csv\"\n", &["9.csv"]);
+    tried(
+        "[[observation]]\nfile = \"1.csv\"\nball.mass_kg = 1\n[[observation]]\nfile = \"2.csv\"\n",
+        &["2.csv", "ball.mass_kg"],
+    );
+    tried("[[observation]]\nfile = \"1.csv\"\nheld_out = true\n", &["1.csv", "at least one"]);
+    refused(folder.run("diagnose --sim scene.toml"), 2, &["--observation"]);
+    refused(folder.run("diagnose --sim scene.toml --observation 1.csv --jobs 0"), 2, &["--jobs"]);
+}
+
+/// Too short, resting, or in another unit: an honest no, and why.
+#[test]
+fn recordings_that_cannot_answer_get_an_honest_no() {
+    let folder = with_throws();
+    let drop = Drop { frames: 4, ..Drop::default() };
+    folder.write("short.csv", drop.csv());
+    let rest: Vec<(f64, [f64; 3])> = {
+        let mut noise = Noise(3);
+        (0..200).map(|i| (f64::from(i) / 120.0, [0.0, 0.0, 0.02 + 0.001 * noise.normal()])).collect()
+    };
+    folder.write("rest.csv", table(&rest));
+    for name in ["short.csv", "rest.csv"] {
+        let ran = folder.run(&format!("diagnose --sim scene.toml --observation {name} --out o.toml --json")).ends(3);
+        let json = ran.json();
+        assert_eq!(json["verdict"], "insufficient", "{name}: {json:#}");
+        assert!(!codes(&json).is_empty() || list(&json, "recordings").iter().any(|r| r["used"] == false), "{json:#}");
+        assert!(!folder.path("o.toml").exists() && ran.stderr.contains("o.toml not written"), "{}", ran.stderr);
+    }
+    // One file in millimetres that says metres.
+    let frames: Vec<(f64, [f64; 3])> =
+        Drop::default().frames().iter().map(|(t, x)| (*t, x.map(|v| v * 1000.0))).collect();
+    folder.write("mm.csv", table(&frames));
+    let ran = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv mm.csv --json");
+    let json = ran.json();
+    assert!(json["verdict"] != "named" || list(&json, "recordings").iter().any(|r| r["used"] == false), "{json:#}");
+}
+
+/// Recordings at several rates are as good as any.
+#[test]
+fn rates_may_differ() {
+    let folder = with_throws();
+    let every = |name: &str, step: usize| {
+        let text = String::from_utf8(folder.read(name)).expect("text");
+        let mut lines = text.lines();
+        let head = lines.next().expect("a header").to_owned();
+        let rows: Vec<&str> = lines.step_by(step).collect();
+        folder.write(name, format!("{head}\n{}\n", rows.join("\n")));
+    };
+    every("2.csv", 2);
+    every("3.csv", 3);
+    let json = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv 4.csv --json").ends(0).json();
+    assert_eq!(json["effects"][0]["name"], "quadratic_drag", "{json:#}");
+}
+
+/// The same throw again and again does not separate what varied throws do.
+#[test]
+fn one_throw_repeated_is_told_to_be_varied() {
+    let folder = Folder::new();
+    folder.write("scene.toml", SCENE);
+    for seed in 1..=3 {
+        folder.write(&format!("{seed}.csv"), Drop { noise_m: 0.002, seed, ..Drop::default() }.csv());
+    }
+    let json = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv --json").json();
+    assert!(["none", "insufficient"].contains(&json["verdict"].as_str().unwrap()), "{json:#}");
+}
