@@ -43,14 +43,7 @@ pub(crate) fn circle_through(
     };
     let points: Vec<(f64, f64)> = contour.iter().filter(free).map(|p| (f64::from(p.x), f64::from(p.y))).collect();
     let (u, v, radius) = circle(&points).unwrap_or((m.m10 / m.m00, m.m01 / m.m00, area_radius));
-    Ok(Some(Outline {
-        u,
-        v,
-        radius: radius + 0.5,
-        centroid_u: m.m10 / m.m00,
-        centroid_v: m.m01 / m.m00,
-        area_radius,
-    }))
+    Ok(Some(Outline { u, v, radius: radius + 0.5, centroid_u: m.m10 / m.m00, centroid_v: m.m01 / m.m00, area_radius }))
 }
 
 /// The circle that minimises Σ(x² + y² − 2ax − 2by − c)² over the points (Kåsa 1976): centre `(a, b)` and radius.
@@ -87,8 +80,9 @@ mod tests {
 
     #[test]
     fn a_part_of_a_circle_gives_the_whole() {
-        let arc: Vec<(f64, f64)> =
-            (0..20).map(|i| (30.0 + 8.0 * (0.1 * f64::from(i)).cos(), 12.0 + 8.0 * (0.1 * f64::from(i)).sin())).collect();
+        let arc: Vec<(f64, f64)> = (0..20)
+            .map(|i| (30.0 + 8.0 * (0.1 * f64::from(i)).cos(), 12.0 + 8.0 * (0.1 * f64::from(i)).sin()))
+            .collect();
         let (u, v, radius) = circle(&arc).unwrap();
         assert!((u - 30.0).abs() < 1e-9 && (v - 12.0).abs() < 1e-9 && (radius - 8.0).abs() < 1e-9);
         let line: Vec<(f64, f64)> = (0..20).map(|i| (f64::from(i), 2.0 * f64::from(i))).collect();

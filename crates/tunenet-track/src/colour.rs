@@ -84,7 +84,7 @@ impl Window {
         let corner = |h: i32, s: i32, v: i32| Scalar::new(f64::from(h), f64::from(s), f64::from(v), 0.0);
         let (low, high) = (self.hue - self.half_width, self.hue + self.half_width);
         let (saturation, value) = (self.saturation, self.value);
-        let mut between = |a: i32, b: i32, out: &mut Mat| {
+        let between = |a: i32, b: i32, out: &mut Mat| {
             in_range(hsv, &corner(a, saturation.0, value.0), &corner(b, saturation.1, value.1), out)
         };
         if high - low + 1 >= HUES {

@@ -7,8 +7,10 @@ use tunenet_core::{Error, Result};
 
 use crate::video;
 
-/// Times that a container states are believed where the median step is this near to the nominal one, as a factor.
-const BELIEVED: std::ops::Range<f64> = 0.5..2.0;
+/// A time that a container states is believed where it follows the last one by this many nominal steps at the least ...
+const LEAST_STEP: f64 = 0.5;
+/// ... and at the most: a film does not stand still for so long.
+const MOST_STEPS: f64 = 1e3;
 
 /// A film that is being read.
 pub struct Frames {
@@ -33,8 +35,7 @@ impl Frames {
     /// Reads the next frame (blue, green, red; 8 bits each) into `image` and returns when it was taken, s after the
     /// first. `None` at the end.
     ///
-    /// The container's own time stamps count where it has them and they are near the nominal rate; a film without them runs
-    /// at the nominal rate.
+    /// The container's own time stamps count where it has sensible ones; a film without them runs at the nominal rate.
     ///
     /// # Errors
     /// Where OpenCV fails on a frame.
@@ -53,7 +54,7 @@ impl Frames {
         // A dropped frame leaves a gap of two steps or more, which is as it was; only nonsense is replaced.
         let time_s = match self.index {
             0 => stated_s.max(0.0),
-            _ if gap.is_finite() && gap >= BELIEVED.start && gap < 1e3 => stated_s,
+            _ if (LEAST_STEP..MOST_STEPS).contains(&gap) => stated_s,
             _ => next_s,
         };
         self.index += 1;

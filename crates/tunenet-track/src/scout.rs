@@ -1,6 +1,6 @@
 //! Finding out what to look for: the one saturated thing that moves before a still background.
 
-use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual};
+use opencv::core::{Mat, MatTraitConstManual, MatTraitManual};
 use opencv::imgproc::{COLOR_BGR2HSV, cvt_color_def};
 
 use super::blob::{Blob, blobs};
@@ -50,11 +50,10 @@ pub(crate) fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Re
     let background = median(frames)?;
     let still = background.data_bytes()?;
     let hsv: Vec<Mat> = frames.iter().map(to_hsv).collect::<opencv::Result<_>>()?;
-    let moved: Vec<Vec<u8>> = frames.iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
-    let mut shares: Vec<f64> = moved
-        .iter()
-        .map(|m| m.iter().filter(|d| **d > MOVED_CLEARLY).count() as f64 / m.len() as f64)
-        .collect();
+    let moved: Vec<Vec<u8>> =
+        frames.iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
+    let mut shares: Vec<f64> =
+        moved.iter().map(|m| m.iter().filter(|d| **d > MOVED_CLEARLY).count() as f64 / m.len() as f64).collect();
     shares.sort_unstable_by(f64::total_cmp);
     if shares[shares.len() / 2] > STILL_SHARE {
         return Ok(Err(Unseen::CameraMoves));
@@ -101,7 +100,10 @@ fn to_hsv(frame: &Mat) -> opencv::Result<Mat> {
 
 /// The greatest difference of the three channels, per pixel.
 pub(crate) fn difference(a: &[u8], b: &[u8]) -> Vec<u8> {
-    a.chunks_exact(3).zip(b.chunks_exact(3)).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)).collect()
+    a.chunks_exact(3)
+        .zip(b.chunks_exact(3))
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0))
+        .collect()
 }
 
 /// The colours of what moves, the strongest first.
@@ -114,7 +116,8 @@ fn colours(hsv: &[Mat], moved: &[Vec<u8>]) -> opencv::Result<Vec<Window>> {
             }
         }
     }
-    let around = |h: usize, reach: i32| (-reach..=reach).map(move |d| (h + (HUES + d) as usize) % HUES as usize);
+    let hues = histogram.len();
+    let around = |h: usize, reach: usize| (0..=2 * reach).map(move |d| (h + hues - reach + d) % hues);
     let mut smooth: Vec<f64> = (0..histogram.len()).map(|h| around(h, 5).map(|i| histogram[i]).sum()).collect();
     let mut found = Vec::new();
     let mut greatest = 0.0;
@@ -168,7 +171,8 @@ fn merit(seen: &[Option<Blob>], frames: usize) -> Option<(f64, f64)> {
     let area = middle(&|b| b.area);
     let fill = middle(&|b| b.fill());
     let reach = |of: &dyn Fn(&Blob) -> f64| {
-        let (low, high) = found.iter().map(|b| of(b)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let (low, high) =
+            found.iter().map(|b| of(b)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         high - low
     };
     let travel = reach(&|b| b.u).hypot(reach(&|b| b.v)) / area.sqrt();
@@ -204,7 +208,7 @@ fn narrowed(hsv: &[Mat], moved: &[Vec<u8>], wide: Window) -> opencv::Result<Wind
     let (low, high) = (share(&mut away, 0.05), share(&mut away, 0.95));
     // Blurred edges mix with the background: they are paler and a little off in hue.
     Ok(Window {
-        hue: (wide.hue + (low + high) / 2).rem_euclid(HUES),
+        hue: (wide.hue + i32::midpoint(low, high)).rem_euclid(HUES),
         half_width: ((high - low) / 2 + 6).min(2 * ONE_COLOUR),
         saturation: ((share(&mut saturations, 0.1) * 2 / 3).max(50), 255),
         value: ((share(&mut values, 0.1) / 2).max(30), 255),

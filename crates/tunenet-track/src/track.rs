@@ -101,7 +101,11 @@ pub fn track(path: &Path, settings: &Settings, progress: &mut dyn FnMut(usize)) 
         progress(count);
     }
     if count < crate::video::FEWEST_FRAMES {
-        return Err(Error::file(path, format!("expected a video, found {count} frames that decode"), "record a longer one"));
+        return Err(Error::file(
+            path,
+            format!("expected a video, found {count} frames that decode"),
+            "record a longer one",
+        ));
     }
     let scene = match scout(&samples, settings.colour).map_err(broken)? {
         Ok(scene) => scene,
@@ -109,7 +113,7 @@ pub fn track(path: &Path, settings: &Settings, progress: &mut dyn FnMut(usize)) 
     };
     let mut pass = Pass::new(&scene);
     if whole {
-        pass.batch(waiting).map_err(broken)?;
+        pass.batch(&waiting).map_err(broken)?;
     } else {
         let mut reader = Frames::open(path)?;
         let mut batch = Vec::with_capacity(BATCH);
@@ -119,11 +123,12 @@ pub fn track(path: &Path, settings: &Settings, progress: &mut dyn FnMut(usize)) 
             let (small, factor) = reduced(&frame, SMALL_PX).map_err(broken)?;
             batch.push(Seen { index, time_s, frame, small, factor });
             if batch.len() == BATCH {
-                pass.batch(std::mem::take(&mut batch)).map_err(broken)?;
+                pass.batch(&batch).map_err(broken)?;
+                batch.clear();
             }
             progress(count + index + 1);
         }
-        pass.batch(batch).map_err(broken)?;
+        pass.batch(&batch).map_err(broken)?;
     }
     pass.finish(path)
 }
@@ -163,7 +168,7 @@ impl<'a> Pass<'a> {
         Self { scene, sightings: Vec::new(), times_s: Vec::new(), changes: Vec::new(), before: None, size_px: (0, 0) }
     }
 
-    fn batch(&mut self, frames: Vec<Seen>) -> opencv::Result<()> {
+    fn batch(&mut self, frames: &[Seen]) -> opencv::Result<()> {
         let looked: Vec<opencv::Result<Option<Sighting>>> =
             frames.par_iter().map(|s| look(self.scene, &s.frame, &s.small, s.factor)).collect();
         for (seen, sighting) in frames.iter().zip(looked) {
@@ -213,7 +218,8 @@ impl<'a> Pass<'a> {
         }
         let cut = sightings.iter().filter(|s| s.cut).count();
         if cut > 0 {
-            let text = format!("the border of the picture cuts the ball in {cut} frames, which are left out of the track");
+            let text =
+                format!("the border of the picture cuts the ball in {cut} frames, which are left out of the track");
             notes.push(Note::new("view.border", text, "keep the whole flight in view"));
         }
         Ok(Track {
@@ -255,4 +261,93 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_unstable_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use opencv::core::{CV_8UC3, Point, Scalar, Size};
+    use opencv::imgproc::{FILLED, LINE_AA, circle};
+    use opencv::videoio::{VideoWriter, VideoWriterTrait};
+
+    /// A film of a disc that falls and bounces before a grey wall: where its centre is in each frame, px.
+    fn film(path: &Path, colours: &[Scalar]) -> Vec<(f64, f64)> {
+        let codec = VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();
+        let mut writer = VideoWriter::new(path.to_str().unwrap(), codec, 60.0, Size::new(320, 240), true).unwrap();
+        let mut centres = Vec::new();
+        for i in 0..60 {
+            let t = f64::from(i) / 60.0;
+            let (u, v) = (60.3 + 150.0 * t, 40.0 + 160.0 * (1.0 - (3.0 * t).cos().abs()));
+            let wall = Scalar::new(120.0, 125.0, 122.0, 0.0);
+            let mut frame = Mat::new_rows_cols_with_default(240, 320, CV_8UC3, wall).unwrap();
+            for (k, colour) in colours.iter().enumerate() {
+                // Sixteenths of a pixel.
+                #[expect(clippy::cast_possible_truncation, reason = "small numbers")]
+                let at = Point::new((16.0 * (u + 60.0 * k as f64)).round() as i32, (16.0 * v).round() as i32);
+                circle(&mut frame, at, 16 * 12, *colour, FILLED, LINE_AA, 4).unwrap();
+            }
+            writer.write(&frame).unwrap();
+            centres.push((u, v));
+        }
+        writer.release().unwrap();
+        centres
+    }
+
+    #[test]
+    fn a_drawn_disc_is_found_to_a_fraction_of_a_pixel() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.avi");
+        let centres = film(&path, &[Scalar::new(40.0, 40.0, 220.0, 0.0)]);
+        for colour in [None, Some(Window::parse("red").unwrap())] {
+            let track = track(&path, &Settings { colour }, &mut |_| {}).unwrap();
+            assert_eq!((track.frames, track.sightings.len()), (60, 60));
+            assert!((track.rate_hz - 60.0).abs() < 1e-6, "{}", track.rate_hz);
+            for s in &track.sightings {
+                let (u, v) = centres[s.frame];
+                assert!((s.u_px - u).hypot(s.v_px - v) < 0.2, "frame {}: {} {} for {u} {v}", s.frame, s.u_px, s.v_px);
+                assert!((s.radius_px - 12.0).abs() < 1.0 && !s.cut, "{s:?}");
+            }
+            assert_eq!(track.observation().unwrap().len(), track.whole().count());
+        }
+    }
+
+    #[test]
+    fn no_ball_two_balls_and_a_wrong_colour_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let (grey, two, one) =
+            (folder.path().join("grey.avi"), folder.path().join("two.avi"), folder.path().join("one.avi"));
+        film(&grey, &[]);
+        let green = Scalar::new(40.0, 220.0, 40.0, 0.0);
+        film(&two, &[green, green]);
+        film(&one, &[green]);
+        let refusal = |path: &Path, settings: &Settings| track(path, settings, &mut |_| {}).unwrap_err().to_string();
+        assert!(refusal(&grey, &Settings::default()).contains("nothing round and coloured that moves"));
+        assert!(refusal(&two, &Settings::default()).contains("two things alike"));
+        let red = Settings { colour: Some(Window::parse("red").unwrap()) };
+        assert!(refusal(&one, &red).contains("of the given colour"));
+    }
+
+    /// Frames with a ball in them, as counted by eye and told beside the films, one more or less at the border.
+    #[test]
+    fn balls_in_real_films_are_seen() {
+        let Some(root) = std::env::var_os("TUNENET_MEASURED") else {
+            eprintln!("skipped: TUNENET_MEASURED does not name a folder of measured files");
+            return;
+        };
+        let films = [
+            ("video-redball/RedBall.mp4", 57..=60),
+            ("video-throws/PV_1.mp4", 51..=53),
+            ("video-throws/PV_2.mp4", 37..=39),
+            ("video-tennis-throw/ball.mp4", 27..=27),
+        ];
+        for (name, expected) in films {
+            let path = Path::new(&root).join(name);
+            if !path.exists() {
+                eprintln!("skipped: {} is not there", path.display());
+                continue;
+            }
+            let found = track(&path, &Settings::default(), &mut |_| {}).unwrap();
+            assert!(expected.contains(&found.sightings.len()), "{name}: {} frames", found.sightings.len());
+        }
+    }
 }
