@@ -84,7 +84,7 @@ Examples:
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
 const DIAGNOSE_EXAMPLES: &str = "\
 Examples:
-  tunenet diagnose --sim assets/ball.toml --observation assets/observations/flight_?.csv --out improved.toml
+  tunenet diagnose --sim assets/ball.toml --observation assets/observations/light_[1-5].csv --out improved.toml
   tunenet diagnose --sim ball.toml --observation d1.csv d2.csv d3.csv --held-out d4.csv --report answer.html
   tunenet diagnose --sim ball.toml --manifest balls.toml --out improved
 Several throws in varied directions tell effects apart that one throw cannot.

@@ -242,9 +242,12 @@ fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<Diagnosis> 
     })
 }
 
-/// How far behind the best an explanation is still left; more of a single recording.
+/// How far behind the best an explanation is still left; more where no object has a second recording, against which the
+/// coefficients of its own could be held.
 fn margin(study: &Study) -> f64 {
-    study.settings.margin * if study.sets.len() == 1 { SINGLE } else { 1.0 }
+    let alone = |object: usize| study.sets.iter().filter(|set| set.object == object).count() < 2;
+    let thin = study.sets.iter().all(|set| alone(set.object));
+    study.settings.margin * if thin { SINGLE } else { 1.0 }
 }
 
 fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'static str>) {

@@ -3,6 +3,7 @@
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::fit::{Fit, Problem, robust_scale};
+use super::unknowns::Point;
 use crate::Result;
 
 /// The level of every interval that tunenet states.
@@ -88,12 +89,12 @@ impl Spread {
         0.5 * MISFIT_TOLERANCE * self.variance * self.inflation
     }
 
-    /// The greatest [`excess`](Spread::excess) within a joint region of [`LEVEL`] for `count` parameters: `count` times the
+    /// The greatest [`excess`](Spread::excess) within a joint region of this level for `count` parameters: `count` times the
     /// quantile of Fisher's F (Beale 1960).
     #[must_use]
-    pub fn joint_quantile(&self, count: usize) -> f64 {
+    pub fn joint_quantile(&self, count: usize, level: f64) -> f64 {
         let count = count as f64;
-        let fisher = FisherSnedecor::new(count, self.freedom.min(MOST_FREEDOM)).map(|f| f.inverse_cdf(LEVEL));
+        let fisher = FisherSnedecor::new(count, self.freedom.min(MOST_FREEDOM)).map(|f| f.inverse_cdf(level));
         count * fisher.unwrap_or(f64::INFINITY)
     }
 
@@ -190,6 +191,15 @@ pub fn ends(problem: &Problem, fit: &Fit, spread: &Spread) -> Result<(Vec<Interv
     Ok((all, rollouts))
 }
 
+/// Everything but the parameters at `positions` fitted from `start`, as closely as a misfit needs it.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub(super) fn held(problem: &Problem, start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
+    let others: Vec<usize> = problem.free.iter().copied().filter(|f| !positions.contains(f)).collect();
+    Problem { free: &others, ..*problem }.fit_until(start, 1.0, spread.negligible())
+}
+
 /// The misfit over one parameter, all else fitted.
 struct Profile<'a> {
     problem: &'a Problem<'a>,
@@ -207,8 +217,6 @@ impl Profile<'_> {
         let bound = if direction < 0.0 { p.min } else { p.max };
         let mut step =
             (PROFILE_STEP_SD * self.sd).max(PROFILE_STEP_SPAN * p.span() * 1e-3).min(PROFILE_STEP_SPAN * p.span());
-        let others: Vec<usize> = self.problem.free.iter().copied().filter(|&f| f != position).collect();
-        let problem = Problem { free: &others, ..*self.problem };
         let (mut point, mut rollouts) = (self.fit.point.clone(), 0);
         let (mut before, mut misfit_before) = (point.parameters[position], 0.0);
         let limit = self.spread.quantile();
@@ -217,7 +225,7 @@ impl Profile<'_> {
             let value = if (bound - value) * direction <= 0.0 { bound } else { value };
             let mut moved = point.clone();
             moved.parameters[position] = value;
-            let there = problem.fit_until(moved, 1.0, self.spread.negligible())?;
+            let there = held(self.problem, moved, &[position], self.spread)?;
             rollouts += there.rollouts;
             let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
             // A jump is looked at more closely before it is interpolated.

@@ -18,6 +18,7 @@ mod interval;
 mod judge;
 mod outcome;
 mod profile;
+mod ray;
 mod region;
 mod residual;
 mod starts;

@@ -1,10 +1,7 @@
 //! The misfit over one parameter, everything else fitted again: what an interval is cut from, for people to look at.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
 use super::fit::{Fit, Problem};
-use super::interval::Spread;
-use super::unknowns::Point;
+use super::interval::{Spread, held};
 use crate::Result;
 
 /// Values on either side of the best.
@@ -73,23 +70,12 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> Res
     }
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let least = costs.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
-    let curve = costs.into_iter().map(|(value, cost)| (value, misfit(&spread, cost - least))).collect();
+    let curve = costs.into_iter().map(|(value, cost)| (value, spread.excess(cost - least))).collect();
     Ok((Profile { parameter: position, curve, cut50: cut(&spread, 0.5), cut95: cut(&spread, 0.95) }, rollouts))
 }
 
-/// Everything but the parameters at `positions` fitted from `start`.
-pub(super) fn held(problem: &Problem, start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
-    let others: Vec<usize> = problem.free.iter().copied().filter(|f| !positions.contains(f)).collect();
-    Problem { free: &others, ..*problem }.fit_until(start, 1.0, spread.negligible())
-}
-
-/// The misfit of a cost above the least one.
-pub(super) fn misfit(spread: &Spread, excess: f64) -> f64 {
-    (2.0 * excess / (spread.variance * spread.inflation)).max(0.0)
-}
-
 fn cut(spread: &Spread, level: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, spread.freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + level / 2.0).powi(2))
+    spread.one_sided(0.5 + level / 2.0).powi(2)
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@
 use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::fit::{Fit, Problem};
-use super::interval::{Interval, Spread};
-use super::profile::held;
+use super::interval::{Interval, LEVEL, Spread, held};
+use super::ray::Ray;
 use super::residual::channel_noise;
 use super::unknowns::Point;
 use crate::Result;
@@ -20,9 +20,6 @@ use crate::simulator::{Preparation, Prepared, Simulator};
 const ELLIPTIC: f64 = 0.2;
 /// Corners of a walked boundary.
 const CORNERS: usize = 36;
-/// Each corner is found to this share of its distance from the middle.
-const CORNER_SHARE: f64 = 0.01;
-const MOST_HALVINGS: usize = 12;
 /// The ellipse gives the rays their directions where no interval is this many times as long.
 const SAME_SIZE: f64 = 2.0;
 
@@ -69,7 +66,7 @@ impl Region {
             parameters: positions.iter().map(|&i| problem.simulator.parameters()[i].name.clone()).collect(),
             centre: fit.point.at(&positions),
             covariance: covariance.iter().all(|v| v.is_finite()).then_some(covariance),
-            quantile: spread.joint_quantile(joint.len()),
+            quantile: spread.joint_quantile(joint.len(), LEVEL),
             boundary: Vec::new(),
             spread: *spread,
             best: fit.point.clone(),
@@ -115,20 +112,9 @@ impl Region {
 
     /// How far the misfit at `values`, all else fitted, lies above the least, in squares of standard deviations.
     fn excess(&self, problem: &Problem, values: &[f64], rollouts: &mut usize) -> Result<f64> {
-        Ok(self.excess_from(problem, &self.best, values, rollouts)?.0)
-    }
-
-    /// The same from other first values of all else, and where the fit ended.
-    fn excess_from(
-        &self,
-        problem: &Problem,
-        near: &Point,
-        values: &[f64],
-        rollouts: &mut usize,
-    ) -> Result<(f64, Point)> {
-        let fit = held(problem, near.with(&self.joint, values), &self.joint, &self.spread)?;
+        let fit = held(problem, self.best.with(&self.joint, values), &self.joint, &self.spread)?;
         *rollouts += fit.rollouts;
-        Ok((self.spread.excess(fit.cost - self.cost), fit.point))
+        Ok(self.spread.excess(fit.cost - self.cost))
     }
 
     /// Whether the ends of the ellipse's axes lie within the bounds and on the quantile.
@@ -161,10 +147,6 @@ impl Region {
         let middle = Vector2::from(ends.map(|[low, high]| low.midpoint(high)));
         let held = self.excess(problem, middle.as_slice(), rollouts)? <= self.quantile;
         let origin = if held { middle } else { estimate };
-        let bounds = [0, 1].map(|i| {
-            let p = &problem.simulator.parameters()[self.joint[i]];
-            (p.min, p.max)
-        });
         // The ellipse's own shape, or that of the intervals where it has none or is a small part of them: at a kink the
         // curvature speaks of one side only.
         let like = |c: &DMatrix<f64>| (0..2).all(|i| half[i] < SAME_SIZE * self.spread.quantile() * c[(i, i)].sqrt());
@@ -172,64 +154,23 @@ impl Region {
         let shape = shape.map(|c| c.l() * self.quantile.sqrt());
         for corner in 0..CORNERS {
             let (sin, cos) = (std::f64::consts::TAU * corner as f64 / CORNERS as f64).sin_cos();
-            let ray = shape.as_ref().map_or_else(
+            let direction = shape.as_ref().map_or_else(
                 || Vector2::new(half[0] * cos, half[1] * sin),
                 |l| Vector2::new(l[(0, 0)] * cos, l[(1, 0)] * cos + l[(1, 1)] * sin),
             );
-            // How far along the ray a bound is met.
-            let room = |i: usize| match ray[i] {
-                r if r > 0.0 => (bounds[i].1 - origin[i]) / r,
-                r if r < 0.0 => (bounds[i].0 - origin[i]) / r,
-                _ => f64::INFINITY,
+            let ray = Ray {
+                problem,
+                spread: &self.spread,
+                positions: [self.joint[0], self.joint[1]],
+                best: (&self.best, self.cost),
+                origin: origin.into(),
+                direction: direction.into(),
             };
-            let most = room(0).min(room(1)).max(0.0);
-            let at = |length: f64| {
-                let place = origin + ray * length;
-                [0, 1].map(|i| place[i].clamp(bounds[i].0, bounds[i].1))
-            };
-            let (length, used) = self.edge(problem, most, at)?;
+            let (corner, used) = ray.edge(self.quantile)?;
             *rollouts += used;
-            self.boundary.push(at(length));
+            self.boundary.push(corner);
         }
         Ok(())
-    }
-
-    /// Where the ray `at` leaves the region, at most after `most`. The root of the misfit is nearly straight along a ray, so
-    /// a place is interpolated; where it is not (a flat stretch, a kink), every second guess halves what is left.
-    fn edge(&self, problem: &Problem, most: f64, at: impl Fn(f64) -> [f64; 2]) -> Result<(f64, usize)> {
-        let (mut rollouts, mut near) = (0, self.best.clone());
-        let limit = self.quantile.sqrt();
-        let (mut inner, mut outer) = ((0.0, 0.0), (1f64.min(most), f64::INFINITY));
-        loop {
-            let (excess, point) = self.excess_from(problem, &near, &at(outer.0), &mut rollouts)?;
-            outer.1 = excess.sqrt();
-            if outer.1 > limit {
-                break;
-            }
-            (inner, near) = (outer, point);
-            if outer.0 >= most {
-                return Ok((most, rollouts));
-            }
-            outer.0 = (1.5 * outer.0).min(most);
-        }
-        for guess in 0..MOST_HALVINGS {
-            if outer.0 - inner.0 <= CORNER_SHARE * outer.0 {
-                break;
-            }
-            let share = if guess % 2 == 0 { (limit - inner.1) / (outer.1 - inner.1) } else { 0.5 };
-            let between = inner.0 + share.clamp(0.05, 0.95) * (outer.0 - inner.0);
-            let (excess, point) = self.excess_from(problem, &near, &at(between), &mut rollouts)?;
-            let root = excess.sqrt();
-            if (root / limit - 1.0).abs() < CORNER_SHARE {
-                return Ok((between, rollouts));
-            }
-            if root <= limit {
-                (inner, near) = ((between, root), point);
-            } else {
-                outer = (between, root);
-            }
-        }
-        Ok((f64::midpoint(inner.0, outer.0), rollouts))
     }
 }
 
