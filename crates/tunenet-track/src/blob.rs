@@ -1,6 +1,6 @@
 //! Connected patches of a mask.
 
-use opencv::core::{CV_32S, Mat, MatTraitConst};
+use opencv::core::{CV_32S, Mat, MatTraitConst, ToInputArray};
 use opencv::imgproc::{
     CC_STAT_AREA, CC_STAT_HEIGHT, CC_STAT_LEFT, CC_STAT_TOP, CC_STAT_WIDTH, connected_components_with_stats,
 };
@@ -28,7 +28,7 @@ impl Blob {
 }
 
 /// The patches of `mask` (8 bits, 0 is outside), the largest first.
-pub(crate) fn blobs(mask: &Mat) -> opencv::Result<Vec<Blob>> {
+pub(crate) fn blobs(mask: &impl ToInputArray) -> opencv::Result<Vec<Blob>> {
     let (mut labels, mut stats, mut centroids) = (Mat::default(), Mat::default(), Mat::default());
     let count = connected_components_with_stats(mask, &mut labels, &mut stats, &mut centroids, 8, CV_32S)?;
     let mut found = Vec::new();

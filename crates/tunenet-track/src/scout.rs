@@ -1,11 +1,15 @@
 //! Finding out what to look for: the one saturated thing that moves before a still background.
 
-use opencv::core::{Mat, MatTraitConstManual, MatTraitManual};
-use opencv::imgproc::{COLOR_BGR2HSV, cvt_color_def};
+use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Size};
+use opencv::imgproc::{COLOR_BGR2HSV, INTER_AREA, cvt_color_def, resize};
+use rayon::prelude::*;
 
 use super::blob::{Blob, blobs};
 use super::colour::{HUES, Window};
+use super::stillness::moves;
 
+/// The longer side of the small pictures that are scouted, px.
+const SMALL_PX: i32 = 480;
 /// Frames that make the background: the median of so many forgets whatever passes.
 const BACKGROUND_FRAMES: usize = 31;
 /// How far a pixel has to differ from the background, in grey levels of any channel, to belong to something that moves.
@@ -24,6 +28,7 @@ const STILL_SHARE: f64 = 0.3;
 pub(crate) const ROUND: std::ops::Range<f64> = 0.55..1.4;
 
 /// What to look for, and before what.
+#[derive(Debug, Clone)]
 pub struct Scene {
     /// The ball's colour.
     pub window: Window,
@@ -31,8 +36,10 @@ pub struct Scene {
     pub(crate) background: Mat,
     /// Whether the background itself holds the ball's colour, so that colour alone does not tell.
     pub clutter: bool,
-    /// Median area of the ball in the small frames, px².
-    pub(crate) area: f64,
+    /// Median area of the ball, as a share of the picture.
+    pub(crate) area_share: f64,
+    /// The share of the scouted frames in which it was seen.
+    pub(crate) seen_share: f64,
 }
 
 /// Why nothing was found.
@@ -40,8 +47,44 @@ pub struct Scene {
 pub enum Unseen {
     /// Nothing coloured and round moves.
     NoBall,
+    /// Two things look alike.
+    TwoBalls,
     /// Most of the picture moves.
     CameraMoves,
+}
+
+impl Unseen {
+    /// A fixed word for scripts.
+    #[must_use]
+    pub fn verdict(self) -> &'static str {
+        match self {
+            Self::NoBall => "no_ball",
+            Self::TwoBalls => "two_balls",
+            Self::CameraMoves => "camera_moves",
+        }
+    }
+
+    /// The code of its note.
+    #[must_use]
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::NoBall => "ball.none",
+            Self::TwoBalls => "ball.two",
+            Self::CameraMoves => "camera.moves",
+        }
+    }
+}
+
+/// Reduces `frame` so that its longer side has at most [`SMALL_PX`].
+pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
+    let longer = frame.cols().max(frame.rows());
+    if longer <= SMALL_PX {
+        return frame.try_clone();
+    }
+    let factor = f64::from(SMALL_PX) / f64::from(longer);
+    let mut small = Mat::default();
+    resize(frame, &mut small, Size::default(), factor, factor, INTER_AREA)?;
+    Ok(small)
 }
 
 /// Scouts `frames`, small pictures of the whole film in blue, green and red, for the ball, of colour `window` where that is
@@ -49,31 +92,33 @@ pub enum Unseen {
 pub(crate) fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
     let background = median(frames)?;
     let still = background.data_bytes()?;
-    let hsv: Vec<Mat> = frames.iter().map(to_hsv).collect::<opencv::Result<_>>()?;
+    let hsv: Vec<Mat> = frames.par_iter().map(to_hsv).collect::<opencv::Result<_>>()?;
     let moved: Vec<Vec<u8>> =
-        frames.iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
+        frames.par_iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
     let mut shares: Vec<f64> =
         moved.iter().map(|m| m.iter().filter(|d| **d > MOVED_CLEARLY).count() as f64 / m.len() as f64).collect();
     shares.sort_unstable_by(f64::total_cmp);
-    if shares[shares.len() / 2] > STILL_SHARE {
+    if shares[shares.len() / 2] > STILL_SHARE || moves(frames)? {
         return Ok(Err(Unseen::CameraMoves));
     }
     let candidates = match window {
         Some(window) => vec![window],
         None => colours(&hsv, &moved)?,
     };
-    let mut best: Option<(f64, Window, f64)> = None;
+    let mut best: Option<(f64, Window, f64, f64)> = None;
     for window in candidates {
         let seen = sightings(&hsv, &moved, &window)?;
         let Some((merit, area)) = merit(&seen, frames.len()) else { continue };
         if best.as_ref().is_none_or(|b| merit > b.0) {
-            best = Some((merit, window, area));
+            let share = seen.iter().flatten().count() as f64 / frames.len() as f64;
+            best = Some((merit, window, area, share));
         }
     }
-    let Some((_, wide, area)) = best else { return Ok(Err(Unseen::NoBall)) };
+    let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
     let window = if window.is_some() { wide } else { narrowed(&hsv, &moved, wide)? };
     let clutter = clutter(&background, &window, area)?;
-    Ok(Ok(Scene { window, background, clutter, area }))
+    let area_share = area / (background.cols() * background.rows()) as f64;
+    Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
 }
 
 /// The median of each pixel over at most [`BACKGROUND_FRAMES`] frames.
@@ -142,7 +187,7 @@ fn colours(hsv: &[Mat], moved: &[Vec<u8>]) -> opencv::Result<Vec<Window>> {
 
 /// The largest moving blob of this colour in each frame.
 fn sightings(hsv: &[Mat], moved: &[Vec<u8>], window: &Window) -> opencv::Result<Vec<Option<Blob>>> {
-    hsv.iter().zip(moved).map(|(hsv, moved)| Ok(blobs(&mask(hsv, moved, window)?)?.into_iter().next())).collect()
+    hsv.par_iter().zip(moved).map(|(hsv, moved)| Ok(blobs(&mask(hsv, moved, window)?)?.into_iter().next())).collect()
 }
 
 fn mask(hsv: &Mat, moved: &[u8], window: &Window) -> opencv::Result<Mat> {

@@ -1,38 +1,38 @@
 //! From a film to a track: one position of the ball for every frame in which it is seen.
 
-use std::path::Path;
-
-use opencv::core::{Mat, MatTraitConst, MatTraitConstManual};
-use rayon::prelude::*;
+use opencv::core::{Mat, MatTraitConstManual};
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::{Error, Result};
 
-use crate::colour::Window;
-use crate::frames::Frames;
-use crate::scout::{Scene, Unseen, scout};
-use crate::tracker::{Sighting, look, reduced};
-use crate::video::undecodable;
+use crate::changes::Changes;
+use crate::colour::{HUES, Window};
+use crate::noticed;
+use crate::scout::{Scene, Unseen, reduced, scout};
+use crate::source::Source;
+use crate::tracker::{Sighting, Tracker};
+use crate::video::{FEWEST_FRAMES, undecodable};
+use crate::view::View;
 
-/// The longer side of the small pictures in which the ball is searched, px.
-const SMALL_PX: i32 = 480;
 /// Small pictures that are kept for scouting, evenly over the film.
-const MOST_SCOUTED: usize = 64;
-/// Whole frames up to this many bytes wait in memory, so that a short film is decoded only once.
-const WAITING_BYTES: usize = 400 << 20;
-/// Frames that are searched at once.
-const BATCH: usize = 16;
+const MOST_SCOUTED: usize = 48;
+/// Whole frames up to this many bytes wait until it is known what to look for, so that a film is decoded only once.
+const WAITING_BYTES: usize = 256 << 20;
+/// What the first frames show is believed, before the rest is known, where the ball is seen in this share of them.
+const BELIEVED_SHARE: f64 = 0.4;
 /// A sighting this many times larger or smaller than usual is something else.
 const OFF_SIZE: f64 = 1.8;
-/// A ball is seen twice from this share of the frames on.
+/// A ball is seen twice from this share of the looks on.
 const TWO_BALLS: f64 = 0.3;
-/// Two frames whose small pictures differ by less than this share of the usual change are one frame shown twice.
-const SAME_SHARE: f64 = 0.1;
 
 /// How to track.
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// The ball's colour; found by itself where it is `None`.
     pub colour: Option<Window>,
+    /// The frames per second at which the film was really taken, where the container does not know: slow motion.
+    pub rate_hz: Option<f64>,
+    /// Frames after which to stop; all where it is `None`.
+    pub most_frames: Option<usize>,
 }
 
 /// The ball in a film.
@@ -41,7 +41,7 @@ pub struct Track {
     /// How many frames decode.
     pub frames: usize,
     /// Width and height of a frame, px.
-    pub size_px: (i32, i32),
+    pub size_px: (usize, usize),
     /// The rate of the frames as they were taken: the inverse of the median step, 1/s.
     pub rate_hz: f64,
     /// The colour that was looked for.
@@ -56,189 +56,230 @@ pub struct Track {
     pub notes: Vec<Note>,
 }
 
-/// One frame with what is needed to judge it.
-struct Seen {
-    index: usize,
-    time_s: f64,
-    frame: Mat,
-    small: Mat,
-    factor: f64,
+/// What a film gives.
+#[derive(Debug, Clone)]
+pub enum Answer {
+    /// A track.
+    Tracked(Box<Track>),
+    /// None, and why.
+    Unseen {
+        /// Why.
+        reason: Unseen,
+        /// How many frames decode.
+        frames: usize,
+        /// The same for people, with what to try.
+        note: Note,
+    },
 }
 
-/// Tracks the ball in the film at `path`. `progress` is called with the number of frames done.
+/// Tracks the ball in `source`. `progress` is called with the number of frames done and how many the file promises.
+///
+/// Frames are decoded in a thread of their own, once where the first of them show what to look for; memory does not grow
+/// with the film.
 ///
 /// # Errors
-/// [`Error::File`] where the film cannot be read, no ball is found, there are two, or the camera moves.
-pub fn track(path: &Path, settings: &Settings, progress: &mut dyn FnMut(usize)) -> Result<Track> {
-    let broken = |e: opencv::Error| undecodable(path, &e);
-    let mut reader = Frames::open(path)?;
-    let (mut waiting, mut samples, mut stride, mut bytes) = (Vec::new(), Vec::<Mat>::new(), 1, 0);
-    let mut whole = true;
-    let mut count = 0;
-    loop {
-        let mut frame = Mat::default();
-        let Some(time_s) = reader.next(&mut frame)? else { break };
-        let (small, factor) = reduced(&frame, SMALL_PX).map_err(broken)?;
-        if count % stride == 0 {
-            samples.push(small.clone());
+/// [`Error::File`] where the film cannot be read; [`Error::Setting`] for a rate that is none.
+pub fn track(
+    source: &Source,
+    settings: &Settings,
+    progress: &mut dyn FnMut(usize, Option<usize>),
+) -> Result<Answer> {
+    if let Some(rate) = settings.rate_hz.filter(|r| !(r.is_finite() && (1e-3..=1e6).contains(r))) {
+        let (expected, found) = ("frames per second from 0.001 to 1000000".into(), rate.to_string());
+        return Err(Error::Setting { name: "--rate", expected, found });
+    }
+    let most = settings.most_frames.unwrap_or(usize::MAX);
+    let mut first = First { settings, waiting: Vec::new(), bytes: 0, samples: Samples::default(), pass: None };
+    let frames = source.stream(most, &mut |index, time_s, image, promised| {
+        progress(index + 1, promised.map(|p| p.min(most)));
+        first.take(index, time_s, image)
+    })?;
+    let First { waiting, samples, pass, .. } = first;
+    if frames.count < FEWEST_FRAMES {
+        let found = format!("expected a video, found {} frames that decode", frames.count);
+        return Err(Error::file(source.path(), found, "record a longer one"));
+    }
+    let broken = |e: opencv::Error| undecodable(source.path(), &e);
+    let scene = match scout(&samples.kept, settings.colour).map_err(broken)? {
+        Ok(scene) => scene,
+        Err(reason) => return Ok(unseen(reason, frames.count, settings, "")),
+    };
+    // What the first frames showed may be another ball than the one of the whole film.
+    let pass = match pass {
+        Some(pass) if pass.alike(&scene) => pass,
+        _ => {
+            let mut pass = Pass::new(scene);
+            if waiting.len() == frames.count {
+                waiting.iter().try_for_each(|(time_s, image)| pass.frame(*time_s, image)).map_err(broken)?;
+            } else {
+                source.stream(most, &mut |index, time_s, image, promised| {
+                    progress(index + 1, promised.map(|p| p.min(most)));
+                    pass.frame(time_s, &image)?;
+                    Ok(Some(image))
+                })?;
+            }
+            pass
         }
-        if samples.len() > MOST_SCOUTED {
+    };
+    let cut_short = settings.most_frames.is_none() && frames.promised.is_some_and(|p| p > frames.count + 1 + p / 50);
+    let missing = frames.promised.filter(|_| cut_short).map(|p| (frames.count, p));
+    Ok(pass.finish(settings, missing))
+}
+
+fn unseen(reason: Unseen, frames: usize, settings: &Settings, found: &str) -> Answer {
+    Answer::Unseen { reason, frames, note: noticed::unseen(reason, settings.colour.is_some(), found) }
+}
+
+/// Small pictures, evenly over the film, however long it is.
+#[derive(Default)]
+struct Samples {
+    kept: Vec<Mat>,
+    stride: usize,
+}
+
+impl Samples {
+    fn push(&mut self, index: usize, image: &Mat) -> opencv::Result<()> {
+        self.stride = self.stride.max(1);
+        if index % self.stride != 0 {
+            return Ok(());
+        }
+        self.kept.push(reduced(image)?);
+        if self.kept.len() > MOST_SCOUTED {
             let mut place = 0;
-            samples.retain(|_| {
+            self.kept.retain(|_| {
                 place += 1;
                 place % 2 == 1
             });
-            stride *= 2;
+            self.stride *= 2;
         }
-        bytes += frame.data_bytes().map_err(broken)?.len();
-        whole = whole && bytes <= WAITING_BYTES;
-        if whole {
-            waiting.push(Seen { index: count, time_s, frame, small, factor });
-        } else {
-            waiting.clear();
-        }
-        count += 1;
-        progress(count);
+        Ok(())
     }
-    if count < crate::video::FEWEST_FRAMES {
-        return Err(Error::file(
-            path,
-            format!("expected a video, found {count} frames that decode"),
-            "record a longer one",
-        ));
-    }
-    let scene = match scout(&samples, settings.colour).map_err(broken)? {
-        Ok(scene) => scene,
-        Err(reason) => return Err(unseen(path, reason, settings)),
-    };
-    let mut pass = Pass::new(&scene);
-    if whole {
-        pass.batch(&waiting).map_err(broken)?;
-    } else {
-        let mut reader = Frames::open(path)?;
-        let mut batch = Vec::with_capacity(BATCH);
-        for index in 0.. {
-            let mut frame = Mat::default();
-            let Some(time_s) = reader.next(&mut frame)? else { break };
-            let (small, factor) = reduced(&frame, SMALL_PX).map_err(broken)?;
-            batch.push(Seen { index, time_s, frame, small, factor });
-            if batch.len() == BATCH {
-                pass.batch(&batch).map_err(broken)?;
-                batch.clear();
-            }
-            progress(count + index + 1);
-        }
-        pass.batch(&batch).map_err(broken)?;
-    }
-    pass.finish(path)
 }
 
-fn unseen(path: &Path, reason: Unseen, settings: &Settings) -> Error {
-    match (reason, settings.colour) {
-        (Unseen::CameraMoves, _) => Error::file(
-            path,
-            "expected a still camera, found most of the picture moving",
-            "put the camera on a stand, or against something",
-        ),
-        (Unseen::NoBall, None) => Error::file(
-            path,
-            "expected a ball, found nothing round and coloured that moves",
-            "name its colour, as in `--color white`, or record a saturated ball before a dull background",
-        ),
-        (Unseen::NoBall, Some(_)) => Error::file(
-            path,
-            "expected a ball of the given colour, found nothing round of it that moves",
-            "leave `--color` out, so that the colour is found by itself",
-        ),
+/// The first time through a film: frames wait until it is known what to look for.
+struct First<'a> {
+    settings: &'a Settings,
+    waiting: Vec<(f64, Mat)>,
+    bytes: usize,
+    samples: Samples,
+    pass: Option<Pass>,
+}
+
+impl First<'_> {
+    fn take(&mut self, index: usize, time_s: f64, image: Mat) -> opencv::Result<Option<Mat>> {
+        self.samples.push(index, &image)?;
+        if let Some(pass) = &mut self.pass {
+            pass.frame(time_s, &image)?;
+            return Ok(Some(image));
+        }
+        if self.bytes > WAITING_BYTES {
+            // The first frames did not show it, so all of them have to be seen again.
+            return Ok(Some(image));
+        }
+        self.bytes += image.data_bytes()?.len();
+        self.waiting.push((time_s, image));
+        if self.bytes > WAITING_BYTES {
+            if let Ok(scene) = scout(&self.samples.kept, self.settings.colour)?
+                && scene.seen_share >= BELIEVED_SHARE
+            {
+                let mut pass = Pass::new(scene);
+                self.waiting.iter().try_for_each(|(time_s, image)| pass.frame(*time_s, image))?;
+                self.pass = Some(pass);
+            }
+            self.waiting = Vec::new();
+        }
+        Ok(None)
     }
 }
 
 /// One pass over the frames.
-struct Pass<'a> {
-    scene: &'a Scene,
+struct Pass {
+    tracker: Tracker,
     sightings: Vec<Sighting>,
     times_s: Vec<f64>,
-    changes: Vec<f64>,
-    before: Option<Mat>,
-    size_px: (i32, i32),
+    changes: Changes,
+    size_px: (usize, usize),
 }
 
-impl<'a> Pass<'a> {
-    fn new(scene: &'a Scene) -> Self {
-        Self { scene, sightings: Vec::new(), times_s: Vec::new(), changes: Vec::new(), before: None, size_px: (0, 0) }
+impl Pass {
+    fn new(scene: Scene) -> Self {
+        let tracker = Tracker::new(scene);
+        Self { tracker, sightings: Vec::new(), times_s: Vec::new(), changes: Changes::default(), size_px: (0, 0) }
     }
 
-    fn batch(&mut self, frames: &[Seen]) -> opencv::Result<()> {
-        let looked: Vec<opencv::Result<Option<Sighting>>> =
-            frames.par_iter().map(|s| look(self.scene, &s.frame, &s.small, s.factor)).collect();
-        for (seen, sighting) in frames.iter().zip(looked) {
-            self.sightings.extend(sighting?.map(|s| Sighting { frame: seen.index, time_s: seen.time_s, ..s }));
-            self.times_s.push(seen.time_s);
-            self.size_px = (seen.frame.cols(), seen.frame.rows());
-            let now = seen.small.data_bytes()?;
-            let change = match &self.before {
-                Some(before) => mean_difference(before.data_bytes()?, now),
-                None => f64::INFINITY,
-            };
-            self.changes.push(change);
-            self.before = Some(seen.small.clone());
-        }
+    /// Whether it looked for what `scene` says as well.
+    fn alike(&self, scene: &Scene) -> bool {
+        let (a, b) = (&self.tracker.scene().window, &scene.window);
+        let away = ((a.hue - b.hue + HUES / 2).rem_euclid(HUES) - HUES / 2).abs();
+        let size = self.tracker.scene().area_share / scene.area_share;
+        away <= a.half_width.min(b.half_width)
+            && (!scene.clutter || self.tracker.scene().clutter)
+            && (0.25..4.0).contains(&size)
+    }
+
+    fn frame(&mut self, time_s: f64, image: &Mat) -> opencv::Result<()> {
+        let view = View::of(image)?;
+        let frame = self.times_s.len();
+        self.sightings.extend(self.tracker.look(&view)?.map(|s| Sighting { frame, time_s, ..s }));
+        self.times_s.push(time_s);
+        self.changes.push(&view);
+        self.size_px = (view.columns(), view.rows());
         Ok(())
     }
 
-    fn finish(self, path: &Path) -> Result<Track> {
-        let frames = self.times_s.len();
-        let mut notes = Vec::new();
-        let steps: Vec<f64> = self.times_s.windows(2).map(|w| w[1] - w[0]).collect();
-        let step_s = median(steps.iter().copied()).unwrap_or(1.0);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of frames")]
-        let missing = |step: &f64| ((step / step_s).round() - 1.0).clamp(0.0, 1e6) as usize;
-        let dropped = steps.iter().map(missing).sum();
-        let usual = median(self.changes.iter().copied().filter(|c| c.is_finite())).unwrap_or(0.0);
-        let repeated: Vec<usize> = (1..frames).filter(|&i| self.changes[i] < SAME_SHARE * usual).collect();
-        let two = self.sightings.iter().filter(|s| s.second).count();
-        if two as f64 > TWO_BALLS * self.sightings.len() as f64 {
-            let message = format!("expected one ball, found two things alike in {two} of {frames} frames");
-            return Err(Error::file(path, message, "leave one ball in view, or name its colour with `--color`"));
+    /// `missing`: how many frames decode of how many that the file promises, where it was cut off.
+    fn finish(self, settings: &Settings, missing: Option<(usize, usize)>) -> Answer {
+        let Self { tracker, mut sightings, mut times_s, changes, size_px } = self;
+        let frames = times_s.len();
+        let looks: Vec<bool> = sightings.iter().filter_map(|s| s.second).collect();
+        let two = looks.iter().filter(|second| **second).count();
+        if two as f64 > TWO_BALLS * looks.len() as f64 {
+            return unseen(Unseen::TwoBalls, frames, settings, &format!("in {two} of {} frames", looks.len()));
         }
-        let radius = median(self.sightings.iter().filter(|s| !s.cut).map(|s| s.radius_px)).unwrap_or(1.0);
-        let mut sightings = self.sightings;
+        let steps = |times: &[f64]| times.windows(2).map(|w| w[1] - w[0]).collect::<Vec<f64>>();
+        let step_s = median(steps(&times_s)).unwrap_or(1.0);
+        // The film's own steps keep their proportions, so that a dropped frame stays a gap.
+        let slower = settings.rate_hz.map_or(1.0, |rate| 1.0 / (rate * step_s));
+        times_s.iter_mut().for_each(|t| *t *= slower);
+        sightings.iter_mut().for_each(|s| s.time_s *= slower);
+        let step_s = step_s * slower;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of frames")]
+        let lost = |step: &f64| ((step / step_s).round() - 1.0).clamp(0.0, 1e6) as usize;
+        let dropped = steps(&times_s).iter().map(lost).sum();
+        let radius = median(sightings.iter().filter(|s| !s.cut).map(|s| s.radius_px).collect()).unwrap_or(1.0);
         for s in sightings.iter_mut().filter(|s| !s.cut) {
             s.confidence *= (-((s.radius_px / radius).ln() / OFF_SIZE.ln()).powi(2)).exp();
         }
         // Something else of the ball's colour: far too large or too small, and in full view.
         sightings.retain(|s| s.cut || (1.0 / OFF_SIZE..OFF_SIZE).contains(&(s.radius_px / radius)));
-        if !repeated.is_empty() {
-            let text = format!("{} of {frames} frames repeat the one before", repeated.len());
-            notes.push(Note::new("frames.repeated", text, "they are left out"));
+        if !sightings.iter().any(|s| !s.cut) {
+            return unseen(Unseen::NoBall, frames, settings, "");
         }
-        if dropped > 0 {
-            let text = format!("{dropped} frames are missing by the film's own clock");
-            notes.push(Note::new("frames.dropped", text, "the gaps stay in the clock"));
-        }
-        let cut = sightings.iter().filter(|s| s.cut).count();
-        if cut > 0 {
-            let text =
-                format!("the border of the picture cuts the ball in {cut} frames, which are left out of the track");
-            notes.push(Note::new("view.border", text, "keep the whole flight in view"));
-        }
-        Ok(Track {
+        let mut track = Track {
             frames,
-            size_px: self.size_px,
+            size_px,
             rate_hz: 1.0 / step_s,
-            colour: self.scene.window,
+            colour: tracker.scene().window,
             sightings,
-            repeated,
+            repeated: changes.repeated(),
             dropped,
-            notes,
-        })
+            notes: Vec::new(),
+        };
+        track.notes = noticed::of(&track, tracker.scene().clutter, missing);
+        Answer::Tracked(Box::new(track))
     }
 }
 
 impl Track {
     /// The sightings in full view, in frames that are no repetition.
     pub fn whole(&self) -> impl Iterator<Item = &Sighting> {
-        self.sightings.iter().filter(|s| !s.cut && !self.repeated.contains(&s.frame))
+        self.sightings.iter().filter(|s| !s.cut && self.repeated.binary_search(&s.frame).is_err())
+    }
+
+    /// The ball's radius in the picture, px: the median.
+    #[must_use]
+    pub fn radius_px(&self) -> f64 {
+        median(self.whole().map(|s| s.radius_px).collect()).unwrap_or(1.0)
     }
 
     /// The track as an observation in pixels.
@@ -252,102 +293,10 @@ impl Track {
     }
 }
 
-fn mean_difference(a: &[u8], b: &[u8]) -> f64 {
-    let sum: u64 = a.iter().zip(b).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-    sum as f64 / a.len().max(1) as f64
-}
-
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_unstable_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use opencv::core::{CV_8UC3, Point, Scalar, Size};
-    use opencv::imgproc::{FILLED, LINE_AA, circle};
-    use opencv::videoio::{VideoWriter, VideoWriterTrait};
-
-    /// A film of a disc that falls and bounces before a grey wall: where its centre is in each frame, px.
-    fn film(path: &Path, colours: &[Scalar]) -> Vec<(f64, f64)> {
-        let codec = VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();
-        let mut writer = VideoWriter::new(path.to_str().unwrap(), codec, 60.0, Size::new(320, 240), true).unwrap();
-        let mut centres = Vec::new();
-        for i in 0..60 {
-            let t = f64::from(i) / 60.0;
-            let (u, v) = (60.3 + 150.0 * t, 40.0 + 160.0 * (1.0 - (3.0 * t).cos().abs()));
-            let wall = Scalar::new(120.0, 125.0, 122.0, 0.0);
-            let mut frame = Mat::new_rows_cols_with_default(240, 320, CV_8UC3, wall).unwrap();
-            for (k, colour) in colours.iter().enumerate() {
-                // Sixteenths of a pixel.
-                #[expect(clippy::cast_possible_truncation, reason = "small numbers")]
-                let at = Point::new((16.0 * (u + 60.0 * k as f64)).round() as i32, (16.0 * v).round() as i32);
-                circle(&mut frame, at, 16 * 12, *colour, FILLED, LINE_AA, 4).unwrap();
-            }
-            writer.write(&frame).unwrap();
-            centres.push((u, v));
-        }
-        writer.release().unwrap();
-        centres
-    }
-
-    #[test]
-    fn a_drawn_disc_is_found_to_a_fraction_of_a_pixel() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("film.avi");
-        let centres = film(&path, &[Scalar::new(40.0, 40.0, 220.0, 0.0)]);
-        for colour in [None, Some(Window::parse("red").unwrap())] {
-            let track = track(&path, &Settings { colour }, &mut |_| {}).unwrap();
-            assert_eq!((track.frames, track.sightings.len()), (60, 60));
-            assert!((track.rate_hz - 60.0).abs() < 1e-6, "{}", track.rate_hz);
-            for s in &track.sightings {
-                let (u, v) = centres[s.frame];
-                assert!((s.u_px - u).hypot(s.v_px - v) < 0.2, "frame {}: {} {} for {u} {v}", s.frame, s.u_px, s.v_px);
-                assert!((s.radius_px - 12.0).abs() < 1.0 && !s.cut, "{s:?}");
-            }
-            assert_eq!(track.observation().unwrap().len(), track.whole().count());
-        }
-    }
-
-    #[test]
-    fn no_ball_two_balls_and_a_wrong_colour_are_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let (grey, two, one) =
-            (folder.path().join("grey.avi"), folder.path().join("two.avi"), folder.path().join("one.avi"));
-        film(&grey, &[]);
-        let green = Scalar::new(40.0, 220.0, 40.0, 0.0);
-        film(&two, &[green, green]);
-        film(&one, &[green]);
-        let refusal = |path: &Path, settings: &Settings| track(path, settings, &mut |_| {}).unwrap_err().to_string();
-        assert!(refusal(&grey, &Settings::default()).contains("nothing round and coloured that moves"));
-        assert!(refusal(&two, &Settings::default()).contains("two things alike"));
-        let red = Settings { colour: Some(Window::parse("red").unwrap()) };
-        assert!(refusal(&one, &red).contains("of the given colour"));
-    }
-
-    /// Frames with a ball in them, as counted by eye and told beside the films, one more or less at the border.
-    #[test]
-    fn balls_in_real_films_are_seen() {
-        let Some(root) = std::env::var_os("TUNENET_MEASURED") else {
-            eprintln!("skipped: TUNENET_MEASURED does not name a folder of measured files");
-            return;
-        };
-        let films = [
-            ("video-redball/RedBall.mp4", 57..=60),
-            ("video-throws/PV_1.mp4", 51..=53),
-            ("video-throws/PV_2.mp4", 37..=39),
-            ("video-tennis-throw/ball.mp4", 27..=27),
-        ];
-        for (name, expected) in films {
-            let path = Path::new(&root).join(name);
-            if !path.exists() {
-                eprintln!("skipped: {} is not there", path.display());
-                continue;
-            }
-            let found = track(&path, &Settings::default(), &mut |_| {}).unwrap();
-            assert!(expected.contains(&found.sightings.len()), "{name}: {} frames", found.sightings.len());
-        }
-    }
-}
+mod tests;
