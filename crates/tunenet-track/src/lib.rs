@@ -16,6 +16,7 @@
 //! | [`scout`] | that window found by itself: the saturated thing that moves before a still background |
 //! | [`tracker`] | the ball in one frame, to a fraction of a pixel |
 //! | [`track`](mod@track) | the ball in a whole film, and what was noticed on the way |
+//! | [`scale`] | pixels become metres |
 //!
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 
@@ -27,6 +28,8 @@ mod log;
 pub mod lookup;
 mod noticed;
 mod outline;
+mod parabola;
+pub mod scale;
 pub mod scout;
 pub mod source;
 mod stillness;

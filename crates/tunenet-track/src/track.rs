@@ -21,6 +21,8 @@ const WAITING_BYTES: usize = 256 << 20;
 const BELIEVED_SHARE: f64 = 0.4;
 /// A sighting this many times larger or smaller than usual is something else.
 const OFF_SIZE: f64 = 1.8;
+/// What is left of a ball at the border of the picture is one from this share of its usual radius on.
+const LEAST_CUT: f64 = 0.3;
 /// A ball is seen twice from this share of the looks on.
 const TWO_BALLS: f64 = 0.3;
 
@@ -251,7 +253,10 @@ impl Pass {
             s.confidence *= (-((s.radius_px / radius).ln() / OFF_SIZE.ln()).powi(2)).exp();
         }
         // Something else of the ball's colour: far too large or too small, and in full view.
-        sightings.retain(|s| s.cut || (1.0 / OFF_SIZE..OFF_SIZE).contains(&(s.radius_px / radius)));
+        sightings.retain(|s| {
+            let size = s.radius_px / radius;
+            if s.cut { (LEAST_CUT..OFF_SIZE).contains(&size) } else { (1.0 / OFF_SIZE..OFF_SIZE).contains(&size) }
+        });
         if !sightings.iter().any(|s| !s.cut) {
             return unseen(Unseen::NoBall, frames, settings, "");
         }

@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use super::*;
+use crate::scale::Known;
+use tunenet_core::observation::preflight::Expected;
 use crate::test_films::{Film, disc_film};
 
 fn answer(path: &Path, settings: &Settings) -> Answer {
@@ -127,13 +129,11 @@ fn balls_in_real_films_are_seen() {
             continue;
         }
         let found = tracked(&path, &Settings::default());
-        for s in &found.sightings {
-            eprintln!(
-                "{name} {} t {:.4} u {:.2} v {:.2} r {:.2} conf {:.2} {}",
-                s.frame, s.time_s, s.u_px, s.v_px, s.radius_px, s.confidence, s.cut
-            );
-        }
-        eprintln!("{name}: {:?} {:?} repeated {:?}", found.colour, found.notes, found.repeated);
+        let metric = crate::scale::Metric::of(&found, Known::Nothing, &Expected::default()).unwrap().unwrap();
+        let arcs = metric.preflight.arcs.unwrap();
+        eprintln!("{name}: scale {} restitution {:?} {:?} gravity {:?}", metric.metres_per_px, arcs.restitution(), metric.notes, metric.preflight.gravity);
+        for c in &arcs.contacts { eprintln!("  {c:?}"); }
+        for c in metric.preflight.checks { eprintln!("  {c:?}"); }
         assert!(expected.contains(&found.sightings.len()), "{name}: {} frames", found.sightings.len());
     }
 }
