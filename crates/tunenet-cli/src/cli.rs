@@ -379,6 +379,35 @@ pub enum Measured {
     Regions(BenchRegions),
     /// How many spoilt records are found, and how many good ones are blamed
     Preflight(BenchPreflight),
+    /// The tables of the paper, beside what is reached here
+    Paper(BenchPaper),
+}
+
+/// A table or figure of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PaperTable {
+    /// How far a tuned ball is from the real one
+    Table3,
+}
+
+impl PaperTable {
+    pub const ALL: [Self; 1] = [Self::Table3];
+}
+
+/// `tunenet bench paper`.
+#[derive(Debug, Args)]
+pub struct BenchPaper {
+    /// Where finished cells and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-paper")]
+    pub out: PathBuf,
+    /// Only these
+    #[arg(long, value_enum, value_name = "TABLE", num_args = 1..)]
+    pub only: Vec<PaperTable>,
+    /// One seed, few drops, short trainings
+    #[arg(long)]
+    pub quick: bool,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `tunenet bench regions`.

@@ -154,15 +154,22 @@ impl FilmedDrops {
             found: "none that a camera could see".into(),
         })?;
         let rows: Vec<[f64; 3]> = v_px.iter().map(|v| [0.0, 0.0, camera.height(*v)]).collect();
-        let mut prepared =
-            Prepared::whole(Observation::positions(self.clock.clone(), &rows)?, self.ball.parameters().len());
+        let seen = Observation::positions(self.clock.clone(), &rows)?;
+        Ok(Prepared { film: Some(film), ..self.known(top_m, seen)? })
+    }
+
+    /// Positions of a drop from a known height.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a height that is not finite.
+    pub fn known(&self, top_m: f64, seen: Observation) -> Result<Prepared> {
+        let mut prepared = Prepared::whole(seen, self.ball.parameters().len());
         // Known, so the bounds say nothing; a parameter needs some.
         let known = [0.0, 0.0, top_m].into_iter().zip(["x", "y", "z"]);
         prepared.own = known
             .map(|(v, axis)| Parameter::new(format!("release.{axis}"), "m", v, v - 1.0, v + 1.0))
             .collect::<Result<_>>()?;
-        prepared.film = Some(film);
-        prepared.scale = Some(scale);
+        prepared.scale = Some(self.scale(top_m));
         Ok(prepared)
     }
 

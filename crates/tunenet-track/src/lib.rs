@@ -4,14 +4,45 @@
 //! a phone turns the picture in a way that the header's width and height do not tell. So everything here starts from
 //! frames that were really decoded.
 //!
+//! ```text
+//! film or log → pictures with times → scout (what to look for) → tracker (where it is) → track → scale → observation
+//! ```
+//!
 //! | module | what |
 //! |---|---|
 //! | [`video`] | a file becomes a [`video::Clip`]: how large, how fast, how many frames |
-//! | [`render`] | films of a ball whose truth is known |
+//! | [`source`], [`frames`] | pictures one after the other, each with the instant at which it was taken |
+//! | [`colour`], [`lookup`] | the window of hue, saturation and value by which a ball is known |
+//! | [`scout`] | that window found by itself: the saturated thing that moves before a still background |
+//! | [`tracker`] | the ball in one frame, to a fraction of a pixel |
+//! | [`track`](mod@track) | the ball in a whole film, and what was noticed on the way |
+//! | [`scale`] | pixels become metres |
+//! | [`render`], [`rehearsal`] | films of a ball whose truth is known |
 //!
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 
+mod blob;
+mod changes;
+pub mod colour;
+pub mod frames;
+mod log;
+pub mod lookup;
+mod noticed;
+mod outline;
+mod parabola;
+pub mod rehearsal;
 pub mod render;
+pub mod scale;
+pub mod scout;
+pub mod source;
+mod stillness;
+#[cfg(test)]
+mod test_films;
+pub mod track;
+pub mod tracker;
 pub mod video;
+pub mod view;
 
+pub use source::Source;
+pub use track::{Answer, Track, track};
 pub use video::Clip;

@@ -40,30 +40,8 @@ pub struct Clip {
 /// [`Error::Io`] where the file cannot be reached; [`Error::File`] where it is not a video, holds fewer than
 /// [`FEWEST_FRAMES`] frames that decode, or does not say how fast they follow each other.
 pub fn open(path: &Path) -> Result<Clip> {
-    let refuse = |found: &str| Error::file(path, format!("expected a video, found {found}"), HINT);
-    let facts = std::fs::metadata(path).map_err(|source| Error::io(path, "reading", source))?;
-    if !facts.is_file() {
-        return Err(refuse("a folder or a device"));
-    }
-    if facts.len() == 0 {
-        return Err(refuse("an empty file"));
-    }
-    if text(path)? {
-        return Err(refuse("a text"));
-    }
-    // OpenCV takes names as text; the file exists, so it can be renamed.
-    let Some(name) = path.to_str() else {
-        return Err(Error::file(path, "expected a name in UTF-8, found other bytes", "rename the file"));
-    };
-    let broken = |e: opencv::Error| refuse(&format!("one that OpenCV cannot decode ({})", e.message.trim()));
-    set_log_level(LogLevel::LOG_LEVEL_SILENT).map_err(broken)?;
-    // FFmpeg alone where it is built in: the other readers take numbered pictures and devices for videos.
-    let with = if has_backend(VideoCaptureAPIs::CAP_FFMPEG).map_err(broken)? { CAP_FFMPEG } else { CAP_ANY };
-    let mut reader = VideoCapture::from_file(name, with).map_err(broken)?;
-    if !reader.is_opened().map_err(broken)? {
-        return Err(refuse("a file that OpenCV cannot open as one"));
-    }
-    let frames_per_s = reader.get(CAP_PROP_FPS).map_err(broken)?;
+    let (mut reader, frames_per_s) = reader(path)?;
+    let broken = |e: opencv::Error| undecodable(path, &e);
     let (mut frame, mut frames, mut size) = (Mat::default(), 0, None);
     while reader.read(&mut frame).map_err(broken)? {
         // The decoded picture decides: a header gives the size before the phone's rotation.
@@ -72,12 +50,51 @@ pub fn open(path: &Path) -> Result<Clip> {
     }
     let size = size.and_then(|(w, h)| Some((u32::try_from(w).ok()?, u32::try_from(h).ok()?)));
     let Some((width_px, height_px)) = size.filter(|_| frames >= FEWEST_FRAMES) else {
-        return Err(refuse(&format!("{frames} frames that decode (at least {FEWEST_FRAMES} are needed)")));
+        return Err(refuse(path, &format!("{frames} frames that decode (at least {FEWEST_FRAMES} are needed)")));
     };
-    if !(frames_per_s.is_finite() && frames_per_s > 0.0) {
-        return Err(refuse(&format!("{frames} frames without a usable rate ({frames_per_s} frames per second)")));
-    }
     Ok(Clip { path: path.to_path_buf(), width_px, height_px, frames_per_s, frames })
+}
+
+/// OpenCV's reader of the video at `path`, and its nominal rate (1/s), before any frame is decoded.
+///
+/// # Errors
+/// As [`open`], but for what shows only when frames are decoded.
+pub(crate) fn reader(path: &Path) -> Result<(VideoCapture, f64)> {
+    let facts = std::fs::metadata(path).map_err(|source| Error::io(path, "reading", source))?;
+    if !facts.is_file() {
+        return Err(refuse(path, "a folder or a device"));
+    }
+    if facts.len() == 0 {
+        return Err(refuse(path, "an empty file"));
+    }
+    if text(path)? {
+        return Err(refuse(path, "a text"));
+    }
+    // OpenCV takes names as text; the file exists, so it can be renamed.
+    let Some(name) = path.to_str() else {
+        return Err(Error::file(path, "expected a name in UTF-8, found other bytes", "rename the file"));
+    };
+    let broken = |e: opencv::Error| undecodable(path, &e);
+    set_log_level(LogLevel::LOG_LEVEL_SILENT).map_err(broken)?;
+    // FFmpeg alone where it is built in: the other readers take numbered pictures and devices for videos.
+    let with = if has_backend(VideoCaptureAPIs::CAP_FFMPEG).map_err(broken)? { CAP_FFMPEG } else { CAP_ANY };
+    let reader = VideoCapture::from_file(name, with).map_err(broken)?;
+    if !reader.is_opened().map_err(broken)? {
+        return Err(refuse(path, "a file that OpenCV cannot open as one"));
+    }
+    let frames_per_s = reader.get(CAP_PROP_FPS).map_err(broken)?;
+    if !(frames_per_s.is_finite() && frames_per_s > 0.0) {
+        return Err(refuse(path, &format!("one without a usable rate ({frames_per_s} frames per second)")));
+    }
+    Ok((reader, frames_per_s))
+}
+
+fn refuse(path: &Path, found: &str) -> Error {
+    Error::file(path, format!("expected a video, found {found}"), HINT)
+}
+
+pub(crate) fn undecodable(path: &Path, error: &opencv::Error) -> Error {
+    refuse(path, &format!("one that OpenCV cannot decode ({})", error.message.trim()))
 }
 
 /// Whether the file starts as text. FFmpeg draws any text as the picture of a terminal and calls that a video.

@@ -10,7 +10,10 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
+use rayon::prelude::*;
+use serde::Deserialize;
 use serde_json::{Value, json};
+use tunenet_track::rehearsal::{self, Spoilt, Take};
 use tunenet_track::video;
 
 /// Reads videos for tunenet
@@ -29,12 +32,16 @@ enum Command {
         /// Video file
         file: PathBuf,
     },
+    /// Render and track the films that standard input asks for; print the tracks as a JSON array
+    #[command(hide = true)]
+    Film,
 }
 
 fn main() -> ExitCode {
     let Arguments { command } = Arguments::parse();
     let done = match command {
         Command::Inspect { file } => inspect(&file),
+        Command::Film => film(),
     };
     match done.and_then(|object| print(&object)) {
         Ok(()) => ExitCode::SUCCESS,
@@ -46,6 +53,31 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Films to make.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Order {
+    seed: u64,
+    radius_m: f64,
+    #[serde(default)]
+    spoilt: Spoilt,
+    films: Vec<Take>,
+}
+
+/// The tracks of rendered films, in the order asked for.
+fn film() -> Result<Value> {
+    let order: Order = serde_json::from_reader(std::io::stdin().lock()).context("the order")?;
+    let one = |(i, take): (usize, &Take)| -> Result<Value> {
+        let seed = order.seed.wrapping_mul(0x9E37_79B9).wrapping_add(i as u64);
+        match rehearsal::rehearse(take, order.radius_m, &order.spoilt, seed)? {
+            Ok(track) => Ok(serde_json::to_value(track)?),
+            Err(reason) => anyhow::bail!("film {}: {}", i + 1, reason.verdict()),
+        }
+    };
+    let tracks = order.films.par_iter().enumerate().map(one).collect::<Result<Vec<_>>>()?;
+    Ok(tracks.into())
 }
 
 /// The facts of a video; `kind` tells the parent what it was given.

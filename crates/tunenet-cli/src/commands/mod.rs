@@ -13,6 +13,7 @@ mod start;
 mod train;
 pub(crate) mod tune;
 mod tune_model;
+mod video;
 
 use clap::CommandFactory;
 use serde_json::Value;

@@ -97,7 +97,8 @@ fn at_rest(v_px: &[f64]) -> &[f64] {
         high - low > still
     });
     let rest = &v_px[moving.map_or(0, |i| i + 1)..];
-    if rest.len() as f64 >= REST_LENGTH * v_px.len() as f64 { rest } else { &[] }
+    // The last small hops are among them; the later half is surely still.
+    if rest.len() as f64 >= REST_LENGTH * v_px.len() as f64 { &rest[rest.len() / 2..] } else { &[] }
 }
 
 fn least_squares(rows: impl Iterator<Item = ([f64; 3], f64)>) -> Option<Vector3<f64>> {

@@ -2,6 +2,7 @@
 
 mod diagnose;
 mod intervals;
+mod paper;
 mod preflight;
 mod process;
 mod regions;
@@ -22,5 +23,6 @@ pub fn run(options: &Bench) -> Result<Exit> {
         Measured::Intervals(options) => intervals::run(options),
         Measured::Regions(options) => regions::run(options),
         Measured::Preflight(options) => preflight::run(options),
+        Measured::Paper(options) => paper::run(options),
     }
 }

@@ -28,6 +28,7 @@ mod mcap_read;
 mod mcap_series;
 mod mcap_write;
 mod message;
+pub mod pictures;
 mod quantity;
 mod ros;
 mod scan;

@@ -19,6 +19,8 @@ mod rows;
 mod targets;
 mod write;
 
+pub(super) use self::rivals::apex;
+
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use rayon::prelude::*;

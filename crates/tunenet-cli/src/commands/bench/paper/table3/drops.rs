@@ -72,7 +72,9 @@ impl Drops {
 
     /// The drop as a tuner sees its film.
     pub fn film(&self, drop: &Drop, track: &Track) -> Result<Prepared> {
-        Ok(self.filmed.prepared(drop.top_m, track.u_px.iter().zip(&track.v_px).flat_map(|(u, v)| [*u, *v]).collect())?)
+        Ok(self
+            .filmed
+            .prepared(drop.top_m, track.u_px.iter().zip(&track.v_px).flat_map(|(u, v)| [*u, *v]).collect())?)
     }
 
     pub fn start(&self, drop: &Drop, prepared: &Prepared) -> Point {

@@ -16,10 +16,18 @@ pub struct Track {
     pub v_px: Vec<f64>,
 }
 
+/// How a spoilt film looks: noise on every channel out of 255, a quarter of the time between frames exposed, JPEG.
+pub const SPOILT: (f64, f64, i32) = (6.0, 0.25, 75);
+
 /// Renders and tracks all drops; the paper's ball is .5 m in radius.
-pub fn tracks(drops: &[Drop], seed: u64) -> Result<Vec<Track>> {
+pub fn tracks(drops: &[Drop], seed: u64, spoilt: bool) -> Result<Vec<Track>> {
     let films: Vec<_> = drops.iter().map(|d| json!({ "camera": d.camera, "heights_m": d.heights_m })).collect();
-    let order = json!({ "seed": seed, "radius_m": 0.5, "films": films }).to_string();
+    let (noise, exposure, quality) = SPOILT;
+    let spoilt = spoilt.then(|| json!({ "noise": noise, "exposure": exposure, "jpeg_quality": quality }));
+    let order = json!({
+        "seed": seed, "radius_m": 0.5, "spoilt": spoilt.unwrap_or_else(|| json!({})), "films": films,
+    });
+    let order = order.to_string();
     let mut child = crate::commands::video::command()?
         .arg("film")
         .stdin(Stdio::piped())

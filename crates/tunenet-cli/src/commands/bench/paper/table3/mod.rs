@@ -13,8 +13,8 @@ use anyhow::Result;
 use rayon::prelude::*;
 
 use self::drops::Drops;
-pub use self::results::{Results, as_json, markdown, write};
 use self::results::{Error, Row};
+pub use self::results::{Results, as_json, markdown, write};
 use self::tuners::Tuners;
 use super::super::resume::Store;
 use crate::terminal::progress;
@@ -34,7 +34,8 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
     for number in 0..seeds {
         let own = seed * SEEDS + number;
         let test = (0..count).map(|i| drops.draw(own, i)).collect::<Result<Vec<_>>>()?;
-        let tracks = store.keep(&format!("table3-tracks-{own}"), || film::tracks(&test, own))?;
+        let clean = store.keep(&format!("table3-tracks-{own}"), || film::tracks(&test, own, false))?;
+        let spoilt = store.keep(&format!("table3-spoilt-{own}"), || film::tracks(&test, own, true))?;
         bar.inc(1);
         let tuners = Tuners::make(store, own, quick)?;
         bar.inc(2);
@@ -46,7 +47,12 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
                 let rolled = drops.roll(e, drop.top_m)?;
                 Ok(Error::new(&drop.heights_m, &rolled, e - drop.restitution))
             };
-            let make = || test.par_iter().zip(&tracks).map(one).collect::<Result<Vec<_>>>();
+            let make = || {
+                test.par_iter()
+                    .zip(if row.title.spoilt { &spoilt } else { &clean })
+                    .map(one)
+                    .collect::<Result<Vec<_>>>()
+            };
             row.seeds.push(store.keep(&format!("table3-{}-{own}", row.key), make)?);
             bar.inc(1);
         }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
+use super::film::SPOILT;
 use super::tuners::Title;
 
 /// How far off one tuned drop is.
@@ -59,7 +60,8 @@ impl Row {
     }
 
     fn summary(&self) -> Summary {
-        let mean = |of: &dyn Fn(&Error) -> f64, errors: &[Error]| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
+        let mean =
+            |of: &dyn Fn(&Error) -> f64, errors: &[Error]| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
         let n = self.seeds.len() as f64;
         let over = |of: &dyn Fn(&Error) -> f64| self.seeds.iter().map(|s| mean(of, s)).sum::<f64>() / n;
         let cm = over(&|e| e.cm);
@@ -113,13 +115,16 @@ pub fn as_json(results: &Results) -> Value {
 /// The table for people. Writing to a string cannot fail, so its results are dropped.
 pub fn markdown(results: &Results) -> String {
     let mut out = String::new();
+    let (noise, exposure, quality) = SPOILT;
     let quick = if results.quick { " --quick" } else { "" };
     let _ = writeln!(out, "# Table 3: distance in height of the tuned ball\n");
     let _ = writeln!(out, "    tunenet bench paper --only table3{quick} --seed {}\n", results.seed);
     let _ = writeln!(
         out,
         "{} seeds of {} drops. The drops are a closed form's, rendered at 160 × 120 and tracked; every camera and every \
-         training is new with the seed. Percent is the mean of |Δz| over the mean of |z|, run by run. Five rollouts.\n",
+         training is new with the seed. Percent is the mean of |Δz| over the mean of |z|, run by run. Five rollouts. A \
+         spoilt film has noise of {noise} on every channel (of 255), a shutter open for {exposure} of the time between \
+         frames, and JPEG of quality {quality}.\n",
         results.seeds, results.drops
     );
     if results.quick {

@@ -15,10 +15,12 @@ use super::film::Track;
 const ROLLOUTS: usize = 5;
 
 /// A row of the table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Title {
     pub key: &'static str,
     pub title: &'static str,
+    /// Whether the film is spoilt.
+    pub spoilt: bool,
     /// What the paper states, cm and percent.
     pub published: Option<(f64, Option<f64>)>,
     /// Greatest mean distance, cm, percent and error of the restitution that are aimed at.
@@ -26,7 +28,7 @@ pub struct Title {
 }
 
 const fn row(key: &'static str, title: &'static str) -> Title {
-    Title { key, title, published: None, goal: None }
+    Title { key, title, spoilt: false, published: None, goal: None }
 }
 
 /// The networks of one seed.
@@ -38,19 +40,33 @@ pub struct Tuners {
 }
 
 impl Tuners {
-    pub const ROWS: [Title; 9] = [
+    pub const ROWS: [Title; 14] = [
         Title { published: Some((97.0, Some(100.0))), ..row("zero", "zero: nothing is predicted") },
         Title { published: Some((13.8, None)), ..row("untuned", "the proposed restitution") },
         Title { published: Some((0.7, Some(1.08))), ..row("gt_paper", "positions, preset `paper`") },
         Title { goal: Some((0.05, None, None)), ..row("gt_default", "positions, preset `default`") },
         Title { published: Some((5.7, Some(6.03))), ..row("obs_paper", "video, preset `paper`") },
-        Title { goal: Some((1.3, Some(1.3), None)), ..row("obs_network", "video, preset `default`, the network alone") },
+        Title {
+            goal: Some((1.3, Some(1.3), None)),
+            ..row("obs_network", "video, preset `default`, the network alone")
+        },
         Title {
             goal: Some((0.75, Some(0.75), Some(0.0025))),
             ..row("obs_default", "video, preset `default`, the camera fitted as well")
         },
         row("apex_pixels", "video, apex rule on raw pixels"),
         row("apex_camera", "video, apex rule after the camera of the first fall"),
+        Title { spoilt: true, ..row("obs_paper_spoilt", "spoilt video, preset `paper`") },
+        Title { spoilt: true, ..row("obs_network_spoilt", "spoilt video, preset `default`, the network alone") },
+        Title {
+            spoilt: true,
+            ..row("obs_default_spoilt", "spoilt video, preset `default`, the camera fitted as well")
+        },
+        Title { spoilt: true, ..row("apex_pixels_spoilt", "spoilt video, apex rule on raw pixels") },
+        Title {
+            spoilt: true,
+            ..row("apex_camera_spoilt", "spoilt video, apex rule after the camera of the first fall")
+        },
     ];
 
     pub fn make(store: &Store, seed: u64, quick: bool) -> Result<Self> {
@@ -73,7 +89,7 @@ impl Tuners {
         };
         let fall_m = drop.top_m - drops.filmed.radius_m();
         let clock = drops.filmed.clock();
-        match key {
+        match key.trim_end_matches("_spoilt") {
             "zero" => Ok(None),
             "untuned" => Ok(Some(drop.proposed)),
             "gt_paper" => along(&self.gt_paper, drops.positions(drop)?, alone),

@@ -1,0 +1,118 @@
+//! A window of hue, saturation and value: the colour by which a ball is known.
+
+use opencv::core::{Mat, Scalar, bitwise_or, in_range, no_array};
+use tunenet_core::{Error, Result};
+
+/// Degrees of hue on OpenCV's 8-bit circle.
+pub const HUES: i32 = 180;
+
+/// A window in OpenCV's 8-bit HSV space: hue 0–179 (two degrees each), saturation and value 0–255.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Window {
+    /// Middle hue.
+    pub hue: i32,
+    /// Half the width in hue; 90 takes every hue.
+    pub half_width: i32,
+    /// Least and greatest saturation.
+    pub saturation: (i32, i32),
+    /// Least and greatest value.
+    pub value: (i32, i32),
+}
+
+/// The colours that have a name.
+pub const NAMES: [(&str, Window); 8] = [
+    ("red", Window::coloured(0, 12)),
+    ("orange", Window::coloured(12, 8)),
+    ("yellow", Window::coloured(28, 10)),
+    ("green", Window::coloured(60, 22)),
+    ("cyan", Window::coloured(92, 12)),
+    ("blue", Window::coloured(112, 14)),
+    ("purple", Window::coloured(140, 15)),
+    ("white", Window { hue: 90, half_width: 90, saturation: (0, 60), value: (170, 255) }),
+];
+
+impl Window {
+    const fn coloured(hue: i32, half_width: i32) -> Self {
+        Self { hue, half_width, saturation: (80, 255), value: (40, 255) }
+    }
+
+    /// Reads a colour's name, or a window `hue-,saturation-,value-:hue+,saturation+,value+` on OpenCV's scales; a hue that
+    /// begins above its end goes round through 0, so that `170,90,60:8,255,255` is red.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for anything else.
+    pub fn parse(text: &str) -> Result<Self> {
+        if let Some((_, window)) = NAMES.iter().find(|(name, _)| name.eq_ignore_ascii_case(text.trim())) {
+            return Ok(*window);
+        }
+        let names: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
+        let refused = || Error::Setting {
+            name: "--color",
+            expected: format!("{} or an HSV window such as 170,90,60:8,255,255", names.join(", ")),
+            found: format!("`{text}`"),
+        };
+        let corner = |part: &str| -> Option<[i32; 3]> {
+            let numbers: Vec<i32> = part.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
+            let [h, s, v] = <[i32; 3]>::try_from(numbers).ok()?;
+            ((0..HUES).contains(&h) && (0..=255).contains(&s) && (0..=255).contains(&v)).then_some([h, s, v])
+        };
+        let (low, high) = text.split_once(':').ok_or_else(refused)?;
+        let (low, high) = (corner(low).ok_or_else(refused)?, corner(high).ok_or_else(refused)?);
+        if low[1] > high[1] || low[2] > high[2] {
+            return Err(refused());
+        }
+        let width = (high[0] - low[0]).rem_euclid(HUES);
+        Ok(Self {
+            hue: (low[0] + width / 2).rem_euclid(HUES),
+            half_width: (width + 1) / 2,
+            saturation: (low[1], high[1]),
+            value: (low[2], high[2]),
+        })
+    }
+
+    /// Whether a colour lies within.
+    #[must_use]
+    pub fn holds(&self, [hue, saturation, value]: [u8; 3]) -> bool {
+        let away = (i32::from(hue) - self.hue + HUES / 2).rem_euclid(HUES) - HUES / 2;
+        away.abs() <= self.half_width
+            && (self.saturation.0..=self.saturation.1).contains(&i32::from(saturation))
+            && (self.value.0..=self.value.1).contains(&i32::from(value))
+    }
+
+    /// Marks in `mask` (255 within, 0 outside) the pixels of `hsv` that lie within. `spare` is scratch.
+    pub(crate) fn mark(&self, hsv: &Mat, mask: &mut Mat, spare: &mut Mat) -> opencv::Result<()> {
+        let corner = |h: i32, s: i32, v: i32| Scalar::new(f64::from(h), f64::from(s), f64::from(v), 0.0);
+        let (low, high) = (self.hue - self.half_width, self.hue + self.half_width);
+        let (saturation, value) = (self.saturation, self.value);
+        let between = |a: i32, b: i32, out: &mut Mat| {
+            in_range(hsv, &corner(a, saturation.0, value.0), &corner(b, saturation.1, value.1), out)
+        };
+        if high - low + 1 >= HUES {
+            return between(0, HUES - 1, mask);
+        }
+        if low >= 0 && high < HUES {
+            return between(low, high, mask);
+        }
+        // Across 0 the window falls apart in two.
+        between(low.rem_euclid(HUES), HUES - 1, spare)?;
+        between(0, high.rem_euclid(HUES), mask)?;
+        let other = mask.clone();
+        bitwise_or(&other, spare, mask, &no_array())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_windows_are_read() {
+        assert_eq!(Window::parse("Red").unwrap().hue, 0);
+        let red = Window::parse("170,90,60:8,255,255").unwrap();
+        assert!(red.holds([175, 100, 100]) && red.holds([3, 100, 100]) && red.holds([170, 90, 60]));
+        assert!(!red.holds([20, 100, 100]) && !red.holds([0, 80, 100]) && !red.holds([165, 100, 100]));
+        for wrong in ["", "pink-ish", "1,2,3", "1,2,3:4,5", "200,0,0:10,255,255", "0,90,0:9,10,255"] {
+            assert!(Window::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! From pixels to metres: by the ball's radius, by a length in the picture, or by how fast the ball falls.
+
+use serde::Serialize;
+use tunenet_core::observation::preflight::{Expected, Preflight, examine};
+use tunenet_core::observation::{Note, Observation};
+use tunenet_core::{Error, Result};
+
+use crate::parabola::Parabola;
+use crate::track::{Track, median};
+
+/// Gravity is first read off windows of so many seconds, and at least so many frames.
+const WINDOW: (f64, usize) = (0.12, 5);
+/// A window says something of gravity where the ball moves by this share of its radius.
+const MOVES: f64 = 0.5;
+/// Scales by radius and by gravity differ by more than this where one of them is wrong.
+const DISAGREE: f64 = 0.2;
+/// A flight falls otherwise than the others from this share on, and this many standard deviations.
+const ODD: (f64, f64) = (0.1, 4.0);
+/// Fewest samples of a flight whose fall is judged.
+const FLIGHT_SAMPLES: usize = 5;
+/// What lies this near a contact, in frames, is of neither flight.
+const CONTACT_FRAMES: f64 = 0.75;
+
+/// What is known of lengths in the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Known {
+    /// The ball's radius, m.
+    Radius(f64),
+    /// A length, m, between two points of the picture, px.
+    Length {
+        /// m.
+        metres: f64,
+        /// px.
+        pixels: f64,
+    },
+    /// Nothing but gravity.
+    Nothing,
+}
+
+/// Where a scale comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum By {
+    /// The ball's radius.
+    Radius,
+    /// A length in the picture.
+    Length,
+    /// How fast the ball falls.
+    Gravity,
+}
+
+impl By {
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Radius => "the ball's radius",
+            Self::Length => "a length in the picture",
+            Self::Gravity => "the fall of the ball",
+        }
+    }
+}
+
+/// A track in metres.
+#[derive(Debug, Clone)]
+pub struct Metric {
+    /// m for each px, in the plane in which the ball moves.
+    pub metres_per_px: f64,
+    /// Where that comes from.
+    pub by: By,
+    /// x to the right, y = 0, z upwards from the surface (from the lowest point seen where there is no bounce), m.
+    pub observation: Observation,
+    /// What core's checks say of it.
+    pub preflight: Preflight,
+    /// What was noticed of the scale and the flights.
+    pub notes: Vec<Note>,
+}
+
+impl Metric {
+    /// The track in metres; `None` where nothing says how large a pixel is, since the ball does not fly freely.
+    ///
+    /// Gravity, where there is enough of it to see, is taken before the radius of a ball: it makes the flights what the
+    /// simulation expects of them. A length that is given is believed first, then a radius that is `Known`.
+    ///
+    /// # Errors
+    /// [`Error::Observation`] where too few frames show the whole ball; [`Error::Setting`] for a length that is none.
+    pub fn of(track: &Track, known: Known, expected: &Expected) -> Result<Option<Self>> {
+        let gravity = expected.gravity_m_s2;
+        let by_gravity = by_gravity(track, gravity);
+        let positive = |value: f64, name: &'static str| {
+            let refused = || Error::Setting { name, expected: "a length above 0".into(), found: value.to_string() };
+            (value.is_finite() && value > 0.0).then_some(value).ok_or_else(refused)
+        };
+        let (metres_per_px, by) = match (known, by_gravity) {
+            (Known::Length { metres, pixels }, _) => {
+                (positive(metres, "--length")? / positive(pixels, "--length")?, By::Length)
+            }
+            (Known::Radius(radius), _) => (positive(radius, "--radius")? / track.radius_px(), By::Radius),
+            (Known::Nothing, Some(scale)) => (scale, By::Gravity),
+            (Known::Nothing, None) => match expected.radius_m {
+                Some(radius) => (radius / track.radius_px(), By::Radius),
+                None => return Ok(None),
+            },
+        };
+        let radius_m = expected.radius_m.unwrap_or(metres_per_px * track.radius_px());
+        let mut notes = Vec::new();
+        let by_radius = expected.radius_m.map(|r| r / track.radius_px());
+        if let (Some(a), Some(b)) = (by_gravity, by_radius.or((by != By::Gravity).then_some(metres_per_px))) {
+            notes.extend(disagreement(a, b));
+        }
+        let (observation, preflight) = placed(track, metres_per_px, radius_m, expected)?;
+        notes.extend(odd_flights(&observation, &preflight));
+        Ok(Some(Self { metres_per_px, by, observation, preflight, notes }))
+    }
+}
+
+/// That the fall and the size of the ball do not go together.
+fn disagreement(by_gravity: f64, by_length: f64) -> Option<Note> {
+    let factor = by_length / by_gravity;
+    // A film that is played k times slower falls k² times slower, which makes pixels look k² times larger.
+    let slower = (1.0 / factor).sqrt();
+    ((factor - 1.0).abs() > DISAGREE).then(|| {
+        let text = format!(
+            "by its size a pixel is {:.3} mm, by its fall {:.3} mm: the clock would be {slower:.2} times as fast as it says",
+            1e3 * by_length,
+            1e3 * by_gravity
+        );
+        Note::new(
+            "scale.disagrees",
+            text,
+            "correct `ball.radius_m` or `--length`, or give the camera's true rate with `--rate` (slow motion)",
+        )
+    })
+}
+
+/// Metres for each pixel with which the ball falls as gravity has it.
+fn by_gravity(track: &Track, gravity: f64) -> Option<f64> {
+    let (times, heights): (Vec<f64>, Vec<f64>) = track.whole().map(|s| (s.time_s, s.v_px)).unzip();
+    let span = times.last()? - times.first()?;
+    let rate = (times.len() - 1) as f64 / span.max(f64::MIN_POSITIVE);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few frames")]
+    let width = ((WINDOW.0 * rate).round().min(1e6) as usize).max(WINDOW.1);
+    let least = MOVES * track.radius_px();
+    let windows: Vec<Parabola> = (0..(times.len() + 1).saturating_sub(width))
+        .filter_map(|i| {
+            let part = &heights[i..i + width];
+            let (low, high) = part.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+            Parabola::fit(&times[i..i + width], part).filter(|p| high - low > least && p.acceleration > 0.0)
+        })
+        .collect();
+    let usual = median(windows.iter().map(|p| p.residual).collect())?;
+    let fall = median(windows.iter().filter(|p| p.residual <= 2.0 * usual).map(|p| p.acceleration).collect())?;
+    let mut scale = gravity / fall;
+    // Whole flights say it better than windows do.
+    for _ in 0..2 {
+        let expected = Expected { gravity_m_s2: gravity, ..Expected::default() };
+        let seen = positions(track, scale, 0.0).ok()?;
+        let Some(found) = examine(&seen, &expected).gravity else { break };
+        let better = scale * gravity / found.value_m_s2;
+        if !(0.3..3.0).contains(&(better / scale)) {
+            break;
+        }
+        scale = better;
+    }
+    (scale.is_finite() && scale > 0.0).then_some(scale)
+}
+
+fn positions(track: &Track, scale: f64, lift_m: f64) -> Result<Observation> {
+    let (times, places): (Vec<f64>, Vec<[f64; 3]>) =
+        track.whole().map(|s| (s.time_s, [scale * s.u_px, 0.0, lift_m - scale * s.v_px])).unzip();
+    Observation::positions(times, &places)
+}
+
+/// Positions with the surface at z = 0.
+fn placed(track: &Track, scale: f64, radius_m: f64, expected: &Expected) -> Result<(Observation, Preflight)> {
+    let raw = positions(track, scale, 0.0)?;
+    let free = Expected { radius_m: None, surface_height_m: None, release_height_m: None, ..*expected };
+    let contacts = examine(&raw, &free).arcs.map(|arcs| arcs.contacts).unwrap_or_default();
+    let lowest = raw.column(2).fold(f64::INFINITY, f64::min);
+    let level = median(contacts.iter().map(|c| c.height_m).collect()).unwrap_or(lowest);
+    let place = expected.surface_height_m.unwrap_or(0.0) + radius_m - level;
+    let seen = positions(track, scale, place)?;
+    let preflight = examine(&seen, &Expected { radius_m: Some(radius_m), ..*expected });
+    Ok((seen, preflight))
+}
+
+/// Flights that fall otherwise than the rest: a hand still holds the ball, or it comes nearer.
+fn odd_flights(seen: &Observation, preflight: &Preflight) -> Vec<Note> {
+    let Some(arcs) = &preflight.arcs else { return Vec::new() };
+    let clock = seen.clock();
+    let heights: Vec<f64> = seen.column(2).collect();
+    let frame = median(clock.windows(2).map(|w| w[1] - w[0]).collect()).unwrap_or(0.0);
+    let bounds: Vec<f64> = [clock[0] - frame]
+        .into_iter()
+        .chain(arcs.contacts.iter().map(|c| c.time_s))
+        .chain([clock[clock.len() - 1] + frame])
+        .collect();
+    let flights: Vec<(f64, f64, Parabola)> = bounds
+        .windows(2)
+        .filter_map(|w| {
+            let begin = clock.partition_point(|t| *t < w[0] + CONTACT_FRAMES * frame);
+            let end = clock.partition_point(|t| *t <= w[1] - CONTACT_FRAMES * frame);
+            let enough = end >= begin + FLIGHT_SAMPLES;
+            let fit = enough.then(|| Parabola::fit(&clock[begin..end], &heights[begin..end]))??;
+            Some((clock[begin], clock[end - 1], fit))
+        })
+        .collect();
+    if flights.len() < 3 {
+        return Vec::new();
+    }
+    let usual = median(flights.iter().map(|f| f.2.acceleration).collect()).unwrap_or(0.0);
+    flights
+        .iter()
+        .filter(|(_, _, f)| {
+            let away = (f.acceleration - usual).abs();
+            away > ODD.0 * usual.abs() && away > ODD.1 * f.acceleration_sd
+        })
+        .map(|(begin, end, f)| {
+            let text = format!(
+                "from {begin:.3} to {end:.3} s the ball falls with {:.2} of the acceleration of the other flights",
+                f.acceleration / usual
+            );
+            Note::new("flight.odd", text, "let it go without touching it, and film from the side, level and far away")
+        })
+        .collect()
+}

@@ -1,0 +1,270 @@
+//! Finding out what to look for: the one saturated thing that moves before a still background.
+
+use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Size};
+use opencv::imgproc::{COLOR_BGR2HSV, INTER_AREA, cvt_color_def, resize};
+use rayon::prelude::*;
+
+use super::blob::{Blob, blobs};
+use super::colour::{HUES, Window};
+use super::stillness::moves;
+
+/// The longer side of the small pictures that are scouted, px.
+const SMALL_PX: i32 = 480;
+/// Frames that make the background: the median of so many forgets whatever passes.
+const BACKGROUND_FRAMES: usize = 31;
+/// How far a pixel has to differ from the background, in grey levels of any channel, to belong to something that moves.
+pub(crate) const MOVED: u8 = 20;
+/// ... and while the colour is still unknown.
+const MOVED_CLEARLY: u8 = 30;
+/// Saturation and value from which a hue means something.
+const COLOURED: (u8, u8) = (70, 40);
+/// Hues this near are one colour, on OpenCV's circle of 180.
+const ONE_COLOUR: i32 = 12;
+/// Colours that are tried.
+const MOST_COLOURS: usize = 4;
+/// A frame in which more than this share of the pixels moved is not seen by a still camera.
+const STILL_SHARE: f64 = 0.3;
+/// A blob rounder than this fills its box as a disc does.
+pub(crate) const ROUND: std::ops::Range<f64> = 0.55..1.4;
+
+/// What to look for, and before what.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The ball's colour.
+    pub window: Window,
+    /// The still background in blue, green, red; as small as the frames that were scouted.
+    pub(crate) background: Mat,
+    /// Whether the background itself holds the ball's colour, so that colour alone does not tell.
+    pub clutter: bool,
+    /// Median area of the ball, as a share of the picture.
+    pub(crate) area_share: f64,
+    /// The share of the scouted frames in which it was seen.
+    pub(crate) seen_share: f64,
+}
+
+/// Why nothing was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unseen {
+    /// Nothing coloured and round moves.
+    NoBall,
+    /// Two things look alike.
+    TwoBalls,
+    /// Most of the picture moves.
+    CameraMoves,
+}
+
+impl Unseen {
+    /// A fixed word for scripts.
+    #[must_use]
+    pub fn verdict(self) -> &'static str {
+        match self {
+            Self::NoBall => "no_ball",
+            Self::TwoBalls => "two_balls",
+            Self::CameraMoves => "camera_moves",
+        }
+    }
+
+    /// The code of its note.
+    #[must_use]
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::NoBall => "ball.none",
+            Self::TwoBalls => "ball.two",
+            Self::CameraMoves => "camera.moves",
+        }
+    }
+}
+
+/// Reduces `frame` so that its longer side has at most [`SMALL_PX`].
+pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
+    let longer = frame.cols().max(frame.rows());
+    if longer <= SMALL_PX {
+        return frame.try_clone();
+    }
+    let factor = f64::from(SMALL_PX) / f64::from(longer);
+    let mut small = Mat::default();
+    resize(frame, &mut small, Size::default(), factor, factor, INTER_AREA)?;
+    Ok(small)
+}
+
+/// Scouts `frames`, small pictures of the whole film in blue, green and red, for the ball, of colour `window` where that is
+/// known.
+pub(crate) fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
+    let background = median(frames)?;
+    let still = background.data_bytes()?;
+    let hsv: Vec<Mat> = frames.par_iter().map(to_hsv).collect::<opencv::Result<_>>()?;
+    let moved: Vec<Vec<u8>> =
+        frames.par_iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
+    let mut shares: Vec<f64> =
+        moved.iter().map(|m| m.iter().filter(|d| **d > MOVED_CLEARLY).count() as f64 / m.len() as f64).collect();
+    shares.sort_unstable_by(f64::total_cmp);
+    if shares[shares.len() / 2] > STILL_SHARE || moves(frames)? {
+        return Ok(Err(Unseen::CameraMoves));
+    }
+    let candidates = match window {
+        Some(window) => vec![window],
+        None => colours(&hsv, &moved)?,
+    };
+    let mut best: Option<(f64, Window, f64, f64)> = None;
+    for window in candidates {
+        let seen = sightings(&hsv, &moved, &window)?;
+        let Some((merit, area)) = merit(&seen, frames.len()) else { continue };
+        if best.as_ref().is_none_or(|b| merit > b.0) {
+            let share = seen.iter().flatten().count() as f64 / frames.len() as f64;
+            best = Some((merit, window, area, share));
+        }
+    }
+    let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
+    let window = if window.is_some() { wide } else { narrowed(&hsv, &moved, wide)? };
+    let clutter = clutter(&background, &window, area)?;
+    let area_share = area / (background.cols() * background.rows()) as f64;
+    Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
+}
+
+/// The median of each pixel over at most [`BACKGROUND_FRAMES`] frames.
+fn median(frames: &[Mat]) -> opencv::Result<Mat> {
+    let count = frames.len().min(BACKGROUND_FRAMES);
+    let chosen: Vec<&[u8]> =
+        (0..count).map(|i| frames[i * frames.len() / count].data_bytes()).collect::<opencv::Result<_>>()?;
+    let mut background = frames[0].clone();
+    let mut stack = vec![0u8; count];
+    for (i, out) in background.data_bytes_mut()?.iter_mut().enumerate() {
+        for (slot, frame) in stack.iter_mut().zip(&chosen) {
+            *slot = frame[i];
+        }
+        *out = *stack.select_nth_unstable(count / 2).1;
+    }
+    Ok(background)
+}
+
+fn to_hsv(frame: &Mat) -> opencv::Result<Mat> {
+    let mut hsv = Mat::default();
+    cvt_color_def(frame, &mut hsv, COLOR_BGR2HSV)?;
+    Ok(hsv)
+}
+
+/// The greatest difference of the three channels, per pixel.
+pub(crate) fn difference(a: &[u8], b: &[u8]) -> Vec<u8> {
+    a.chunks_exact(3)
+        .zip(b.chunks_exact(3))
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0))
+        .collect()
+}
+
+/// The colours of what moves, the strongest first.
+fn colours(hsv: &[Mat], moved: &[Vec<u8>]) -> opencv::Result<Vec<Window>> {
+    let mut histogram = [0.0; HUES as usize];
+    for (hsv, moved) in hsv.iter().zip(moved) {
+        for (pixel, moved) in hsv.data_bytes()?.chunks_exact(3).zip(moved) {
+            if *moved > MOVED_CLEARLY && pixel[1] > COLOURED.0 && pixel[2] > COLOURED.1 {
+                histogram[usize::from(pixel[0]) % histogram.len()] += f64::from(pixel[1]);
+            }
+        }
+    }
+    let hues = histogram.len();
+    let around = |h: usize, reach: usize| (0..=2 * reach).map(move |d| (h + hues - reach + d) % hues);
+    let mut smooth: Vec<f64> = (0..histogram.len()).map(|h| around(h, 5).map(|i| histogram[i]).sum()).collect();
+    let mut found = Vec::new();
+    let mut greatest = 0.0;
+    for _ in 0..MOST_COLOURS {
+        let Some(peak) = (0..smooth.len()).max_by(|a, b| smooth[*a].total_cmp(&smooth[*b])) else { break };
+        greatest = f64::max(greatest, smooth[peak]);
+        if smooth[peak] <= 0.02 * greatest {
+            break;
+        }
+        found.push(Window {
+            hue: i32::try_from(peak).unwrap_or(0),
+            half_width: ONE_COLOUR,
+            saturation: (i32::from(COLOURED.0) - 10, 255),
+            value: (i32::from(COLOURED.1), 255),
+        });
+        for i in around(peak, 20) {
+            smooth[i] = 0.0;
+        }
+    }
+    Ok(found)
+}
+
+/// The largest moving blob of this colour in each frame.
+fn sightings(hsv: &[Mat], moved: &[Vec<u8>], window: &Window) -> opencv::Result<Vec<Option<Blob>>> {
+    hsv.par_iter().zip(moved).map(|(hsv, moved)| Ok(blobs(&mask(hsv, moved, window)?)?.into_iter().next())).collect()
+}
+
+fn mask(hsv: &Mat, moved: &[u8], window: &Window) -> opencv::Result<Mat> {
+    let (mut mask, mut spare) = (Mat::default(), Mat::default());
+    window.mark(hsv, &mut mask, &mut spare)?;
+    for (inside, moved) in mask.data_bytes_mut()?.iter_mut().zip(moved) {
+        if *moved <= MOVED {
+            *inside = 0;
+        }
+    }
+    Ok(mask)
+}
+
+/// How much these blobs look like one ball on its way, and their median area. A hand or a shadow is ragged or stays where
+/// it is.
+fn merit(seen: &[Option<Blob>], frames: usize) -> Option<(f64, f64)> {
+    let found: Vec<&Blob> = seen.iter().flatten().collect();
+    if found.len() < 3 {
+        return None;
+    }
+    let middle = |of: &dyn Fn(&Blob) -> f64| {
+        let mut all: Vec<f64> = found.iter().map(|b| of(b)).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        all[all.len() / 2]
+    };
+    let area = middle(&|b| b.area);
+    let fill = middle(&|b| b.fill());
+    let reach = |of: &dyn Fn(&Blob) -> f64| {
+        let (low, high) =
+            found.iter().map(|b| of(b)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        high - low
+    };
+    let travel = reach(&|b| b.u).hypot(reach(&|b| b.v)) / area.sqrt();
+    // Sizes that stay alike from frame to frame.
+    let alike = found.iter().filter(|b| (0.4..2.5).contains(&(b.area / area))).count() as f64 / found.len() as f64;
+    if !ROUND.contains(&fill) || area < 4.0 || travel < 1.0 || alike < 0.5 {
+        return None;
+    }
+    let share = found.len() as f64 / frames as f64;
+    Some((share.sqrt() * alike * area.sqrt() * travel.min(10.0) * (1.0 - (fill - 1.0).abs()), area))
+}
+
+/// The window that holds nearly all of the ball's own pixels.
+fn narrowed(hsv: &[Mat], moved: &[Vec<u8>], wide: Window) -> opencv::Result<Window> {
+    let (mut away, mut saturations, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    for (hsv, moved) in hsv.iter().zip(moved) {
+        for (pixel, moved) in hsv.data_bytes()?.chunks_exact(3).zip(moved) {
+            if *moved > MOVED && wide.holds([pixel[0], pixel[1], pixel[2]]) {
+                away.push((i32::from(pixel[0]) - wide.hue + HUES / 2).rem_euclid(HUES) - HUES / 2);
+                saturations.push(i32::from(pixel[1]));
+                values.push(i32::from(pixel[2]));
+            }
+        }
+    }
+    if away.is_empty() {
+        return Ok(wide);
+    }
+    let share = |all: &mut Vec<i32>, share: f64| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
+        let at = ((all.len() - 1) as f64 * share) as usize;
+        *all.select_nth_unstable(at).1
+    };
+    let (low, high) = (share(&mut away, 0.05), share(&mut away, 0.95));
+    // Blurred edges mix with the background: they are paler and a little off in hue.
+    Ok(Window {
+        hue: (wide.hue + i32::midpoint(low, high)).rem_euclid(HUES),
+        half_width: ((high - low) / 2 + 6).min(2 * ONE_COLOUR),
+        saturation: ((share(&mut saturations, 0.1) * 2 / 3).max(50), 255),
+        value: ((share(&mut values, 0.1) / 2).max(30), 255),
+    })
+}
+
+/// Whether the background holds the colour somewhere other than in a ball that rests there.
+fn clutter(background: &Mat, window: &Window, area: f64) -> opencv::Result<bool> {
+    let hsv = to_hsv(background)?;
+    let (mut mask, mut spare) = (Mat::default(), Mat::default());
+    window.mark(&hsv, &mut mask, &mut spare)?;
+    let resting = |b: &Blob| (0.4..2.5).contains(&(b.area / area)) && ROUND.contains(&b.fill());
+    Ok(blobs(&mask)?.iter().any(|b| b.area > 0.02 * area && !resting(b)))
+}

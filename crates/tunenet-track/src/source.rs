@@ -1,0 +1,106 @@
+//! Where pictures come from, and how they get to the tracker: decoded by one thread, looked at by another.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{channel, sync_channel};
+
+use opencv::core::Mat;
+use tunenet_core::{Error, Result};
+
+use crate::frames::{Film, Pictures};
+use crate::log::Log;
+use crate::video::undecodable;
+
+/// Decoded pictures that wait for the tracker; more would only take memory.
+const AHEAD: usize = 4;
+
+/// How far a stream of pictures went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Streamed {
+    /// Pictures that were decoded.
+    pub count: usize,
+    /// How many the file promises, where it says so.
+    pub promised: Option<usize>,
+}
+
+/// A film, or a topic of a log.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    path: PathBuf,
+    topic: Option<String>,
+    log: bool,
+}
+
+impl Source {
+    /// The file at `path`; `topic` is for logs alone, which are known by their ending `.mcap`.
+    #[must_use]
+    pub fn new(path: &Path, topic: Option<&str>) -> Self {
+        let log = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
+        Self { path: path.into(), topic: topic.map(Into::into), log }
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Opens it at its start.
+    ///
+    /// # Errors
+    /// As [`Film::open`]; for a log, where it holds no pictures or several topics of them and none is named.
+    pub fn open(&self) -> Result<Box<dyn Pictures>> {
+        if self.log {
+            return Ok(Box::new(Log::open(&self.path, self.topic.as_deref())?));
+        }
+        if let Some(topic) = &self.topic {
+            let (expected, found) = ("a log in MCAP form".into(), format!("`{topic}` of a film"));
+            return Err(Error::Setting { name: "--topic", expected, found });
+        }
+        Ok(Box::new(Film::open(&self.path)?))
+    }
+
+    /// Calls `each` with every picture, at most `most` of them: its number from 0, when it was taken (s), and how many the
+    /// file promises. A picture that is given back is used again. Ends early where `each` returns an error.
+    ///
+    /// # Errors
+    /// Of opening, of decoding, and of `each`.
+    pub fn stream(
+        &self,
+        most: usize,
+        each: &mut dyn FnMut(usize, f64, Mat, Option<usize>) -> opencv::Result<Option<Mat>>,
+    ) -> Result<Streamed> {
+        let mut pictures = self.open()?;
+        let promised = pictures.promised();
+        let (give, take) = sync_channel::<Result<(f64, Mat)>>(AHEAD);
+        let (give_back, used) = channel::<Mat>();
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                loop {
+                    let mut image = used.try_recv().unwrap_or_default();
+                    let next = match pictures.next(&mut image) {
+                        Ok(Some(time_s)) => Ok((time_s, image)),
+                        Ok(None) => break,
+                        Err(error) => Err(error),
+                    };
+                    let last = next.is_err();
+                    // Nobody takes any more where the other side has failed.
+                    if give.send(next).is_err() || last {
+                        break;
+                    }
+                }
+            });
+            let mut count = 0;
+            // The channel has to be let go before the thread is waited for.
+            for picture in take.iter().take(most) {
+                let (time_s, image) = picture?;
+                let spare = each(count, time_s, image, promised).map_err(|e| undecodable(&self.path, &e))?;
+                if let Some(spare) = spare {
+                    let _ = give_back.send(spare);
+                }
+                count += 1;
+            }
+            drop(take);
+            Ok(Streamed { count, promised })
+        })
+    }
+}

@@ -1,0 +1,303 @@
+//! From a film to a track: one position of the ball for every frame in which it is seen.
+
+use opencv::core::{Mat, MatTraitConstManual};
+use tunenet_core::observation::{Channel, Kind, Note, Observation};
+use tunenet_core::{Error, Result};
+
+use crate::changes::Changes;
+use crate::colour::{HUES, Window};
+use crate::noticed;
+use crate::scout::{Scene, Unseen, reduced, scout};
+use crate::source::Source;
+use crate::tracker::{Sighting, Tracker};
+use crate::video::{FEWEST_FRAMES, undecodable};
+use crate::view::View;
+
+/// Small pictures that are kept for scouting, evenly over the film.
+const MOST_SCOUTED: usize = 48;
+/// Whole frames up to this many bytes wait until it is known what to look for, so that a film is decoded only once.
+const WAITING_BYTES: usize = 256 << 20;
+/// What the first frames show is believed, before the rest is known, where the ball is seen in this share of them.
+const BELIEVED_SHARE: f64 = 0.4;
+/// A sighting this many times larger or smaller than usual is something else.
+const OFF_SIZE: f64 = 1.8;
+/// What is left of a ball at the border of the picture is one from this share of its usual radius on.
+const LEAST_CUT: f64 = 0.3;
+/// A ball is seen twice from this share of the looks on.
+const TWO_BALLS: f64 = 0.3;
+
+/// How to track.
+#[derive(Debug, Clone, Default)]
+pub struct Settings {
+    /// The ball's colour; found by itself where it is `None`.
+    pub colour: Option<Window>,
+    /// The frames per second at which the film was really taken, where the container does not know: slow motion.
+    pub rate_hz: Option<f64>,
+    /// Frames after which to stop; all where it is `None`.
+    pub most_frames: Option<usize>,
+}
+
+/// The ball in a film.
+#[derive(Debug, Clone)]
+pub struct Track {
+    /// How many frames decode.
+    pub frames: usize,
+    /// Width and height of a frame, px.
+    pub size_px: (usize, usize),
+    /// The rate of the frames as they were taken: the inverse of the median step, 1/s.
+    pub rate_hz: f64,
+    /// The colour that was looked for.
+    pub colour: Window,
+    /// The ball, in the order of the frames.
+    pub sightings: Vec<Sighting>,
+    /// Frames that repeat the one before, from 0.
+    pub repeated: Vec<usize>,
+    /// How many frames are missing in between, by the container's clock.
+    pub dropped: usize,
+    /// What was noticed.
+    pub notes: Vec<Note>,
+}
+
+/// What a film gives.
+#[derive(Debug, Clone)]
+pub enum Answer {
+    /// A track.
+    Tracked(Box<Track>),
+    /// None, and why.
+    Unseen {
+        /// Why.
+        reason: Unseen,
+        /// How many frames decode.
+        frames: usize,
+        /// The same for people, with what to try.
+        note: Note,
+    },
+}
+
+/// Tracks the ball in `source`. `progress` is called with the number of frames done and how many the file promises.
+///
+/// Frames are decoded in a thread of their own, once where the first of them show what to look for; memory does not grow
+/// with the film.
+///
+/// # Errors
+/// [`Error::File`] where the film cannot be read; [`Error::Setting`] for a rate that is none.
+pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usize, Option<usize>)) -> Result<Answer> {
+    if let Some(rate) = settings.rate_hz.filter(|r| !(r.is_finite() && (1e-3..=1e6).contains(r))) {
+        let (expected, found) = ("frames per second from 0.001 to 1000000".into(), rate.to_string());
+        return Err(Error::Setting { name: "--rate", expected, found });
+    }
+    let most = settings.most_frames.unwrap_or(usize::MAX);
+    let mut first = First { settings, waiting: Vec::new(), bytes: 0, samples: Samples::default(), pass: None };
+    let frames = source.stream(most, &mut |index, time_s, image, promised| {
+        progress(index + 1, promised.map(|p| p.min(most)));
+        first.take(index, time_s, image)
+    })?;
+    let First { waiting, samples, pass, .. } = first;
+    if frames.count < FEWEST_FRAMES {
+        let found = format!("expected a video, found {} frames that decode", frames.count);
+        return Err(Error::file(source.path(), found, "record a longer one"));
+    }
+    let broken = |e: opencv::Error| undecodable(source.path(), &e);
+    let scene = match scout(&samples.kept, settings.colour).map_err(broken)? {
+        Ok(scene) => scene,
+        Err(reason) => return Ok(unseen(reason, frames.count, settings, "")),
+    };
+    // What the first frames showed may be another ball than the one of the whole film.
+    let pass = match pass {
+        Some(pass) if pass.alike(&scene) => pass,
+        _ => {
+            let mut pass = Pass::new(scene);
+            if waiting.len() == frames.count {
+                waiting.iter().try_for_each(|(time_s, image)| pass.frame(*time_s, image)).map_err(broken)?;
+            } else {
+                source.stream(most, &mut |index, time_s, image, promised| {
+                    progress(index + 1, promised.map(|p| p.min(most)));
+                    pass.frame(time_s, &image)?;
+                    Ok(Some(image))
+                })?;
+            }
+            pass
+        }
+    };
+    let cut_short = settings.most_frames.is_none() && frames.promised.is_some_and(|p| p > frames.count + 1 + p / 50);
+    let missing = frames.promised.filter(|_| cut_short).map(|p| (frames.count, p));
+    Ok(pass.finish(settings, missing))
+}
+
+fn unseen(reason: Unseen, frames: usize, settings: &Settings, found: &str) -> Answer {
+    Answer::Unseen { reason, frames, note: noticed::unseen(reason, settings.colour.is_some(), found) }
+}
+
+/// Small pictures, evenly over the film, however long it is.
+#[derive(Default)]
+struct Samples {
+    kept: Vec<Mat>,
+    stride: usize,
+}
+
+impl Samples {
+    fn push(&mut self, index: usize, image: &Mat) -> opencv::Result<()> {
+        self.stride = self.stride.max(1);
+        if index % self.stride != 0 {
+            return Ok(());
+        }
+        self.kept.push(reduced(image)?);
+        if self.kept.len() > MOST_SCOUTED {
+            let mut place = 0;
+            self.kept.retain(|_| {
+                place += 1;
+                place % 2 == 1
+            });
+            self.stride *= 2;
+        }
+        Ok(())
+    }
+}
+
+/// The first time through a film: frames wait until it is known what to look for.
+struct First<'a> {
+    settings: &'a Settings,
+    waiting: Vec<(f64, Mat)>,
+    bytes: usize,
+    samples: Samples,
+    pass: Option<Pass>,
+}
+
+impl First<'_> {
+    fn take(&mut self, index: usize, time_s: f64, image: Mat) -> opencv::Result<Option<Mat>> {
+        self.samples.push(index, &image)?;
+        if let Some(pass) = &mut self.pass {
+            pass.frame(time_s, &image)?;
+            return Ok(Some(image));
+        }
+        if self.bytes > WAITING_BYTES {
+            // The first frames did not show it, so all of them have to be seen again.
+            return Ok(Some(image));
+        }
+        self.bytes += image.data_bytes()?.len();
+        self.waiting.push((time_s, image));
+        if self.bytes > WAITING_BYTES {
+            if let Ok(scene) = scout(&self.samples.kept, self.settings.colour)?
+                && scene.seen_share >= BELIEVED_SHARE
+            {
+                let mut pass = Pass::new(scene);
+                self.waiting.iter().try_for_each(|(time_s, image)| pass.frame(*time_s, image))?;
+                self.pass = Some(pass);
+            }
+            self.waiting = Vec::new();
+        }
+        Ok(None)
+    }
+}
+
+/// One pass over the frames.
+struct Pass {
+    tracker: Tracker,
+    sightings: Vec<Sighting>,
+    times_s: Vec<f64>,
+    changes: Changes,
+    size_px: (usize, usize),
+}
+
+impl Pass {
+    fn new(scene: Scene) -> Self {
+        let tracker = Tracker::new(scene);
+        Self { tracker, sightings: Vec::new(), times_s: Vec::new(), changes: Changes::default(), size_px: (0, 0) }
+    }
+
+    /// Whether it looked for what `scene` says as well.
+    fn alike(&self, scene: &Scene) -> bool {
+        let (a, b) = (&self.tracker.scene().window, &scene.window);
+        let away = ((a.hue - b.hue + HUES / 2).rem_euclid(HUES) - HUES / 2).abs();
+        let size = self.tracker.scene().area_share / scene.area_share;
+        away <= a.half_width.min(b.half_width)
+            && (!scene.clutter || self.tracker.scene().clutter)
+            && (0.25..4.0).contains(&size)
+    }
+
+    fn frame(&mut self, time_s: f64, image: &Mat) -> opencv::Result<()> {
+        let view = View::of(image)?;
+        let frame = self.times_s.len();
+        self.sightings.extend(self.tracker.look(&view)?.map(|s| Sighting { frame, time_s, ..s }));
+        self.times_s.push(time_s);
+        self.changes.push(&view);
+        self.size_px = (view.columns(), view.rows());
+        Ok(())
+    }
+
+    /// `missing`: how many frames decode of how many that the file promises, where it was cut off.
+    fn finish(self, settings: &Settings, missing: Option<(usize, usize)>) -> Answer {
+        let Self { tracker, mut sightings, mut times_s, changes, size_px } = self;
+        let frames = times_s.len();
+        let looks: Vec<bool> = sightings.iter().filter_map(|s| s.second).collect();
+        let two = looks.iter().filter(|second| **second).count();
+        if two as f64 > TWO_BALLS * looks.len() as f64 {
+            return unseen(Unseen::TwoBalls, frames, settings, &format!("in {two} of {} frames", looks.len()));
+        }
+        let steps = |times: &[f64]| times.windows(2).map(|w| w[1] - w[0]).collect::<Vec<f64>>();
+        let step_s = median(steps(&times_s)).unwrap_or(1.0);
+        // The film's own steps keep their proportions, so that a dropped frame stays a gap.
+        let slower = settings.rate_hz.map_or(1.0, |rate| 1.0 / (rate * step_s));
+        times_s.iter_mut().for_each(|t| *t *= slower);
+        sightings.iter_mut().for_each(|s| s.time_s *= slower);
+        let step_s = step_s * slower;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of frames")]
+        let lost = |step: &f64| ((step / step_s).round() - 1.0).clamp(0.0, 1e6) as usize;
+        let dropped = steps(&times_s).iter().map(lost).sum();
+        let radius = median(sightings.iter().filter(|s| !s.cut).map(|s| s.radius_px).collect()).unwrap_or(1.0);
+        for s in sightings.iter_mut().filter(|s| !s.cut) {
+            s.confidence *= (-((s.radius_px / radius).ln() / OFF_SIZE.ln()).powi(2)).exp();
+        }
+        // Something else of the ball's colour: far too large or too small, and in full view.
+        sightings.retain(|s| {
+            let size = s.radius_px / radius;
+            if s.cut { (LEAST_CUT..OFF_SIZE).contains(&size) } else { (1.0 / OFF_SIZE..OFF_SIZE).contains(&size) }
+        });
+        if !sightings.iter().any(|s| !s.cut) {
+            return unseen(Unseen::NoBall, frames, settings, "");
+        }
+        let mut track = Track {
+            frames,
+            size_px,
+            rate_hz: 1.0 / step_s,
+            colour: tracker.scene().window,
+            sightings,
+            repeated: changes.repeated(),
+            dropped,
+            notes: Vec::new(),
+        };
+        track.notes = noticed::of(&track, tracker.scene().clutter, missing);
+        Answer::Tracked(Box::new(track))
+    }
+}
+
+impl Track {
+    /// The sightings in full view, in frames that are no repetition.
+    pub fn whole(&self) -> impl Iterator<Item = &Sighting> {
+        self.sightings.iter().filter(|s| !s.cut && self.repeated.binary_search(&s.frame).is_err())
+    }
+
+    /// The ball's radius in the picture, px: the median.
+    #[must_use]
+    pub fn radius_px(&self) -> f64 {
+        median(self.whole().map(|s| s.radius_px).collect()).unwrap_or(1.0)
+    }
+
+    /// The track as an observation in pixels.
+    ///
+    /// # Errors
+    /// [`Error::Observation`] where too few frames show the whole ball.
+    pub fn observation(&self) -> Result<Observation> {
+        let clock = self.whole().map(|s| s.time_s).collect();
+        let values = self.whole().flat_map(|s| [s.u_px, s.v_px]).collect();
+        Observation::new(Kind::Pixels, vec![Channel::new("u", "px"), Channel::new("v", "px")], clock, values)
+    }
+}
+
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests;
