@@ -8,17 +8,20 @@
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`filmed`] | drops in front of a camera that nobody knows |
+//! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
 pub mod ball;
 pub mod built_in;
 pub mod drawn;
 pub mod filmed;
+pub mod filmed_ball;
 pub mod observed;
 pub mod observed_ball;
 pub mod simulation_file;
 
 pub use drawn::Drawn;
+pub use filmed_ball::FilmedBall;
 pub use observed::simulator;
 pub use observed_ball::ObservedBall;
 pub use simulation_file::SimulationFile;

@@ -4,7 +4,7 @@ use tunenet_core::Result;
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
 
-use crate::{ObservedBall, SimulationFile};
+use crate::{FilmedBall, ObservedBall, SimulationFile};
 
 /// The simulator that `file` describes, observed as `kind`: its physical effects in the world, its effects of the
 /// measurement around it. Those that this kind of observation cannot show are passed over.
@@ -12,6 +12,9 @@ use crate::{ObservedBall, SimulationFile};
 /// # Errors
 /// As [`ObservedBall::new`].
 pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>> {
+    if kind == Kind::Pixels {
+        return Ok(Box::new(FilmedBall::new(file)?));
+    }
     around(file, ObservedBall::new(file, kind)?)
 }
 

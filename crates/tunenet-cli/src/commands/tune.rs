@@ -163,16 +163,24 @@ fn tune_to(
             Error::file(&options.observation[other], message, "tune to each kind alone, or use `--each`").into()
         );
     }
-    if model.is_some() && kind != Kind::Positions {
-        let (expected, found) = ("positions".into(), format!("{}, which need no model", kind.name()));
+    let learned =
+        |model: &Model| kind == Kind::Positions || kind == Kind::Pixels && !model.target_channels().is_empty();
+    if !model.is_none_or(learned) {
+        let why = if kind == Kind::Pixels { "this model does not see" } else { "need no model" };
+        let (expected, found) = ("positions".into(), format!("{}, which {why}", kind.name()));
         return Err(Error::Model { what: "input".into(), expected, found }.into());
     }
     if model.is_some() && recordings.len() > 1 {
         let expected = "no model beside several observations, or --each".into();
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
-    let bare = ObservedBall::new(file, kind).with_context(|| names(options))?.forced(options.force);
-    let ball = observed::around(file, bare.clone())?;
+    let filmed = kind == Kind::Pixels;
+    let bare = if filmed { None } else { Some(ObservedBall::new(file, kind).with_context(|| names(options))?) };
+    let bare = bare.map(|ball| ball.forced(options.force));
+    let ball = match &bare {
+        Some(bare) => observed::around(file, bare.clone())?,
+        None => simulator(file, kind).with_context(|| names(options))?,
+    };
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
         iterations: usize::from(options.iterations),
@@ -184,7 +192,11 @@ fn tune_to(
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let cache = if options.no_cache { Cache::none() } else { Cache::of_user() };
     let seed = options.common.seed;
-    let chosen = model.map_or_else(|| tune_model::choose(file, &bare, recordings, seed, &cache), Chosen::given);
+    let chosen = match (model, &bare) {
+        (Some(model), _) => Chosen::given(model),
+        (None, Some(bare)) => tune_model::choose(file, bare, recordings, seed, &cache),
+        (None, None) => tune_model::none("none: give one that learned from `gen ball-video` with --model".into()),
+    };
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();

@@ -63,6 +63,11 @@ impl Chosen {
     }
 }
 
+/// No network, and why.
+pub fn none(why: String) -> Chosen {
+    Chosen::new(None, "none", why)
+}
+
 /// Chooses for these recordings of `file`'s ball; never fails: without a network the fit has other starts.
 pub fn choose(
     file: &SimulationFile,
@@ -71,7 +76,6 @@ pub fn choose(
     seed: u64,
     cache: &Cache,
 ) -> Chosen {
-    let none = |why: String| Chosen::new(None, "none", why);
     if ball.kind() == Kind::BounceTimes {
         return none("not needed for bounce times".into());
     }
