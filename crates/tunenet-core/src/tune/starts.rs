@@ -35,14 +35,11 @@ impl Tuning<'_> {
             return Ok((fit, rollouts));
         }
         let mut starts = vec![near.clone()];
-        starts.extend(self.local_start(near));
         // One parameter at a time across its bounds, the others where the file, a network or the events have them.
-        for base in starts.clone() {
-            for &i in self.free {
-                let p = &self.simulator.parameters()[i];
-                starts.extend(SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()])));
-            }
-        }
+        starts.extend(self.across_bounds(near));
+        let local = self.local_start(near);
+        let locals: Vec<Point> = local.iter().flat_map(|l| [vec![l.clone()], self.across_bounds(l)].concat()).collect();
+        starts.extend(locals.iter().cloned());
         let networked = also.is_some();
         starts.extend(also);
         for start in starts.clone() {
@@ -57,15 +54,13 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             best = Some(fit);
         }
-        let mut ranked: Vec<(f64, Point)> = Vec::with_capacity(starts.len());
-        for start in starts {
-            if let Ok(residuals) = problem.residuals(&start, 1.0) {
-                ranked.push((problem.rmse(&residuals), start));
-            }
-        }
+        let mut ranked = self.ranked(starts);
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Where a parameter changes nothing, one start is as good as the next: only the first of them counts.
         ranked.dedup_by(|next, kept| (next.0 - kept.0).abs() <= SAME_MISFIT * kept.0);
+        // What the events suggest comes before what lies nearer by rollouts alone: where they are right, release and surface
+        // are right too, and what is left (friction) can be a long way off and still lie in the same valley.
+        ranked.splice(0..0, self.ranked(locals).into_iter().min_by(|a, b| a.0.total_cmp(&b.0)));
         for (tried, (_, start)) in ranked.into_iter().enumerate() {
             let grow = tried >= 2;
             let mut point = start;
@@ -100,6 +95,22 @@ impl Tuning<'_> {
             at: "every start".into(),
             message: "no start within the bounds could be simulated".into(),
         })
+    }
+
+    /// `base` with one free parameter at a time across its bounds.
+    fn across_bounds(&self, base: &Point) -> Vec<Point> {
+        let of = |&i: &usize| {
+            let p = &self.simulator.parameters()[i];
+            SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()]))
+        };
+        self.free.iter().flat_map(of).collect()
+    }
+
+    /// The starts that can be simulated, each with its distance from the data.
+    fn ranked(&self, starts: Vec<Point>) -> Vec<(f64, Point)> {
+        let problem = self.problem();
+        let distance = |start: Point| Some((problem.rmse(&problem.residuals(&start, 1.0).ok()?), start));
+        starts.into_iter().filter_map(distance).collect()
     }
 
     /// Near a bound the slope may vanish (a restitution of a few hundredths leaves next to no rebound), so that a step which
