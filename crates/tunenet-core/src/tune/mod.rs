@@ -23,6 +23,7 @@ mod region;
 mod residual;
 mod starts;
 mod unknowns;
+mod valleys;
 
 pub use adequacy::Adequacy;
 pub use algorithm1::{Loop, Walk, walk};
@@ -274,11 +275,17 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             fit
         };
+        let mut elsewhere = Vec::new();
+        if self.settings.finish {
+            let (found, places, used) = self.look_across(fit)?;
+            rollouts += used;
+            (fit, elsewhere) = (found, places);
+        }
         let spread = Spread::of(&problem, &fit);
         let known = Information::of(&problem, &fit, &spread)?;
         rollouts += self.recordings.iter().map(|r| self.free.len() + r.own.len()).sum::<usize>();
         fit.covariance = known.covariance.clone();
-        let (interval95, used) = ends(&problem, &fit, &spread)?;
+        let (interval95, used) = interval::ends_with(&problem, &fit, &spread, &elsewhere)?;
         rollouts += used;
         let poor = self.poor(&fit, &mut notes);
         let mut found = self.standings(&fit, &known, &spread, &interval95);

@@ -19,6 +19,10 @@ const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08,
 /// Starts across the bounds, for the case that neither the file nor the data suggest a good one. Small ones lie closer: where
 /// friction is large enough to stop the slip, more of it changes nothing.
 const SPREAD_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
+/// Places across the bounds, denser towards the lower one, for parameters that the events say nothing of.
+const BESIDE_LOCAL: u32 = 24;
+/// The nearest starts with what the events suggest that are fitted before any other.
+const LOCAL_FITS: usize = 2;
 
 /// Two misfits closer than this share of them are the same.
 const SAME_MISFIT: f64 = 1e-9;
@@ -37,8 +41,7 @@ impl Tuning<'_> {
         let mut starts = vec![near.clone()];
         // One parameter at a time across its bounds, the others where the file, a network or the events have them.
         starts.extend(self.across_bounds(near));
-        let local = self.local_start(near);
-        let locals: Vec<Point> = local.iter().flat_map(|l| [vec![l.clone()], self.across_bounds(l)].concat()).collect();
+        let locals: Vec<Point> = self.local_start(near).iter().flat_map(|l| self.beside_local(l)).collect();
         starts.extend(locals.iter().cloned());
         let networked = also.is_some();
         starts.extend(also);
@@ -55,14 +58,14 @@ impl Tuning<'_> {
             best = Some(fit);
         }
         let mut ranked = self.ranked(starts);
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Where a parameter changes nothing, one start is as good as the next: only the first of them counts.
-        ranked.dedup_by(|next, kept| (next.0 - kept.0).abs() <= SAME_MISFIT * kept.0);
         // What the events suggest comes before what lies nearer by rollouts alone: where they are right, release and surface
         // are right too, and what is left (friction) can be a long way off and still lie in the same valley.
-        ranked.splice(0..0, self.ranked(locals).into_iter().min_by(|a, b| a.0.total_cmp(&b.0)));
+        let mut locals = self.ranked(locals);
+        locals.truncate(LOCAL_FITS);
+        let first = locals.len();
+        ranked.splice(0..0, locals);
         for (tried, (_, start)) in ranked.into_iter().enumerate() {
-            let grow = tried >= 2;
+            let grow = tried >= first + 2;
             let mut point = start;
             if grow {
                 for horizon in [0.45, 0.7] {
@@ -80,7 +83,7 @@ impl Tuning<'_> {
                 let count = b.residuals.iter().map(Vec::len).sum::<usize>() as f64;
                 robust_scale(&b.residuals) < SUSPICIOUS_SCALE && 2.0 * b.cost < SUSPICIOUS_SQUARE * count
             });
-            if settled || tried >= 5 {
+            if settled || tried >= first + 5 {
                 break;
             }
         }
@@ -106,11 +109,27 @@ impl Tuning<'_> {
         self.free.iter().flat_map(of).collect()
     }
 
-    /// The starts that can be simulated, each with its distance from the data.
+    /// `local`, with every parameter that the events say nothing of across its bounds, one at a time.
+    fn beside_local(&self, local: &Point) -> Vec<Point> {
+        let mut starts = vec![local.clone()];
+        for &i in self.free.iter().filter(|&&i| local_estimate(self.recordings, i).is_none()) {
+            let p = &self.simulator.parameters()[i];
+            let share = |n: u32| p.min + (f64::from(n) / f64::from(BESIDE_LOCAL)).powi(3) * p.span();
+            starts.extend((1..BESIDE_LOCAL).map(|n| local.with(&[i], &[share(n)])));
+        }
+        starts.extend(self.across_bounds(local));
+        starts
+    }
+
+    /// The starts that can be simulated, each with its distance from the data, the nearest first.
     fn ranked(&self, starts: Vec<Point>) -> Vec<(f64, Point)> {
         let problem = self.problem();
         let distance = |start: Point| Some((problem.rmse(&problem.residuals(&start, 1.0).ok()?), start));
-        starts.into_iter().filter_map(distance).collect()
+        let mut ranked: Vec<_> = starts.into_iter().filter_map(distance).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Where a parameter changes nothing, one start is as good as the next: only the first of them counts.
+        ranked.dedup_by(|next, kept| (next.0 - kept.0).abs() <= SAME_MISFIT * kept.0);
+        ranked
     }
 
     /// Near a bound the slope may vanish (a restitution of a few hundredths leaves next to no rebound), so that a step which
