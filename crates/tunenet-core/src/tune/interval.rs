@@ -192,16 +192,20 @@ pub(super) fn ends_with(
         let near = value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max;
         let reach = spread.quantile() * sd;
         let profile = Profile { problem, fit, i, spread, sd };
-        if !near && profile.is_straight(reach, &mut rollouts)? {
+        let curved = || {
             let end = |value| End { value, bound: false, misfit: spread.quantile() };
-            all.push(Interval { low: end(value - reach), high: end(value + reach) });
+            Interval { low: end(value - reach), high: end(value + reach) }
+        };
+        // Values that the simulator refuses cannot be held against the curvature.
+        if !near && profile.is_straight(reach, &mut rollouts).unwrap_or(true) {
+            all.push(curved());
             continue;
         }
-        let places = elsewhere.get(i).map_or(&[][..], |v| v);
-        let (low, used) = profile.outermost(-1.0, places)?;
-        let (high, more) = profile.outermost(1.0, places)?;
-        rollouts += used + more;
-        all.push(Interval { low, high });
+        match profile.interval(elsewhere.get(i).map_or(&[], Vec::as_slice), &mut rollouts) {
+            Ok(interval) => all.push(interval),
+            Err(_) if !near => all.push(curved()),
+            Err(refused) => return Err(refused),
+        }
     }
     Ok((all, rollouts))
 }
@@ -240,6 +244,13 @@ impl Profile<'_> {
         Ok(true)
     }
 
+    /// Both ends.
+    fn interval(&self, places: &[Place], rollouts: &mut usize) -> Result<Interval> {
+        let ((low, left), (high, right)) = (self.outermost(-1.0, places)?, self.outermost(1.0, places)?);
+        *rollouts += left + right;
+        Ok(Interval { low, high })
+    }
+
     /// The edge in one direction, of the stretch around the estimate or of the farthest one that has one of `places`.
     fn outermost(&self, direction: f64, places: &[Place]) -> Result<(End, usize)> {
         let position = self.problem.free[self.i];
@@ -250,7 +261,7 @@ impl Profile<'_> {
         beyond.sort_by(|a, b| (b.value * direction).total_cmp(&(a.value * direction)));
         for place in beyond {
             // The place itself was fitted in two steps only.
-            let there = held(self.problem, place.point.clone(), &[position], self.spread)?;
+            let Ok(there) = held(self.problem, place.point.clone(), &[position], self.spread) else { continue };
             rollouts += there.rollouts;
             let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
             if misfit < limit {

@@ -277,7 +277,7 @@ impl Tuning<'_> {
         };
         let mut elsewhere = Vec::new();
         if self.settings.finish {
-            let (found, places, used) = self.look_across(fit)?;
+            let (found, places, used) = self.look_across(fit);
             rollouts += used;
             (fit, elsewhere) = (found, places);
         }

@@ -1,18 +1,21 @@
-//! The misfit far from a fit, where an impact may slip that gripped: each such change is a kink, and beyond it may lie
-//! another valley, as deep or nearly so.
+//! The misfit far from a fit. Where an impact slips that gripped, or where weak rebounds are too short to be seen, the misfit
+//! has kinks, and beyond each may lie another valley, as deep or nearly so.
 
 use super::Tuning;
 use super::fit::{Fit, Problem};
 use super::interval::Spread;
 use super::starts::local_estimate;
 use super::unknowns::Point;
-use crate::Result;
 
-/// Places at which the misfit is looked at, as multiples of the parameter's distance from its lower bound.
+/// Places at which the misfit over a parameter is looked at, as multiples of its distance from its lower bound.
 const BELOW: [f64; 5] = [0.85, 0.7, 0.5, 0.35, 0.2];
 const ABOVE: [f64; 6] = [1.18, 1.4, 2.0, 2.8, 4.0, 8.0];
 /// A fit near the lower bound is looked at from this share of the bounds instead.
 const LEAST_SHARE: f64 = 1e-3;
+/// A parameter that the events tell is looked for elsewhere only this near to its lower bound, as a share of the bounds: a
+/// weak rebound is no event. The places are even then.
+const WEAK_SHARE: f64 = 0.3;
+const WEAK_PLACES: u32 = 12;
 /// Another valley is fitted where its misfit, in squares of standard deviations, exceeds the least by no more than this: the
 /// place is coarse, and the fit there was cut short.
 const WORTH_A_FIT: f64 = 100.0;
@@ -28,23 +31,26 @@ pub(super) struct Place {
 }
 
 impl Tuning<'_> {
-    /// The best valley near `found`, and for each free parameter the places that were looked at around it. A parameter that
-    /// the events tell is not looked for elsewhere.
-    pub(super) fn look_across(&self, mut found: Fit) -> Result<(Fit, Vec<Vec<Place>>, usize)> {
+    /// The best valley near `found`, and for each free parameter the places that were looked at around it.
+    pub(super) fn look_across(&self, mut found: Fit) -> (Fit, Vec<Vec<Place>>, usize) {
         let problem = self.problem();
         let (mut rollouts, mut all) = (0, vec![Vec::new(); self.free.len()]);
         for k in 0..self.free.len() {
-            if local_estimate(self.recordings, self.free[k]).is_some() {
+            let p = &self.simulator.parameters()[self.free[k]];
+            let share = (found.point.parameters[self.free[k]] - p.min) / p.span();
+            let told = local_estimate(self.recordings, self.free[k]).is_some();
+            if told && share > WEAK_SHARE {
                 continue;
             }
-            let (places, used) = places(&problem, &found, k)?;
+            let shares = if told { even(share) } else { around(share) };
+            let (places, used) = places(&problem, &found, k, shares);
             rollouts += used;
             let spread = Spread::of(&problem, &found);
             for place in valleys(&places, &found, self.free[k]) {
                 if spread.excess(place.cost - found.cost) > WORTH_A_FIT {
                     continue;
                 }
-                let again = problem.fit(place.point.clone(), 1.0)?;
+                let Ok(again) = problem.fit(place.point.clone(), 1.0) else { continue };
                 rollouts += again.rollouts;
                 if again.cost < found.cost {
                     found = again;
@@ -52,27 +58,42 @@ impl Tuning<'_> {
             }
             all[k] = places;
         }
-        Ok((found, all, rollouts))
+        (found, all, rollouts)
     }
 }
 
-/// Looks at the misfit over free parameter number `k` outwards from `fit`, each place fitted from the one before.
-fn places(problem: &Problem, fit: &Fit, k: usize) -> Result<(Vec<Place>, usize)> {
+/// Places around this share of the bounds, outwards on either side, as shares.
+fn around(share: f64) -> [Vec<f64>; 2] {
+    let from = share.max(LEAST_SHARE);
+    [BELOW.map(|r| r * from).to_vec(), ABOVE.map(|r| r * from).to_vec()]
+}
+
+/// Even places near the lower bound, outwards on either side of this share of the bounds, as shares.
+fn even(share: f64) -> [Vec<f64>; 2] {
+    let all = (0..=WEAK_PLACES).map(|n| WEAK_SHARE * f64::from(n) / f64::from(WEAK_PLACES));
+    let (mut below, above): (Vec<f64>, Vec<f64>) = all.filter(|s| *s != share).partition(|s| *s < share);
+    below.reverse();
+    [below, above]
+}
+
+/// The misfit over free parameter number `k` at these shares of its bounds, outwards from `fit` on either side, each place
+/// fitted from the one before.
+fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec<Place>, usize) {
     let position = problem.free[k];
     let p = &problem.simulator.parameters()[position];
     let others: Vec<usize> = problem.free.iter().copied().filter(|&f| f != position).collect();
     let problem = Problem { free: &others, ..*problem };
-    let reach = (fit.point.parameters[position] - p.min).max(LEAST_SHARE * p.span());
     let (mut found, mut rollouts) = (Vec::new(), 0);
-    for side in [&BELOW[..], &ABOVE[..]] {
+    for side in shares {
         let (mut point, mut cost) = (fit.point.clone(), fit.cost);
-        for ratio in side {
-            let value = (p.min + ratio * reach).min(p.max);
+        for share in side {
+            let value = (p.min + share * p.span()).min(p.max);
             if value == point.parameters[position] {
                 break;
             }
-            // Two steps are enough to see a valley.
-            let there = problem.fit_until(point.with(&[position], &[value]), 1.0, f64::INFINITY)?;
+            // Two steps are enough to see a valley. What the simulator refuses has none.
+            let start = point.with(&[position], &[value]);
+            let Ok(there) = problem.fit_until(start, 1.0, f64::INFINITY) else { break };
             rollouts += there.rollouts;
             let flat = (there.cost - cost).abs() <= SAME_COST * cost;
             (point, cost) = (there.point, there.cost);
@@ -83,7 +104,7 @@ fn places(problem: &Problem, fit: &Fit, k: usize) -> Result<(Vec<Place>, usize)>
         }
     }
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
-    Ok((found, rollouts))
+    (found, rollouts)
 }
 
 /// The places that are deeper than both their neighbours, the fit itself among the neighbours, and those deeper than the fit.
