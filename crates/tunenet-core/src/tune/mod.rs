@@ -254,11 +254,12 @@ impl Tuning<'_> {
             }
             stop = Stop::Iterations;
         }
+        let mut elsewhere = Vec::new();
         let mut fit = if self.settings.finish || iterations.is_empty() {
             // The start without a network stays among the starts: with one, the answer is never worse.
             let plain = Point { parameters: start.parameters.clone(), own: before.point.own.clone() };
-            let (fit, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
-            rollouts += used;
+            let (fit, places, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
+            (elsewhere, rollouts) = (places, rollouts + used);
             if iterations.is_empty() {
                 iterations.push(Iteration { k: 0, parameters: near.at(self.free), rmse: gap_before });
             }
@@ -275,12 +276,6 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             fit
         };
-        let mut elsewhere = Vec::new();
-        if self.settings.finish {
-            let (found, places, used) = self.look_across(fit);
-            rollouts += used;
-            (fit, elsewhere) = (found, places);
-        }
         let spread = Spread::of(&problem, &fit);
         let known = Information::of(&problem, &fit, &spread)?;
         rollouts += self.recordings.iter().map(|r| self.free.len() + r.own.len()).sum::<usize>();

@@ -3,6 +3,7 @@
 use super::Tuning;
 use super::fit::{Fit, robust_scale};
 use super::unknowns::Point;
+use super::valleys::Elsewhere;
 use crate::observation::LocalEstimate;
 use crate::simulator::Prepared;
 use crate::{Error, Result};
@@ -30,13 +31,14 @@ const SAME_MISFIT: f64 = 1e-9;
 const FLAT_STARTS: u32 = 40;
 
 impl Tuning<'_> {
-    /// The best of several starts, `near` and `also` among them; more of them where the first leaves too much.
-    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, usize)> {
+    /// The best of several starts, `near` and `also` among them, more of them where the first leaves too much; the places
+    /// that were looked at around it; and the rollouts it took.
+    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, Elsewhere, usize)> {
         let problem = self.problem();
         if self.free.is_empty() {
             let fit = problem.fit(near.clone(), 1.0)?;
             let rollouts = fit.rollouts;
-            return Ok((fit, rollouts));
+            return Ok((fit, Vec::new(), rollouts));
         }
         let mut starts = vec![near.clone()];
         // One parameter at a time across its bounds, the others where the file, a network or the events have them.
@@ -87,17 +89,14 @@ impl Tuning<'_> {
                 break;
             }
         }
-        if let Some(found) = best.take() {
-            let (found, used) = self.look_along_bounds(found)?;
-            rollouts += used;
-            let (found, used) = self.look_past_flats(found)?;
-            rollouts += used;
-            best = Some(found);
-        }
-        best.map(|b| (b, rollouts)).ok_or_else(|| Error::Simulator {
+        let found = best.ok_or_else(|| Error::Simulator {
             at: "every start".into(),
             message: "no start within the bounds could be simulated".into(),
-        })
+        })?;
+        let (found, along) = self.look_along_bounds(found)?;
+        let (found, past) = self.look_past_flats(found)?;
+        let (found, elsewhere, across) = self.look_across(found);
+        Ok((found, elsewhere, rollouts + along + past + across))
     }
 
     /// `base` with one free parameter at a time across its bounds.

@@ -30,12 +30,15 @@ pub(super) struct Place {
     pub point: Point,
 }
 
+/// For each free parameter, the places that were looked at.
+pub(super) type Elsewhere = Vec<Vec<Place>>;
+
 impl Tuning<'_> {
-    /// The best valley near `found`, and for each free parameter the places that were looked at around it.
-    pub(super) fn look_across(&self, mut found: Fit) -> (Fit, Vec<Vec<Place>>, usize) {
+    /// The best valley near `found`, the places that were looked at around it, and the rollouts it took.
+    pub(super) fn look_across(&self, mut found: Fit) -> (Fit, Elsewhere, usize) {
         let problem = self.problem();
         let (mut rollouts, mut all) = (0, vec![Vec::new(); self.free.len()]);
-        for k in 0..self.free.len() {
+        for (k, kept) in all.iter_mut().enumerate() {
             let p = &self.simulator.parameters()[self.free[k]];
             let share = (found.point.parameters[self.free[k]] - p.min) / p.span();
             let told = local_estimate(self.recordings, self.free[k]).is_some();
@@ -56,7 +59,7 @@ impl Tuning<'_> {
                     found = again;
                 }
             }
-            all[k] = places;
+            *kept = places;
         }
         (found, all, rollouts)
     }
