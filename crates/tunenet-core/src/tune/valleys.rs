@@ -46,19 +46,23 @@ impl Tuning<'_> {
                 continue;
             }
             let shares = if told { even(share) } else { around(share) };
-            let (places, used) = places(&problem, &found, k, shares);
+            let (mut places, used) = places(&problem, &found, k, shares);
             rollouts += used;
             let spread = Spread::of(&problem, &found);
+            let mut bottoms = Vec::new();
             for place in valleys(&places, &found, self.free[k]) {
                 if spread.excess(place.cost - found.cost) > WORTH_A_FIT {
                     continue;
                 }
                 let Ok(again) = problem.fit(place.point.clone(), 1.0) else { continue };
                 rollouts += again.rollouts;
-                if again.cost < found.cost {
-                    found = again;
-                }
+                // The bottom of the other valley is a place as well.
+                let (best, other) = if again.cost < found.cost { (again, found) } else { (found, again) };
+                found = best;
+                let value = other.point.parameters[self.free[k]];
+                bottoms.push(Place { value, cost: other.cost, point: other.point });
             }
+            places.extend(bottoms);
             *kept = places;
         }
         (found, all, rollouts)
@@ -121,4 +125,44 @@ fn valleys<'a>(places: &'a [Place], fit: &Fit, position: usize) -> Vec<&'a Place
         costs[at] < fit.cost || costs[at] < before && after.is_none_or(|&after| costs[at] < after)
     };
     places.iter().enumerate().filter(|(i, _)| deep(*i)).map(|(_, place)| place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::{Channel, Kind, Observation};
+    use crate::simulator::{Parameter, Simulator};
+    use crate::tune::{Settings, tune};
+
+    /// A line whose slope rises with the parameter up to 4 and falls beyond: two values for each slope.
+    struct Roof(Vec<Parameter>, Vec<Channel>);
+
+    impl Simulator for Roof {
+        fn parameters(&self) -> &[Parameter] {
+            &self.0
+        }
+
+        fn channels(&self) -> &[Channel] {
+            &self.1
+        }
+
+        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+            let slope = 2.0 - (p[0] - 4.0).abs() / if p[0] < 4.0 { 2.0 } else { 4.0 };
+            clock.iter().zip(out).for_each(|(t, v)| *v = slope * t);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn an_interval_reaches_to_the_other_valley() {
+        let roof = Roof(vec![Parameter::new("p", "1", 1.5, 0.0, 20.0).unwrap()], vec![Channel::new("y", "1")]);
+        let clock: Vec<f64> = (0..200).map(|i| f64::from(i) / 200.0).collect();
+        // A slope of 1, which 2 and 8 have, and something like noise.
+        let noise = |i: usize| 0.4 * ((i * 7919 % 101) as f64 / 50.0 - 1.0);
+        let values = clock.iter().enumerate().map(|(i, t)| t + noise(i)).collect();
+        let seen = Observation::new(Kind::Other, roof.channels().to_vec(), clock, values).unwrap();
+        let outcome = tune(&roof, &[seen], None, &Settings::default()).unwrap();
+        let (low, high) = outcome.parameters[0].interval95;
+        assert!((1.7..2.0).contains(&low) && (8.0..8.5).contains(&high), "{:?}", outcome.parameters);
+    }
 }
