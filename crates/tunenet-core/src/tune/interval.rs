@@ -196,12 +196,14 @@ pub(super) fn ends_with(
             let end = |value| End { value, bound: false, misfit: spread.quantile() };
             Interval { low: end(value - reach), high: end(value + reach) }
         };
+        let places = elsewhere.get(i).map_or(&[][..], Vec::as_slice);
+        let alone = places.iter().all(|p| spread.excess(p.cost - fit.cost) > spread.quantile().powi(2));
         // Values that the simulator refuses cannot be held against the curvature.
-        if !near && profile.is_straight(reach, &mut rollouts).unwrap_or(true) {
+        if !near && alone && profile.is_straight(reach, &mut rollouts).unwrap_or(true) {
             all.push(curved());
             continue;
         }
-        match profile.interval(elsewhere.get(i).map_or(&[], Vec::as_slice), &mut rollouts) {
+        match profile.interval(places, &mut rollouts) {
             Ok(interval) => all.push(interval),
             Err(_) if !near => all.push(curved()),
             Err(refused) => return Err(refused),
