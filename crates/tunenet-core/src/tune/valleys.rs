@@ -129,7 +129,6 @@ fn valleys<'a>(places: &'a [Place], fit: &Fit, position: usize) -> Vec<&'a Place
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::observation::{Channel, Kind, Observation};
     use crate::simulator::{Parameter, Simulator};
     use crate::tune::{Settings, tune};
