@@ -4,6 +4,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::fit::{Fit, Problem, robust_scale};
 use super::unknowns::Point;
+use super::valleys::Place;
 use crate::Result;
 
 /// The level of every interval that tunenet states.
@@ -30,6 +31,8 @@ const LEAST_STEP_SPAN: f64 = 1e-7;
 const SMALL_RISE: f64 = 0.25;
 /// A fit along a profile may leave this much of the misfit, in squares of standard deviations.
 const MISFIT_TOLERANCE: f64 = 1e-4;
+/// The misfit at the ends of an interval from the curvature may stray from its quantile by this share.
+const STRAIGHT: f64 = 0.2;
 /// A bound farther from the estimate than this share of the bounds, and as good, leaves the estimate open.
 const OPEN_SHARE: f64 = 0.25;
 
@@ -162,12 +165,23 @@ pub fn intervals(problem: &Problem, fit: &Fit) -> Result<(Vec<(f64, f64)>, usize
 
 /// The 95 % interval of each free parameter, and the rollouts that it took beyond the fit.
 ///
-/// From the curvature (Laplace) where the interval stays well inside the bounds; where it comes near one, the values whose
-/// misfit is within the quantile of the best, everything else fitted again (profile likelihood).
+/// From the curvature (Laplace) where the misfit at both ends is what the curvature says and the interval stays well inside
+/// the bounds; elsewhere the values whose misfit is within the quantile of the best, everything else fitted again (profile
+/// likelihood).
 ///
 /// # Errors
 /// Where the simulator refuses.
 pub fn ends(problem: &Problem, fit: &Fit, spread: &Spread) -> Result<(Vec<Interval>, usize)> {
+    ends_with(problem, fit, spread, &[])
+}
+
+/// As [`ends`], which also reach to those places `elsewhere` (for each free parameter) whose misfit is within the quantile.
+pub(super) fn ends_with(
+    problem: &Problem,
+    fit: &Fit,
+    spread: &Spread,
+    elsewhere: &[Vec<Place>],
+) -> Result<(Vec<Interval>, usize)> {
     let mut rollouts = 0;
     let mut all = Vec::with_capacity(problem.free.len());
     for (i, &position) in problem.free.iter().enumerate() {
@@ -177,16 +191,23 @@ pub fn ends(problem: &Problem, fit: &Fit, spread: &Spread) -> Result<(Vec<Interv
         let value = fit.point.parameters[position];
         let near = value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max;
         let reach = spread.quantile() * sd;
-        all.push(if near {
-            let profile = Profile { problem, fit, i, spread, sd };
-            let (low, used) = profile.edge(-1.0)?;
-            let (high, more) = profile.edge(1.0)?;
-            rollouts += used + more;
-            Interval { low, high }
-        } else {
+        let profile = Profile { problem, fit, i, spread, sd };
+        let curved = || {
             let end = |value| End { value, bound: false, misfit: spread.quantile() };
             Interval { low: end(value - reach), high: end(value + reach) }
-        });
+        };
+        let places = elsewhere.get(i).map_or(&[][..], Vec::as_slice);
+        let alone = places.iter().all(|p| spread.excess(p.cost - fit.cost) > spread.quantile().powi(2));
+        // Values that the simulator refuses cannot be held against the curvature.
+        if !near && alone && profile.is_straight(reach, &mut rollouts).unwrap_or(true) {
+            all.push(curved());
+            continue;
+        }
+        match profile.interval(places, &mut rollouts) {
+            Ok(interval) => all.push(interval),
+            Err(_) if !near => all.push(curved()),
+            Err(refused) => return Err(refused),
+        }
     }
     Ok((all, rollouts))
 }
@@ -210,15 +231,61 @@ struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// Walks from the estimate towards a bound until the misfit exceeds the quantile; returns where, or the bound.
-    fn edge(&self, direction: f64) -> Result<(End, usize)> {
+    /// Whether the misfit at both ends of the interval of the curvature is the quantile. At a kink it is not.
+    fn is_straight(&self, reach: f64, rollouts: &mut usize) -> Result<bool> {
+        let position = self.problem.free[self.i];
+        for side in [-reach, reach] {
+            let start = self.fit.point.with(&[position], &[self.fit.point.parameters[position] + side]);
+            let there = held(self.problem, start, &[position], self.spread)?;
+            *rollouts += there.rollouts;
+            let excess = self.spread.excess(there.cost - self.fit.cost);
+            if (excess / self.spread.quantile().powi(2) - 1.0).abs() > STRAIGHT {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Both ends.
+    fn interval(&self, places: &[Place], rollouts: &mut usize) -> Result<Interval> {
+        let ((low, left), (high, right)) = (self.outermost(-1.0, places)?, self.outermost(1.0, places)?);
+        *rollouts += left + right;
+        Ok(Interval { low, high })
+    }
+
+    /// The edge in one direction, of the stretch around the estimate or of the farthest one that has one of `places`.
+    fn outermost(&self, direction: f64, places: &[Place]) -> Result<(End, usize)> {
+        let position = self.problem.free[self.i];
+        let (mut end, mut rollouts) = self.edge(direction, &self.fit.point, 0.0)?;
+        let limit = self.spread.quantile();
+        let mut beyond: Vec<&Place> = places.iter().filter(|p| (p.value - end.value) * direction > 0.0).collect();
+        // The farthest first.
+        beyond.sort_by(|a, b| (b.value * direction).total_cmp(&(a.value * direction)));
+        for place in beyond {
+            // The place itself was fitted in two steps only.
+            let Ok(there) = held(self.problem, place.point.clone(), &[position], self.spread) else { continue };
+            rollouts += there.rollouts;
+            let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
+            if misfit < limit {
+                let (farther, used) = self.edge(direction, &there.point, misfit)?;
+                rollouts += used;
+                end = farther;
+                break;
+            }
+        }
+        Ok((end, rollouts))
+    }
+
+    /// Walks from a point with this misfit towards a bound until the misfit exceeds the quantile; returns where, or the
+    /// bound.
+    fn edge(&self, direction: f64, from: &Point, misfit: f64) -> Result<(End, usize)> {
         let position = self.problem.free[self.i];
         let p = &self.problem.simulator.parameters()[position];
         let bound = if direction < 0.0 { p.min } else { p.max };
         let mut step =
             (PROFILE_STEP_SD * self.sd).max(PROFILE_STEP_SPAN * p.span() * 1e-3).min(PROFILE_STEP_SPAN * p.span());
-        let (mut point, mut rollouts) = (self.fit.point.clone(), 0);
-        let (mut before, mut misfit_before) = (point.parameters[position], 0.0);
+        let (mut point, mut rollouts) = (from.clone(), 0);
+        let (mut before, mut misfit_before) = (point.parameters[position], misfit);
         let limit = self.spread.quantile();
         loop {
             let value = before + direction * step;

@@ -24,6 +24,7 @@ mod region;
 mod residual;
 mod starts;
 mod unknowns;
+mod valleys;
 
 pub use adequacy::Adequacy;
 pub use algorithm1::{Loop, Walk, walk};
@@ -254,11 +255,12 @@ impl Tuning<'_> {
             }
             stop = Stop::Iterations;
         }
+        let mut elsewhere = Vec::new();
         let mut fit = if self.settings.finish || iterations.is_empty() {
             // The start without a network stays among the starts: with one, the answer is never worse.
             let plain = Point { parameters: start.parameters.clone(), own: before.point.own.clone() };
-            let (fit, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
-            rollouts += used;
+            let (fit, places, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
+            (elsewhere, rollouts) = (places, rollouts + used);
             if iterations.is_empty() {
                 iterations.push(Iteration { k: 0, parameters: near.at(self.free), rmse: gap_before });
             }
@@ -279,7 +281,7 @@ impl Tuning<'_> {
         let known = Information::of(&problem, &fit, &spread)?;
         rollouts += self.recordings.iter().map(|r| self.free.len() + r.own.len()).sum::<usize>();
         fit.covariance = known.covariance.clone();
-        let (interval95, used) = ends(&problem, &fit, &spread)?;
+        let (interval95, used) = interval::ends_with(&problem, &fit, &spread, &elsewhere)?;
         rollouts += used;
         let poor = self.poor(&fit, &mut notes);
         let mut found = self.standings(&fit, &known, &spread, &interval95);

@@ -3,6 +3,7 @@
 use super::Tuning;
 use super::fit::{Fit, robust_scale};
 use super::unknowns::Point;
+use super::valleys::Elsewhere;
 use crate::observation::LocalEstimate;
 use crate::simulator::Prepared;
 use crate::{Error, Result};
@@ -19,6 +20,10 @@ const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08,
 /// Starts across the bounds, for the case that neither the file nor the data suggest a good one. Small ones lie closer: where
 /// friction is large enough to stop the slip, more of it changes nothing.
 const SPREAD_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
+/// Places across the bounds, denser towards the lower one, for parameters that the events say nothing of.
+const BESIDE_LOCAL: u32 = 24;
+/// The nearest starts with what the events suggest that are fitted before any other.
+const LOCAL_FITS: usize = 2;
 
 /// Two misfits closer than this share of them are the same.
 const SAME_MISFIT: f64 = 1e-9;
@@ -26,23 +31,20 @@ const SAME_MISFIT: f64 = 1e-9;
 const FLAT_STARTS: u32 = 40;
 
 impl Tuning<'_> {
-    /// The best of several starts, `near` and `also` among them; more of them where the first leaves too much.
-    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, usize)> {
+    /// The best of several starts, `near` and `also` among them, more of them where the first leaves too much; the places
+    /// that were looked at around it; and the rollouts it took.
+    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, Elsewhere, usize)> {
         let problem = self.problem();
         if self.free.is_empty() {
             let fit = problem.fit(near.clone(), 1.0)?;
             let rollouts = fit.rollouts;
-            return Ok((fit, rollouts));
+            return Ok((fit, Vec::new(), rollouts));
         }
         let mut starts = vec![near.clone()];
-        starts.extend(self.local_start(near));
         // One parameter at a time across its bounds, the others where the file, a network or the events have them.
-        for base in starts.clone() {
-            for &i in self.free {
-                let p = &self.simulator.parameters()[i];
-                starts.extend(SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()])));
-            }
-        }
+        starts.extend(self.across_bounds(near));
+        let locals: Vec<Point> = self.local_start(near).iter().flat_map(|l| self.beside_local(l)).collect();
+        starts.extend(locals.iter().cloned());
         let networked = also.is_some();
         starts.extend(also);
         for start in starts.clone() {
@@ -57,17 +59,15 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             best = Some(fit);
         }
-        let mut ranked: Vec<(f64, Point)> = Vec::with_capacity(starts.len());
-        for start in starts {
-            if let Ok(residuals) = problem.residuals(&start, 1.0) {
-                ranked.push((problem.rmse(&residuals), start));
-            }
-        }
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Where a parameter changes nothing, one start is as good as the next: only the first of them counts.
-        ranked.dedup_by(|next, kept| (next.0 - kept.0).abs() <= SAME_MISFIT * kept.0);
+        let mut ranked = self.ranked(starts);
+        // What the events suggest comes before what lies nearer by rollouts alone: where they are right, release and surface
+        // are right too, and what is left (friction) can be a long way off and still lie in the same valley.
+        let mut locals = self.ranked(locals);
+        locals.truncate(LOCAL_FITS);
+        let first = locals.len();
+        ranked.splice(0..0, locals);
         for (tried, (_, start)) in ranked.into_iter().enumerate() {
-            let grow = tried >= 2;
+            let grow = tried >= first + 2;
             let mut point = start;
             if grow {
                 for horizon in [0.45, 0.7] {
@@ -85,21 +85,50 @@ impl Tuning<'_> {
                 let count = b.residuals.iter().map(Vec::len).sum::<usize>() as f64;
                 robust_scale(&b.residuals) < SUSPICIOUS_SCALE && 2.0 * b.cost < SUSPICIOUS_SQUARE * count
             });
-            if settled || tried >= 5 {
+            if settled || tried >= first + 5 {
                 break;
             }
         }
-        if let Some(found) = best.take() {
-            let (found, used) = self.look_along_bounds(found)?;
-            rollouts += used;
-            let (found, used) = self.look_past_flats(found)?;
-            rollouts += used;
-            best = Some(found);
-        }
-        best.map(|b| (b, rollouts)).ok_or_else(|| Error::Simulator {
+        let found = best.ok_or_else(|| Error::Simulator {
             at: "every start".into(),
             message: "no start within the bounds could be simulated".into(),
-        })
+        })?;
+        let (found, along) = self.look_along_bounds(found)?;
+        let (found, past) = self.look_past_flats(found)?;
+        let (found, elsewhere, across) = self.look_across(found);
+        Ok((found, elsewhere, rollouts + along + past + across))
+    }
+
+    /// `base` with one free parameter at a time across its bounds.
+    fn across_bounds(&self, base: &Point) -> Vec<Point> {
+        let of = |&i: &usize| {
+            let p = &self.simulator.parameters()[i];
+            SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()]))
+        };
+        self.free.iter().flat_map(of).collect()
+    }
+
+    /// `local`, with every parameter that the events say nothing of across its bounds, one at a time.
+    fn beside_local(&self, local: &Point) -> Vec<Point> {
+        let mut starts = vec![local.clone()];
+        for &i in self.free.iter().filter(|&&i| local_estimate(self.recordings, i).is_none()) {
+            let p = &self.simulator.parameters()[i];
+            let share = |n: u32| p.min + (f64::from(n) / f64::from(BESIDE_LOCAL)).powi(3) * p.span();
+            starts.extend((1..BESIDE_LOCAL).map(|n| local.with(&[i], &[share(n)])));
+        }
+        starts.extend(self.across_bounds(local));
+        starts
+    }
+
+    /// The starts that can be simulated, each with its distance from the data, the nearest first.
+    fn ranked(&self, starts: Vec<Point>) -> Vec<(f64, Point)> {
+        let problem = self.problem();
+        let distance = |start: Point| Some((problem.rmse(&problem.residuals(&start, 1.0).ok()?), start));
+        let mut ranked: Vec<_> = starts.into_iter().filter_map(distance).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Where a parameter changes nothing, one start is as good as the next: only the first of them counts.
+        ranked.dedup_by(|next, kept| (next.0 - kept.0).abs() <= SAME_MISFIT * kept.0);
+        ranked
     }
 
     /// Near a bound the slope may vanish (a restitution of a few hundredths leaves next to no rebound), so that a step which

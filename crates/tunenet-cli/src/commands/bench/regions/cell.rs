@@ -143,6 +143,7 @@ pub struct Found {
     /// Whether its boundary had to be walked.
     pub walked: bool,
     pub poor: bool,
+    pub rollouts: usize,
 }
 
 fn judge(simulator: &dyn Simulator, seen: Observation, truth: &[f64]) -> Result<Found> {
@@ -162,5 +163,6 @@ fn judge(simulator: &dyn Simulator, seen: Observation, truth: &[f64]) -> Result<
         region: outcome.region95.as_ref().map(hold).transpose()?,
         walked: outcome.region95.as_ref().is_some_and(|r| !r.boundary.is_empty()),
         poor: outcome.verdict == Verdict::PoorFit,
+        rollouts: outcome.rollouts,
     })
 }

@@ -41,6 +41,9 @@ struct Row {
     /// How often there was no region, poor fits included.
     without: f64,
     called_poor: f64,
+    /// Rollouts of a tuning: the mean, and the most.
+    rollouts: f64,
+    most_rollouts: usize,
 }
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -116,6 +119,8 @@ impl Row {
             walked: share(&|f| f.walked),
             without: 1.0 - regions.len() as f64 / count,
             called_poor: share(&|f| f.poor),
+            rollouts: found.iter().map(|f| f.rollouts as f64).sum::<f64>() / count,
+            most_rollouts: found.iter().map(|f| f.rollouts).max().unwrap_or_default(),
         }
     }
 }
@@ -126,15 +131,16 @@ fn markdown(command: &str, rows: &[Row]) -> String {
     out.push_str(
         "Recordings come from closed forms, not from the simulator that is tuned. *Joint* is the region by the likelihood \
          ratio, *drawn* its ellipse or walked boundary, both of the recordings that have one.\n\n\
-         | recordings | joint | drawn | walked | no region | poor fit | intervals (determined) |\n\
-         |---|---|---|---|---|---|---|\n",
+         | recordings | joint | drawn | walked | no region | poor fit | intervals (determined) | rollouts (most) |\n\
+         |---|---|---|---|---|---|---|---|\n",
     );
     let percent = |v: f64| format!("{:.1} %", 100.0 * v);
     for row in rows {
         let each = |p: &Interval| format!("{} {} ({})", p.name, percent(p.covered), percent(p.determined));
         let intervals = row.parameters.iter().map(each).collect::<Vec<_>>().join(", ");
         let shares = [row.joint, row.drawn, row.walked, row.without, row.called_poor].map(percent).join(" | ");
-        let _ = writeln!(out, "| {} | {shares} | {intervals} |", row.cell.name());
+        let (rollouts, most) = (row.rollouts, row.most_rollouts);
+        let _ = writeln!(out, "| {} | {shares} | {intervals} | {rollouts:.0} ({most}) |", row.cell.name());
     }
     out
 }

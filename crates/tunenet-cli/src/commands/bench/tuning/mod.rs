@@ -6,6 +6,7 @@
 //!
 //! Every finished cell is kept by [`resume`](super::resume).
 
+mod any_drop;
 pub(super) mod closed_form;
 mod cross;
 mod general;
