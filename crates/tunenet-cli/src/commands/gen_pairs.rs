@@ -13,6 +13,7 @@ use tunenet_core::simulator::Simulator;
 use tunenet_sim::drawn::{Drawn, Ranges};
 use tunenet_sim::{ObservedBall, SimulationFile};
 
+use super::destination::{self, Output, Product};
 use super::{load, print_json};
 use crate::cli::{Domain, Gen, Pairs};
 use crate::failure::Exit;
@@ -29,7 +30,8 @@ pub fn run(options: &Gen) -> Result<Exit> {
     let Domain::Ball = options.domain;
     let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
     load::ending(&options.out, &["mcap"])?;
-    load::writable(&options.out, &inputs)?;
+    let output = Output::new(&options.out, "--out", Product::Dataset);
+    destination::check(&[output], &inputs, options.writing.overwrite)?;
     if options.out.exists() && !options.out.is_file() {
         let message = "expected a file to write to, found a device";
         return Err(Error::file(&options.out, message, "choose a name that ends in .mcap").into());

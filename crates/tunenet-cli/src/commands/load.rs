@@ -31,24 +31,19 @@ pub fn reading(reading: &Reading) -> ReadOptions {
     ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() }
 }
 
-/// Refuses an output that a long run could not be saved to (a folder, or a name in a folder that does not exist), and one
-/// that is an input as well: nobody means to lose a measurement.
-pub fn writable(out: &Path, inputs: &[&Path]) -> Result<()> {
-    if let Ok(same) = out.canonicalize()
-        && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == same))
-    {
-        let message = "expected another file to write to, found one of the inputs";
-        return Err(Error::file(out, message, "choose another name for --out").into());
+/// The SHA-256 of every recording that is given; refuses one that is given twice, whatever it is called: the same evidence
+/// counted twice looks like twice as much.
+pub fn distinct<'a>(recordings: impl Iterator<Item = &'a Path>) -> Result<Vec<String>> {
+    let mut seen: Vec<(&Path, String)> = Vec::new();
+    for path in recordings {
+        let hash = hash(path)?;
+        if let Some((other, _)) = seen.iter().find(|(_, known)| *known == hash) {
+            let message = format!("expected another recording, found the same as in {}", other.display());
+            return Err(Error::file(path, message, "give every recording once").into());
+        }
+        seen.push((path, hash));
     }
-    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let kind = if out.is_dir() {
-        std::io::ErrorKind::IsADirectory
-    } else if folder.is_some_and(|folder| !folder.is_dir()) {
-        std::io::ErrorKind::NotFound
-    } else {
-        return Ok(());
-    };
-    Err(Error::io(out, "writing", kind.into()).into())
+    Ok(seen.into_iter().map(|(_, hash)| hash).collect())
 }
 
 /// Refuses an output whose name ends otherwise than its contents say: whoever finds the file later goes by its name.

@@ -14,6 +14,7 @@ use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
+use super::destination::{self, Output, Product};
 use super::model_cache::Cache;
 use super::tune_model::{self, Chosen};
 use super::{load, print_json, start};
@@ -27,17 +28,7 @@ const MOST_SAMPLES: usize = 20_000;
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
-    if let Some(out) = &options.out {
-        load::writable(out, &inputs(options).collect::<Vec<_>>())?;
-    }
-    if let Some(report) = &options.report {
-        if options.out.as_ref() == Some(report) {
-            let (expected, found) = ("another file than `--out`".into(), load::name(report));
-            return Err(Error::Setting { name: "--report", expected, found }.into());
-        }
-        let others = [options.simulation.sim.as_path()].into_iter().chain(options.out.as_deref());
-        load::writable(report, &inputs(options).chain(others).collect::<Vec<_>>())?;
-    }
+    destination::check(&outputs(options), &inputs(options).collect::<Vec<_>>(), options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
     start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
@@ -45,10 +36,11 @@ pub fn run(options: &Tune) -> Result<Exit> {
         return each(options, &file, model.as_ref());
     }
     let began = Instant::now();
+    let hashes = load::distinct(options.observation.iter().map(AsRef::as_ref))?;
     let recordings = options.observation.iter().map(|path| read(path, options)).collect::<Result<Vec<_>>>()?;
     let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
-        write_tuned(options, &file, &outcome, out)?;
+        write_tuned(options, &file, &outcome, &hashes, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
@@ -65,14 +57,20 @@ pub fn run(options: &Tune) -> Result<Exit> {
     Ok(exit)
 }
 
-/// What is measured or learned, and must not be lost.
+/// What is read, and must not be lost.
 fn inputs(options: &Tune) -> impl Iterator<Item = &Path> {
-    options.observation.iter().map(AsRef::as_ref).chain(options.model.as_deref())
+    let scene = std::iter::once(options.simulation.sim.as_path());
+    scene.chain(options.observation.iter().map(AsRef::as_ref)).chain(options.model.as_deref())
+}
+
+fn outputs(options: &Tune) -> Vec<Output> {
+    let out = options.out.iter().map(|out| Output::new(out, "--out", Product::Simulation));
+    let report = options.report.iter().map(|report| Output::new(report, "--report", Product::Page));
+    out.chain(report).collect()
 }
 
 fn provenance(options: &Tune) -> report::Provenance {
-    let read: Vec<&Path> = [options.simulation.sim.as_path()].into_iter().chain(inputs(options)).collect();
-    report::Provenance::new(options.common.seed, &read)
+    report::Provenance::new(options.common.seed, &inputs(options).collect::<Vec<_>>())
 }
 
 /// An outcome with what a report draws of it.
@@ -360,7 +358,7 @@ fn is_written(outcome: &Outcome) -> bool {
     matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
 }
 
-fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &Path) -> Result<()> {
+fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, hashes: &[String], out: &Path) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
     let mut tuned = file.clone();
     let mut intervals = InlineTable::new();
@@ -369,10 +367,10 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
         intervals.insert(&p.name, Array::from_iter([p.interval95.0, p.interval95.1]).into());
     }
     let mut observations = Array::new();
-    for path in &options.observation {
+    for (path, hash) in options.observation.iter().zip(hashes) {
         let mut one = InlineTable::new();
         one.insert("file", load::name(path).into());
-        one.insert("sha256", load::hash(path)?.into());
+        one.insert("sha256", hash.as_str().into());
         observations.push(one);
     }
     let mut estimated = Array::new();

@@ -26,7 +26,6 @@ use crate::terminal::stage;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
     let sources = manifest::sources(options)?;
-    improve::report_writable(options, &sources)?;
     improve::writable(options, &sources)?;
     let loaded = load::load(options, &sources)?;
     tell::read(&loaded);
