@@ -9,7 +9,6 @@
 mod adequacy;
 mod algorithm1;
 pub(crate) mod arrow;
-mod bounce_noise;
 mod contour;
 mod evidence;
 mod fit;
