@@ -7,6 +7,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use sha2::{Digest, Sha256};
 use tunenet_core::Error;
+use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
 use tunenet_sim::SimulationFile;
 
@@ -21,9 +22,25 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
     Ok(file)
 }
 
-/// A recording from a file.
+/// Most samples of one recording that are looked at and fitted to; more would not sharpen the answer by as much as they
+/// cost.
+const MOST_SAMPLES: usize = 20_000;
+
+/// A recording from a file, as `tune` and `inspect` alike look at it.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
-    Ok(read(path, &self::reading(reading))?)
+    recording_of(path, reading, MOST_SAMPLES)
+}
+
+/// A recording from a file, with at most so many samples.
+pub fn recording_of(path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+    let mut recording = read(path, &self::reading(reading))?;
+    let samples = recording.observation.len();
+    if let Some(fewer) = recording.observation.thinned(most)? {
+        let text = format!("{} of {samples} samples are used, evenly chosen", fewer.len());
+        recording.notes.push(Note::new("samples.thinned", text, ""));
+        recording.observation = fewer;
+    }
+    Ok(recording)
 }
 
 /// The command line's say in how files are read.

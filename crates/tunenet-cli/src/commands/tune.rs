@@ -23,8 +23,6 @@ use crate::failure::{Exit, sentence as error_sentence};
 use crate::report::{self, tune::Answer};
 use crate::terminal::{in_words, list, rounded, stage, table, tally, warn};
 
-/// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
-const MOST_SAMPLES: usize = 20_000;
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
@@ -36,8 +34,8 @@ pub fn run(options: &Tune) -> Result<Exit> {
         return each(options, &file, model.as_ref());
     }
     let began = Instant::now();
-    let hashes = load::distinct(options.observation.iter().map(AsRef::as_ref))?;
     let recordings = options.observation.iter().map(|path| read(path, options)).collect::<Result<Vec<_>>>()?;
+    let hashes = load::distinct(options.observation.iter().map(AsRef::as_ref))?;
     let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
         write_tuned(options, &file, &outcome, &hashes, out)?;
@@ -52,7 +50,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
         let names = options.observation.iter().map(|path| load::name(path)).collect();
         let answer = answer(&file, names, recordings, outcome)?;
         report::tune::together(report, &answer, &provenance(options))?;
-        stage("report", &load::name(report));
+        stage("report", &report.display().to_string());
     }
     Ok(exit)
 }
@@ -121,14 +119,14 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
     }
     if let Some(path) = &options.report {
         report::tune::each(path, &cases, &provenance(options))?;
-        stage("report", &load::name(path));
+        stage("report", &path.display().to_string());
     }
     stage("done", &format!("{} observations, {refused} refused", options.observation.len()));
     Ok(if refused > 0 { Exit::Refused } else { worst })
 }
 
 fn read(path: &Path, options: &Tune) -> Result<Recording> {
-    let mut recording = load::recording(path, &options.reading)?;
+    let recording = load::recording(path, &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
     let span = if seen.kind() == Kind::BounceTimes {
@@ -138,11 +136,6 @@ fn read(path: &Path, options: &Tune) -> Result<Recording> {
     };
     if !options.each {
         stage("read", &format!("{}, {span}", load::name(path)));
-    }
-    if let Some(fewer) = recording.observation.thinned(MOST_SAMPLES)? {
-        let text = format!("{} of {} samples are used, evenly chosen", fewer.len(), recording.observation.len());
-        recording.notes.push(Note::new("samples.thinned", text, ""));
-        recording.observation = fewer;
     }
     Ok(recording)
 }
@@ -287,7 +280,8 @@ pub(crate) fn reason(outcome: &Outcome) -> Option<&Note> {
     let failed: Vec<&str> =
         outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
     let rejected = outcome.verdict == Verdict::Rejected;
-    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { n.code == "contact.none" })
+    let silent = ["contact.none", "recordings.short"];
+    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { silent.contains(&n.code) })
 }
 
 /// The verdict in one sentence.
@@ -346,8 +340,8 @@ fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
     }
     outcome.notes.iter().for_each(warn);
     let wrote = match &options.out {
-        Some(out) if is_written(outcome) => format!("wrote {}, ", load::name(out)),
-        Some(out) => format!("{} not written, since nothing was tuned; ", load::name(out)),
+        Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
+        Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),
         None => String::new(),
     };
     anstream::eprintln!("{wrote}{} rollouts, {seconds:.1} s, seed {}", outcome.rollouts, options.common.seed);

@@ -31,26 +31,10 @@ pub enum Written {
 pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
     let several = several(sources.iter().map(|s| s.object.as_str()));
     let mut outputs: Vec<Output> = Vec::new();
-    for out in &options.out {
-        if !several {
-            outputs.push(Output::new(out, "--out", Product::Simulation));
-            continue;
-        }
-        if out.is_file() {
-            let message = "expected a folder, since every object gets a file of its own, found a file";
-            return Err(Error::file(out, message, "name a folder with --out").into());
-        }
-        let objects: BTreeSet<&str> = sources.iter().map(|s| s.object.as_str()).collect();
-        for object in objects {
-            let plain = object.chars().all(|c| c.is_alphanumeric() || "-_. ".contains(c));
-            if !plain || object.starts_with('.') {
-                let message = format!("`{object}` makes no file name for --out");
-                let path = options.manifest.clone().unwrap_or_default();
-                return Err(Error::file(path, message, "use letters, digits, -, _ and spaces in `object`").into());
-            }
-            let path = out.join(format!("{object}.toml"));
-            outputs.push(Output { makes_folder: true, ..Output::new(&path, "--out", Product::Simulation) });
-        }
+    match &options.out {
+        Some(out) if several => outputs.extend(of_objects(options, out, sources)?),
+        Some(out) => outputs.push(Output::new(out, "--out", Product::Simulation)),
+        None => {}
     }
     outputs.extend(options.report.iter().map(|report| Output::new(report, "--report", Product::Page)));
     let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
@@ -65,6 +49,26 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
         std::fs::create_dir_all(out).map_err(|e| Error::io(out, "creating", e))?;
     }
     Ok(())
+}
+
+/// A file for each object in the folder `out`.
+fn of_objects(options: &Diagnose, out: &Path, sources: &[Source]) -> Result<Vec<Output>> {
+    if out.is_file() {
+        let message = "expected a folder, since every object gets a file of its own, found a file";
+        return Err(Error::file(out, message, "name a folder with --out").into());
+    }
+    let objects: BTreeSet<&str> = sources.iter().map(|s| s.object.as_str()).collect();
+    let one = |object: &str| {
+        let plain = object.chars().all(|c| c.is_alphanumeric() || "-_. ".contains(c));
+        if !plain || object.starts_with('.') {
+            let message = format!("`{object}` makes no file name for --out");
+            let path = options.manifest.clone().unwrap_or_default();
+            return Err(Error::file(path, message, "use letters, digits, -, _ and spaces in `object`").into());
+        }
+        let path = out.join(format!("{object}.toml"));
+        Ok(Output { makes_folder: true, ..Output::new(&path, "--out", Product::Simulation) })
+    };
+    objects.into_iter().map(one).collect()
 }
 
 fn several<'a>(mut objects: impl Iterator<Item = &'a str>) -> bool {

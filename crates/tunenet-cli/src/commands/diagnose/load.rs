@@ -56,12 +56,7 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
     for source in sources {
         let name = load::name(&source.path);
-        let mut recording = load::recording(&source.path, &options.reading)?;
-        if let Some(fewer) = recording.observation.thinned(MOST_SAMPLES)? {
-            let text = format!("{} of {} samples are used, evenly chosen", fewer.len(), recording.observation.len());
-            recording.notes.push(Note::new("samples.thinned", text, ""));
-            recording.observation = fewer;
-        }
+        let recording = load::recording_of(&source.path, &options.reading, MOST_SAMPLES)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
