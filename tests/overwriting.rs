@@ -55,7 +55,11 @@ fn what_tunenet_wrote_is_replaced_by_the_same_kind() {
     refused(&folder, "tune --sim scene.toml --observation drop.csv --out 2.html", &["2.html", "a simulation file"]);
     refused(&folder, "gen ball --sim drop.toml --pairs 20 --out 6.mcap", &["6.mcap", "a data set"]);
     // A recording bears no mark: only the very same is written again.
-    refused(&folder, "simulate --sim drop.toml --set release.height_m=2 --out 5.csv", &["5.csv", "expected a new name"]);
+    refused(
+        &folder,
+        "simulate --sim drop.toml --set release.height_m=2 --out 5.csv",
+        &["5.csv", "expected a new name"],
+    );
     refused(&folder, "simulate --sim drop.toml --out drop.csv", &["drop.csv", "expected a new name"]);
     // An empty file has nothing to lose.
     folder.write("empty.toml", "");
@@ -66,7 +70,10 @@ fn what_tunenet_wrote_is_replaced_by_the_same_kind() {
 fn what_is_read_is_never_written_over() {
     let folder = folder();
     folder.run("tune --sim scene.toml --observation drop.csv --out tuned.toml").ends(0);
-    folder.write("objects.toml", "[[observation]]\nfile = \"drop.csv\"\n[[observation]]\nfile = \"other.csv\"\nobject = \"b\"\n");
+    folder.write(
+        "objects.toml",
+        "[[observation]]\nfile = \"drop.csv\"\n[[observation]]\nfile = \"other.csv\"\nobject = \"b\"\n",
+    );
     std::fs::create_dir(folder.path("out")).unwrap();
     folder.write("out/ball.toml", DROP);
     for (line, name) in [
@@ -91,7 +98,11 @@ fn a_recording_counts_once() {
     let folder = folder();
     folder.write("copy.csv", folder.read("drop.csv"));
     let tune = "tune --sim scene.toml --observation";
-    refused(&folder, &format!("{tune} drop.csv drop.csv"), &["drop.csv: expected another recording, found the same as"]);
+    refused(
+        &folder,
+        &format!("{tune} drop.csv drop.csv"),
+        &["drop.csv: expected another recording, found the same as"],
+    );
     refused(&folder, &format!("{tune} drop.csv other.csv copy.csv"), &["copy.csv", "the same as in drop.csv", "once"]);
     let diagnose = "diagnose --sim scene.toml --observation";
     refused(&folder, &format!("{diagnose} drop.csv ./drop.csv"), &["./drop.csv", "the same as in drop.csv"]);
