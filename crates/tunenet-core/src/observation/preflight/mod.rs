@@ -5,6 +5,7 @@ mod clock;
 mod flights;
 mod gravity;
 mod motion;
+mod skipped;
 mod surface;
 mod units;
 mod values;
@@ -116,9 +117,9 @@ pub struct Preflight {
     pub kept: Option<Observation>,
     /// Flights and contacts of what was kept, cut to what can be explained.
     pub arcs: Option<Arcs>,
-    /// How fast free flight falls, where any is long enough.
     /// The first fall of a record of so few samples that its bounce shows by no kink; `None` where `arcs` have contacts.
     pub coarse: Option<FirstFall>,
+    /// How fast free flight falls, where any is long enough.
     pub gravity: Option<ApparentGravity>,
 }
 
@@ -174,6 +175,7 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     let tame = kept.without(&wild);
     checks.push(values::wild(&wild, tame.is_some()));
     kept = tame.unwrap_or(kept);
+    checks.push(skipped::check(&kept, expected.gravity_m_s2));
     checks.push(clock::slow(&kept, expected.gravity_m_s2));
     let Some(mut arcs) = Arcs::cut(&kept, expected.gravity_m_s2) else {
         return Preflight { checks, kept: Some(kept), arcs: None, coarse: None, gravity: None };
