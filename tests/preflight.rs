@@ -114,7 +114,7 @@ fn inspect_and_tune_say_the_same() {
 fn a_bounce_in_the_last_samples_is_cut_off_and_said() {
     let folder = Folder::with_scene();
     let drop = Drop { restitution: 0.9, ..Drop::default() };
-    let before = (drop.impact_s(0) * drop.rate_hz).floor() as usize + 1;
+    let before = drop.frames().iter().filter(|(t, _)| *t < drop.impact_s(0)).count();
     for after in 1..=2 {
         folder.write("late.csv", Drop { frames: before + after, ..drop }.csv());
         let json = folder.run("tune --sim scene.toml --observation late.csv --json").ends(3).json();

@@ -64,7 +64,7 @@ impl Tuning<'_> {
     }
 
     /// That there are no more numbers than unknowns: such a fit is always exact, so that nothing says how sure it is.
-    pub(super) fn too_short(&self) -> Option<Note> {
+    fn too_short(&self) -> Option<Note> {
         let values: usize = self.recordings.iter().map(|r| r.seen.values().len()).sum();
         let unknowns = self.free.len() + self.recordings.iter().map(|r| r.own.len()).sum::<usize>();
         (values <= unknowns && !self.free.is_empty()).then(|| {
@@ -258,12 +258,15 @@ impl Standing {
     }
 }
 
-/// Leaves every parameter open that the data have a bearing on.
-pub(super) fn leave_open(tuning: &Tuning, found: &mut [Standing]) {
+/// Leaves every parameter open that the data have a bearing on, where there are too few of them; says whether that is so.
+pub(super) fn leave_open_where_short(tuning: &Tuning, found: &mut [Standing], notes: &mut Vec<Note>) -> bool {
+    let Some(note) = tuning.too_short() else { return false };
+    notes.push(note);
     for (&i, standing) in tuning.free.iter().zip(found).filter(|(_, s)| s.status != Status::NoEffect) {
         let p = &tuning.simulator.parameters()[i];
         *standing = Standing { interval: (p.min, p.max), status: Status::Weak, beyond: 0.0, told: true };
     }
+    true
 }
 
 /// What is to be said of the whole.

@@ -38,6 +38,7 @@ pub use region::Region;
 pub use residual::channel_noise;
 pub use unknowns::{Point, free};
 
+use judge::Standing;
 use nalgebra::DMatrix;
 
 use crate::network::Model;
@@ -225,6 +226,18 @@ impl Tuning<'_> {
         Ok(point)
     }
 
+    /// Takes the answer from the contacts alone where they say something; the recordings' own unknowns follow the parameters
+    /// that now stand, and so does all that is said of the answer. Returns the rollouts that it took.
+    fn settle_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> Result<usize> {
+        let whole = self.problem().rmse(&fit.residuals);
+        if !self.fall_back_on_local(fit, found, whole, notes) {
+            return Ok(0);
+        }
+        let own = Problem { free: &[], ..self.problem() }.fit(fit.point.clone(), 1.0)?;
+        (fit.point, fit.residuals) = (own.point, own.residuals);
+        Ok(own.rollouts)
+    }
+
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
         let problem = self.problem();
         let start = self.start()?;
@@ -284,13 +297,9 @@ impl Tuning<'_> {
         rollouts += used;
         let poor = self.poor(&fit);
         let mut found = self.standings(&fit, &known, &spread, &interval95);
-        let short = self.too_short();
-        if let Some(note) = &short {
-            notes.push(note.clone());
-            judge::leave_open(self, &mut found);
-        }
+        let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);
-        let region95 = if self.settings.finish && !poor && short.is_none() && joint.len() > 1 {
+        let region95 = if self.settings.finish && !poor && !short && joint.len() > 1 {
             let (region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
             rollouts += used;
             Some(region)
@@ -298,12 +307,8 @@ impl Tuning<'_> {
             None
         };
         // The paper's last iterate stands as it is; anything else would not be the paper's.
-        let whole = problem.rmse(&fit.residuals);
-        if poor && self.settings.finish && self.fall_back_on_local(&mut fit, &mut found, whole, &mut notes) {
-            // The recordings' own unknowns follow the parameters that now stand, and so does all that is said of the answer.
-            let own = Problem { free: &[], ..self.problem() }.fit(fit.point, 1.0)?;
-            rollouts += own.rollouts;
-            (fit.point, fit.residuals) = (own.point, own.residuals);
+        if poor && self.settings.finish {
+            rollouts += self.settle_on_local(&mut fit, &mut found, &mut notes)?;
         }
         self.tell_misfit(&fit, poor, &mut notes);
         let gap = Gap {
