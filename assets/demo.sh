@@ -14,6 +14,8 @@ run() { # shows a command as a person would type it, then runs it
 
 say "Building tunenet without video"
 cargo build --release -p tunenet-cli --no-default-features
+# What an older version wrote may look like nobody's to this one.
+rm -rf "$out"
 mkdir -p "$out"
 
 say "1. A ball was dropped from about 1 m and recorded. What is in the file?"

@@ -245,8 +245,38 @@ fn a_kill_in_the_middle_of_writing_leaves_no_temporary_file() {
     folder.write("long.toml", format!("{SCENE}# {}\n", "a comment that is kept ".repeat(300)));
     folder.write("out.toml", "old");
     let before = folder.names();
-    let line = "tune --sim long.toml --observation drop.csv --out out.toml";
+    let line = "tune --sim long.toml --observation drop.csv --out out.toml --overwrite";
     let ran = folder.shell(&format!("ulimit -c 0; ulimit -f 4; exec $TUNENET {line}"));
     assert_eq!(ran.code, None, "{}", ran.stderr);
     assert_eq!((folder.names(), folder.read("out.toml")), (before, b"old".to_vec()));
+}
+
+/// A log without its end: what there is of it, and that `tune` refuses it, in one voice.
+#[test]
+fn a_log_that_is_cut_off_is_told_precisely() {
+    let folder = Folder::with_scene();
+    folder.run("simulate --sim scene.toml --set release.height_m=1 --out whole.mcap").ends(0);
+    let whole = folder.read("whole.mcap");
+    folder.write("cut.mcap", &whole[..whole.len() * 9 / 10]);
+    let ran = folder.run("inspect cut.mcap").ends(3);
+    assert!(ran.stderr.contains("unusable ") && !ran.stderr.contains("\nusable "), "{}", ran.stderr);
+    for text in
+        ["the recording is cut off: ", " messages could be read before", "`tune` refuses", "mcap recover cut.mcap"]
+    {
+        assert!(ran.stderr.contains(text), "no `{text}` in {}", ran.stderr);
+    }
+    refused(&folder, "tune --sim scene.toml --observation cut.mcap", &["cut.mcap: the recording is cut off"]);
+}
+
+/// The lines that are proposed can be used as they are cut out.
+#[test]
+fn the_whole_lines_keep_their_header() {
+    let folder = Folder::with_scene();
+    let mut lines: Vec<String> = Drop::default().csv().lines().map(str::to_owned).collect();
+    lines[30] = "x,y,z,w".into();
+    folder.write("a.csv", lines.join("\n"));
+    let ran = folder.run("inspect a.csv").ends(3);
+    let command = ran.stderr.split('`').find(|text| text.starts_with("sed ")).unwrap().to_owned();
+    folder.shell(&format!("{command} a.csv > b.csv")).ends(0);
+    folder.run("tune --sim scene.toml --observation b.csv").ends(0);
 }

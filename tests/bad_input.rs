@@ -293,7 +293,7 @@ fn a_full_disk_leaves_what_was_there() {
     ] {
         folder.write(kept, "old");
         let before = folder.names();
-        let ran = folder.shell(&format!("trap '' XFSZ; ulimit -f 4; exec $TUNENET {line}")).ends(1);
+        let ran = folder.shell(&format!("trap '' XFSZ; ulimit -f 4; exec $TUNENET {line} --overwrite")).ends(1);
         assert!(ran.stdout.is_empty(), "{line}: {}", ran.stdout);
         assert!(ran.stderr.contains("too large") && ran.stderr.contains(kept), "{line}: {}", ran.stderr);
         assert_eq!(folder.read(kept), b"old", "{line}");
@@ -303,7 +303,7 @@ fn a_full_disk_leaves_what_was_there() {
         assert!(new.iter().all(|n| documented.iter().any(|d| n.ends_with(d))), "{line}: {new:?}");
     }
     // With room again the same command succeeds.
-    folder.run("gen ball --sim drop.toml --pairs 400 --out out.mcap").ends(0);
+    folder.run("gen ball --sim drop.toml --pairs 400 --out out.mcap --overwrite").ends(0);
     assert!(!folder.path("out.mcap.partial").exists());
 }
 

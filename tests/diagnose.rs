@@ -141,18 +141,6 @@ fn refused(ran: Ran, code: i32, words: &[&str]) {
 }
 
 #[test]
-fn a_recording_is_either_fitted_or_held_out() {
-    let folder = with_throws();
-    let start = "diagnose --sim scene.toml --observation 1.csv 2.csv";
-    refused(folder.run(&format!("{start} --held-out 1.csv")), 1, &["1.csv", "given for training"]);
-    // Under another name it is the same recording.
-    folder.write("copy.csv", folder.read("2.csv"));
-    refused(folder.run(&format!("{start} --held-out copy.csv")), 1, &["copy.csv", "2.csv", "given for training"]);
-    let twice = folder.run(&format!("{start} copy.csv 3.csv --json"));
-    assert!(codes(&twice.json()).contains(&"recording.repeated"), "{}", twice.stdout);
-}
-
-#[test]
 fn recordings_of_two_kinds_are_refused() {
     let folder = with_throws();
     let times: Vec<String> = (0..6).map(|i| (0.4 * f64::from(i) + 0.3).to_string()).collect();

@@ -42,9 +42,9 @@ fn a_file_to_start_from_can_be_tuned_with() {
 fn nothing_is_overwritten_unasked() {
     let folder = Folder::new();
     folder.write("ball.toml", "mine");
-    refused(&folder, "init ball", &["ball.toml: expected a new name", "--force"]);
+    refused(&folder, "init ball", &["ball.toml: expected a new name", "--overwrite"]);
     assert_eq!(folder.read("ball.toml"), b"mine");
-    folder.run("init ball --force").ends(0);
+    folder.run("init ball --overwrite").ends(0);
     folder.run("init ball --out other.toml").ends(0);
     assert_eq!(folder.read("ball.toml"), folder.read("other.toml"));
     misused(&folder, "init arm", &["arm", "[possible values: ball]"]);

@@ -77,6 +77,96 @@ fn several_files_are_told_apart_by_name() {
     assert!((json["gravity"]["value_m_s2"].as_f64().unwrap() - 9.81).abs() < 0.05, "{}", json["gravity"]);
 }
 
+fn codes(warnings: &Value) -> Vec<&str> {
+    warnings.as_array().unwrap().iter().map(|w| w["code"].as_str().unwrap()).collect()
+}
+
+/// What `inspect` warns of, `tune` does, in the same words; what is not about the recording apart.
+#[test]
+fn inspect_and_tune_say_the_same() {
+    let folder = Folder::with_scene();
+    let times = [0.4, 1.0, 1.5, 1.9, 2.2, 2.9, 3.1];
+    folder.write("missed.csv", format!("bounce_time_s\n{}\n", times.map(|t| t.to_string()).join("\n")));
+    folder.write("late.csv", Drop { held_s: 0.5, frames: 300, ..Drop::default() }.csv().replace("x_m", "warmth_c"));
+    folder.run("simulate --sim scene.toml --set release.height_m=1 --out log.mcap").ends(0);
+    for name in ["missed.csv", "late.csv", "log.mcap"] {
+        let inspected = folder.run(&format!("inspect {name} --json")).ends(0).json();
+        let tuned = folder.run(&format!("tune --sim scene.toml --observation {name} --json")).json();
+        let states = |checks: &Value| {
+            let all = checks.as_array().unwrap().iter();
+            all.map(|c| (c["code"].clone(), c["state"].clone())).collect::<Vec<_>>()
+        };
+        assert_eq!(states(&inspected["preflight"]), states(&tuned["preflight"][0]), "{name}");
+        let all = tuned["warnings"].as_array().unwrap().iter();
+        let later = ["fit.", "parameter.", "cache.", "friction."];
+        let told: Vec<&Value> =
+            all.filter(|w| !later.iter().any(|l| w["code"].as_str().unwrap().starts_with(l))).collect();
+        assert_eq!(inspected["warnings"].as_array().unwrap().iter().collect::<Vec<_>>(), told, "{name}");
+    }
+    let ran = folder.run("inspect missed.csv --json").ends(0);
+    assert_eq!(codes(&ran.json()["warnings"]), ["bounces.missed"]);
+    assert!(ran.stderr.contains("that time and the 1 after it are set aside"), "{}", ran.stderr);
+}
+
+/// The ball touches the floor just before the last sample but one or two: too late for a flight after it, which must not bend
+/// the one before.
+#[test]
+fn a_bounce_in_the_last_samples_is_cut_off_and_said() {
+    let folder = Folder::with_scene();
+    let drop = Drop { restitution: 0.9, ..Drop::default() };
+    let before = drop.frames().iter().filter(|(t, _)| *t < drop.impact_s(0)).count();
+    for after in 1..=2 {
+        folder.write("late.csv", Drop { frames: before + after, ..drop }.csv());
+        let json = folder.run("tune --sim scene.toml --observation late.csv --json").ends(3).json();
+        assert_eq!(json["verdict"], "not_identifiable");
+        let checks = json["preflight"][0].as_array().unwrap();
+        let bounce = checks.iter().find(|c| c["code"] == "contact.none").unwrap();
+        assert!(
+            bounce["state"] == "noticed" && bounce["text"].as_str().unwrap().contains("at the very end"),
+            "{bounce}"
+        );
+        assert!(json["gap"]["after"].as_f64() < Some(0.0025), "{after}: {}", json["gap"]);
+        let gravity = folder.run("inspect late.csv --json").json()["gravity"]["value_m_s2"].as_f64().unwrap();
+        assert!((gravity - 9.81).abs() < 0.15, "{after}: {gravity}");
+    }
+}
+
+/// A surface that is not touched, and an axis that was not measured, are not told as found in the data.
+#[test]
+fn what_the_data_do_not_show_is_no_estimate() {
+    let folder = Folder::with_scene();
+    let names = |line: &str| -> Vec<String> {
+        let json = folder.run(&format!("tune --sim scene.toml --observation {line} --json")).json();
+        let own = json["estimated"][0].as_array().unwrap().iter();
+        own.map(|o| o["name"].as_str().unwrap().to_owned()).collect()
+    };
+    folder.write("fall.csv", Drop { frames: 40, ..Drop::default() }.csv());
+    let fall = names("fall.csv");
+    assert!(!fall.contains(&"surface.height".into()) && fall.contains(&"release.y".into()), "{fall:?}");
+    let rows = Drop::default().frames();
+    let rows: Vec<String> = rows.iter().map(|(t, [x, _, z])| format!("{t},{x},{z}")).collect();
+    folder.write("flat.csv", format!("t_s,x_m,z_m\n{}\n", rows.join("\n")));
+    assert_eq!(
+        names("flat.csv"),
+        ["release.x", "release.z", "release.velocity_x", "release.velocity_z", "surface.height"]
+    );
+}
+
+/// As many bounces as unknowns fit whatever they are.
+#[test]
+fn three_bounces_leave_nothing_to_judge_by() {
+    let folder = Folder::with_scene();
+    folder.write("three.csv", "bounce_time_s\n0.4\n1.1\n1.66\n");
+    let ran = folder.run("tune --sim scene.toml --observation three.csv --json").ends(3);
+    let json = ran.json();
+    assert_eq!(json["verdict"], "not_identifiable");
+    assert_eq!(json["parameters"]["restitution"]["interval95"], serde_json::json!([0.0, 1.0]));
+    assert!(codes(&json["warnings"]).contains(&"recordings.short"));
+    assert!(ran.stderr.contains("bring at least 1 more bounce\n"), "{}", ran.stderr);
+    // A known height of fall is one unknown less.
+    folder.run("tune --sim scene.toml --set release.height_m=0.98 --observation three.csv").ends(0);
+}
+
 /// A small part of the bench: the goals hold with some slack for few records.
 #[test]
 fn faults_are_found_and_good_records_are_not_blamed() {

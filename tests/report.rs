@@ -277,9 +277,10 @@ fn what_a_page_may_not_replace() {
         assert_eq!(folder.names(), before, "{line}");
     }
     // An older page is replaced.
-    folder.write("page.html", "old");
     folder.run("tune --sim scene.toml --observation drop.csv --report page.html").ends(0);
-    assert!(folder.read("page.html").starts_with(b"<!DOCTYPE html>"));
+    let older = folder.read("page.html");
+    folder.run("tune --sim scene.toml --observation light_1.csv --report page.html");
+    assert!(folder.read("page.html") != older);
 }
 
 /// The browser that `TUNENET_CHROMIUM` names, or one on the path.
@@ -381,4 +382,42 @@ fn nothing_overflows_at_any_width() {
     assert!(found["drawings"].as_u64() > Some(100) && found["texts"].as_u64() > Some(1000), "{found}");
     let wrong: Vec<&str> = found["wrong"].as_array().unwrap().iter().filter_map(|w| w.as_str()).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Of a poor fit the value that was read off the contacts is the answer: gap, drawings and the ratio to the noise are all of it.
+#[test]
+fn a_poor_fit_tells_one_value_everywhere() {
+    let folder = folder();
+    let line = "tune --sim scene.toml --observation light_1.csv --json";
+    let json = folder.run(&format!("{line} --report page.html")).ends(3).json();
+    let value = json["parameters"]["restitution"]["value"].as_f64().unwrap();
+    let warning = |code: &str| {
+        let all = json["warnings"].as_array().unwrap();
+        all.iter().find(|w| w["code"] == code).unwrap()["text"].as_str().unwrap().to_owned()
+    };
+    assert!(warning("fit.local").contains(&format!("{value:.4}")));
+    // The gap before, of a start at this value, is the gap of this value.
+    let from = folder.run(&format!("{line} --initial restitution={value}")).json();
+    let (before, after) = (from["gap"]["before"].as_f64().unwrap(), json["gap"]["after"].as_f64().unwrap());
+    assert!((before / after - 1.0).abs() < 1e-3, "{before} {after}");
+    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    let ratio: f64 = warning("fit.poor").split(" times").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
+    let shown = page.split("residual / noise").nth(1).unwrap();
+    let numbers = shown.split(['>', '<']).filter_map(|text| text.trim().parse::<f64>().ok());
+    let shown: f64 = numbers.into_iter().next().unwrap();
+    assert!((shown - ratio).abs() <= 0.051, "{shown} on the page, {ratio} in the warning");
+}
+
+/// A bound that the truth lies beyond holds the value, is told, and leaves an interval.
+#[test]
+fn a_bound_below_the_truth_is_told() {
+    let folder = folder();
+    let line = "tune --sim scene.toml --set parameters.restitution.max=0.6 --observation drop.csv --json";
+    let json = folder.run(line).ends(3).json();
+    assert_eq!(json["verdict"], "poor_fit");
+    let found = &json["parameters"]["restitution"];
+    assert_eq!((found["value"].as_f64(), found["status"].as_str()), (Some(0.6), Some("at_bound")), "{found}");
+    let (low, high) = (found["interval95"][0].as_f64().unwrap(), found["interval95"][1].as_f64().unwrap());
+    assert!(low < high && high <= 0.6, "{found}");
+    assert!(json["warnings"].as_array().unwrap().iter().any(|w| w["code"] == "parameter.at_bound"), "{json}");
 }

@@ -83,7 +83,7 @@ fn survives(run: &Run, prepare: &dyn Fn(&Folder)) {
 #[test]
 fn gen_goes_on_after_a_kill() {
     let run = Run {
-        line: "gen ball --sim drop.toml --pairs 8000 --seed 3 --out pairs.mcap",
+        line: "gen ball --sim drop.toml --pairs 8000 --seed 3 --out pairs.mcap --overwrite",
         out: "pairs.mcap",
         trace: "pairs.mcap.partial",
         rounds: 5,
@@ -99,7 +99,7 @@ fn gen_goes_on_after_a_kill() {
 fn train_goes_on_after_a_kill() {
     // Long enough for a checkpoint or two, which are written every other second.
     let run = Run {
-        line: "train --data pairs.mcap --preset paper --seed 3 --out m.safetensors",
+        line: "train --data pairs.mcap --preset paper --seed 3 --out m.safetensors --overwrite",
         out: "m.safetensors",
         trace: "m.safetensors.checkpoint",
         rounds: 2,

@@ -149,6 +149,14 @@ pub struct Common {
     pub seed: u64,
 }
 
+/// What every command takes that writes a file.
+#[derive(Debug, Args)]
+pub struct Writing {
+    /// Replace a file that is there already, even one that tunenet did not write; what is read is never replaced
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
 /// What `init` describes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Scene {
@@ -164,9 +172,8 @@ pub struct Init {
     /// Where to write
     #[arg(long, value_name = "FILE.toml", default_value = "ball.toml")]
     pub out: PathBuf,
-    /// Overwrite a file that is there already
-    #[arg(long)]
-    pub force: bool,
+    #[command(flatten)]
+    pub writing: Writing,
     #[command(flatten)]
     pub common: Common,
 }
@@ -210,6 +217,8 @@ pub struct Tune {
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     #[command(flatten)]
+    pub writing: Writing,
+    #[command(flatten)]
     pub common: Common,
 }
 
@@ -239,6 +248,8 @@ pub struct Diagnose {
     #[arg(long, value_parser = jobs)]
     pub jobs: Option<usize>,
     #[command(flatten)]
+    pub writing: Writing,
+    #[command(flatten)]
     pub common: Common,
 }
 
@@ -256,6 +267,8 @@ pub struct Simulate {
     /// Write what happens, not what is measured: without the file's effects of the measurement
     #[arg(long)]
     pub truth: bool,
+    #[command(flatten)]
+    pub writing: Writing,
     #[command(flatten)]
     pub common: Common,
 }
@@ -315,6 +328,8 @@ pub struct Gen {
     #[arg(long, value_name = "FILE.mcap")]
     pub out: PathBuf,
     #[command(flatten)]
+    pub writing: Writing,
+    #[command(flatten)]
     pub common: Common,
 }
 
@@ -352,6 +367,8 @@ pub struct Train {
     /// Where to write the model
     #[arg(long, value_name = "MODEL.safetensors")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub writing: Writing,
     #[command(flatten)]
     pub common: Common,
 }

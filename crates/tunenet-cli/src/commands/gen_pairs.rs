@@ -13,6 +13,7 @@ use tunenet_sim::SimulationFile;
 use tunenet_sim::drawn::{Drawn, Ranges};
 use tunenet_sim::filmed::FilmedDrops;
 
+use super::destination::{self, Output, Product};
 use super::{load, print_json};
 use crate::cli::{Domain, Gen, Pairs};
 use crate::failure::Exit;
@@ -28,7 +29,8 @@ const CENTRE_HEIGHT_M: std::ops::Range<f64> = 4.0..5.0;
 pub fn run(options: &Gen) -> Result<Exit> {
     let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
     load::ending(&options.out, &["mcap"])?;
-    load::writable(&options.out, &inputs)?;
+    let output = Output::new(&options.out, "--out", Product::Dataset);
+    destination::check(&[output], &inputs, options.writing.overwrite)?;
     if options.out.exists() && !options.out.is_file() {
         let message = "expected a file to write to, found a device";
         return Err(Error::file(&options.out, message, "choose a name that ends in .mcap").into());

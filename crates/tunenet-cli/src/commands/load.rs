@@ -7,6 +7,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use sha2::{Digest, Sha256};
 use tunenet_core::Error;
+use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
 use tunenet_sim::SimulationFile;
 
@@ -21,9 +22,25 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
     Ok(file)
 }
 
-/// A recording from a file.
+/// Most samples of one recording that are looked at and fitted to; more would not sharpen the answer by as much as they
+/// cost.
+const MOST_SAMPLES: usize = 20_000;
+
+/// A recording from a file, as `tune` and `inspect` alike look at it.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
-    Ok(read(path, &self::reading(reading))?)
+    recording_of(path, reading, MOST_SAMPLES)
+}
+
+/// A recording from a file, with at most so many samples.
+pub fn recording_of(path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+    let mut recording = read(path, &self::reading(reading))?;
+    let samples = recording.observation.len();
+    if let Some(fewer) = recording.observation.thinned(most)? {
+        let text = format!("{} of {samples} samples are used, evenly chosen", fewer.len());
+        recording.notes.push(Note::new("samples.thinned", text, ""));
+        recording.observation = fewer;
+    }
+    Ok(recording)
 }
 
 /// The command line's say in how files are read.
@@ -31,24 +48,19 @@ pub fn reading(reading: &Reading) -> ReadOptions {
     ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() }
 }
 
-/// Refuses an output that a long run could not be saved to (a folder, or a name in a folder that does not exist), and one
-/// that is an input as well: nobody means to lose a measurement.
-pub fn writable(out: &Path, inputs: &[&Path]) -> Result<()> {
-    if let Ok(same) = out.canonicalize()
-        && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == same))
-    {
-        let message = "expected another file to write to, found one of the inputs";
-        return Err(Error::file(out, message, "choose another name for --out").into());
+/// The SHA-256 of every recording that is given; refuses one that is given twice, whatever it is called: the same evidence
+/// counted twice looks like twice as much.
+pub fn distinct<'a>(recordings: impl Iterator<Item = &'a Path>) -> Result<Vec<String>> {
+    let mut seen: Vec<(&Path, String)> = Vec::new();
+    for path in recordings {
+        let hash = hash(path)?;
+        if let Some((other, _)) = seen.iter().find(|(_, known)| *known == hash) {
+            let message = format!("expected another recording, found the same as in {}", other.display());
+            return Err(Error::file(path, message, "give every recording once").into());
+        }
+        seen.push((path, hash));
     }
-    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let kind = if out.is_dir() {
-        std::io::ErrorKind::IsADirectory
-    } else if folder.is_some_and(|folder| !folder.is_dir()) {
-        std::io::ErrorKind::NotFound
-    } else {
-        return Ok(());
-    };
-    Err(Error::io(out, "writing", kind.into()).into())
+    Ok(seen.into_iter().map(|(_, hash)| hash).collect())
 }
 
 /// Refuses an output whose name ends otherwise than its contents say: whoever finds the file later goes by its name.

@@ -1,6 +1,7 @@
 //! The commands: each loads, calls the libraries, renders.
 
 mod bench;
+mod destination;
 pub mod diagnose;
 mod gen_pairs;
 mod init;

@@ -1,5 +1,7 @@
 //! `tunenet simulate`.
 
+use std::path::Path;
+
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::Error;
@@ -8,6 +10,7 @@ use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Measured, Simulator, rollout};
 use tunenet_sim::{ObservedBall, observed};
 
+use super::destination::{self, Output, Product};
 use super::{load, print_json};
 use crate::cli::Simulate;
 use crate::failure::Exit;
@@ -16,7 +19,9 @@ use crate::terminal::stage;
 pub fn run(options: &Simulate) -> Result<Exit> {
     let extension = options.out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     load::ending(&options.out, &["csv", "mcap"])?;
-    load::writable(&options.out, &[&options.simulation.sim])?;
+    let output = Output::new(&options.out, "--out", Product::Unmarked);
+    // What stands there may be the very same; that shows only when it is made.
+    destination::check(std::slice::from_ref(&output), &[&options.simulation.sim], true)?;
     let mut file = load::simulation(&options.simulation)?;
     let release = file.release();
     if release.height_m.is_none() && release.position_m.is_none() {
@@ -49,10 +54,15 @@ pub fn run(options: &Simulate) -> Result<Exit> {
         let values = rollout(&seen, &parameters, &own, &clock)?;
         Observation::new(kind, ball.channels().to_vec(), clock, values)?
     };
-    if extension == "csv" {
-        write_csv(&observation, &options.out)?;
+    let write = |to: &Path| if extension == "csv" { write_csv(&observation, to) } else { write_mcap(&observation, to) };
+    if options.writing.overwrite || !destination::holds_something(&options.out) {
+        write(&options.out)?;
     } else {
-        write_mcap(&observation, &options.out)?;
+        let again = tempfile::NamedTempFile::new()?;
+        write(again.path())?;
+        if load::hash(again.path())? != load::hash(&options.out)? {
+            return Err(destination::taken(&output).into());
+        }
     }
     stage("wrote", &format!("{}, {} samples", options.out.display(), observation.len()));
     if options.common.json {

@@ -8,6 +8,7 @@ use serde_json::json;
 use tunenet_core::Error;
 use tunenet_core::network::{Preset, TrainOptions, train};
 
+use super::destination::{self, Output, Product};
 use super::{load, print_json};
 use crate::cli::Train;
 use crate::failure::Exit;
@@ -16,7 +17,8 @@ use crate::terminal::{progress, stage};
 pub fn run(options: &Train) -> Result<Exit> {
     let began = Instant::now();
     // What cannot be written in the end is refused at once.
-    load::writable(&options.out, &[&options.data])?;
+    let output = Output::new(&options.out, "--out", Product::Model);
+    destination::check(&[output], &[&options.data], options.writing.overwrite)?;
     let mut checkpoint = options.out.clone().into_os_string();
     checkpoint.push(".checkpoint");
     let checkpoint = PathBuf::from(checkpoint);

@@ -14,6 +14,7 @@ use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
+use super::destination::{self, Output, Product};
 use super::model_cache::Cache;
 use super::tune_model::{self, Chosen};
 use super::{load, print_json, start};
@@ -22,22 +23,10 @@ use crate::failure::{Exit, sentence as error_sentence};
 use crate::report::{self, tune::Answer};
 use crate::terminal::{in_words, list, rounded, stage, table, tally, warn};
 
-/// Most samples of one recording that are fitted to; more would not sharpen the answer by as much as they cost.
-const MOST_SAMPLES: usize = 20_000;
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
-    if let Some(out) = &options.out {
-        load::writable(out, &inputs(options).collect::<Vec<_>>())?;
-    }
-    if let Some(report) = &options.report {
-        if options.out.as_ref() == Some(report) {
-            let (expected, found) = ("another file than `--out`".into(), load::name(report));
-            return Err(Error::Setting { name: "--report", expected, found }.into());
-        }
-        let others = [options.simulation.sim.as_path()].into_iter().chain(options.out.as_deref());
-        load::writable(report, &inputs(options).chain(others).collect::<Vec<_>>())?;
-    }
+    destination::check(&outputs(options), &inputs(options).collect::<Vec<_>>(), options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
     start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
@@ -46,9 +35,10 @@ pub fn run(options: &Tune) -> Result<Exit> {
     }
     let began = Instant::now();
     let recordings = options.observation.iter().map(|path| read(path, options)).collect::<Result<Vec<_>>>()?;
+    let hashes = load::distinct(options.observation.iter().map(AsRef::as_ref))?;
     let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
-        write_tuned(options, &file, &outcome, out)?;
+        write_tuned(options, &file, &outcome, &hashes, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
@@ -60,19 +50,25 @@ pub fn run(options: &Tune) -> Result<Exit> {
         let names = options.observation.iter().map(|path| load::name(path)).collect();
         let answer = answer(&file, names, recordings, outcome)?;
         report::tune::together(report, &answer, &provenance(options))?;
-        stage("report", &load::name(report));
+        stage("report", &report.display().to_string());
     }
     Ok(exit)
 }
 
-/// What is measured or learned, and must not be lost.
+/// What is read, and must not be lost.
 fn inputs(options: &Tune) -> impl Iterator<Item = &Path> {
-    options.observation.iter().map(AsRef::as_ref).chain(options.model.as_deref())
+    let scene = std::iter::once(options.simulation.sim.as_path());
+    scene.chain(options.observation.iter().map(AsRef::as_ref)).chain(options.model.as_deref())
+}
+
+fn outputs(options: &Tune) -> Vec<Output> {
+    let out = options.out.iter().map(|out| Output::new(out, "--out", Product::Simulation));
+    let report = options.report.iter().map(|report| Output::new(report, "--report", Product::Page));
+    out.chain(report).collect()
 }
 
 fn provenance(options: &Tune) -> report::Provenance {
-    let read: Vec<&Path> = [options.simulation.sim.as_path()].into_iter().chain(inputs(options)).collect();
-    report::Provenance::new(options.common.seed, &read)
+    report::Provenance::new(options.common.seed, &inputs(options).collect::<Vec<_>>())
 }
 
 /// An outcome with what a report draws of it.
@@ -123,14 +119,14 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
     }
     if let Some(path) = &options.report {
         report::tune::each(path, &cases, &provenance(options))?;
-        stage("report", &load::name(path));
+        stage("report", &path.display().to_string());
     }
     stage("done", &format!("{} observations, {refused} refused", options.observation.len()));
     Ok(if refused > 0 { Exit::Refused } else { worst })
 }
 
 fn read(path: &Path, options: &Tune) -> Result<Recording> {
-    let mut recording = load::recording(path, &options.reading)?;
+    let recording = load::recording(path, &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
     let span = if seen.kind() == Kind::BounceTimes {
@@ -140,11 +136,6 @@ fn read(path: &Path, options: &Tune) -> Result<Recording> {
     };
     if !options.each {
         stage("read", &format!("{}, {span}", load::name(path)));
-    }
-    if let Some(fewer) = recording.observation.thinned(MOST_SAMPLES)? {
-        let text = format!("{} of {} samples are used, evenly chosen", fewer.len(), recording.observation.len());
-        recording.notes.push(Note::new("samples.thinned", text, ""));
-        recording.observation = fewer;
     }
     Ok(recording)
 }
@@ -301,7 +292,8 @@ pub(crate) fn reason(outcome: &Outcome) -> Option<&Note> {
     let failed: Vec<&str> =
         outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
     let rejected = outcome.verdict == Verdict::Rejected;
-    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { n.code == "contact.none" })
+    let silent = ["contact.none", "recordings.short"];
+    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { silent.contains(&n.code) })
 }
 
 /// The verdict in one sentence.
@@ -360,8 +352,8 @@ fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
     }
     outcome.notes.iter().for_each(warn);
     let wrote = match &options.out {
-        Some(out) if is_written(outcome) => format!("wrote {}, ", load::name(out)),
-        Some(out) => format!("{} not written, since nothing was tuned; ", load::name(out)),
+        Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
+        Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),
         None => String::new(),
     };
     anstream::eprintln!("{wrote}{} rollouts, {seconds:.1} s, seed {}", outcome.rollouts, options.common.seed);
@@ -372,7 +364,7 @@ fn is_written(outcome: &Outcome) -> bool {
     matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
 }
 
-fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &Path) -> Result<()> {
+fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, hashes: &[String], out: &Path) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
     let mut tuned = file.clone();
     let mut intervals = InlineTable::new();
@@ -381,10 +373,10 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
         intervals.insert(&p.name, Array::from_iter([p.interval95.0, p.interval95.1]).into());
     }
     let mut observations = Array::new();
-    for path in &options.observation {
+    for (path, hash) in options.observation.iter().zip(hashes) {
         let mut one = InlineTable::new();
         one.insert("file", load::name(path).into());
-        one.insert("sha256", load::hash(path)?.into());
+        one.insert("sha256", hash.as_str().into());
         observations.push(one);
     }
     let mut estimated = Array::new();

@@ -27,4 +27,5 @@ mod svg;
 pub mod tune;
 mod verdict;
 
+pub use page::is_own;
 pub use provenance::Provenance;

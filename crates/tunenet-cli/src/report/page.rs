@@ -7,6 +7,8 @@ use tunenet_core::Result;
 use tunenet_core::observation::recording::write_atomically;
 
 const STYLE: &str = include_str!("style.css");
+/// By this a page is known as one of ours, within its first lines.
+const GENERATOR: &str = concat!("tunenet ", env!("CARGO_PKG_VERSION"));
 
 /// A page of this kind ("Tuning report") and title, complete in itself.
 pub fn page(kind: &str, title: &str, body: &Markup) -> String {
@@ -15,6 +17,7 @@ pub fn page(kind: &str, title: &str, body: &Markup) -> String {
         html lang="en" {
             head {
                 meta charset="utf-8";
+                meta name="generator" content=(GENERATOR);
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) " \u{b7} " (kind) }
                 style { (PreEscaped(STYLE)) }
@@ -37,6 +40,11 @@ pub fn page(kind: &str, title: &str, body: &Markup) -> String {
     text
 }
 
+/// Whether a file that begins so is a page of ours, of any version.
+pub fn is_own(start: &str) -> bool {
+    start.starts_with("<!DOCTYPE html>") && start.contains("<meta name=\"generator\" content=\"tunenet ")
+}
+
 /// Writes a page where it replaces an older one at once or not at all.
 pub fn write(path: &Path, page: &str) -> Result<()> {
     write_atomically(path, |file| file.write_all(page.as_bytes()))
@@ -44,7 +52,7 @@ pub fn write(path: &Path, page: &str) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::STYLE;
+    use super::{STYLE, is_own, page};
 
     /// The variables of the three schemes, in the order of the style sheet: light, dark, print.
     fn schemes() -> Vec<Vec<(String, String)>> {
@@ -71,6 +79,12 @@ mod tests {
     fn contrast(a: &str, b: &str) -> f64 {
         let (a, b) = (luminance(a), luminance(b));
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn a_page_is_known_by_its_beginning() {
+        let page = page("Tuning report", "drop", &maud::html! { "text" });
+        assert!(is_own(&page[..1024]) && !is_own("<!DOCTYPE html><html><head><title>Mine</title>"));
     }
 
     #[test]

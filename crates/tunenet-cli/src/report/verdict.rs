@@ -44,7 +44,8 @@ pub fn prose(text: &str) -> Markup {
 
 /// Why a parameter is not determined.
 fn open(outcome: &Outcome) -> Option<&Note> {
-    let opening = |code: &str| code == "friction.unseen" || code.starts_with("parameter.n");
+    let opening =
+        |code: &str| ["friction.unseen", "recordings.short"].contains(&code) || code.starts_with("parameter.n");
     outcome.notes.iter().find(|n| outcome.verdict == Verdict::NotIdentifiable && opening(n.code))
 }
 
@@ -65,7 +66,7 @@ fn sentence(outcome: &Outcome, names: &str) -> String {
     match outcome.verdict {
         Verdict::Tuned => format!("The tuned simulation follows {names} to {after}; noise alone leaves {floor}."),
         Verdict::PoorFit => format!(
-            "The best parameters stay {after} away from {names}, and noise alone would leave {floor}: an effect is missing from \
+            "The tuned simulation stays {after} away from {names}, and noise alone would leave {floor}: an effect is missing from \
              the simulation, or the recording is of something else."
         ),
         Verdict::NotIdentifiable => {

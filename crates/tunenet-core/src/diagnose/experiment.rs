@@ -62,10 +62,10 @@ pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<N
         };
         let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
         text = format!(
-            "{how} and add that recording: it tells {} from {} (expected gain {:.0})",
+            "{how} and add that recording: it tells {} from {} (expected gain {})",
             name(place.entry),
             apart.join(", "),
-            2.0 * least(&gaps[chosen])
+            gain(2.0 * least(&gaps[chosen]))
         );
     }
     if !twins.is_empty() {
@@ -211,4 +211,10 @@ fn gaps(study: &Study, best: &Model, entry: usize, others: &[usize], designs: &[
         all.push(each.collect());
     }
     Ok(all)
+}
+/// Beyond this, a greater gain says nothing more.
+const CLEAR_GAIN: f64 = 1000.0;
+
+fn gain(value: f64) -> String {
+    if value > CLEAR_GAIN { format!("above {CLEAR_GAIN}") } else { format!("{value:.0}") }
 }

@@ -36,6 +36,15 @@ const FEWEST_FOR_GRAVITY: usize = 6;
 /// Above this Coulomb coefficient a change of horizontal speed is a blow, not friction.
 const GREATEST_FRICTION: f64 = 1.2;
 
+/// A rise after a fall is none of the noise from this many times its standard deviation, and this share of all heights, on:
+/// the difference of two samples is √2 as noisy as each.
+const LATE_RISE: f64 = 6.0 * std::f64::consts::SQRT_2;
+const LATE_SHARE: f64 = 0.005;
+/// A bounce is late where its lowest sample is one of so many at the end ...
+const LATE_SAMPLES: usize = 3;
+/// ... and as many are left before it.
+const LEAST_BEFORE_LATE: usize = 3;
+
 /// One impact on the surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact {
@@ -67,6 +76,8 @@ pub struct Arcs {
     pub misfit_share: Option<f64>,
     /// What was set aside and why.
     pub notes: Vec<Note>,
+    /// The lowest sample of a first bounce so near the end that no flight follows it; what is usable ends before it.
+    pub(super) late: Option<usize>,
     /// Every place in the record where the velocity changes at once, impacts or not: the last sample before each.
     pub(super) kinks: Vec<usize>,
 }
@@ -80,7 +91,8 @@ impl Arcs {
         }
         let axes: [Vec<f64>; 3] = [0, 1, 2].map(|axis| seen.column(axis).collect());
         let mut notes = Vec::new();
-        let kinks = Kinks::find(seen.clock(), &axes, gravity_m_s2);
+        let mut kinks = Kinks::find(seen.clock(), &axes, gravity_m_s2);
+        let late = kinks.take_late(&axes[2]);
         let mut usable = kinks.usable(&mut notes, seen.clock());
         let inside: Vec<usize> =
             kinks.impacts.iter().copied().filter(|&k| k > usable.start + 1 && k + 1 < usable.end).collect();
@@ -122,6 +134,7 @@ impl Arcs {
             apparent_gravity_m_s2,
             misfit_share,
             notes,
+            late,
             kinks: kinks.all(),
         })
     }
@@ -145,6 +158,8 @@ impl Arcs {
 /// Where the motion kinks.
 struct Kinks {
     samples: usize,
+    /// Samples at either end in which none can be told.
+    blind: usize,
     /// Impacts on the surface: the flight before ends at this sample, the next begins after it.
     impacts: Vec<usize>,
     /// Anything else that changes the velocity at once: a hand, a racket, another surface.
@@ -158,7 +173,7 @@ impl Kinks {
         let sd = [0, 1, 2].map(|axis| noise_sd(&axes[axis]));
         let half = window(clock, &axes[2], sd[2], gravity);
         if samples < 2 * half + 1 {
-            return Self { samples, impacts: Vec::new(), blows: Vec::new() };
+            return Self { samples, blind: half, impacts: Vec::new(), blows: Vec::new() };
         }
         let slope = |values: &[f64], range: Range<usize>| {
             Polynomial::fit(&clock[range.clone()], &values[range.clone()], clock[range.start], Some(0.0))
@@ -236,13 +251,32 @@ impl Kinks {
             }
         }
         blows.sort_unstable();
-        Self { samples, impacts, blows }
+        Self { samples, blind: half, impacts, blows }
     }
 
     fn all(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.impacts.iter().chain(&self.blows).copied().collect();
         all.sort_unstable();
         all
+    }
+
+    /// The sample at which a first bounce begins that is too near the end for a flight after it: the ball falls to it and
+    /// rises after it, which no flight does. The record ends there then, and what seemed a kink beside it is none.
+    fn take_late(&mut self, heights: &[f64]) -> Option<usize> {
+        let last = heights.len().checked_sub(LATE_SAMPLES).filter(|from| *from >= LEAST_BEFORE_LATE)?;
+        let low = (last..heights.len()).min_by(|&a, &b| heights[a].total_cmp(&heights[b]))?;
+        let clear = LATE_RISE * noise_sd(heights) + LATE_SHARE * span(heights);
+        let highest = heights[low..].iter().fold(f64::NEG_INFINITY, |high, z| high.max(*z));
+        let falls = heights[low - 2] > heights[low - 1] && heights[low - 1] > heights[low] + clear;
+        let beside = |k: &usize| k + self.blind + 1 >= low;
+        if !falls || highest < heights[low] + clear || !self.impacts.iter().all(beside) {
+            return None;
+        }
+        let blind = self.blind;
+        self.impacts.clear();
+        self.blows.retain(|k| k + blind + 1 < low);
+        self.samples = low;
+        Some(low)
     }
 
     /// The longest stretch with the most impacts and no blow inside.

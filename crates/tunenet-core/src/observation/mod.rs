@@ -4,6 +4,7 @@
 //! samples: its constructor refuses them, so nobody downstream has to check again.
 
 mod arcs;
+mod bounce_noise;
 mod first_fall;
 mod line;
 mod local;
@@ -17,6 +18,7 @@ mod resample;
 mod wild;
 
 pub use arcs::{Arcs, Contact};
+pub(crate) use bounce_noise::bounce_time_sd;
 pub use first_fall::FirstFall;
 pub use local::LocalEstimate;
 pub use noise::noise_sd;

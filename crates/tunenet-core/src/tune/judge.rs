@@ -9,7 +9,7 @@ use super::outcome::{Estimate, Status, Verdict};
 use super::starts::local_estimate;
 use super::unknowns::Point;
 use super::{Adequacy, Tuning};
-use crate::observation::Note;
+use crate::observation::{Kind, Note};
 use crate::simulator::Parameter;
 
 /// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
@@ -18,20 +18,30 @@ const UNINFORMATIVE_SHARE: f64 = 0.9;
 /// A pull against a bound counts from this one-sided level on: a truth exactly on its bound is called wrong once in a
 /// thousand recordings.
 const BOUND_LEVEL: f64 = 0.999;
+/// The same in standard deviations, where these are known.
+const BOUND_SDS: f64 = 3.09;
 /// ... and where it would carry the parameter farther beyond than this share of the bounds. Nearly exact recordings show
 /// less than that of any two simulators.
 const PRACTICAL_SHARE: f64 = 1e-5;
 
 impl Tuning<'_> {
-    /// Whether any recording keeps more than its noise explains; says by how much.
-    pub(super) fn poor(&self, fit: &Fit, notes: &mut Vec<Note>) -> bool {
-        let mut poor = false;
+    /// How the residuals of recording `d` compare with its noise.
+    fn adequacy(&self, fit: &Fit, d: usize) -> Adequacy {
+        let share = self.free.len().div_ceil(self.recordings.len());
+        let recording = &self.recordings[d];
+        Adequacy::of(&recording.seen, &self.noise[d], &fit.residuals[d], recording.own.len() + share)
+    }
+
+    /// Whether any recording keeps more than its noise explains.
+    pub(super) fn poor(&self, fit: &Fit) -> bool {
+        (0..self.recordings.len()).any(|d| self.adequacy(fit, d).poor())
+    }
+
+    /// Says by how much the answer leaves more than noise explains, and where that cannot be told.
+    pub(super) fn tell_misfit(&self, fit: &Fit, poor: bool, notes: &mut Vec<Note>) {
         for (d, recording) in self.recordings.iter().enumerate() {
-            let share = self.free.len().div_ceil(self.recordings.len());
-            let adequacy =
-                Adequacy::of(&recording.seen, &self.noise[d], &fit.residuals[d], recording.own.len() + share);
-            if adequacy.poor() {
-                poor = true;
+            let adequacy = self.adequacy(fit, d);
+            if poor && adequacy.poor() {
                 let which = if self.numbers.last() > Some(&1) {
                     format!("{}: ", self.settings.name_of(self.numbers[d] - 1))
                 } else {
@@ -51,7 +61,22 @@ impl Tuning<'_> {
                 notes.push(Note::new("fit.untested", text, "bring a longer recording"));
             }
         }
-        poor
+    }
+
+    /// That there are no more numbers than unknowns: such a fit is always exact, so that nothing says how sure it is.
+    fn too_short(&self) -> Option<Note> {
+        let values: usize = self.recordings.iter().map(|r| r.seen.values().len()).sum();
+        let unknowns = self.free.len() + self.recordings.iter().map(|r| r.own.len()).sum::<usize>();
+        (values <= unknowns && !self.free.is_empty()).then(|| {
+            let text = format!(
+                "{values} measured numbers for {unknowns} unknowns fit whatever they are, so nothing says how sure the answer is"
+            );
+            let heard = self.simulator.kind() == Kind::BounceTimes;
+            let (one, what) = if heard { ("bounce", "bounces") } else { ("sample", "samples") };
+            let more = (unknowns + 1 - values).div_ceil(self.simulator.channels().len());
+            let least = if more == 1 { format!("1 more {one}") } else { format!("{more} more {what}") };
+            Note::new("recordings.short", text, format!("bring at least {least}"))
+        })
     }
 
     /// How each free parameter stands by its fit.
@@ -81,7 +106,7 @@ impl Tuning<'_> {
             } else {
                 Status::Pinned
             };
-            Standing { interval: (low, high), status, beyond }
+            Standing { interval: (low, high), status, beyond, told: false }
         };
         interval95.iter().enumerate().map(each).collect()
     }
@@ -94,21 +119,26 @@ impl Tuning<'_> {
     }
 
     /// Where the record as a whole is not explained, what its events alone say stands: a force missing in flight must not
-    /// be booked as restitution. Says whether there was anything to fall back on.
-    pub(super) fn fall_back_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> bool {
+    /// be booked as restitution. Says whether there was anything to fall back on; `whole` is the gap of the fit to the whole.
+    pub(super) fn fall_back_on_local(
+        &self,
+        fit: &mut Fit,
+        found: &mut [Standing],
+        whole: f64,
+        notes: &mut Vec<Note>,
+    ) -> bool {
         let mut fell = false;
+        let unit = &self.simulator.channels()[0].unit;
         for (&i, standing) in self.free.iter().zip(found) {
             let p = &self.simulator.parameters()[i];
             if let Some((value, sd)) = local_estimate(self.recordings, i) {
                 let text = format!(
-                    "`{}` is read off the contacts alone ({value:.4}); the whole record would give {:.4}",
+                    "`{}` is read off the contacts alone ({value:.4}), and the gap is that of this value; the whole record would give \
+                     {:.4}, and a gap of {whole:.2e} {unit}",
                     p.name, fit.point.parameters[i]
                 );
                 fit.point.parameters[i] = value.clamp(p.min, p.max);
-                let (low, high) = ((value - 1.96 * sd).clamp(p.min, p.max), (value + 1.96 * sd).clamp(p.min, p.max));
-                let weak = high - low >= UNINFORMATIVE_SHARE * p.span();
-                let status = if weak { Status::Weak } else { Status::Pinned };
-                *standing = Standing { interval: (low, high), status, beyond: 0.0 };
+                *standing = Standing::local(p, value, sd, standing);
                 notes.push(Note::new("fit.local", text, ""));
                 fell = true;
             }
@@ -137,7 +167,7 @@ impl Tuning<'_> {
         let mut all = Vec::new();
         for (i, p) in self.simulator.parameters().iter().enumerate().filter(|(_, p)| p.tune) {
             let place = self.free.iter().position(|&f| f == i);
-            let silent = Standing { interval: (p.min, p.max), status: Status::NoEffect, beyond: 0.0 };
+            let silent = Standing { interval: (p.min, p.max), status: Status::NoEffect, beyond: 0.0, told: false };
             let standing = place.map_or(silent, |k| found[k]);
             if standing.status == Status::NoEffect {
                 fit.point.parameters[i] = start.parameters[i];
@@ -168,9 +198,31 @@ pub(super) struct Standing {
     status: Status,
     /// How many standard deviations the data pull it beyond its bound.
     beyond: f64,
+    /// Whether it is said already why it stands so.
+    told: bool,
 }
 
 impl Standing {
+    /// Of a parameter that was read off the contacts. One that lies beyond a bound is held there; `whole` is how it stands
+    /// by the fit to everything, which may be pulled beyond as well.
+    fn local(p: &Parameter, value: f64, sd: f64, whole: &Self) -> Self {
+        let held = value.clamp(p.min, p.max);
+        // Beyond a bound, the interval begins there.
+        let (low, high) = ((held - 1.96 * sd).max(p.min), (held + 1.96 * sd).min(p.max));
+        let beyond = (value - held).abs();
+        let far = beyond > BOUND_SDS * sd && beyond > PRACTICAL_SHARE * p.span();
+        let on_bound = held <= p.min || held >= p.max;
+        let pulled = if on_bound && whole.status == Status::AtBound { whole.beyond.abs() } else { 0.0 };
+        let status = if high - low >= UNINFORMATIVE_SHARE * p.span() {
+            Status::Weak
+        } else if far || pulled > 0.0 {
+            Status::AtBound
+        } else {
+            Status::Pinned
+        };
+        Self { interval: (low, high), status, beyond: pulled.max(beyond / sd), told: false }
+    }
+
     /// What a person should know of it.
     fn note(&self, p: &Parameter, value: f64) -> Option<Note> {
         let name = &p.name;
@@ -181,6 +233,7 @@ impl Standing {
                 let text = format!("`{name}` changes nothing in these recordings, so it keeps its value {value}");
                 Some(Note::new("parameter.no_effect", text, remedy))
             }
+            Status::Weak if self.told => None,
             Status::Weak => {
                 let text = format!("the data do not determine `{name}`: any value from {low:.3} to {high:.3} fits");
                 Some(Note::new("parameter.not_identifiable", text, remedy))
@@ -203,6 +256,17 @@ impl Standing {
             Status::Pinned | Status::Direction => None,
         }
     }
+}
+
+/// Leaves every parameter open that the data have a bearing on, where there are too few of them; says whether that is so.
+pub(super) fn leave_open_where_short(tuning: &Tuning, found: &mut [Standing], notes: &mut Vec<Note>) -> bool {
+    let Some(note) = tuning.too_short() else { return false };
+    notes.push(note);
+    for (&i, standing) in tuning.free.iter().zip(found).filter(|(_, s)| s.status != Status::NoEffect) {
+        let p = &tuning.simulator.parameters()[i];
+        *standing = Standing { interval: (p.min, p.max), status: Status::Weak, beyond: 0.0, told: true };
+    }
+    true
 }
 
 /// What is to be said of the whole.

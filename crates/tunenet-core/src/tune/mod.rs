@@ -9,7 +9,6 @@
 mod adequacy;
 mod algorithm1;
 pub(crate) mod arrow;
-mod bounce_noise;
 mod contour;
 mod evidence;
 mod film;
@@ -22,6 +21,7 @@ mod profile;
 mod ray;
 mod region;
 mod residual;
+mod shown;
 mod starts;
 mod unknowns;
 mod valleys;
@@ -40,11 +40,12 @@ pub use region::Region;
 pub use residual::channel_noise;
 pub use unknowns::{Point, free};
 
+use judge::Standing;
 use nalgebra::DMatrix;
 
 use crate::network::Model;
 use crate::observation::{Note, Observation};
-use crate::simulator::{Parameter, Preparation, Prepared, Simulator};
+use crate::simulator::{Preparation, Prepared, Simulator};
 use crate::{Error, Result};
 
 /// How to tune.
@@ -149,11 +150,13 @@ pub fn tune(
     outcome.notes.splice(0..0, notes);
     (outcome.used, outcome.preflight) = (used, preflight);
     if let Some(point) = &outcome.point {
-        let fitted = |(recording, values): (&Prepared, &Vec<f64>)| {
-            let each = recording.own.iter().zip(values);
-            each.map(|(unknown, &value)| Parameter { value, ..unknown.clone() }).collect()
-        };
-        outcome.own = recordings.iter().zip(&point.own).map(fitted).collect();
+        let mut all = Vec::new();
+        for ((recording, noise), own) in recordings.iter().zip(&noise).zip(&point.own) {
+            let (shown, rollouts) = shown::shown(simulator, recording, noise, &point.parameters, own)?;
+            all.push(shown);
+            outcome.rollouts += rollouts;
+        }
+        outcome.own = all;
     }
     outcome.recordings = recordings;
     Ok(outcome)
@@ -225,6 +228,18 @@ impl Tuning<'_> {
         Ok(point)
     }
 
+    /// Takes the answer from the contacts alone where they say something; the recordings' own unknowns follow the parameters
+    /// that now stand, and so does all that is said of the answer. Returns the rollouts that it took.
+    fn settle_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> Result<usize> {
+        let whole = self.problem().rmse(&fit.residuals);
+        if !self.fall_back_on_local(fit, found, whole, notes) {
+            return Ok(0);
+        }
+        let own = Problem { free: &[], ..self.problem() }.fit(fit.point.clone(), 1.0)?;
+        (fit.point, fit.residuals) = (own.point, own.residuals);
+        Ok(own.rollouts)
+    }
+
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
         let problem = self.problem();
         let start = self.start()?;
@@ -283,29 +298,28 @@ impl Tuning<'_> {
         fit.covariance = known.covariance.clone();
         let (interval95, used) = interval::ends_with(&problem, &fit, &spread, &elsewhere)?;
         rollouts += used;
-        let poor = self.poor(&fit, &mut notes);
+        let poor = self.poor(&fit);
         let mut found = self.standings(&fit, &known, &spread, &interval95);
+        let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);
-        let region95 = if self.settings.finish && !poor && joint.len() > 1 {
+        let region95 = if self.settings.finish && !poor && !short && joint.len() > 1 {
             let (region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
             rollouts += used;
             Some(region)
         } else {
             None
         };
+        // The paper's last iterate stands as it is; anything else would not be the paper's.
+        if poor && self.settings.finish {
+            rollouts += self.settle_on_local(&mut fit, &mut found, &mut notes)?;
+        }
+        self.tell_misfit(&fit, poor, &mut notes);
         let gap = Gap {
             unit: self.simulator.channels()[0].unit.clone(),
             before: gap_before,
             after: problem.rmse(&fit.residuals),
             noise_floor: self.noise_floor(),
         };
-        // The paper's last iterate stands as it is; anything else would not be the paper's.
-        if poor && self.settings.finish && self.fall_back_on_local(&mut fit, &mut found, &mut notes) {
-            // The recordings' own unknowns follow the parameters that now stand.
-            let own = Problem { free: &[], ..self.problem() }.fit(fit.point, 1.0)?;
-            rollouts += own.rollouts;
-            fit.point = own.point;
-        }
         let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
         judge::name_directions(self, &known, &mut notes);
         let verdict = judge::verdict(&parameters, poor);

@@ -85,8 +85,8 @@ pub struct Gap {
     pub unit: String,
     /// With the parameters as they were, each recording's own unknowns fitted.
     pub before: f64,
-    /// With the parameters that fit the whole record best. Where these are not the answer, since they were read off the
-    /// contacts alone (`fit.local`), the answer lies farther away.
+    /// With the answer: of all parameters those that fit best, or those read off the contacts alone (`fit.local`), which
+    /// lie farther away.
     pub after: f64,
     /// What noise alone leaves.
     pub noise_floor: f64,
@@ -135,7 +135,8 @@ pub struct Outcome {
     pub recordings: Vec<Prepared>,
     /// All parameters and own unknowns at the end.
     pub point: Option<Point>,
-    /// For each recording used: its own unknowns as they were fitted, `value` being the answer.
+    /// For each recording used: its own unknowns as they were fitted, `value` being the answer; without those that it does
+    /// not show, such as the height of a surface that it never touches.
     pub own: Vec<Vec<Parameter>>,
     /// For each recording given: whether it was used.
     pub used: Vec<bool>,

@@ -1,7 +1,7 @@
 //! Residuals: always measured − predicted, in units of the noise.
 
 use crate::Result;
-use crate::observation::{Kind, Observation, noise_sd};
+use crate::observation::{Kind, Observation, bounce_time_sd, noise_sd};
 use crate::simulator::{Prepared, Simulator, rollout};
 
 /// Noise below this share of a channel's range cannot be told from rounding; it keeps weights finite.
@@ -22,7 +22,7 @@ pub fn channel_noise(seen: &Observation) -> Vec<f64> {
     // A channel that never moves (a ball dropped straight down in exact data) must not weigh infinitely.
     let widest = ranges.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let noise = |column: &Vec<f64>| match seen.kind() {
-        Kind::BounceTimes => super::bounce_noise::bounce_time_sd(seen.clock(), column),
+        Kind::BounceTimes => bounce_time_sd(seen.clock(), column),
         _ => noise_sd(column),
     };
     columns.iter().map(|column| noise(column).max(LEAST_RELATIVE_NOISE * widest)).collect()

@@ -3,7 +3,7 @@
 
 use tunenet_core::Result;
 use tunenet_core::observation::preflight::{Check, Expected, Preflight, State, examine};
-use tunenet_core::observation::{FirstFall, Kind, LocalEstimate, Note, Observation};
+use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Parameter, Phase, Preparation, Prepared, Rejected};
 use tunenet_core::tune::channel_noise;
 
@@ -12,6 +12,9 @@ use crate::ball::Forces;
 
 /// Bounces whose intervals give the restitution at the speed of the first impacts.
 const LEADING_INTERVALS: usize = 4;
+
+/// So many samples are an end of a record.
+const ENDS: usize = 3;
 
 impl ObservedBall {
     /// What the file says of the set-up, for the checks.
@@ -51,8 +54,7 @@ impl ObservedBall {
             return Ok(impossible(&preflight, seen));
         };
         // A record of few samples may bounce where no kink can be told.
-        let coarse = FirstFall::find(kept, self.scene.gravity_m_s2).filter(|_| arcs.contacts.is_empty());
-        if let Some(fall) = coarse {
+        if let Some(fall) = preflight.coarse {
             arcs.usable = fall.begin..kept.len();
             (arcs.start_m, arcs.start_m_s) = (fall.start_m, fall.start_m_s);
         }
@@ -60,10 +62,14 @@ impl ObservedBall {
         let begin = if self.release.time_s.is_some() { 0 } else { arcs.usable.start };
         let Ok(usable) = kept.slice(begin..arcs.usable.end.max(begin)) else { return Ok(impossible(&preflight, seen)) };
         let lowest = usable.column(2).fold(f64::INFINITY, f64::min);
-        let contact = arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min).or(coarse.map(|fall| fall.low_m));
+        let contact =
+            arcs.contacts.iter().map(|c| c.height_m).reduce(f64::min).or(preflight.coarse.map(|fall| fall.low_m));
+        let range = (0..3).map(|axis| span(usable.column(axis))).fold(0.1, f64::max);
+        // In a flight that touches nothing, the simulation must not either: the surface lies out of reach.
+        let touched = contact.is_some() || !lowest_at_an_end(&usable);
+        let lowest = if touched { lowest } else { lowest - 2.0 * range };
         // The start lies above the surface, however the noise has it.
         let surface = contact.unwrap_or(lowest).min(arcs.start_m[2]) - self.scene.radius_m - 1e-9;
-        let range = (0..3).map(|axis| span(usable.column(axis))).fold(0.1, f64::max);
         let fastest =
             (2.0 * self.scene.gravity_m_s2 * range).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
         let begin_s = usable.clock()[0];
@@ -83,9 +89,7 @@ impl ObservedBall {
         for check in &preflight.checks {
             // Without a bounce, nothing is known of contacts; that is said where it is asked for.
             if check.code == "contact.none" && check.state == State::Noticed {
-                if coarse.is_none() {
-                    prepared.silent.fill(check.note());
-                }
+                prepared.silent.fill(check.note());
             } else {
                 prepared.notes.extend(check.note());
             }
@@ -140,6 +144,13 @@ impl ObservedBall {
         ));
         Ok(Preparation::Usable(Box::new(prepared)))
     }
+}
+
+/// Whether the lowest sample is one of the first or the last, as in a flight that nothing ends.
+fn lowest_at_an_end(seen: &Observation) -> bool {
+    let heights: Vec<f64> = seen.column(2).collect();
+    let low = (0..heights.len()).min_by(|&a, &b| heights[a].total_cmp(&heights[b])).unwrap_or(0);
+    low < ENDS || low + ENDS >= heights.len()
 }
 
 /// That nothing can be fitted to a recording, forced or not.

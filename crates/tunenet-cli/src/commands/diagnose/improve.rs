@@ -1,5 +1,6 @@
 //! The improved simulation file: tuned parameters, the named effects, and on what evidence they stand there.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -13,6 +14,7 @@ use super::answer::Answer;
 use super::load::Object;
 use super::manifest::Source;
 use crate::cli::Diagnose;
+use crate::commands::destination::{self, Output, Product};
 use crate::commands::load;
 
 const UNFITTED: &str = "nothing could be fitted";
@@ -24,43 +26,49 @@ pub enum Written {
     Not(&'static str),
 }
 
-/// Refuses a report that could not be saved, or that would replace what is read or written otherwise.
-pub fn report_writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
-    let Some(report) = &options.report else { return Ok(()) };
-    let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
-    let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).chain(options.out.as_deref()).collect();
-    let objects = sources.iter().map(|s| format!("{}.toml", s.object));
-    let mut outputs = options.out.iter().flat_map(|out| objects.clone().map(|o| out.join(o)).chain([out.clone()]));
-    let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    if outputs.any(|out| place(&out) == place(report)) {
-        let (expected, found) = ("another file than `--out`".into(), load::name(report));
-        return Err(Error::Setting { name: "--report", expected, found }.into());
+/// Refuses outputs that cannot be written, or would replace what is read, before anything is spent on them. For several
+/// objects `--out` is a folder, which is made.
+pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
+    let several = several(sources.iter().map(|s| s.object.as_str()));
+    let mut outputs: Vec<Output> = Vec::new();
+    match &options.out {
+        Some(out) if several => outputs.extend(of_objects(options, out, sources)?),
+        Some(out) => outputs.push(Output::new(out, "--out", Product::Simulation)),
+        None => {}
     }
-    load::writable(report, &inputs)
+    outputs.extend(options.report.iter().map(|report| Output::new(report, "--report", Product::Page)));
+    let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
+    let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).collect();
+    destination::check(&outputs, &inputs, options.writing.overwrite)?;
+    if let (Some(out), true) = (&options.out, several) {
+        // The page may not be the folder itself either.
+        if options.report.as_deref() == Some(out) {
+            let (expected, found) = ("another file than `--out`".into(), load::name(out));
+            return Err(Error::Setting { name: "--report", expected, found }.into());
+        }
+        std::fs::create_dir_all(out).map_err(|e| Error::io(out, "creating", e))?;
+    }
+    Ok(())
 }
 
-/// Refuses an output that cannot be written before anything is spent on it. For several objects it is a folder.
-pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
-    let Some(out) = &options.out else { return Ok(()) };
-    if !several(sources.iter().map(|s| s.object.as_str())) {
-        let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
-        let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).collect();
-        return load::writable(out, &inputs);
-    }
+/// A file for each object in the folder `out`.
+fn of_objects(options: &Diagnose, out: &Path, sources: &[Source]) -> Result<Vec<Output>> {
     if out.is_file() {
         let message = "expected a folder, since every object gets a file of its own, found a file";
         return Err(Error::file(out, message, "name a folder with --out").into());
     }
-    for source in sources {
-        let plain = source.object.chars().all(|c| c.is_alphanumeric() || "-_. ".contains(c));
-        if !plain || source.object.starts_with('.') {
-            let message = format!("`{}` makes no file name for --out", source.object);
+    let objects: BTreeSet<&str> = sources.iter().map(|s| s.object.as_str()).collect();
+    let one = |object: &str| {
+        let plain = object.chars().all(|c| c.is_alphanumeric() || "-_. ".contains(c));
+        if !plain || object.starts_with('.') {
+            let message = format!("`{object}` makes no file name for --out");
             let path = options.manifest.clone().unwrap_or_default();
             return Err(Error::file(path, message, "use letters, digits, -, _ and spaces in `object`").into());
         }
-    }
-    std::fs::create_dir_all(out).map_err(|e| Error::io(out, "creating", e))?;
-    Ok(())
+        let path = out.join(format!("{object}.toml"));
+        Ok(Output { makes_folder: true, ..Output::new(&path, "--out", Product::Simulation) })
+    };
+    objects.into_iter().map(one).collect()
 }
 
 fn several<'a>(mut objects: impl Iterator<Item = &'a str>) -> bool {

@@ -54,30 +54,18 @@ impl Loaded {
 
 pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
-    let mut kept: Vec<&Source> = Vec::new();
     for source in sources {
         let name = load::name(&source.path);
-        if let Some(same) = kept.iter().find(|other| other.hash == source.hash && other.object == source.object) {
-            let text = format!("{name} holds the same as {}, and counts once", load::name(&same.path));
-            notes.push(Note::new("recording.repeated", text, "give every recording once"));
-            continue;
-        }
-        let mut recording = load::recording(&source.path, &options.reading)?;
-        if let Some(fewer) = recording.observation.thinned(MOST_SAMPLES)? {
-            let text = format!("{} of {} samples are used, evenly chosen", fewer.len(), recording.observation.len());
-            recording.notes.push(Note::new("samples.thinned", text, ""));
-            recording.observation = fewer;
-        }
+        let recording = load::recording_of(&source.path, &options.reading, MOST_SAMPLES)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
-        kept.push(source);
         let (hash, held_out, seen) = (source.hash.clone(), source.held_out, recording.observation);
         recorded.push(Recorded { name, hash, object: 0, held_out, seen });
     }
-    let kind = one_kind(&kept, &recorded)?;
+    let kind = one_kind(sources, &recorded)?;
     let mut objects: Vec<Object> = Vec::new();
-    for (source, recorded) in kept.iter().zip(&mut recorded) {
+    for (source, recorded) in sources.iter().zip(&mut recorded) {
         let known = objects.iter().position(|o| o.name == source.object);
         if let Some(at) = known {
             same_scene(options, source, &objects[at])?;
@@ -90,7 +78,7 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
 }
 
 /// All recordings have to be of one kind.
-fn one_kind(sources: &[&Source], recorded: &[Recorded]) -> Result<Kind> {
+fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
     let (first, kind) = (&recorded[0].name, recorded[0].seen.kind());
     let Some(other) = recorded.iter().position(|r| r.seen.kind() != kind) else { return Ok(kind) };
     let found = recorded[other].seen.kind().name();

@@ -17,7 +17,6 @@ use anyhow::Result;
 use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
 
 use self::answer::Answer;
-use super::load::name as load_name;
 use super::print_json;
 use crate::cli::Diagnose;
 use crate::failure::Exit;
@@ -26,7 +25,6 @@ use crate::terminal::stage;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
     let sources = manifest::sources(options)?;
-    improve::report_writable(options, &sources)?;
     improve::writable(options, &sources)?;
     let loaded = load::load(options, &sources)?;
     tell::read(&loaded);
@@ -41,7 +39,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     if let Some(path) = &options.report {
         let edits = improve::edits(options, &answer)?;
         report::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
-        stage("report", &load_name(path));
+        stage("report", &path.display().to_string());
     }
     Ok(match diagnosis.verdict {
         Verdict::None | Verdict::Named => Exit::Done,

@@ -7,7 +7,6 @@ use super::answer::Answer;
 use super::improve::Written;
 use super::load::Loaded;
 use crate::cli::Diagnose;
-use crate::commands::load::name;
 use crate::terminal::{in_words, rounded, stage, table, warn};
 
 /// Candidates that are shown; the JSON has all of them.
@@ -79,11 +78,11 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
     let wrote = match written {
         Written::NotAsked => String::new(),
         Written::Files(files) => {
-            let names: Vec<String> = files.iter().map(|path| name(path)).collect();
-            format!("wrote {}, ", names.join(", "))
+            let paths: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+            format!("wrote {}, ", paths.join(", "))
         }
         Written::Not(why) => {
-            let out = options.out.as_deref().map(name).unwrap_or_default();
+            let out = options.out.as_deref().map(|out| out.display().to_string()).unwrap_or_default();
             format!("{out} not written: {why}; ")
         }
     };
@@ -171,11 +170,16 @@ fn candidates(diagnosis: &Diagnosis) -> String {
     let row = |c: &Candidate| {
         let about = if c.fitted { "" } else { "~" };
         let ratio = c.held_out_ratio.map_or("-".into(), |r| format!("×{r:.3}"));
-        vec![c.name.to_owned(), format!("{about}{:.0}", c.bic_gain), format!("{about}{:.0}", c.delta), ratio]
+        vec![c.name.to_owned(), format!("{about}{}", whole(c.bic_gain)), format!("{about}{}", whole(c.delta)), ratio]
     };
     rows.extend(diagnosis.candidates.iter().filter(|c| c.excluded.is_none()).take(SHOWN).map(row));
     rows.push(vec!["none".into(), "0".into(), "-".into(), "×1".into()]);
     table(&rows)
+}
+
+/// A whole number, and none that is 0 with a sign.
+fn whole(value: f64) -> String {
+    format!("{:.0}", value.round() + 0.0)
 }
 
 /// Margins and tests in one line.

@@ -97,7 +97,13 @@ fn several(options: &Inspect) -> Exit {
     let mut causes = Vec::new();
     if let Some(gravity) = &pooled {
         let expected = Expected::default().gravity_m_s2;
-        motion::tell_gravity(gravity, &format!(" from {} recordings together", gravities.len()));
+        motion::tell_gravity(
+            gravity,
+            &match gravities.len() {
+                1 => " from 1 recording".into(),
+                several => format!(" from {several} recordings together"),
+            },
+        );
         if gravity.differs(expected) {
             causes = gravity.causes(expected, rate_hz);
             for cause in &causes {
@@ -131,6 +137,8 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
     let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()) };
     let read = readable.and_then(|()| load::recording(path, &options.reading).map_err(|e| sentence(&e)));
     let usable = read.as_ref().map(|r| r.observation.kind()).map_err(Clone::clone);
+    // What reading it as a recording says goes further than what the table alone shows.
+    let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
     let motion = read.ok().and_then(|r| Motion::of(&r.observation));
     // A table whose columns say nothing has rows and no samples: what to type comes first.
     let samples = if found.samples == 0 { String::new() } else { format!(", {} samples", found.samples) };
@@ -150,9 +158,10 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
         stage("broken", &format!("{} more lines", found.broken_count - found.broken.len()));
     }
     if let Some((first, last)) = whole_lines(found) {
-        stage("whole", &format!("lines {first} to {last}: `sed -n {first},{last}p` cuts them out"));
+        let header = if first > 1 && has_header(found) { "1p;" } else { "" };
+        stage("whole", &format!("lines {first} to {last}: `sed -n '{header}{first},{last}p'` cuts them out"));
     }
-    found.notes.iter().for_each(warn);
+    notes.iter().for_each(warn);
     let usable = judged(usable, motion.as_ref());
     if usable.is_err() && !found.remedy.is_empty() {
         anstream::eprintln!("  try: {}", found.remedy.strip_prefix("try ").unwrap_or(&found.remedy));
@@ -167,7 +176,7 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
         "span_s": found.span_s.map(|(a, b)| [a, b]), "median_rate_hz": found.median_rate_hz, "largest_gap_s": found.largest_gap_s,
         "broken_lines": found.broken.iter().map(|b| json!({ "line": b.line, "message": b.message })).collect::<Vec<_>>(),
         "broken_count": found.broken_count,
-        "warnings": found.notes.iter().map(super::tune::warning).collect::<Vec<_>>(),
+        "warnings": notes.iter().map(super::tune::warning).collect::<Vec<_>>(),
     });
     if let Some(motion) = &motion {
         motion.add_to(&mut object);
@@ -198,12 +207,16 @@ fn topics(count: usize) -> String {
     if count == 1 { "1 topic".into() } else { format!("{count} topics") }
 }
 
+fn has_header(found: &Table) -> bool {
+    found.columns.iter().any(|c| !c.name.is_empty())
+}
+
 /// The longest stretch of lines without a broken one, where some are broken and all are listed.
 fn whole_lines(found: &Table) -> Option<(usize, usize)> {
     if found.broken.is_empty() || found.broken_count > found.broken.len() {
         return None;
     }
-    let header = usize::from(found.columns.iter().any(|c| !c.name.is_empty()));
+    let header = usize::from(has_header(found));
     let ends = found.broken.iter().map(|b| b.line).chain([header + found.rows + 1]);
     let mut start = header + 1;
     let mut best = None;
@@ -230,22 +243,26 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
         })
         .collect();
     anstream::eprintln!("{}", table(&rows));
-    if let Some(reason) = &found.ended {
-        stage("broken", reason);
-    }
     let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
     let chosen = usable.len() == 1 || options.reading.topic.is_some();
-    let read = chosen.then(|| load::recording(path, &options.reading).ok()).flatten();
+    let read = (chosen && found.ended.is_none()).then(|| load::recording(path, &options.reading).ok()).flatten();
+    let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
+    notes.iter().for_each(warn);
     let motion = read.and_then(|r| Motion::of(&r.observation));
     let rejected = motion.as_ref().and_then(Motion::rejected);
     if let Some(motion) = &motion {
         motion.tell();
     }
-    match usable.as_slice() {
-        [] => stage("unusable", "no topic carries positions, joints or bounces"),
+    match (usable.as_slice(), &found.ended) {
+        (_, Some(reason)) => {
+            let seconds = found.span_s.map_or_else(String::new, |s| format!(" and span {s:.2} s"));
+            stage("unusable", &format!("{reason}{seconds}; the rest is missing, so `tune` refuses the file"));
+            anstream::eprintln!("  try: `mcap recover {} -o recovered.mcap`, which keeps them", path.display());
+        }
+        ([], _) => stage("unusable", "no topic carries positions, joints or bounces"),
         _ if rejected.is_some() => stage("unusable", rejected.unwrap_or_default()),
-        [one] => stage("usable", &one.name),
-        several => stage("usable", &format!("{} topics, choose one with --topic", several.len())),
+        ([one], _) => stage("usable", &one.name),
+        (several, _) => stage("usable", &format!("{} topics, choose one with --topic", several.len())),
     }
     let mut object = json!({
         "kind": "log", "profile": found.profile, "library": found.library,
@@ -254,7 +271,7 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
             "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(),
         })).collect::<Vec<_>>(),
         "ended": found.ended,
-        "warnings": [],
+        "warnings": notes.iter().map(super::tune::warning).collect::<Vec<_>>(),
     });
     let good = !usable.is_empty() && found.ended.is_none() && rejected.is_none();
     if let Some(motion) = &motion {

@@ -5,6 +5,7 @@ mod clock;
 mod flights;
 mod gravity;
 mod motion;
+mod skipped;
 mod surface;
 mod units;
 mod values;
@@ -15,7 +16,7 @@ use flights::Flights;
 use serde::Serialize;
 use surface::Level;
 
-use super::{Arcs, Kind, Note, Observation};
+use super::{Arcs, FirstFall, Kind, Note, Observation};
 
 /// How a check ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -116,6 +117,8 @@ pub struct Preflight {
     pub kept: Option<Observation>,
     /// Flights and contacts of what was kept, cut to what can be explained.
     pub arcs: Option<Arcs>,
+    /// The first fall of a record of so few samples that its bounce shows by no kink; `None` where `arcs` have contacts.
+    pub coarse: Option<FirstFall>,
     /// How fast free flight falls, where any is long enough.
     pub gravity: Option<ApparentGravity>,
 }
@@ -147,16 +150,16 @@ pub fn examine(seen: &Observation, expected: &Expected) -> Preflight {
         Kind::Positions => positions(seen, expected),
         Kind::BounceTimes => {
             let checks = bounces::checks(seen, expected);
-            Preflight { checks, kept: Some(seen.clone()), arcs: None, gravity: None }
+            Preflight { checks, kept: Some(seen.clone()), arcs: None, coarse: None, gravity: None }
         }
-        _ => Preflight { checks: Vec::new(), kept: Some(seen.clone()), arcs: None, gravity: None },
+        _ => Preflight { checks: Vec::new(), kept: Some(seen.clone()), arcs: None, coarse: None, gravity: None },
     }
 }
 
 fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     let mut checks = vec![motion::moves(seen)];
     if checks[0].state == State::Failed {
-        return Preflight { checks, kept: None, arcs: None, gravity: None };
+        return Preflight { checks, kept: None, arcs: None, coarse: None, gravity: None };
     }
     checks.push(clock::irregular(seen.clock()));
     checks.push(clock::gaps(seen.clock()));
@@ -172,12 +175,15 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     let tame = kept.without(&wild);
     checks.push(values::wild(&wild, tame.is_some()));
     kept = tame.unwrap_or(kept);
+    checks.push(skipped::check(&kept, expected.gravity_m_s2));
     checks.push(clock::slow(&kept, expected.gravity_m_s2));
     let Some(mut arcs) = Arcs::cut(&kept, expected.gravity_m_s2) else {
-        return Preflight { checks, kept: Some(kept), arcs: None, gravity: None };
+        return Preflight { checks, kept: Some(kept), arcs: None, coarse: None, gravity: None };
     };
     let heights: Vec<f64> = kept.column(2).collect();
-    let flights = Flights::find(&kept, &arcs, expected.gravity_m_s2);
+    // A bounce at the end bends the flight before it.
+    let before = arcs.late.and_then(|low| kept.slice(0..low).ok());
+    let flights = Flights::find(before.as_ref().unwrap_or(&kept), &arcs, expected.gravity_m_s2);
     let gravity = ApparentGravity::of(kept.clock(), &heights, &flights);
     // A wrong unit is told before its symptom.
     checks.push(units::check(gravity.as_ref(), expected));
@@ -190,11 +196,12 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     }
     checks.extend(motion::cut(&arcs));
     checks.push(motion::undisturbed(arcs.usable.len(), kept.len()));
-    checks.push(surface::bounces(seen, &arcs));
+    let coarse = FirstFall::find(&kept, expected.gravity_m_s2).filter(|_| arcs.contacts.is_empty());
+    checks.push(surface::bounces(&kept, &arcs, coarse.is_some()));
     checks.push(left);
     checks.push(surface::view(&kept));
     checks.push(surface::height(level, expected));
     checks.extend(surface::agrees(&arcs, level, expected));
     checks.push(motion::rest(&kept));
-    Preflight { checks, kept: Some(kept), arcs: Some(arcs), gravity }
+    Preflight { checks, kept: Some(kept), arcs: Some(arcs), coarse, gravity }
 }

@@ -23,10 +23,21 @@ const GAP_FRAMES: f64 = 3.0;
 /// The border lies within this share of the range of heights.
 const BORDER_SHARE: f64 = 0.15;
 
-/// Whether it bounces.
-pub(super) fn bounces(seen: &Observation, arcs: &Arcs) -> Check {
+/// Whether it bounces; `coarse` says that it does, in too few samples to tell when.
+pub(super) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool) -> Check {
     const CODE: &str = "contact.none";
+    if coarse {
+        return Check::passed(CODE, "a bounce, seen in too few samples to tell when");
+    }
     let duration = seen.clock()[seen.len() - 1] - seen.clock()[0];
+    if let Some(low) = arcs.late {
+        let text = format!(
+            "the ball first bounces at the very end of the {duration:.2} s of the record, near {:.3} s: too late to say anything of \
+             its contacts, so the samples from there on are set aside",
+            seen.clock()[low]
+        );
+        return Check::noticed(CODE, text, "record until after the first bounce, better the third");
+    }
     match arcs.contacts.len() {
         0 => Check::noticed(
             CODE,

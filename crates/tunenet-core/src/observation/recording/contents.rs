@@ -66,7 +66,7 @@ pub struct Table {
 }
 
 /// What is in an MCAP file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Log {
     /// The convention that its messages follow: `ros2`.
     pub profile: String,
@@ -74,6 +74,8 @@ pub struct Log {
     pub library: String,
     /// Its topics by name.
     pub topics: Vec<Topic>,
+    /// Seconds from the first message to the last, by the times of recording; `None` without messages.
+    pub span_s: Option<f64>,
     /// Where it is cut off or broken: what is wrong and how many messages came before. The topics count those.
     pub ended: Option<String>,
 }
@@ -104,7 +106,9 @@ fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
                 Error::File { message, .. } => message,
                 other => other.to_string(),
             });
-            Ok(Contents::Log(Log { profile: found.profile, library: found.library, topics: found.topics, ended }))
+            let span_s = found.log_ns.map(|(first, last)| last.saturating_sub(first) as f64 * 1e-9);
+            let (profile, library, topics) = (found.profile, found.library, found.topics);
+            Ok(Contents::Log(Log { profile, library, topics, span_s, ended }))
         }
     }
 }

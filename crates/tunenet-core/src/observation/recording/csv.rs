@@ -34,11 +34,14 @@ fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observ
     if let Some(doubt) = doubt(&values) {
         let text = format!(
             "the interval before line {} is {:.4} s after one of {:.4} s, so a click was missed or false: \
-             it and the {} after it are set aside",
+             {} set aside",
             lines[doubt.from],
             doubt.interval_s,
             doubt.before_s,
-            values.len() - doubt.from - 1
+            match values.len() - doubt.from - 1 {
+                0 => "that time is".into(),
+                after => format!("that time and the {after} after it are"),
+            }
         );
         notes.push(Note::new("bounces.missed", text, "number the impacts in a column `bounce_number` to use them"));
         values.truncate(doubt.from);

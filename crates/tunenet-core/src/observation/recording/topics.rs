@@ -72,6 +72,8 @@ pub(super) struct Survey {
     pub topics: Vec<Topic>,
     pub profile: String,
     pub library: String,
+    /// When the first and the last message were recorded, in ns.
+    pub log_ns: Option<(u64, u64)>,
     /// Where the file breaks off.
     pub ended: Option<Error>,
 }
@@ -80,7 +82,7 @@ pub(super) struct Survey {
 pub(super) fn survey(path: &Path) -> Result<Survey> {
     let mut messages = messages(path)?;
     let mut topics: Vec<Topic> = Vec::new();
-    let mut ended = None;
+    let (mut ended, mut log_ns) = (None, None);
     let mut last: Option<(Arc<ChannelInfo>, usize)> = None;
     for message in messages.by_ref() {
         let message = match message {
@@ -96,6 +98,8 @@ pub(super) fn survey(path: &Path) -> Result<Survey> {
             _ => index_of(&mut topics, &message.channel),
         };
         topics[index].add(&message);
+        let at = message.log_time;
+        log_ns = log_ns.map_or(Some((at, at)), |(first, last): (u64, u64)| Some((first.min(at), last.max(at))));
         last = Some((message.channel, index));
     }
     for channel in messages.channels() {
@@ -103,7 +107,7 @@ pub(super) fn survey(path: &Path) -> Result<Survey> {
     }
     topics.sort_by(|a, b| a.name.cmp(&b.name));
     let (profile, library) = messages.writer();
-    Ok(Survey { profile: profile.to_owned(), library: library.to_owned(), topics, ended })
+    Ok(Survey { profile: profile.to_owned(), library: library.to_owned(), topics, log_ns, ended })
 }
 
 fn index_of(topics: &mut Vec<Topic>, channel: &ChannelInfo) -> usize {

@@ -14,7 +14,7 @@ pub struct Kind {
     pub make: fn(&mut ChaCha8Rng) -> (Record, Expected),
 }
 
-pub const KINDS: [Kind; 26] = [
+pub const KINDS: [Kind; 27] = [
     Kind { name: "each frame twice", codes: &["clock.repeats"], make: each_twice },
     Kind { name: "each frame twice, stamps stretched", codes: &["clock.repeats"], make: each_twice_stretched },
     Kind { name: "some frames repeated", codes: &["clock.repeats"], make: some_repeated },
@@ -41,6 +41,7 @@ pub const KINDS: [Kind; 26] = [
     Kind { name: "z upside down", codes: &["motion.unlike", "gravity.apparent", "units.wrong"], make: upside_down },
     Kind { name: "wrong surface given", codes: &["surface.disagrees"], make: wrong_surface },
     Kind { name: "wrong height given", codes: &["release.disagrees"], make: wrong_height },
+    Kind { name: "frames dropped amid a fall, stamps even", codes: &["clock.skipped"], make: renumbered },
 ];
 
 fn known(setup: &Setup) -> Expected {
@@ -108,6 +109,26 @@ fn dropped(random: &mut ChaCha8Rng) -> (Record, Expected) {
     let share = random.random_range(0.08..0.3);
     let keep: Vec<bool> = record.clock.iter().map(|_| !random.random_bool(share)).collect();
     (pick(&record, |i| keep[i] || i == 0), known(&setup))
+}
+
+/// One to three frames lost amid a fall of thirty or more, where the ball does in them ten times the noise, and the others
+/// numbered anew.
+fn renumbered(random: &mut ChaCha8Rng) -> (Record, Expected) {
+    let mut setup = Setup::draw(random);
+    setup.velocity_m_s[2] = 0.0;
+    setup.rate_hz = setup.rate_hz.max(30.0 / setup.fall_s());
+    setup.frames = setup.frames.max(whole(setup.fall_s() * (1.2 + 2.0 * setup.restitution) * setup.rate_hz));
+    let at = random.random_range(0.4..0.65) * setup.fall_s();
+    let frames = random.random_range(1..=3);
+    // Ten times the noise: less is lost in it.
+    let leap_m = frames as f64 / setup.rate_hz * GRAVITY_M_S2 * at;
+    setup.noise_m = setup.noise_m.min(0.1 * leap_m);
+    setup.decimals = None;
+    let record = setup.record(random);
+    let first = whole(at * setup.rate_hz);
+    let kept = pick(&record, |i| !(first..first + frames).contains(&i));
+    let clock = record.clock[..kept.clock.len()].to_vec();
+    (Record { clock, ..kept }, known(&setup))
 }
 
 fn gap(random: &mut ChaCha8Rng) -> (Record, Expected) {

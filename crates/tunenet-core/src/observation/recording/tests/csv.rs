@@ -113,9 +113,10 @@ fn bounce_lists_end_where_they_cannot_be_counted() {
     assert_eq!(missed.notes[0].code, "bounces.missed");
     assert_eq!(
         missed.notes[0].text,
-        "the interval before line 5 is 1.6000 s after one of 0.9000 s, so a click was missed or false: it and the 1 after it \
-         are set aside"
+        "the interval before line 5 is 1.6000 s after one of 0.9000 s, so a click was missed or false: that time and \
+         the 1 after it are set aside"
     );
+    assert!(good("bounce_time_s\n0\n1\n1.9\n3.5\n").notes[0].text.ends_with(": that time is set aside"));
     let numbered = good("bounce_number,bounce_time_s\n0,0\n1,1\n2,1.9\n4,3.5\n");
     assert_eq!((numbered.observation.clock(), numbered.notes.len()), (&[0.0, 1.0, 2.0, 4.0][..], 0));
     let (message, _) = bad("bounce_time_s\n0.5\n1\n1.1\n2.0\n");

@@ -1,0 +1,126 @@
+//! Where a command may write: never over what it reads, and over a file that is there already only where tunenet itself
+//! wrote one of that kind, so that the same command can be given again, or where it is asked to.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use toml_edit::DocumentMut;
+use tunenet_core::Error;
+use tunenet_core::network::{DatasetReader, Model};
+
+use super::load;
+use crate::report;
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Product {
+    /// A simulation file with tunenet's provenance.
+    Simulation,
+    /// A report.
+    Page,
+    /// A data set of rollout pairs.
+    Dataset,
+    /// A trained network.
+    Model,
+    /// Something that nobody can tell from a person's own file, such as a recording.
+    Unmarked,
+}
+
+impl Product {
+    /// What may be replaced by it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Simulation => "a new name, or a simulation file that tunenet wrote",
+            Self::Page => "a new name, or a report that tunenet wrote",
+            Self::Dataset => "a new name, or a data set that tunenet wrote",
+            Self::Model => "a new name, or a model that tunenet wrote",
+            Self::Unmarked => "a new name",
+        }
+    }
+
+    /// Whether `path` is one of these already, by what it says of itself.
+    fn is(self, path: &Path) -> bool {
+        match self {
+            Self::Simulation => std::fs::read_to_string(path)
+                .ok()
+                .and_then(|text| text.parse::<DocumentMut>().ok())
+                .and_then(|file| Some(file.get("provenance")?.get("tool")?.as_str()?.starts_with("tunenet ")))
+                .unwrap_or(false),
+            Self::Page => beginning(path).is_ok_and(|start| report::is_own(&start)),
+            Self::Dataset => DatasetReader::open(path).is_ok(),
+            Self::Model => Model::load(path).is_ok(),
+            Self::Unmarked => false,
+        }
+    }
+}
+
+/// One file that is to be written.
+#[derive(Debug, Clone)]
+pub struct Output {
+    /// Its name.
+    pub path: PathBuf,
+    /// The flag that named it, which is what a person can change.
+    pub flag: &'static str,
+    pub product: Product,
+    /// Whether its folder is made where there is none.
+    pub makes_folder: bool,
+}
+
+impl Output {
+    pub fn new(path: &Path, flag: &'static str, product: Product) -> Self {
+        Self { path: path.to_path_buf(), flag, product, makes_folder: false }
+    }
+}
+
+/// Refuses, before any work is done, outputs that are one of the `inputs`, that are one another, that cannot be written,
+/// or that would replace what tunenet did not write; the last not where `overwrite` is asked for.
+pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()> {
+    for (number, output) in outputs.iter().enumerate() {
+        let Output { path, flag, product, makes_folder } = output;
+        let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        if let Some(other) = outputs[..number].iter().find(|other| place(&other.path) == place(path)) {
+            let (expected, found) = (format!("another file than `{}`", other.flag), load::name(path));
+            return Err(Error::Setting { name: flag, expected, found }.into());
+        }
+        if let Ok(same) = path.canonicalize()
+            && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == same))
+        {
+            let message = "expected another file to write to, found one that is read";
+            return Err(Error::file(path, message, format!("choose another name for {flag}")).into());
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if path.is_dir() {
+            return Err(Error::io(path, "writing", std::io::ErrorKind::IsADirectory.into()).into());
+        }
+        if !makes_folder && folder.is_some_and(|folder| !folder.is_dir()) {
+            return Err(Error::io(path, "writing", std::io::ErrorKind::NotFound.into()).into());
+        }
+        if !overwrite && holds_something(path) && !product.is(path) {
+            return Err(taken(output).into());
+        }
+    }
+    Ok(())
+}
+
+/// What is said where something stands in the way.
+pub fn taken(output: &Output) -> Error {
+    let message = format!("expected {}, found a file that is there already", output.product.name());
+    Error::file(&output.path, message, format!("choose another {}, or replace it with --overwrite", output.flag))
+}
+
+/// Whether a file with contents stands there, or a link that leads nowhere: somebody made it. A device or a pipe holds
+/// nothing, and an empty file has nothing to lose.
+pub fn holds_something(path: &Path) -> bool {
+    match std::fs::metadata(path) {
+        Ok(about) => about.is_file() && about.len() > 0,
+        Err(_) => path.symlink_metadata().is_ok(),
+    }
+}
+
+/// The first kilobyte of a file as text.
+fn beginning(path: &Path) -> std::io::Result<String> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?.take(1024).read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

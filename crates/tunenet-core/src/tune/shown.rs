@@ -1,0 +1,47 @@
+//! Which of a recording's own unknowns it shows at all: the height of a surface that is never touched is none, nor a place
+//! along an axis that was not measured.
+
+use crate::Result;
+use crate::simulator::{Parameter, Prepared, Simulator, rollout};
+
+/// How far an unknown is moved to see whether anything follows, as a share of its bounds.
+const NUDGE: f64 = 1e-6;
+/// What follows counts from this share of the noise on: rounding alone stays below.
+const LEAST: f64 = 1e-5;
+
+/// The own unknowns of a recording with the values `own`, without those that nothing measured depends on.
+///
+/// # Errors
+/// Where the simulator refuses the values themselves.
+pub(super) fn shown(
+    simulator: &dyn Simulator,
+    recording: &Prepared,
+    noise: &[f64],
+    parameters: &[f64],
+    own: &[f64],
+) -> Result<(Vec<Parameter>, usize)> {
+    let clock = recording.seen.clock();
+    let width = noise.len();
+    // A channel that never varies, not even by noise, was not measured.
+    let measured: Vec<bool> =
+        (0..width).map(|c| recording.seen.column(c).any(|v| v != recording.seen.row(0)[c])).collect();
+    let here = rollout(simulator, parameters, own, clock)?;
+    let moves = |i: usize, step: f64| {
+        let mut moved = own.to_vec();
+        moved[i] += step;
+        // A step that cannot be simulated makes a difference.
+        rollout(simulator, parameters, &moved, clock).map_or(true, |there| {
+            let differs =
+                |(k, (a, b)): (usize, (&f64, &f64))| measured[k % width] && (a - b).abs() > LEAST * noise[k % width];
+            there.iter().zip(&here).enumerate().any(differs)
+        })
+    };
+    // To both sides: a surface just below the lowest sample is felt from below alone.
+    let seen = |(i, p): &(usize, &Parameter)| {
+        let step = NUDGE * (p.max - p.min);
+        moves(*i, step) && moves(*i, -step)
+    };
+    let kept = recording.own.iter().enumerate().filter(seen);
+    let kept = kept.map(|(i, p)| Parameter { value: own[i], ..p.clone() }).collect();
+    Ok((kept, 1 + 2 * recording.own.len()))
+}
