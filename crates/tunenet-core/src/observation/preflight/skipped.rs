@@ -26,6 +26,8 @@ const MOST_FRAMES: usize = 4;
 const MOST_LEAPS: usize = 8;
 /// A leap must raise the log-likelihood by half of this over a smooth flight: a Bayes factor beyond e^12.
 const EVIDENCE: f64 = 25.0;
+/// A flight that strays from a cubic by less than this many times the noise leaps nowhere.
+const NOISE_ALONE: f64 = 1.2;
 /// With all leaps taken out, what is left is noise: to this many times its standard deviation, and this share of all heights.
 const MISFIT_NOISE: f64 = 2.0;
 const MISFIT_SHARE: f64 = 1e-3;
@@ -104,7 +106,9 @@ impl Flight<'_> {
         let mut times = self.clock.to_vec();
         let mut left = self.misfit(&times);
         let mut leaps = Vec::new();
-        while leaps.len() < MOST_LEAPS {
+        // Nothing is left to explain in most records.
+        let smooth = (left / n as f64).sqrt() < NOISE_ALONE * self.noise;
+        while !smooth && leaps.len() < MOST_LEAPS {
             let stamped = |at: usize| self.clock[at] - self.clock[at - 1] > GAP * self.frame_s;
             let places = (BESIDE..n - BESIDE).filter(|&at| !stamped(at));
             let tried = places.flat_map(|at| (1..=MOST_FRAMES).map(move |frames| (at, frames)));
