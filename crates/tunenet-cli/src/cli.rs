@@ -1,8 +1,12 @@
 //! The command line.
 
+pub mod track;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub use track::Track;
 
 /// Makes a simulator behave like a measured real thing.
 ///
@@ -29,6 +33,9 @@ pub enum Command {
     /// Name the effect that a simulation lacks, and write it into the simulation file
     #[command(after_help = DIAGNOSE_EXAMPLES)]
     Diagnose(Diagnose),
+    /// Follow the ball in a film
+    #[command(after_help = track::EXAMPLES)]
+    Track(track::Track),
     /// Roll a simulation out into an observation file
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),

@@ -5,6 +5,7 @@ use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::{Error, Result};
 
 use crate::changes::Changes;
+use crate::clock;
 use crate::colour::{HUES, Window};
 use crate::noticed;
 use crate::scout::{Scene, Unseen, reduced, scout};
@@ -233,21 +234,20 @@ impl Pass {
     fn finish(self, settings: &Settings, missing: Option<(usize, usize)>) -> Answer {
         let Self { tracker, mut sightings, mut times_s, changes, size_px } = self;
         let frames = times_s.len();
+        clock::even_out(&mut times_s);
+        sightings.iter_mut().for_each(|s| s.time_s = times_s[s.frame]);
         let looks: Vec<bool> = sightings.iter().filter_map(|s| s.second).collect();
         let two = looks.iter().filter(|second| **second).count();
         if two as f64 > TWO_BALLS * looks.len() as f64 {
             return unseen(Unseen::TwoBalls, frames, settings, &format!("in {two} of {} frames", looks.len()));
         }
-        let steps = |times: &[f64]| times.windows(2).map(|w| w[1] - w[0]).collect::<Vec<f64>>();
-        let step_s = median(steps(&times_s)).unwrap_or(1.0);
+        let step_s = clock::step_s(&times_s);
         // The film's own steps keep their proportions, so that a dropped frame stays a gap.
         let slower = settings.rate_hz.map_or(1.0, |rate| 1.0 / (rate * step_s));
         times_s.iter_mut().for_each(|t| *t *= slower);
         sightings.iter_mut().for_each(|s| s.time_s *= slower);
         let step_s = step_s * slower;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of frames")]
-        let lost = |step: &f64| ((step / step_s).round() - 1.0).clamp(0.0, 1e6) as usize;
-        let dropped = steps(&times_s).iter().map(lost).sum();
+        let dropped = clock::dropped(&times_s, step_s);
         let radius = median(sightings.iter().filter(|s| !s.cut).map(|s| s.radius_px).collect()).unwrap_or(1.0);
         for s in sightings.iter_mut().filter(|s| !s.cut) {
             s.confidence *= (-((s.radius_px / radius).ln() / OFF_SIZE.ln()).powi(2)).exp();

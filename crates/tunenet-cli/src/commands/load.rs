@@ -10,6 +10,7 @@ use tunenet_core::Error;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
 use tunenet_sim::SimulationFile;
 
+use super::film;
 use crate::cli::{Reading, Simulation};
 
 /// A simulation file with its overrides.
@@ -24,6 +25,19 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
 /// A recording from a file.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
     Ok(read(path, &self::reading(reading))?)
+}
+
+/// A recording of what `file` simulates, from a file of numbers or a film.
+pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading) -> Result<Recording> {
+    if !film::is_film(path) {
+        return recording(path, reading);
+    }
+    if !reading.columns.is_empty() {
+        let (expected, found) = ("a CSV file".into(), format!("the film {}", path.display()));
+        return Err(Error::Setting { name: "columns", expected, found }.into());
+    }
+    let found = film::Asked::default().with("--topic", reading.topic.as_ref()).of(file).track(path)?;
+    film::positions(path, &found)
 }
 
 /// The command line's say in how files are read.

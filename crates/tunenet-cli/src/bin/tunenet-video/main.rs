@@ -2,7 +2,9 @@
 //!
 //! OpenCV brings some 250 shared libraries, which take a fifth of a second to load. A program of its own spares that to
 //! every command that needs no video. It prints one JSON object on standard output and exits 0, or one sentence on standard
-//! error and exits 1; wrong usage exits 2.
+//! error and exits 1; wrong usage exits 2. What `track` cannot do is told on standard output as well, for the parent to say.
+
+mod track;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -23,6 +25,9 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Print the track of the ball in a film or a log as one JSON object
+    #[command(after_help = "Example:\n  tunenet-video track drop.mp4")]
+    Track(track::Options),
     /// Print a video's facts as one JSON object
     #[command(after_help = "Example:\n  tunenet-video inspect throw.mp4")]
     Inspect {
@@ -35,6 +40,7 @@ fn main() -> ExitCode {
     let Arguments { command } = Arguments::parse();
     let done = match command {
         Command::Inspect { file } => inspect(&file),
+        Command::Track(options) => track::run(&options),
     };
     match done.and_then(|object| print(&object)) {
         Ok(()) => ExitCode::SUCCESS,
