@@ -65,7 +65,8 @@ mod tests {
 
     #[test]
     fn clocks_of_other_kinds_stay_as_they_are() {
-        let shaken: Vec<f64> = (0..40).map(|k| f64::from(k) / 30.0 + 1e-3 * f64::from(k % 7)).map(|t| (t * 1e3).round() / 1e3).collect();
+        let shaken: Vec<f64> =
+            (0..40).map(|k| f64::from(k) / 30.0 + 1e-3 * f64::from(k % 7)).map(|t| (t * 1e3).round() / 1e3).collect();
         let mut same = shaken.clone();
         even_out(&mut same);
         assert_eq!(same, shaken);

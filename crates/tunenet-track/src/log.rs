@@ -24,7 +24,12 @@ pub(crate) struct Log {
 impl Log {
     /// Opens a topic of the log at `path`, the only one with pictures where none is named.
     pub fn open(path: &Path, topic: Option<&str>) -> Result<Self> {
-        Ok(Self { path: path.into(), pictures: pictures::pictures(path, topic)?, first_s: None, last_s: f64::NEG_INFINITY })
+        Ok(Self {
+            path: path.into(),
+            pictures: pictures::pictures(path, topic)?,
+            first_s: None,
+            last_s: f64::NEG_INFINITY,
+        })
     }
 }
 

@@ -65,7 +65,9 @@ mod tests {
 
     #[test]
     fn validate_hue_saturation_and_value_are_those_of_opencv() {
-        for [b, g, r] in [[0, 0, 0], [255, 255, 255], [40, 40, 220], [10, 200, 30], [250, 9, 120], [77, 76, 75], [1, 0, 2]] {
+        for [b, g, r] in
+            [[0, 0, 0], [255, 255, 255], [40, 40, 220], [10, 200, 30], [250, 9, 120], [77, 76, 75], [1, 0, 2]]
+        {
             let shade = Scalar::new(f64::from(b), f64::from(g), f64::from(r), 0.0);
             let pixel = Mat::new_rows_cols_with_default(1, 1, CV_8UC3, shade).unwrap();
             let mut out = Mat::default();

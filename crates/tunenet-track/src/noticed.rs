@@ -80,7 +80,11 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<(usize, usize)>) 
         let room = [last.u_px, width - last.u_px, last.v_px, height - last.v_px];
         let near = room.iter().any(|r| *r < NEAR_BORDER * last.radius_px);
         let way = if near { "it leaves the view" } else { "it is covered, or looks different" };
-        let text = format!("the ball is last seen at {:.3} s, {} frames before the end: {way}", last.time_s, frames - 1 - last.frame);
+        let text = format!(
+            "the ball is last seen at {:.3} s, {} frames before the end: {way}",
+            last.time_s,
+            frames - 1 - last.frame
+        );
         notes.push(Note::new("ball.gone", text, "what was seen until then is used"));
     }
     notes

@@ -193,7 +193,8 @@ mod tests {
         for (u, v, radius) in [(30.3, 25.7, 12.0), (40.0, 30.0, 5.0), (22.25, 31.5, 8.4)] {
             let picture = disc(u, v, radius);
             let view = View::of(&picture).unwrap();
-            let found = outline(&view, &|colour, _| lookup.holds(colour), (u + 1.3, v - 0.8, 0.8 * radius), 0.0).unwrap();
+            let found =
+                outline(&view, &|colour, _| lookup.holds(colour), (u + 1.3, v - 0.8, 0.8 * radius), 0.0).unwrap();
             assert!((found.u - u).hypot(found.v - v) < 0.03, "{found:?} for {u} {v}");
             assert!((found.radius - radius).abs() < 0.08, "{found:?} for {radius}");
             assert!(found.share > 0.95 && !found.cut);
@@ -204,7 +205,8 @@ mod tests {
     fn a_disc_that_the_border_cuts_keeps_its_centre() {
         let lookup = Lookup::new(&Window::parse("red").unwrap());
         let picture = disc(4.0, 30.0, 10.0);
-        let found = outline(&View::of(&picture).unwrap(), &|colour, _| lookup.holds(colour), (6.0, 30.0, 9.0), 0.0).unwrap();
+        let found =
+            outline(&View::of(&picture).unwrap(), &|colour, _| lookup.holds(colour), (6.0, 30.0, 9.0), 0.0).unwrap();
         assert!(found.cut && (found.u - 4.0).abs() < 0.15 && (found.radius - 10.0).abs() < 0.15, "{found:?}");
     }
 

@@ -39,8 +39,7 @@ impl Parabola {
             .map(|(t, v)| (v - mean - slope * (t - middle) - curvature * bend(*t)).powi(2))
             .sum();
         let residual = (squares / (n - 3.0).max(1.0)).sqrt();
-        let found =
-            Self { acceleration: 2.0 * curvature, acceleration_sd: 2.0 * residual / norm.sqrt(), residual };
+        let found = Self { acceleration: 2.0 * curvature, acceleration_sd: 2.0 * residual / norm.sqrt(), residual };
         found.acceleration.is_finite().then_some(found)
     }
 }

@@ -88,8 +88,7 @@ impl Metric {
         let gravity = expected.gravity_m_s2;
         let by_gravity = by_gravity(track, gravity);
         let positive = |value: f64, name: &'static str| {
-            let refused =
-                || Error::Setting { name, expected: "a length above 0".into(), found: value.to_string() };
+            let refused = || Error::Setting { name, expected: "a length above 0".into(), found: value.to_string() };
             (value.is_finite() && value > 0.0).then_some(value).ok_or_else(refused)
         };
         let (metres_per_px, by) = match (known, by_gravity) {

@@ -117,7 +117,7 @@ pub(crate) fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Re
     let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
     let window = if window.is_some() { wide } else { narrowed(&hsv, &moved, wide)? };
     let clutter = clutter(&background, &window, area)?;
-    let area_share = area / (background.cols() * background.rows()) as f64;
+    let area_share = area / f64::from(background.cols() * background.rows());
     Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
 }
 

@@ -82,11 +82,7 @@ pub enum Answer {
 ///
 /// # Errors
 /// [`Error::File`] where the film cannot be read; [`Error::Setting`] for a rate that is none.
-pub fn track(
-    source: &Source,
-    settings: &Settings,
-    progress: &mut dyn FnMut(usize, Option<usize>),
-) -> Result<Answer> {
+pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usize, Option<usize>)) -> Result<Answer> {
     if let Some(rate) = settings.rate_hz.filter(|r| !(r.is_finite() && (1e-3..=1e6).contains(r))) {
         let (expected, found) = ("frames per second from 0.001 to 1000000".into(), rate.to_string());
         return Err(Error::Setting { name: "--rate", expected, found });
@@ -143,7 +139,7 @@ struct Samples {
 impl Samples {
     fn push(&mut self, index: usize, image: &Mat) -> opencv::Result<()> {
         self.stride = self.stride.max(1);
-        if index % self.stride != 0 {
+        if !index.is_multiple_of(self.stride) {
             return Ok(());
         }
         self.kept.push(reduced(image)?);
@@ -235,7 +231,9 @@ impl Pass {
         let Self { tracker, mut sightings, mut times_s, changes, size_px } = self;
         let frames = times_s.len();
         clock::even_out(&mut times_s);
-        sightings.iter_mut().for_each(|s| s.time_s = times_s[s.frame]);
+        for s in &mut sightings {
+            s.time_s = times_s[s.frame];
+        }
         let looks: Vec<bool> = sightings.iter().filter_map(|s| s.second).collect();
         let two = looks.iter().filter(|second| **second).count();
         if two as f64 > TWO_BALLS * looks.len() as f64 {
@@ -244,8 +242,9 @@ impl Pass {
         let step_s = clock::step_s(&times_s);
         // The film's own steps keep their proportions, so that a dropped frame stays a gap.
         let slower = settings.rate_hz.map_or(1.0, |rate| 1.0 / (rate * step_s));
-        times_s.iter_mut().for_each(|t| *t *= slower);
-        sightings.iter_mut().for_each(|s| s.time_s *= slower);
+        for t in times_s.iter_mut().chain(sightings.iter_mut().map(|s| &mut s.time_s)) {
+            *t *= slower;
+        }
         let step_s = step_s * slower;
         let dropped = clock::dropped(&times_s, step_s);
         let radius = median(sightings.iter().filter(|s| !s.cut).map(|s| s.radius_px).collect()).unwrap_or(1.0);

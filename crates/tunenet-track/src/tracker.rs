@@ -157,20 +157,21 @@ impl Tracker {
             same && !inner && (outer || ROUND.contains(&b.fill()))
         };
         let Some(coarse) = found.iter().find(alike) else { return Ok(None) };
-        Ok(self.refine(view, part, coarse))
+        Ok(Some(self.refine(view, part, coarse)))
     }
 
     /// Looks everywhere; also whether there is a second one alike.
     fn search(&mut self, view: &View<'_>) -> opencv::Result<Option<(Sighting, bool)>> {
         let part = Part::whole(view);
         let mut found = self.blobs(view, part)?;
-        let area = self.scene.area_share * view.columns() as f64 * view.rows() as f64 / (part.every * part.every) as f64;
+        let area =
+            self.scene.area_share * view.columns() as f64 * view.rows() as f64 / (part.every * part.every) as f64;
         // Crumbs of noise are no ball, but a ball that is half out of view still is.
         found.retain(|b| b.area >= (0.05 * area).max(LEAST_AREA));
         let round = |b: &&Blob| ROUND.contains(&b.fill()) || part.borders(b.bounds, view).1;
         let Some(coarse) = found.iter().find(round).or(found.first()) else { return Ok(None) };
         let second = found.iter().filter(round).filter(|b| b.area > SECOND_BALL * coarse.area).count() > 1;
-        Ok(self.refine(view, part, coarse).map(|sighting| (sighting, second)))
+        Ok(Some((self.refine(view, part, coarse), second)))
     }
 
     /// The patches of the ball's colour in a part of the picture, the largest first.
@@ -193,7 +194,7 @@ impl Tracker {
     }
 
     /// A coarse patch, measured in the whole picture.
-    fn refine(&self, view: &View<'_>, part: Part, coarse: &Blob) -> Option<Sighting> {
+    fn refine(&self, view: &View<'_>, part: Part, coarse: &Blob) -> Sighting {
         let every = part.every as f64;
         let [_, _, width, height] = coarse.bounds.map(f64::from);
         let (u, v) = (part.left as f64 + coarse.u * every, part.top as f64 + coarse.v * every);
@@ -228,10 +229,10 @@ impl Tracker {
         match near {
             Some(c) => {
                 let cut = c.cut || outer;
-                Some(seen(c.u, c.v, c.radius, cut, if cut { 0.5 * c.share } else { c.share }))
+                seen(c.u, c.v, c.radius, cut, if cut { 0.5 * c.share } else { c.share })
             }
             // Too small or too faint for an outline.
-            None => Some(seen(u, v, by_area, outer, 0.25)),
+            None => seen(u, v, by_area, outer, 0.25),
         }
     }
 }

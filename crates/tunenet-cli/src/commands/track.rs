@@ -121,7 +121,12 @@ fn tell(options: &Track, found: &Value, notes: &[Note]) {
     );
     stage(
         "ball",
-        &format!("seen in {} frames, whole in {}, radius {:.1} px", number("seen"), number("whole"), number("radius_px")),
+        &format!(
+            "seen in {} frames, whole in {}, radius {:.1} px",
+            number("seen"),
+            number("whole"),
+            number("radius_px")
+        ),
     );
     match &found["scale"] {
         Value::Null => stage("scale", "none: the ball does not fly freely, and no length is given"),
@@ -134,14 +139,22 @@ fn tell(options: &Track, found: &Value, notes: &[Note]) {
             ),
         ),
     }
-    let bounces: Vec<String> =
-        found["bounces_s"].as_array().into_iter().flatten().filter_map(Value::as_f64).map(|t| format!("{t:.3}")).collect();
+    let bounces: Vec<String> = found["bounces_s"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_f64)
+        .map(|t| format!("{t:.3}"))
+        .collect();
     if !bounces.is_empty() {
         stage("bounces", &format!("{} s", bounces.join(", ")));
     }
     if let Some(value) = found["restitution"]["value"].as_f64() {
         let bound = |i: usize| found["restitution"]["interval95"][i].as_f64().unwrap_or(value);
-        stage("rebound", &format!("{value:.3} of the speed (95 %: {:.3}–{:.3}), before any simulation", bound(0), bound(1)));
+        stage(
+            "rebound",
+            &format!("{value:.3} of the speed (95 %: {:.3}–{:.3}), before any simulation", bound(0), bound(1)),
+        );
     }
     for check in found["preflight"].as_array().into_iter().flatten() {
         if check["state"] == "failed" {

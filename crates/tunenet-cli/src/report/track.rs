@@ -41,11 +41,8 @@ pub fn write(path: &Path, name: &str, found: &Value, notes: &[Note]) -> Result<(
 }
 
 fn frame(picture: &Value) -> Markup {
-    let caption = format!(
-        "frame {}, {:.3} s",
-        picture["frame"].as_u64().unwrap_or(0),
-        picture["time_s"].as_f64().unwrap_or(0.0)
-    );
+    let caption =
+        format!("frame {}, {:.3} s", picture["frame"].as_u64().unwrap_or(0), picture["time_s"].as_f64().unwrap_or(0.0));
     let source = format!("data:image/jpeg;base64,{}", picture["jpeg"].as_str().unwrap_or_default());
     html! {
         figure {
@@ -85,10 +82,8 @@ fn curve(name: &str, times: &[f64], values: &[f64], bounces: &[f64]) -> Markup {
     }
     let (across, up) = (span(times), span(values));
     let mut svg = Svg::new(SIZE.0, SIZE.1);
-    let panel = Panel {
-        x: Axis::new(across, (left_edge(&[up]), SIZE.0 - 8.0)),
-        y: Axis::new(up, (SIZE.1 - BELOW, ABOVE)),
-    };
+    let panel =
+        Panel { x: Axis::new(across, (left_edge(&[up]), SIZE.0 - 8.0)), y: Axis::new(up, (SIZE.1 - BELOW, ABOVE)) };
     panel.frame(&mut svg, Some("time in s"), name);
     for bounce in bounces {
         let (bottom, top) = (panel.spot((*bounce, up.0)), panel.spot((*bounce, up.1)));

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::*;
 use crate::scale::Known;
-use tunenet_core::observation::preflight::Expected;
 use crate::test_films::{Film, disc_film};
+use tunenet_core::observation::preflight::Expected;
 
 fn answer(path: &Path, settings: &Settings) -> Answer {
     track(&Source::new(path, None), settings, &mut |_, _| {}).unwrap()
@@ -131,9 +131,19 @@ fn balls_in_real_films_are_seen() {
         let found = tracked(&path, &Settings::default());
         let metric = crate::scale::Metric::of(&found, Known::Nothing, &Expected::default()).unwrap().unwrap();
         let arcs = metric.preflight.arcs.unwrap();
-        eprintln!("{name}: scale {} restitution {:?} {:?} gravity {:?}", metric.metres_per_px, arcs.restitution(), metric.notes, metric.preflight.gravity);
-        for c in &arcs.contacts { eprintln!("  {c:?}"); }
-        for c in metric.preflight.checks { eprintln!("  {c:?}"); }
+        eprintln!(
+            "{name}: scale {} restitution {:?} {:?} gravity {:?}",
+            metric.metres_per_px,
+            arcs.restitution(),
+            metric.notes,
+            metric.preflight.gravity
+        );
+        for c in &arcs.contacts {
+            eprintln!("  {c:?}");
+        }
+        for c in metric.preflight.checks {
+            eprintln!("  {c:?}");
+        }
         assert!(expected.contains(&found.sightings.len()), "{name}: {} frames", found.sightings.len());
     }
 }

@@ -88,12 +88,7 @@ fn found(options: &Options) -> tunenet_core::Result<Value> {
     told(options, &track, &drawn)
 }
 
-fn drawn(
-    options: &Options,
-    source: &Source,
-    track: &Track,
-    bar: &ProgressBar,
-) -> tunenet_core::Result<Vec<Drawn>> {
+fn drawn(options: &Options, source: &Source, track: &Track, bar: &ProgressBar) -> tunenet_core::Result<Vec<Drawn>> {
     if options.sheet == 0 && options.overlay.is_none() {
         return Ok(Vec::new());
     }
@@ -200,7 +195,8 @@ fn told(options: &Options, track: &Track, drawn: &[Drawn]) -> tunenet_core::Resu
 /// Invisible where standard error is no terminal.
 fn progress() -> ProgressBar {
     let bar = ProgressBar::no_length();
-    let style = ProgressStyle::with_template("{msg:<10} {wide_bar} {human_pos}/{human_len} frames, {per_sec}, {eta} left");
+    let style =
+        ProgressStyle::with_template("{msg:<10} {wide_bar} {human_pos}/{human_len} frames, {per_sec}, {eta} left");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar

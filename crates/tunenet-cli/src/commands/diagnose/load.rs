@@ -62,7 +62,8 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
             notes.push(Note::new("recording.repeated", text, "give every recording once"));
             continue;
         }
-        let mut recording = load::recording_of(&load::simulation(&options.simulation)?, &source.path, &options.reading)?;
+        let mut recording =
+            load::recording_of(&load::simulation(&options.simulation)?, &source.path, &options.reading)?;
         if let Some(fewer) = recording.observation.thinned(MOST_SAMPLES)? {
             let text = format!("{} of {} samples are used, evenly chosen", fewer.len(), recording.observation.len());
             recording.notes.push(Note::new("samples.thinned", text, ""));

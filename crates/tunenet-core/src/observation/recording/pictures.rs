@@ -137,7 +137,9 @@ impl Iterator for Pictures {
                     return Some(Err(error));
                 }
             };
-            let Some(form) = Form::of(&message.channel).filter(|_| message.channel.topic == self.topic) else { continue };
+            let Some(form) = Form::of(&message.channel).filter(|_| message.channel.topic == self.topic) else {
+                continue;
+            };
             self.count += 1;
             let log_s = to_s(i64::try_from(message.log_time).unwrap_or(i64::MAX));
             return Some(decode(form, &message.data, log_s).map_err(|why| {
@@ -236,7 +238,8 @@ mod tests {
 
     #[test]
     fn wrong_topics_and_short_messages_are_told() {
-        let (_folder, path) = file("a.mcap", bag(None, &[made("/a", image(1, &[1; 6])), made("/b", image(1, &[1, 2]))]));
+        let (_folder, path) =
+            file("a.mcap", bag(None, &[made("/a", image(1, &[1; 6])), made("/b", image(1, &[1, 2]))]));
         let error = |topic| pictures(&path, topic).err().unwrap().to_string();
         assert!(error(None).contains("expected one topic with pictures, found `/a`, `/b`"));
         assert!(error(Some("/c")).contains("expected pictures in `/c`"));
