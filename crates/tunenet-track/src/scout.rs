@@ -89,7 +89,10 @@ pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
 
 /// Scouts `frames`, small pictures of the whole film in blue, green and red, for the ball, of colour `window` where that is
 /// known.
-pub(crate) fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
+///
+/// # Errors
+/// Where OpenCV fails.
+pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
     let background = median(frames)?;
     let still = background.data_bytes()?;
     let hsv: Vec<Mat> = frames.par_iter().map(to_hsv).collect::<opencv::Result<_>>()?;

@@ -39,13 +39,13 @@ pub struct Track {
     #[arg(long)]
     pub topic: Option<String>,
     /// Frames per second at which the camera really took them, where the film plays slower
-    #[arg(long, value_name = "1/S")]
+    #[arg(long, value_name = "1/S", value_parser = positive)]
     pub rate: Option<f64>,
     /// Track no more frames than this
     #[arg(long, value_name = "N", value_parser = frames)]
     pub frames: Option<usize>,
     /// The ball's radius, which says how large a pixel is; without it, the fall of the ball does
-    #[arg(long, value_name = "M", conflicts_with = "length")]
+    #[arg(long, value_name = "M", conflicts_with = "length", value_parser = positive)]
     pub radius: Option<f64>,
     /// A length in the plane of the ball and how long it is in the picture, such as 0.5=240
     #[arg(long, value_name = "M=PX", value_parser = length)]
@@ -61,9 +61,13 @@ fn frames(text: &str) -> Result<usize, String> {
     }
 }
 
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|n| n.is_finite() && *n > 0.0);
+    number.ok_or_else(|| "expected a number above 0".to_owned())
+}
+
 fn length(text: &str) -> Result<(f64, f64), String> {
     let expected = || "expected metres and pixels above 0, such as 0.5=240".to_owned();
     let (metres, pixels) = text.split_once('=').ok_or_else(expected)?;
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|n| n.is_finite() && *n > 0.0);
-    number(metres).zip(number(pixels)).ok_or_else(expected)
+    positive(metres).ok().zip(positive(pixels).ok()).ok_or_else(expected)
 }
