@@ -90,8 +90,9 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
     let most = settings.most_frames.unwrap_or(usize::MAX);
     let mut first = First { settings, waiting: Vec::new(), bytes: 0, samples: Samples::default(), pass: None };
     let frames = source.stream(most, &mut |index, time_s, image, promised| {
-        progress(index + 1, promised.map(|p| p.min(most)));
-        first.take(index, time_s, image)
+        let promised = promised.map(|p| p.min(most));
+        progress(index + 1, promised);
+        first.take(index, time_s, image, promised)
     })?;
     let First { waiting, samples, pass, .. } = first;
     if frames.count < FEWEST_FRAMES {
@@ -137,8 +138,10 @@ struct Samples {
 }
 
 impl Samples {
-    fn push(&mut self, index: usize, image: &Mat) -> opencv::Result<()> {
-        self.stride = self.stride.max(1);
+    fn push(&mut self, index: usize, image: &Mat, promised: Option<usize>) -> opencv::Result<()> {
+        if self.stride == 0 {
+            self.stride = promised.unwrap_or(1).div_ceil(MOST_SCOUTED).max(1);
+        }
         if !index.is_multiple_of(self.stride) {
             return Ok(());
         }
@@ -165,8 +168,8 @@ struct First<'a> {
 }
 
 impl First<'_> {
-    fn take(&mut self, index: usize, time_s: f64, image: Mat) -> opencv::Result<Option<Mat>> {
-        self.samples.push(index, &image)?;
+    fn take(&mut self, index: usize, time_s: f64, image: Mat, promised: Option<usize>) -> opencv::Result<Option<Mat>> {
+        self.samples.push(index, &image, promised)?;
         if let Some(pass) = &mut self.pass {
             pass.frame(time_s, &image)?;
             return Ok(Some(image));
