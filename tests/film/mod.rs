@@ -26,6 +26,8 @@ pub struct Film {
     pub repeat: Vec<usize>,
     /// How far a camera in a hand shakes, px.
     pub shake_px: f64,
+    /// Standard deviation of the sensor's noise, grey levels.
+    pub noise: f64,
 }
 
 impl Default for Film {
@@ -42,9 +44,12 @@ impl Default for Film {
             frames: 120,
             repeat: Vec::new(),
             shake_px: 0.0,
+            noise: 3.0,
         }
     }
 }
+
+use crate::common::Noise;
 
 const WIDTH: usize = 240;
 const HEIGHT: usize = 200;
@@ -90,6 +95,10 @@ impl Film {
         let (u, v) = self.place_px(frame as f64 / self.rates_hz.0);
         for (k, colour) in self.balls.iter().enumerate() {
             disc(&mut picture, (u + 70.0 * k as f64 + shake, v), self.radius_m / self.m_per_px, *colour);
+        }
+        let mut random = Noise(1 + frame as u64);
+        for value in picture.iter_mut().flatten() {
+            *value = (f64::from(*value) + self.noise * random.normal()).round().clamp(0.0, 255.0) as u8;
         }
         picture
     }
