@@ -181,7 +181,10 @@ impl First<'_> {
         self.bytes += image.data_bytes()?.len();
         self.waiting.push((time_s, image));
         if self.bytes > WAITING_BYTES {
-            if let Ok(scene) = scout(&self.samples.kept, self.settings.colour)?
+            let every = self.waiting.len().div_ceil(MOST_SCOUTED / 2);
+            let early: Vec<Mat> =
+                self.waiting.iter().step_by(every).map(|(_, image)| reduced(image)).collect::<opencv::Result<_>>()?;
+            if let Ok(scene) = scout(&early, self.settings.colour)?
                 && scene.seen_share >= BELIEVED_SHARE
             {
                 let mut pass = Pass::new(scene);
