@@ -20,6 +20,8 @@ use crate::terminal::warn;
 const PROGRAM: &str = "tunenet-video";
 /// What films' names end in.
 const ENDINGS: [&str; 9] = ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "3gp"];
+/// What the names of other recordings end in.
+const TABLES: [&str; 5] = ["csv", "tsv", "txt", "mcap", "json"];
 /// How films begin: where, and with which bytes.
 const MARKS: [(usize, &[u8]); 4] = [(4, b"ftyp"), (8, b"AVI "), (0, b"\x1a\x45\xdf\xa3"), (0, b"\x00\x00\x01\xba")];
 /// The codes of what may be noticed of a film.
@@ -39,8 +41,14 @@ const CODES: [&str; 13] = [
     "film.other",
 ];
 
-/// Whether a file is a film, by its name or its first bytes.
+/// Whether a file is a film, by its name or, where that says nothing else, by its first bytes.
 pub fn is_film(path: &Path) -> bool {
+    // Pipes are waited for where they are opened, and a folder is refused by whoever reads it.
+    let file = std::fs::metadata(path).is_ok_and(|about| about.is_file());
+    let table = path.extension().is_some_and(|e| TABLES.iter().any(|known| e.eq_ignore_ascii_case(known)));
+    if !file || table {
+        return false;
+    }
     let named = path.extension().is_some_and(|e| ENDINGS.iter().any(|known| e.eq_ignore_ascii_case(known)));
     let mut start = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| file.take(16).read_to_end(&mut start));
