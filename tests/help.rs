@@ -19,8 +19,19 @@ fn plain(text: &str) {
 
 #[test]
 fn help_of_the_tool_and_of_every_command() {
-    let commands =
-        ["", " init", " tune", " diagnose", " simulate", " inspect", " gen", " train", " bench", " completions"];
+    let commands = [
+        "",
+        " init",
+        " tune",
+        " diagnose",
+        " track",
+        " simulate",
+        " inspect",
+        " gen",
+        " train",
+        " bench",
+        " completions",
+    ];
     for command in commands.into_iter().chain([" man"]) {
         help(command);
     }

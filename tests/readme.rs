@@ -190,7 +190,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let page = ["tune", "preflight", "diagnose"].map(|page| text(format!("docs/{page}.md"))).concat();
+    let page = ["tune", "preflight", "diagnose", "track"].map(|page| text(format!("docs/{page}.md"))).concat();
     let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {
@@ -200,7 +200,7 @@ fn every_warning_has_its_remedy_in_the_docs() {
             };
             assert!(
                 page.contains(&format!("| `{code}` |")),
-                "none of docs/tune.md, docs/preflight.md and docs/diagnose.md lists `{code}` of {}",
+                "none of docs/tune.md, docs/preflight.md, docs/diagnose.md and docs/track.md lists `{code}` of {}",
                 file.display()
             );
             codes += 1;

@@ -1,8 +1,12 @@
 //! The command line.
 
+pub mod track;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub use track::Track;
 
 /// Makes a simulator behave like a measured real thing.
 ///
@@ -29,6 +33,9 @@ pub enum Command {
     /// Name the effect that a simulation lacks, and write it into the simulation file
     #[command(after_help = DIAGNOSE_EXAMPLES)]
     Diagnose(Diagnose),
+    /// Follow the ball in a film
+    #[command(after_help = track::EXAMPLES)]
+    Track(track::Track),
     /// Roll a simulation out into an observation file
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
@@ -81,6 +88,7 @@ Examples:
   tunenet tune --sim ball.toml --observation drop.csv --report drop.html
   tunenet tune --sim ball.toml --set ball.radius_m=0.02 --observation flights/*.csv --each --json
   tunenet tune --sim ball.toml --observation log.csv --columns t_s=time,z_m=height
+  tunenet tune --sim ball.toml --observation drop.mp4
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
 const DIAGNOSE_EXAMPLES: &str = "\
 Examples:
@@ -184,7 +192,7 @@ pub struct Init {
 pub struct Tune {
     #[command(flatten)]
     pub simulation: Simulation,
-    /// Measured files (CSV or MCAP); several are tuned to together
+    /// Measured files (CSV, MCAP or film); several are tuned to together
     #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
     pub observation: Vec<PathBuf>,
     #[command(flatten)]
@@ -227,7 +235,7 @@ pub struct Tune {
 pub struct Diagnose {
     #[command(flatten)]
     pub simulation: Simulation,
-    /// Measured files (CSV or MCAP) of one object
+    /// Measured files (CSV, MCAP or film) of one object
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "manifest")]
     pub observation: Vec<PathBuf>,
     /// Measured files that are not fitted to, only judged by; some are set aside where there are enough and none is given
@@ -276,7 +284,7 @@ pub struct Simulate {
 /// `tunenet inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
-    /// What to look at: CSV, MCAP, simulation file, dataset or model; of several recordings, gravity together as well
+    /// What to look at: CSV, MCAP, film, simulation file, dataset or model; of several recordings, gravity together as well
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     #[command(flatten)]

@@ -1,6 +1,5 @@
 //! A window of hue, saturation and value: the colour by which a ball is known.
 
-use opencv::core::{Mat, Scalar, bitwise_or, in_range, no_array};
 use tunenet_core::{Error, Result};
 
 /// Degrees of hue on OpenCV's 8-bit circle.
@@ -77,27 +76,6 @@ impl Window {
         away.abs() <= self.half_width
             && (self.saturation.0..=self.saturation.1).contains(&i32::from(saturation))
             && (self.value.0..=self.value.1).contains(&i32::from(value))
-    }
-
-    /// Marks in `mask` (255 within, 0 outside) the pixels of `hsv` that lie within. `spare` is scratch.
-    pub(crate) fn mark(&self, hsv: &Mat, mask: &mut Mat, spare: &mut Mat) -> opencv::Result<()> {
-        let corner = |h: i32, s: i32, v: i32| Scalar::new(f64::from(h), f64::from(s), f64::from(v), 0.0);
-        let (low, high) = (self.hue - self.half_width, self.hue + self.half_width);
-        let (saturation, value) = (self.saturation, self.value);
-        let between = |a: i32, b: i32, out: &mut Mat| {
-            in_range(hsv, &corner(a, saturation.0, value.0), &corner(b, saturation.1, value.1), out)
-        };
-        if high - low + 1 >= HUES {
-            return between(0, HUES - 1, mask);
-        }
-        if low >= 0 && high < HUES {
-            return between(low, high, mask);
-        }
-        // Across 0 the window falls apart in two.
-        between(low.rem_euclid(HUES), HUES - 1, spare)?;
-        between(0, high.rem_euclid(HUES), mask)?;
-        let other = mask.clone();
-        bitwise_or(&other, spare, mask, &no_array())
     }
 }
 

@@ -18,17 +18,20 @@
 //! | [`track`](mod@track) | the ball in a whole film, and what was noticed on the way |
 //! | [`scale`] | pixels become metres |
 //! | [`render`], [`rehearsal`] | films of a ball whose truth is known |
+//! | [`overlay`] | the track drawn into its film |
 //!
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 
 mod blob;
 mod changes;
+mod clock;
 pub mod colour;
 pub mod frames;
 mod log;
 pub mod lookup;
 mod noticed;
 mod outline;
+pub mod overlay;
 mod parabola;
 pub mod rehearsal;
 pub mod render;

@@ -98,3 +98,37 @@ fn raw(image: &mut Mat, (width, height): (u32, u32), encoding: &str, step: usize
         None => shaped.copy_to(image),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::View;
+
+    fn pixel(encoding: &str, step: usize, bytes: &[u8]) -> opencv::Result<[u8; 3]> {
+        let mut image = Mat::default();
+        raw(&mut image, (1, 2), encoding, step, bytes)?;
+        Ok(View::of(&image)?.pixel(0, 1))
+    }
+
+    #[test]
+    fn pixels_of_every_form_become_blue_green_red() {
+        assert_eq!(pixel("bgr8", 3, &[9, 9, 9, 1, 2, 3]).unwrap(), [1, 2, 3]);
+        assert_eq!(pixel("rgb8", 3, &[9, 9, 9, 1, 2, 3]).unwrap(), [3, 2, 1]);
+        // Rows may be padded.
+        assert_eq!(pixel("rgb8", 5, &[9, 9, 9, 0, 0, 1, 2, 3, 0, 0]).unwrap(), [3, 2, 1]);
+        assert_eq!(pixel("bgra8", 4, &[9, 9, 9, 9, 1, 2, 3, 255]).unwrap(), [1, 2, 3]);
+        assert_eq!(pixel("mono8", 1, &[9, 7]).unwrap(), [7, 7, 7]);
+        assert!(pixel("yuv422", 2, &[0; 4]).unwrap_err().message.contains("`yuv422`"));
+        assert!(pixel("rgb8", 2, &[0; 4]).unwrap_err().message.contains("takes 3 bytes"));
+    }
+
+    #[test]
+    fn a_red_pattern_of_a_raw_sensor_becomes_red() {
+        // RGGB: red at even rows and columns, all else dark.
+        let bytes: Vec<u8> = (0..64).map(|i| if i / 8 % 2 == 0 && i % 2 == 0 { 200 } else { 0 }).collect();
+        let mut image = Mat::default();
+        raw(&mut image, (8, 8), "bayer_rggb8", 8, &bytes).unwrap();
+        let [blue, green, red] = View::of(&image).unwrap().pixel(4, 4);
+        assert!(red > 150 && blue < 50 && green < 50, "{blue} {green} {red}");
+    }
+}

@@ -7,8 +7,11 @@
 
 use crate::view::View;
 
-/// Rays.
-const RAYS: usize = 64;
+/// So many rays for each px of the radius, within these bounds.
+const RAYS_PER_PX: f64 = 4.0;
+const RAYS: (f64, f64) = (24.0, 64.0);
+/// A guess this near, as a share of the radius, is good enough.
+const NEAR: f64 = 0.1;
 /// Fewer edges make no circle.
 const FEWEST_EDGES: usize = 8;
 /// Ball and background differ by so many grey levels along a ray that says where the edge is.
@@ -40,20 +43,22 @@ pub(crate) struct Circle {
 /// The ball's outline about a first guess; `smear` is half the length over which motion blurs it, px. `None` where no edge
 /// can be told.
 pub(crate) fn outline(view: &View<'_>, own: &Own<'_>, guess: (f64, f64, f64), smear: f64) -> Option<Circle> {
-    let mut circle: Option<Circle> = None;
-    // The second time from the middle that the first has found.
-    for _ in 0..2 {
-        let (u, v, radius) = circle.map_or(guess, |c| (c.u, c.v, c.radius));
-        circle = Some(around(view, own, (u, v, radius), smear)?);
+    let first = around(view, own, guess, smear)?;
+    // From a middle that was far off, rays meet the edge at a slant, or miss a part of it.
+    let off = (first.u - guess.0).hypot(first.v - guess.1).max((first.radius - guess.2).abs());
+    if off < NEAR * first.radius {
+        return Some(first);
     }
-    circle
+    around(view, own, (first.u, first.v, first.radius), smear)
 }
 
 fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), smear: f64) -> Option<Circle> {
     let blur = (BLUR.0 + BLUR.1 * radius).max(smear).min(BLUR.0.max(0.7 * radius));
-    let (mut edges, mut outside) = (Vec::with_capacity(RAYS), 0);
-    for ray in 0..RAYS {
-        let angle = std::f64::consts::TAU * (ray as f64 + 0.5) / RAYS as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let rays = (RAYS_PER_PX * radius).clamp(RAYS.0, RAYS.1) as usize;
+    let (mut edges, mut outside) = (Vec::with_capacity(rays), 0);
+    for ray in 0..rays {
+        let angle = std::f64::consts::TAU * (ray as f64 + 0.5) / rays as f64;
         let (across, down) = (angle.cos(), angle.sin());
         match edge(view, own, (u, v), (across, down), radius, blur) {
             Edge::At(distance) => edges.push((u + distance * across, v + distance * down)),
@@ -77,7 +82,7 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), smear
         found = circle(&kept)?;
     }
     let (u, v, radius) = found;
-    let share = kept.len() as f64 / (RAYS - outside).max(1) as f64;
+    let share = kept.len() as f64 / (rays - outside).max(1) as f64;
     (radius.is_finite() && radius > 0.0).then_some(Circle { u, v, radius, share, cut: outside > 0 })
 }
 

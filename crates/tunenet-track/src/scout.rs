@@ -1,15 +1,16 @@
 //! Finding out what to look for: the one saturated thing that moves before a still background.
 
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Size};
-use opencv::imgproc::{COLOR_BGR2HSV, INTER_AREA, cvt_color_def, resize};
+use opencv::imgproc::{COLOR_BGR2HSV, INTER_LINEAR, cvt_color_def, resize};
 use rayon::prelude::*;
 
 use super::blob::{Blob, blobs};
 use super::colour::{HUES, Window};
+use super::lookup::Lookup;
 use super::stillness::moves;
 
 /// The longer side of the small pictures that are scouted, px.
-const SMALL_PX: i32 = 480;
+const SMALL_PX: i32 = 400;
 /// Frames that make the background: the median of so many forgets whatever passes.
 const BACKGROUND_FRAMES: usize = 31;
 /// How far a pixel has to differ from the background, in grey levels of any channel, to belong to something that moves.
@@ -83,13 +84,16 @@ pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
     }
     let factor = f64::from(SMALL_PX) / f64::from(longer);
     let mut small = Mat::default();
-    resize(frame, &mut small, Size::default(), factor, factor, INTER_AREA)?;
+    resize(frame, &mut small, Size::default(), factor, factor, INTER_LINEAR)?;
     Ok(small)
 }
 
 /// Scouts `frames`, small pictures of the whole film in blue, green and red, for the ball, of colour `window` where that is
 /// known.
-pub(crate) fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
+///
+/// # Errors
+/// Where OpenCV fails.
+pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
     let background = median(frames)?;
     let still = background.data_bytes()?;
     let hsv: Vec<Mat> = frames.par_iter().map(to_hsv).collect::<opencv::Result<_>>()?;
@@ -107,7 +111,7 @@ pub(crate) fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Re
     };
     let mut best: Option<(f64, Window, f64, f64)> = None;
     for window in candidates {
-        let seen = sightings(&hsv, &moved, &window)?;
+        let seen = sightings(frames, &moved, &window)?;
         let Some((merit, area)) = merit(&seen, frames.len()) else { continue };
         if best.as_ref().is_none_or(|b| merit > b.0) {
             let share = seen.iter().flatten().count() as f64 / frames.len() as f64;
@@ -117,7 +121,7 @@ pub(crate) fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Re
     let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
     let window = if window.is_some() { wide } else { narrowed(&hsv, &moved, wide)? };
     let clutter = clutter(&background, &window, area)?;
-    let area_share = area / (background.cols() * background.rows()) as f64;
+    let area_share = area / f64::from(background.cols() * background.rows());
     Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
 }
 
@@ -186,19 +190,15 @@ fn colours(hsv: &[Mat], moved: &[Vec<u8>]) -> opencv::Result<Vec<Window>> {
 }
 
 /// The largest moving blob of this colour in each frame.
-fn sightings(hsv: &[Mat], moved: &[Vec<u8>], window: &Window) -> opencv::Result<Vec<Option<Blob>>> {
-    hsv.par_iter().zip(moved).map(|(hsv, moved)| Ok(blobs(&mask(hsv, moved, window)?)?.into_iter().next())).collect()
-}
-
-fn mask(hsv: &Mat, moved: &[u8], window: &Window) -> opencv::Result<Mat> {
-    let (mut mask, mut spare) = (Mat::default(), Mat::default());
-    window.mark(hsv, &mut mask, &mut spare)?;
-    for (inside, moved) in mask.data_bytes_mut()?.iter_mut().zip(moved) {
-        if *moved <= MOVED {
-            *inside = 0;
-        }
-    }
-    Ok(mask)
+fn sightings(frames: &[Mat], moved: &[Vec<u8>], window: &Window) -> opencv::Result<Vec<Option<Blob>>> {
+    let lookup = Lookup::new(window);
+    let largest = |(frame, moved): (&Mat, &Vec<u8>)| {
+        let pixels = frame.data_bytes()?.chunks_exact(3);
+        let mask: Vec<bool> =
+            pixels.zip(moved).map(|(p, moved)| *moved > MOVED && lookup.holds([p[0], p[1], p[2]])).collect();
+        Ok(blobs(&mask, usize::try_from(frame.cols()).unwrap_or(1)).into_iter().next())
+    };
+    frames.par_iter().zip(moved).map(largest).collect()
 }
 
 /// How much these blobs look like one ball on its way, and their median area. A hand or a shadow is ragged or stays where
@@ -262,9 +262,10 @@ fn narrowed(hsv: &[Mat], moved: &[Vec<u8>], wide: Window) -> opencv::Result<Wind
 
 /// Whether the background holds the colour somewhere other than in a ball that rests there.
 fn clutter(background: &Mat, window: &Window, area: f64) -> opencv::Result<bool> {
-    let hsv = to_hsv(background)?;
-    let (mut mask, mut spare) = (Mat::default(), Mat::default());
-    window.mark(&hsv, &mut mask, &mut spare)?;
+    let lookup = Lookup::new(window);
+    let mask: Vec<bool> = background.data_bytes()?.chunks_exact(3).map(|p| lookup.holds([p[0], p[1], p[2]])).collect();
     let resting = |b: &Blob| (0.4..2.5).contains(&(b.area / area)) && ROUND.contains(&b.fill());
-    Ok(blobs(&mask)?.iter().any(|b| b.area > 0.02 * area && !resting(b)))
+    Ok(blobs(&mask, usize::try_from(background.cols()).unwrap_or(1))
+        .iter()
+        .any(|b| b.area > 0.02 * area && !resting(b)))
 }

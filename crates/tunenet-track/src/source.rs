@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{channel, sync_channel};
 
-use opencv::core::Mat;
+use opencv::core::{Mat, MatTraitConst};
 use tunenet_core::{Error, Result};
 
 use crate::frames::{Film, Pictures};
@@ -89,10 +89,19 @@ impl Source {
                     }
                 }
             });
-            let mut count = 0;
+            let (mut count, mut first) = (0, None);
             // The channel has to be let go before the thread is waited for.
             for picture in take.iter().take(most) {
                 let (time_s, image) = picture?;
+                let size = (image.cols(), image.rows());
+                let (columns, rows) = *first.get_or_insert(size);
+                if size != (columns, rows) {
+                    let message = format!(
+                        "expected pictures of one size, found {} × {} px after {columns} × {rows} px in frame {count}",
+                        size.0, size.1
+                    );
+                    return Err(Error::file(&self.path, message, "cut the film where its size changes"));
+                }
                 let spare = each(count, time_s, image, promised).map_err(|e| undecodable(&self.path, &e))?;
                 if let Some(spare) = spare {
                     let _ = give_back.send(spare);

@@ -5,10 +5,12 @@ use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::{Error, Result};
 
 use crate::changes::Changes;
+use crate::clock;
 use crate::colour::{HUES, Window};
 use crate::noticed;
 use crate::scout::{Scene, Unseen, reduced, scout};
 use crate::source::Source;
+use crate::stillness::moves;
 use crate::tracker::{Sighting, Tracker};
 use crate::video::{FEWEST_FRAMES, undecodable};
 use crate::view::View;
@@ -17,8 +19,13 @@ use crate::view::View;
 const MOST_SCOUTED: usize = 48;
 /// Whole frames up to this many bytes wait until it is known what to look for, so that a film is decoded only once.
 const WAITING_BYTES: usize = 256 << 20;
-/// What the first frames show is believed, before the rest is known, where the ball is seen in this share of them.
+/// What the first frames show is looked at when these shares of the bytes have come ...
+const LOOKS: [f64; 3] = [0.25, 0.5, 1.0];
+/// ... and believed, before the rest is known, where the ball is seen in this share of them.
 const BELIEVED_SHARE: f64 = 0.4;
+/// What was followed from the first frames on is the ball, and the whole film is not asked again, where so many of all
+/// frames show it so well.
+const SURE: (f64, f64) = (0.8, 0.8);
 /// A sighting this many times larger or smaller than usual is something else.
 const OFF_SIZE: f64 = 1.8;
 /// What is left of a ball at the border of the picture is one from this share of its usual radius on.
@@ -87,17 +94,27 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
         return Err(Error::Setting { name: "--rate", expected, found });
     }
     let most = settings.most_frames.unwrap_or(usize::MAX);
-    let mut first = First { settings, waiting: Vec::new(), bytes: 0, samples: Samples::default(), pass: None };
+    let mut first =
+        First { settings, waiting: Vec::new(), bytes: 0, looks: 0, samples: Samples::default(), pass: None };
     let frames = source.stream(most, &mut |index, time_s, image, promised| {
-        progress(index + 1, promised.map(|p| p.min(most)));
-        first.take(index, time_s, image)
+        let promised = promised.map(|p| p.min(most));
+        progress(index + 1, promised);
+        first.take(index, time_s, image, promised)
     })?;
-    let First { waiting, samples, pass, .. } = first;
+    let First { waiting, samples, mut pass, .. } = first;
     if frames.count < FEWEST_FRAMES {
         let found = format!("expected a video, found {} frames that decode", frames.count);
         return Err(Error::file(source.path(), found, "record a longer one"));
     }
     let broken = |e: opencv::Error| undecodable(source.path(), &e);
+    let cut_short = settings.most_frames.is_none() && frames.promised.is_some_and(|p| p > frames.count + 1 + p / 50);
+    let missing = frames.promised.filter(|_| cut_short).map(|p| (frames.count, p));
+    if let Some(pass) = pass.take_if(|pass| pass.sure()) {
+        if moves(&samples.kept).map_err(broken)? {
+            return Ok(unseen(Unseen::CameraMoves, frames.count, settings, ""));
+        }
+        return Ok(pass.finish(settings, missing));
+    }
     let scene = match scout(&samples.kept, settings.colour).map_err(broken)? {
         Ok(scene) => scene,
         Err(reason) => return Ok(unseen(reason, frames.count, settings, "")),
@@ -119,8 +136,6 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
             pass
         }
     };
-    let cut_short = settings.most_frames.is_none() && frames.promised.is_some_and(|p| p > frames.count + 1 + p / 50);
-    let missing = frames.promised.filter(|_| cut_short).map(|p| (frames.count, p));
     Ok(pass.finish(settings, missing))
 }
 
@@ -136,9 +151,11 @@ struct Samples {
 }
 
 impl Samples {
-    fn push(&mut self, index: usize, image: &Mat) -> opencv::Result<()> {
-        self.stride = self.stride.max(1);
-        if index % self.stride != 0 {
+    fn push(&mut self, index: usize, image: &Mat, promised: Option<usize>) -> opencv::Result<()> {
+        if self.stride == 0 {
+            self.stride = promised.unwrap_or(1).div_ceil(MOST_SCOUTED).max(1);
+        }
+        if !index.is_multiple_of(self.stride) {
             return Ok(());
         }
         self.kept.push(reduced(image)?);
@@ -159,32 +176,41 @@ struct First<'a> {
     settings: &'a Settings,
     waiting: Vec<(f64, Mat)>,
     bytes: usize,
+    /// How often they were looked at.
+    looks: usize,
     samples: Samples,
     pass: Option<Pass>,
 }
 
 impl First<'_> {
-    fn take(&mut self, index: usize, time_s: f64, image: Mat) -> opencv::Result<Option<Mat>> {
-        self.samples.push(index, &image)?;
+    fn take(&mut self, index: usize, time_s: f64, image: Mat, promised: Option<usize>) -> opencv::Result<Option<Mat>> {
+        self.samples.push(index, &image, promised)?;
         if let Some(pass) = &mut self.pass {
             pass.frame(time_s, &image)?;
             return Ok(Some(image));
         }
-        if self.bytes > WAITING_BYTES {
+        if self.looks == LOOKS.len() {
             // The first frames did not show it, so all of them have to be seen again.
             return Ok(Some(image));
         }
         self.bytes += image.data_bytes()?.len();
         self.waiting.push((time_s, image));
-        if self.bytes > WAITING_BYTES {
-            if let Ok(scene) = scout(&self.samples.kept, self.settings.colour)?
+        if self.bytes as f64 > LOOKS[self.looks] * WAITING_BYTES as f64 {
+            self.looks += 1;
+            let every = self.waiting.len().div_ceil(MOST_SCOUTED / 2);
+            let early: Vec<Mat> =
+                self.waiting.iter().step_by(every).map(|(_, image)| reduced(image)).collect::<opencv::Result<_>>()?;
+            if let Ok(scene) = scout(&early, self.settings.colour)?
                 && scene.seen_share >= BELIEVED_SHARE
             {
                 let mut pass = Pass::new(scene);
                 self.waiting.iter().try_for_each(|(time_s, image)| pass.frame(*time_s, image))?;
                 self.pass = Some(pass);
+                self.looks = LOOKS.len();
             }
-            self.waiting = Vec::new();
+            if self.looks == LOOKS.len() {
+                self.waiting = Vec::new();
+            }
         }
         Ok(None)
     }
@@ -215,6 +241,13 @@ impl Pass {
             && (0.25..4.0).contains(&size)
     }
 
+    /// Whether most frames show something that looks like one ball throughout.
+    fn sure(&self) -> bool {
+        let whole: Vec<f64> = self.sightings.iter().filter(|s| !s.cut).map(|s| s.confidence).collect();
+        let confidence = whole.iter().sum::<f64>() / whole.len().max(1) as f64;
+        whole.len() as f64 >= SURE.0 * self.times_s.len() as f64 && confidence >= SURE.1
+    }
+
     fn frame(&mut self, time_s: f64, image: &Mat) -> opencv::Result<()> {
         let view = View::of(image)?;
         let frame = self.times_s.len();
@@ -229,21 +262,23 @@ impl Pass {
     fn finish(self, settings: &Settings, missing: Option<(usize, usize)>) -> Answer {
         let Self { tracker, mut sightings, mut times_s, changes, size_px } = self;
         let frames = times_s.len();
+        clock::even_out(&mut times_s);
+        for s in &mut sightings {
+            s.time_s = times_s[s.frame];
+        }
         let looks: Vec<bool> = sightings.iter().filter_map(|s| s.second).collect();
         let two = looks.iter().filter(|second| **second).count();
         if two as f64 > TWO_BALLS * looks.len() as f64 {
             return unseen(Unseen::TwoBalls, frames, settings, &format!("in {two} of {} frames", looks.len()));
         }
-        let steps = |times: &[f64]| times.windows(2).map(|w| w[1] - w[0]).collect::<Vec<f64>>();
-        let step_s = median(steps(&times_s)).unwrap_or(1.0);
+        let step_s = clock::step_s(&times_s);
         // The film's own steps keep their proportions, so that a dropped frame stays a gap.
         let slower = settings.rate_hz.map_or(1.0, |rate| 1.0 / (rate * step_s));
-        times_s.iter_mut().for_each(|t| *t *= slower);
-        sightings.iter_mut().for_each(|s| s.time_s *= slower);
+        for t in times_s.iter_mut().chain(sightings.iter_mut().map(|s| &mut s.time_s)) {
+            *t *= slower;
+        }
         let step_s = step_s * slower;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of frames")]
-        let lost = |step: &f64| ((step / step_s).round() - 1.0).clamp(0.0, 1e6) as usize;
-        let dropped = steps(&times_s).iter().map(lost).sum();
+        let dropped = clock::dropped(&times_s, step_s);
         let radius = median(sightings.iter().filter(|s| !s.cut).map(|s| s.radius_px).collect()).unwrap_or(1.0);
         for s in sightings.iter_mut().filter(|s| !s.cut) {
             s.confidence *= (-((s.radius_px / radius).ln() / OFF_SIZE.ln()).powi(2)).exp();

@@ -1,7 +1,5 @@
 //! Where the ball is, frame after frame: near where it must be by now, or anywhere where it was lost.
 
-use opencv::core::Mat;
-
 use super::blob::{Blob, blobs};
 use super::lookup::Lookup;
 use super::outline::outline;
@@ -50,7 +48,7 @@ pub struct Tracker {
     lookup: Lookup,
     last: Option<Last>,
     since_around: usize,
-    mask: Vec<u8>,
+    mask: Vec<bool>,
 }
 
 /// Where the ball was.
@@ -80,8 +78,7 @@ impl Part {
     }
 
     /// Whether a box of the part lies at a border of the part, and at one of the picture.
-    fn borders(&self, [left, top, width, height]: [i32; 4], view: &View<'_>) -> (bool, bool) {
-        let [left, top, width, height] = [left, top, width, height].map(|n| usize::try_from(n).unwrap_or(0));
+    fn borders(&self, [left, top, width, height]: [usize; 4], view: &View<'_>) -> (bool, bool) {
         let (right, bottom) = (left + width, top + height);
         let part = [left == 0, top == 0, right >= self.columns, bottom >= self.rows];
         let last = |at: usize, count: usize| at + (count - 1) * self.every + self.every;
@@ -157,7 +154,7 @@ impl Tracker {
             same && !inner && (outer || ROUND.contains(&b.fill()))
         };
         let Some(coarse) = found.iter().find(alike) else { return Ok(None) };
-        Ok(self.refine(view, part, coarse))
+        Ok(Some(self.refine(view, part, coarse)))
     }
 
     /// Looks everywhere; also whether there is a second one alike.
@@ -171,7 +168,7 @@ impl Tracker {
         let round = |b: &&Blob| ROUND.contains(&b.fill()) || part.borders(b.bounds, view).1;
         let Some(coarse) = found.iter().find(round).or(found.first()) else { return Ok(None) };
         let second = found.iter().filter(round).filter(|b| b.area > SECOND_BALL * coarse.area).count() > 1;
-        Ok(self.refine(view, part, coarse).map(|sighting| (sighting, second)))
+        Ok(Some((self.refine(view, part, coarse), second)))
     }
 
     /// The patches of the ball's colour in a part of the picture, the largest first.
@@ -185,18 +182,16 @@ impl Tracker {
                 let pixel = view.pixel(x, y);
                 let own = self.lookup.holds(pixel)
                     && background.is_none_or(|behind| moved(pixel, behind_at(&behind, view, x, y)));
-                self.mask.push(if own { u8::MAX } else { 0 });
+                self.mask.push(own);
             }
         }
-        let rows = i32::try_from(part.rows).unwrap_or(i32::MAX);
-        let columns = i32::try_from(part.columns).unwrap_or(i32::MAX);
-        blobs(&Mat::new_rows_cols_with_data(rows, columns, &self.mask)?)
+        Ok(blobs(&self.mask, part.columns))
     }
 
     /// A coarse patch, measured in the whole picture.
-    fn refine(&self, view: &View<'_>, part: Part, coarse: &Blob) -> Option<Sighting> {
+    fn refine(&self, view: &View<'_>, part: Part, coarse: &Blob) -> Sighting {
         let every = part.every as f64;
-        let [_, _, width, height] = coarse.bounds.map(f64::from);
+        let [_, _, width, height] = coarse.bounds.map(|n| n as f64);
         let (u, v) = (part.left as f64 + coarse.u * every, part.top as f64 + coarse.v * every);
         let by_area = (coarse.area / std::f64::consts::PI).sqrt() * every;
         let (_, outer) = part.borders(coarse.bounds, view);
@@ -229,10 +224,10 @@ impl Tracker {
         match near {
             Some(c) => {
                 let cut = c.cut || outer;
-                Some(seen(c.u, c.v, c.radius, cut, if cut { 0.5 * c.share } else { c.share }))
+                seen(c.u, c.v, c.radius, cut, if cut { 0.5 * c.share } else { c.share })
             }
             // Too small or too faint for an outline.
-            None => Some(seen(u, v, by_area, outer, 0.25)),
+            None => seen(u, v, by_area, outer, 0.25),
         }
     }
 }

@@ -11,6 +11,7 @@ use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
 use tunenet_sim::SimulationFile;
 
+use super::film;
 use crate::cli::{Reading, Simulation};
 
 /// A simulation file with its overrides.
@@ -24,16 +25,15 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
 
 /// Most samples of one recording that are looked at and fitted to; more would not sharpen the answer by as much as they
 /// cost.
-const MOST_SAMPLES: usize = 20_000;
+pub const MOST_SAMPLES: usize = 20_000;
 
-/// A recording from a file, as `tune` and `inspect` alike look at it.
+/// A recording from a file of numbers, as `tune` and `inspect` alike look at it.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
-    recording_of(path, reading, MOST_SAMPLES)
+    at_most(MOST_SAMPLES, read(path, &self::reading(reading))?)
 }
 
-/// A recording from a file, with at most so many samples.
-pub fn recording_of(path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
-    let mut recording = read(path, &self::reading(reading))?;
+/// The recording with at most so many of its samples.
+fn at_most(most: usize, mut recording: Recording) -> Result<Recording> {
     let samples = recording.observation.len();
     if let Some(fewer) = recording.observation.thinned(most)? {
         let text = format!("{} of {samples} samples are used, evenly chosen", fewer.len());
@@ -41,6 +41,19 @@ pub fn recording_of(path: &Path, reading: &Reading, most: usize) -> Result<Recor
         recording.observation = fewer;
     }
     Ok(recording)
+}
+
+/// A recording of what `file` simulates, from a file of numbers or a film, with at most so many samples.
+pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+    if !film::is_film(path) {
+        return at_most(most, read(path, &self::reading(reading))?);
+    }
+    if !reading.columns.is_empty() {
+        let (expected, found) = ("a CSV file".into(), format!("the film {}", path.display()));
+        return Err(Error::Setting { name: "columns", expected, found }.into());
+    }
+    let found = film::Asked::default().with("--topic", reading.topic.as_ref()).of(file).track(path)?;
+    at_most(most, film::positions(path, &found)?)
 }
 
 /// The command line's say in how files are read.

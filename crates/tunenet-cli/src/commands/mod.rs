@@ -3,6 +3,7 @@
 mod bench;
 mod destination;
 pub mod diagnose;
+pub(crate) mod film;
 mod gen_pairs;
 mod init;
 mod inspect;
@@ -11,10 +12,10 @@ mod man;
 mod model_cache;
 mod simulate;
 mod start;
+mod track;
 mod train;
 pub(crate) mod tune;
 mod tune_model;
-mod video;
 
 use clap::CommandFactory;
 use serde_json::Value;
@@ -27,6 +28,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
     match arguments.command {
         Command::Tune(options) => tune::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),
+        Command::Track(options) => track::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Inspect(options) => inspect::run(&options),
         Command::Gen(options) => gen_pairs::run(&options),

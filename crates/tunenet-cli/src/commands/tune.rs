@@ -17,7 +17,7 @@ use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 use super::destination::{self, Output, Product};
 use super::model_cache::Cache;
 use super::tune_model::{self, Chosen};
-use super::{load, print_json, start};
+use super::{film, load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
 use crate::report::{self, tune::Answer};
@@ -34,8 +34,12 @@ pub fn run(options: &Tune) -> Result<Exit> {
         return each(options, &file, model.as_ref());
     }
     let began = Instant::now();
-    let recordings = options.observation.iter().map(|path| read(path, options)).collect::<Result<Vec<_>>>()?;
     let hashes = load::distinct(options.observation.iter().map(AsRef::as_ref))?;
+    let recordings = options.observation.iter().map(|path| read(path, options, &file)).collect::<Result<Vec<_>>>();
+    let recordings = match recordings {
+        Ok(recordings) => recordings,
+        Err(error) => return film::tell_unseen(error, SCHEMA, options.common.json),
+    };
     let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
         write_tuned(options, &file, &outcome, &hashes, out)?;
@@ -87,7 +91,7 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
     let (mut all, mut worst, mut refused, mut cases) = (Vec::new(), Exit::Done, 0, Vec::new());
     for path in &options.observation {
         let began = Instant::now();
-        let tuned = read(path, options)
+        let tuned = read(path, options, file)
             .and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)).map(|outcome| (r, outcome)));
         let name = load::name(path);
         match tuned {
@@ -125,8 +129,8 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
     Ok(if refused > 0 { Exit::Refused } else { worst })
 }
 
-fn read(path: &Path, options: &Tune) -> Result<Recording> {
-    let recording = load::recording(path, &options.reading)?;
+fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording> {
+    let recording = load::recording_of(file, path, &options.reading, load::MOST_SAMPLES)?;
     let seen = &recording.observation;
     let clock = seen.clock();
     let span = if seen.kind() == Kind::BounceTimes {

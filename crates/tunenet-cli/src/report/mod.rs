@@ -11,6 +11,7 @@
 //! | `series`, `figures` | what is drawn: a record with its residual below; ladders, bars, profiles, regions |
 //! | `verdict`, `parameters`, `checks`, `provenance` | sections |
 //! | `tune` | the page of `tunenet tune` |
+//! | `track` | the page of `tunenet track` |
 //! | `diagnose` | the page of `tunenet diagnose`, and its own drawings and tables |
 
 mod axis;
@@ -24,6 +25,7 @@ mod parameters;
 mod provenance;
 mod series;
 mod svg;
+pub mod track;
 pub mod tune;
 mod verdict;
 

@@ -109,6 +109,18 @@ fn a_rate_that_is_given_sets_the_clock() {
     assert!(super::track(&Source::new(&path, None), &settings, &mut |_, _| {}).is_err());
 }
 
+#[test]
+fn a_long_film_is_decoded_once_and_not_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.avi");
+    let frames = WAITING_BYTES / (320 * 240 * 3) + 100;
+    disc_film(&path, &Film { balls: vec![RED], speed_px_s: 5.0, frames, ..Film::default() });
+    let mut calls = 0;
+    let answer = track(&Source::new(&path, None), &Settings::default(), &mut |_, _| calls += 1).unwrap();
+    let Answer::Tracked(track) = answer else { panic!("no ball") };
+    assert_eq!((track.frames, track.sightings.len(), calls), (frames, frames, frames));
+}
+
 /// Frames with a ball in them, as counted by eye and told beside the films, one more or less at the border.
 #[test]
 fn balls_in_real_films_are_seen() {

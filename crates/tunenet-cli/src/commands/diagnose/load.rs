@@ -54,9 +54,10 @@ impl Loaded {
 
 pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
+    let file = load::simulation(&options.simulation)?;
     for source in sources {
         let name = load::name(&source.path);
-        let recording = load::recording_of(&source.path, &options.reading, MOST_SAMPLES)?;
+        let recording = load::recording_of(&file, &source.path, &options.reading, MOST_SAMPLES)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));

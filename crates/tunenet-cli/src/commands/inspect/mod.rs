@@ -1,5 +1,6 @@
 //! `tunenet inspect`.
 
+mod film;
 mod motion;
 
 use std::path::Path;
@@ -13,6 +14,7 @@ use tunenet_core::observation::preflight::{ApparentGravity, Expected};
 use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
 use tunenet_sim::SimulationFile;
 
+use super::film::is_film;
 use super::{load, print_json};
 use crate::cli::Inspect;
 use crate::failure::{Exit, sentence};
@@ -43,6 +45,10 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
     let mut found = match extension.as_str() {
         "toml" => plain(simulation(&SimulationFile::read(path)?)?, true),
         "safetensors" => plain(model(&Model::load(path)?), true),
+        _ if is_film(path) => {
+            let (object, usable) = film::look(path)?;
+            plain(object, usable)
+        }
         _ => match contents_with(path, &load::reading(&options.reading))? {
             Contents::Table(found) => series(&found, path, options),
             // What `gen` writes is a log too, though none of measurements.

@@ -1,7 +1,7 @@
 //! From a drop to its track: rendered and tracked by the program that sees.
 
 use std::io::Write;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
@@ -28,13 +28,13 @@ pub fn tracks(drops: &[Drop], seed: u64, spoilt: bool) -> Result<Vec<Track>> {
         "seed": seed, "radius_m": 0.5, "spoilt": spoilt.unwrap_or_else(|| json!({})), "films": films,
     });
     let order = order.to_string();
-    let mut child = crate::commands::video::command()?
+    let mut child = Command::new(crate::commands::film::program()?)
         .arg("film")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .context("starting tunenet-video")?;
+        .context("starting tunenet-video, which `make build` makes")?;
     // All of it is read there before anything is answered, so neither side waits for the other.
     child.stdin.take().context("a pipe to tunenet-video")?.write_all(order.as_bytes())?;
     let done = child.wait_with_output()?;

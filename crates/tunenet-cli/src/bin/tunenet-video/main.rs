@@ -2,7 +2,10 @@
 //!
 //! OpenCV brings some 250 shared libraries, which take a fifth of a second to load. A program of its own spares that to
 //! every command that needs no video. It prints one JSON object on standard output and exits 0, or one sentence on standard
-//! error and exits 1; wrong usage exits 2.
+//! error and exits 1; wrong usage exits 2. What `track` cannot do is told on standard output as well, for the parent to say.
+
+mod rehearse;
+mod track;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -10,10 +13,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
-use rayon::prelude::*;
-use serde::Deserialize;
 use serde_json::{Value, json};
-use tunenet_track::rehearsal::{self, Spoilt, Take};
 use tunenet_track::video;
 
 /// Reads videos for tunenet
@@ -26,6 +26,9 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Print the track of the ball in a film or a log as one JSON object
+    #[command(after_help = "Example:\n  tunenet-video track drop.mp4")]
+    Track(track::Options),
     /// Print a video's facts as one JSON object
     #[command(after_help = "Example:\n  tunenet-video inspect throw.mp4")]
     Inspect {
@@ -41,7 +44,8 @@ fn main() -> ExitCode {
     let Arguments { command } = Arguments::parse();
     let done = match command {
         Command::Inspect { file } => inspect(&file),
-        Command::Film => film(),
+        Command::Film => rehearse::run(),
+        Command::Track(options) => track::run(&options),
     };
     match done.and_then(|object| print(&object)) {
         Ok(()) => ExitCode::SUCCESS,
@@ -53,31 +57,6 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// Films to make.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Order {
-    seed: u64,
-    radius_m: f64,
-    #[serde(default)]
-    spoilt: Spoilt,
-    films: Vec<Take>,
-}
-
-/// The tracks of rendered films, in the order asked for.
-fn film() -> Result<Value> {
-    let order: Order = serde_json::from_reader(std::io::stdin().lock()).context("the order")?;
-    let one = |(i, take): (usize, &Take)| -> Result<Value> {
-        let seed = order.seed.wrapping_mul(0x9E37_79B9).wrapping_add(i as u64);
-        match rehearsal::rehearse(take, order.radius_m, &order.spoilt, seed)? {
-            Ok(track) => Ok(serde_json::to_value(track)?),
-            Err(reason) => anyhow::bail!("film {}: {}", i + 1, reason.verdict()),
-        }
-    };
-    let tracks = order.films.par_iter().enumerate().map(one).collect::<Result<Vec<_>>>()?;
-    Ok(tracks.into())
 }
 
 /// The facts of a video; `kind` tells the parent what it was given.

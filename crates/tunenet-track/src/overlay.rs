@@ -1,0 +1,134 @@
+//! The track drawn into its film: a few frames for a sheet, and a film to watch.
+
+use std::path::Path;
+
+use opencv::core::{Mat, MatTraitConst, Point, Scalar, Size, Vector};
+use opencv::imgcodecs::{IMWRITE_JPEG_QUALITY, imencode};
+use opencv::imgproc::{INTER_AREA, LINE_AA, circle, line, resize};
+use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
+use tunenet_core::{Error, Result};
+
+use crate::source::Source;
+use crate::track::Track;
+use crate::tracker::Sighting;
+
+/// The longer side of a picture of the sheet, px.
+const SHEET_PX: i32 = 360;
+/// Quality of its pictures, 0 to 100.
+const QUALITY: i32 = 80;
+/// So many sightings before a frame are drawn as a trail.
+const TRAIL: usize = 30;
+/// Sixteenths of a pixel, as OpenCV's `shift`.
+const SHIFT: i32 = 4;
+
+/// A frame with the track drawn in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// Which frame, from 0.
+    pub frame: usize,
+    /// When it was taken, s.
+    pub time_s: f64,
+    /// Width and height, px.
+    pub size_px: (i32, i32),
+    /// The picture as JPEG.
+    pub jpeg: Vec<u8>,
+}
+
+/// Draws `track` into its film: at most `most` frames in which the ball is seen, evenly chosen, come back; all frames are
+/// written to `film` where one is given, at the rate at which they were taken, no faster than 60 a second.
+///
+/// # Errors
+/// Of reading the film again; [`Error::File`] where `film` cannot be written.
+pub fn overlay(
+    source: &Source,
+    track: &Track,
+    most: usize,
+    film: Option<&Path>,
+    progress: &mut dyn FnMut(usize, Option<usize>),
+) -> Result<Vec<Drawn>> {
+    let chosen = chosen(&track.sightings, most);
+    let mut writer: Option<VideoWriter> = None;
+    let mut drawn = Vec::new();
+    let mut refused = None;
+    source.stream(track.frames, &mut |index, _, mut image, _| {
+        progress(index + 1, Some(track.frames));
+        let wanted = chosen.iter().find(|s| s.frame == index);
+        if wanted.is_none() && film.is_none() {
+            return Ok(Some(image));
+        }
+        draw(&mut image, &track.sightings, index)?;
+        if let Some(sighting) = wanted {
+            drawn.push(picture(&image, sighting)?);
+        }
+        if let Some(path) = film.filter(|_| refused.is_none()) {
+            if writer.is_none() {
+                writer = open(path, track.rate_hz, image.size()?)?;
+            }
+            match &mut writer {
+                Some(writer) => writer.write(&image)?,
+                None => refused = Some(path),
+            }
+        }
+        Ok(Some(image))
+    })?;
+    if let Some(path) = refused {
+        let message = "expected a film that OpenCV can write, found none for this name";
+        return Err(Error::file(path, message, "end the name in .mp4 or .avi, in a folder that exists"));
+    }
+    if let (Some(mut writer), Some(path)) = (writer, film) {
+        let failed = |e: opencv::Error| Error::file(path, format!("writing the film failed: {}", e.message), "");
+        writer.release().map_err(failed)?;
+    }
+    Ok(drawn)
+}
+
+fn chosen(sightings: &[Sighting], most: usize) -> Vec<Sighting> {
+    let count = most.min(sightings.len());
+    (0..count).map(|i| sightings[i * (sightings.len() - 1) / (count - 1).max(1)]).collect()
+}
+
+fn open(path: &Path, rate_hz: f64, size: Size) -> opencv::Result<Option<VideoWriter>> {
+    let avi = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("avi"));
+    let codec = if avi { VideoWriter::fourcc('M', 'J', 'P', 'G')? } else { VideoWriter::fourcc('m', 'p', '4', 'v')? };
+    let Some(name) = path.to_str() else { return Ok(None) };
+    let writer = VideoWriter::new(name, codec, rate_hz.clamp(1.0, 60.0), size, true)?;
+    Ok(writer.is_opened()?.then_some(writer))
+}
+
+fn picture(image: &Mat, sighting: &Sighting) -> opencv::Result<Drawn> {
+    let longer = image.cols().max(image.rows());
+    let mut small = Mat::default();
+    if longer > SHEET_PX {
+        let factor = f64::from(SHEET_PX) / f64::from(longer);
+        resize(image, &mut small, Size::default(), factor, factor, INTER_AREA)?;
+    } else {
+        small = image.try_clone()?;
+    }
+    let mut bytes = Vector::<u8>::new();
+    imencode(".jpg", &small, &mut bytes, &Vector::from_slice(&[IMWRITE_JPEG_QUALITY, QUALITY]))?;
+    let size_px = (small.cols(), small.rows());
+    Ok(Drawn { frame: sighting.frame, time_s: sighting.time_s, size_px, jpeg: bytes.as_slice().to_vec() })
+}
+
+/// Draws the ball of one frame and where it came from: green where the whole ball is seen, orange where the border cuts it.
+fn draw(image: &mut Mat, sightings: &[Sighting], frame: usize) -> opencv::Result<()> {
+    let until = sightings.partition_point(|s| s.frame <= frame);
+    let width = (image.cols().max(image.rows()) / 480).max(1);
+    let trail = &sightings[until.saturating_sub(TRAIL)..until];
+    for pair in trail.windows(2) {
+        line(image, place(&pair[0]), place(&pair[1]), Scalar::new(255.0, 220.0, 0.0, 0.0), width, LINE_AA, SHIFT)?;
+    }
+    let Some(now) = trail.last().filter(|s| s.frame == frame) else { return Ok(()) };
+    let colour = if now.cut { Scalar::new(0.0, 140.0, 255.0, 0.0) } else { Scalar::new(60.0, 255.0, 60.0, 0.0) };
+    circle(image, place(now), fixed(now.radius_px).max(1), colour, width + 1, LINE_AA, SHIFT)?;
+    circle(image, place(now), fixed(f64::from(width)), colour, -1, LINE_AA, SHIFT)
+}
+
+fn place(sighting: &Sighting) -> Point {
+    Point::new(fixed(sighting.u_px), fixed(sighting.v_px))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the cast saturates")]
+fn fixed(px: f64) -> i32 {
+    (px * f64::from(1 << SHIFT)).round().clamp(-1e6, 1e6) as i32
+}
