@@ -63,6 +63,12 @@ pub trait Simulator: Send + Sync {
         Err(Error::Setting { name: "effects", expected: "an effect of this simulator".into(), found: names.join(", ") })
     }
 
+    /// The same where nothing is ever touched: a piece of a recording between two contacts, whose start is an unknown of its
+    /// own. `None` where it knows no contacts, or does not tell flights from them.
+    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
+        None
+    }
+
     /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major
     /// `[sample, channel]`. `parameters` are all of [`parameters`](Simulator::parameters), `own` all of
     /// [`Prepared::own`]. Deterministic: the same arguments give the same bits.
@@ -104,6 +110,10 @@ impl<S: Simulator + ?Sized> Simulator for &S {
         (**self).with_effects(names)
     }
 
+    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
+        (**self).in_flight()
+    }
+
     fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
         (**self).rollout(p, own, clock, values)
     }
@@ -133,6 +143,10 @@ impl<S: Simulator + ?Sized> Simulator for Box<S> {
 
     fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
         (**self).with_effects(names)
+    }
+
+    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
+        (**self).in_flight()
     }
 
     fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
