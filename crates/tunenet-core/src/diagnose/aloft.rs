@@ -52,7 +52,8 @@ pub(super) struct Alone {
 impl Study<'_> {
     /// What the flights of all recordings say; `None` where they are too few, or nothing explains them either.
     pub fn aloft(&self, progress: &dyn Fn(Progress)) -> Result<Option<Aloft>> {
-        let simulators: Option<Vec<Box<dyn Simulator>>> = self.subjects.iter().map(|s| s.simulator.in_flight()).collect();
+        let simulators: Option<Vec<Box<dyn Simulator>>> =
+            self.subjects.iter().map(|s| s.simulator.in_flight()).collect();
         let Some(simulators) = simulators else { return Ok(None) };
         let named = self.subjects.iter().zip(&simulators);
         let subjects: Vec<Subject> =
@@ -101,7 +102,8 @@ impl<'a> Study<'a> {
         // The least that takes the large part away, where unseen flights confirm it.
         if !held_out.is_empty() {
             let (sets, floor) = (self.sets.clone(), self.floor());
-            let second = practically(self, &found, held_out, floor, progress)?;
+            let mut second = practically(self, &found, held_out, floor, progress)?;
+            self.prune(&mut second.found)?;
             if second.found.best.is_some() && second.tests.iter().all(|t| t.passed) {
                 return Ok(Some((second.found, second.tests)));
             }
@@ -134,7 +136,13 @@ impl<'a> Study<'a> {
         let ordered = found.best.iter().flat_map(|model| &model.structure.effects);
         let place = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
         let places = ordered.filter_map(place).map(|p| (p.clone(), name(p))).collect();
-        Aloft { given: found.best.as_ref().map_or_else(Vec::new, given), places, margin: margin(self), tests, alone: self.alone(found) }
+        Aloft {
+            given: found.best.as_ref().map_or_else(Vec::new, given),
+            places,
+            margin: margin(self),
+            tests,
+            alone: self.alone(found),
+        }
     }
 }
 

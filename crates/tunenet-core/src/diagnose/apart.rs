@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::aloft::{Aloft, Alone};
 use super::catalogue::catalogue;
-use super::held_out::HeldOut;
 use super::joint::Point;
+use super::practical::{CONFIRMED, CONTROL, LEFT_SHARE};
 use super::search::{Found, Place};
 use super::sets::Set;
 use super::stage::Trial;
@@ -63,7 +63,9 @@ impl<'a> Study<'a> {
         }
         let entry = |name: &str| self.catalogue.iter().position(|e| e.name == name);
         let effects: Vec<usize> = names.iter().filter_map(|name| entry(name)).collect();
-        let trial = |alone: &Alone| Some(Trial { excluded: alone.excluded.clone(), ..Trial::unfitted(entry(alone.name)?, alone.gain) });
+        let trial = |alone: &Alone| {
+            Some(Trial { excluded: alone.excluded.clone(), ..Trial::unfitted(entry(alone.name)?, alone.gain) })
+        };
         let mut alone: Vec<Trial> = aloft.alone.iter().chain(&contacts.alone).filter_map(trial).collect();
         alone.sort_by(|a, b| a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)));
         if effects.is_empty() {
@@ -71,7 +73,8 @@ impl<'a> Study<'a> {
         }
         let structure = self.structure(&effects)?;
         let globals = structure.globals.iter().map(|g| {
-            let found = contacts.values.iter().find(|(object, name, _)| *object == g.object && *name == g.parameter.name);
+            let found =
+                contacts.values.iter().find(|(object, name, _)| *object == g.object && *name == g.parameter.name);
             found.map(|f| f.2).or_else(|| stands(&aloft, g.object, &g.parameter.name)).unwrap_or(g.parameter.value)
         });
         let point = Point { globals: globals.collect(), own: contacts.point.own };
@@ -95,7 +98,9 @@ impl<'a> Study<'a> {
         let mut tests = aloft.tests;
         if contacts.confirmed {
             tests.extend(contacts.tests);
-            places.extend(contacts.places.into_iter().zip(&contacts.names).filter_map(|(found, name)| place(found, name)));
+            places.extend(
+                contacts.places.into_iter().zip(&contacts.names).filter_map(|(found, name)| place(found, name)),
+            );
         }
         let best = Some(Model { structure, fit });
         Ok(Some(Apart { best, places, alone, tests, open: !contacts.confirmed }))
@@ -121,12 +126,12 @@ impl<'a> Study<'a> {
     }
 
     fn at_contact(&mut self, progress: &dyn Fn(Progress)) -> Result<Contacts> {
-        let floor = self.floor();
         self.sets.iter_mut().for_each(Set::hold_still);
         let base = self.base()?;
         let first = self.search(base, progress)?;
-        let found = self.search_practically(&first, &mut [], progress)?;
-        let (tests, confirmed) = self.confirmed(&found, floor)?;
+        let mut found = self.search_practically(&first, &mut [], progress)?;
+        self.prune(&mut found)?;
+        let (tests, confirmed) = self.confirmed(&found)?;
         let best = found.best.as_ref().filter(|_| confirmed).unwrap_or(&found.base);
         let globals = best.structure.globals.iter().zip(&best.fit.point.globals);
         let name = |place: &Place| place.others.iter().map(|(e, gap)| (self.catalogue[*e].name, *gap)).collect();
@@ -144,18 +149,25 @@ impl<'a> Study<'a> {
     }
 
     /// Whether flights that were hidden from the fit bear out what was found at contacts, and no wrong effect as well.
-    fn confirmed(&self, found: &Found, floor: f64) -> Result<(Vec<Test>, bool)> {
+    fn confirmed(&self, found: &Found) -> Result<(Vec<Test>, bool)> {
         let Some(best) = &found.best else { return Ok((Vec::new(), false)) };
         let (Some(before), Some(after)) = (self.hidden(&found.base)?, self.hidden(best)?) else {
             return Ok((Vec::new(), false));
         };
-        let held = |rmse| HeldOut { rmse, forecast: rmse, residuals: Vec::new(), own: Vec::new() };
         let wrong = |t: &&Trial| t.excluded.is_none() && !best.structure.effects.contains(&t.entry);
         let control = match found.alone.iter().rev().find(wrong) {
             Some(trial) => self.hidden(&self.fit_near(&[trial.entry], &found.base)?)?,
             None => None,
         };
-        let tests = self.practical_tests(found, floor, Some((&held(before), &held(after))), control)?;
+        let (whole, left) = (found.base.deviance(f64::MAX), best.deviance(f64::MAX));
+        let test = |name, value, threshold| Test { name, value, threshold, passed: value <= threshold };
+        let mut tests = vec![
+            test("left over taken away", left / (whole - left).max(f64::MIN_POSITIVE), LEFT_SHARE),
+            test("hidden flights' residual after over before", after / before, CONFIRMED),
+        ];
+        tests.extend(
+            control.map(|c| test("hidden flights' residual over that of a wrong effect", after / c, CONTROL.recip())),
+        );
         let passed = tests.iter().all(|t| t.passed);
         Ok((tests, passed))
     }

@@ -1,7 +1,6 @@
 //! Flights of a recording that are hidden from the fit and predicted from the others: what confirms an effect where no
 //! recording of the same object can be set aside.
 
-use super::held_out::rmse;
 use super::joint::Joint;
 use super::sets::Set;
 use super::study::{FULL, Model, Study};
@@ -11,20 +10,22 @@ use crate::Result;
 const EVERY: usize = 3;
 
 impl Study<'_> {
-    /// Root mean square of what `model`, fitted anew to the other flights, leaves on those hidden, every one but the first
+    /// Root mean square, in units of what each channel takes for noise, of what `model`, fitted anew to the other flights, leaves on those hidden, every one but the first
     /// of each recording in its turn. `None` where no recording bounces twice.
     pub fn hidden(&self, model: &Model) -> Result<Option<f64>> {
         let (mut squares, mut samples) = (0.0, 0.0);
         for turn in 0..EVERY {
             let (shown, judged): (Vec<Set>, Vec<Set>) = self.sets.iter().map(|set| without(set, turn)).unzip();
-            let count: usize = judged.iter().map(|s| s.count() / s.width()).sum();
+            let count: usize = judged.iter().map(Set::count).sum();
             if count == 0 {
                 continue;
             }
             let joint = Joint { structure: &model.structure, sets: &shown, rollouts: &self.rollouts };
             let point = joint.fit(model.fit.point.clone(), FULL, None)?.point;
-            let plain = joint.plain_residuals(&point)?;
-            squares += rmse(&judged, &plain, 0.0).powi(2) * count as f64;
+            for (set, plain) in judged.iter().zip(joint.plain_residuals(&point)?) {
+                let kept = plain.iter().enumerate().filter(|(i, _)| set.keep[*i]);
+                squares += kept.map(|(i, v)| (v / set.noise[i % set.width()]).powi(2)).sum::<f64>();
+            }
             samples += count as f64;
         }
         Ok((samples > 0.0).then(|| (squares / samples).sqrt()))

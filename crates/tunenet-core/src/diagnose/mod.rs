@@ -25,6 +25,7 @@ mod hidden;
 mod input;
 mod joint;
 mod practical;
+mod prune;
 mod rest;
 mod scatter;
 mod search;

@@ -128,8 +128,22 @@ pub(super) fn judge(
     let (verdict, names) = decide(&study, &found, judged_by);
     tests.extend(practical.into_iter().flatten());
     let margin = margin(&study);
-    let judged =
-        Judged { ratios, verdict, names, margin, floor, found, tests, before, after, control, held_out, uses, notes, open };
+    let judged = Judged {
+        ratios,
+        verdict,
+        names,
+        margin,
+        floor,
+        found,
+        tests,
+        before,
+        after,
+        control,
+        held_out,
+        uses,
+        notes,
+        open,
+    };
     assemble(&study, judged, recordings)
 }
 

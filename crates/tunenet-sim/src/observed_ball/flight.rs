@@ -27,9 +27,8 @@ impl ObservedBall {
         let reach = (0..3).map(|axis| super::prepare::span(seen.column(axis))).fold(0.1, f64::max);
         let fastest =
             (2.0 * self.scene.gravity_m_s2 * reach).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
-        let guesses = (0..3)
-            .map(|axis| (arcs.start_m[axis], reach))
-            .chain((0..3).map(|axis| (arcs.start_m_s[axis], fastest)));
+        let guesses =
+            (0..3).map(|axis| (arcs.start_m[axis], reach)).chain((0..3).map(|axis| (arcs.start_m_s[axis], fastest)));
         let own = self.unknown.iter().zip(guesses).map(|(unknown, (value, reach))| {
             let (name, unit) = unknown.name();
             Parameter::new(name, unit, value, value - reach, value + reach)

@@ -85,7 +85,20 @@ impl ObservedBall {
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
         let free = Vec::new();
         let (forced, aloft) = (false, false);
-        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free, forced, aloft })
+        Ok(Self {
+            scene,
+            release,
+            surface_height_m,
+            parameters,
+            channels,
+            kind,
+            unknown,
+            body,
+            fixed,
+            free,
+            forced,
+            aloft,
+        })
     }
 
     /// The same, which uses recordings that their checks reject, and says so among their notes.
