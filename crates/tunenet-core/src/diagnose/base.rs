@@ -21,7 +21,7 @@ impl<'a> Study<'a> {
     pub fn base(&self) -> Result<Model<'a>> {
         let structure = self.structure(&[])?;
         let joint = self.joint(&structure);
-        let ranked = self.ranked(&joint, self.starts(&structure));
+        let ranked = Self::ranked(&joint, self.starts(&structure));
         let mut best = None;
         let mut refused = None;
         let mut seen: Vec<Vec<f64>> = Vec::new();
@@ -62,7 +62,7 @@ impl<'a> Study<'a> {
     }
 
     /// The starts that simulate, best first; every object has its own order where objects share no free number.
-    fn ranked(&self, joint: &Joint, starts: Vec<Point>) -> Vec<Point> {
+    fn ranked(joint: &Joint, starts: Vec<Point>) -> Vec<Point> {
         let rolled: Vec<(Vec<Vec<f64>>, Point)> =
             starts.into_iter().filter_map(|point| Some((joint.residuals(&point, 1.0).ok()?, point))).collect();
         let mut ranked: Vec<Point> = rolled.iter().map(|(_, point)| point.clone()).collect();

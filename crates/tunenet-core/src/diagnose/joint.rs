@@ -252,6 +252,7 @@ impl Joint<'_> {
     ///
     /// Objects that share no free number are fitted each on its own: a step that one of them refuses holds up no other,
     /// and costs no rollout of it.
+    #[expect(clippy::needless_pass_by_value, reason = "what is given goes into the fit")]
     pub fn fit_from(
         &self,
         start: Point,

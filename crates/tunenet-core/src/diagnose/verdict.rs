@@ -26,6 +26,7 @@ const MOST_RATIOS: usize = 3;
 const MOST_NAMES: usize = 6;
 
 /// Searches, judges and answers.
+#[expect(clippy::too_many_lines, reason = "the steps of a diagnosis, one after the other")]
 pub(super) fn judge(
     mut study: Study,
     mut held_out: Vec<Set>,
