@@ -103,54 +103,55 @@ fn peers(set: &str, count: usize) -> Option<Value> {
 }
 
 #[test]
-#[ignore = "not reached: contacts that last leave more than noise, and no recording is held out that could confirm a name"]
 fn another_engine_with_drag() {
     for set in ["pybullet_drag", "mujoco_drag"] {
-        let Some(json) = peers(set, 8) else { return };
+        let Some(json) = peers(set, 5) else { return };
         assert!(offers(&json, "quadratic_drag"), "{set}: {}", short(&json));
     }
 }
 
 #[test]
-#[ignore = "not reached: contacts that last leave more than noise, and no recording is held out that could confirm a name"]
 fn another_engine_with_a_tilted_floor() {
-    for set in ["pybullet_tilt", "mujoco_tilt"] {
-        let Some(json) = peers(set, 8) else { return };
-        assert!(offers(&json, "surface_tilt"), "{set}: {}", short(&json));
-    }
+    let Some(json) = peers("mujoco_tilt", 4) else { return };
+    assert!(offers(&json, "surface_tilt"), "{}", short(&json));
 }
 
 #[test]
-#[ignore = "not reached: contacts that last leave more than noise, and no recording is held out that could confirm a name"]
+#[ignore = "not reached: contacts found up to a frame late leave two thirds of what the tilt takes away"]
+fn another_engine_with_late_contacts_on_a_tilted_floor() {
+    let Some(json) = peers("pybullet_tilt", 5) else { return };
+    assert!(offers(&json, "surface_tilt"), "{}", short(&json));
+}
+
+#[test]
 fn another_engine_whose_fast_bounces_return_less() {
-    for set in ["pybullet_eslope", "mujoco_eslope"] {
-        let Some(json) = peers(set, 8) else { return };
-        assert!(offers(&json, "speed_dependent_restitution"), "{set}: {}", short(&json));
-    }
+    let Some(json) = peers("mujoco_eslope", 5) else { return };
+    assert!(offers(&json, "speed_dependent_restitution"), "{}", short(&json));
 }
 
 #[test]
-#[ignore = "not reached: contacts that last leave more than noise, and no recording is held out that could confirm a name"]
+#[ignore = "not reached with every five files: contacts found up to a frame late change a rebound as much as its speed does"]
+fn another_engine_with_late_contacts_whose_fast_bounces_return_less() {
+    let Some(json) = peers("pybullet_eslope", 10) else { return };
+    assert!(offers(&json, "speed_dependent_restitution"), "{}", short(&json));
+}
+
+#[test]
 fn another_engine_in_the_wind() {
     for set in ["pybullet_wind", "mujoco_wind"] {
-        let Some(json) = peers(set, 8) else { return };
+        let Some(json) = peers(set, 3) else { return };
         assert!(offers(&json, "wind"), "{set}: {}", short(&json));
     }
 }
 
 /// Its contacts last; what flies there flies as here.
 #[test]
-#[ignore = "not reached: contacts that last leave more than noise, and no recording is held out that could confirm a name"]
 fn another_engine_with_nothing_hidden() {
     for set in ["mujoco_easy", "mujoco_hard"] {
-        let Some(json) = peers(set, 8) else { return };
-        let phases = names(
-            &Value::Array(
-                json["effects"].as_array().into_iter().flatten().map(|e| e["where"]["phase"].clone()).collect(),
-            ),
-            "",
-        );
-        assert!(phases.iter().all(|phase| phase == "contact"), "{set}: {}", short(&json));
+        let Some(json) = peers(set, 5) else { return };
+        let effects = json["effects"].as_array().expect("effects");
+        let at_contact = effects.iter().all(|e| e["where"]["phase"] == "contact");
+        assert!(json["verdict"] != "none" && at_contact, "{set}: {}", short(&json));
     }
 }
 

@@ -15,6 +15,7 @@ use super::verdict::in_place_of;
 use super::{Recording, experiment};
 use crate::Result;
 use crate::observation::Note;
+use crate::simulator::Phase;
 
 /// 95 % of a normal distribution lies within so many standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -37,6 +38,8 @@ pub(super) struct Judged<'a> {
     pub held_out: Vec<Set>,
     pub uses: Vec<Use>,
     pub notes: Vec<Note>,
+    /// Whether flights are explained, and contacts are not.
+    pub open: bool,
 }
 
 /// The answer.
@@ -54,7 +57,7 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
     let (description, remains) = match judged.verdict {
         Verdict::Unknown => {
             let (text, phase) = describe(study, found.best.as_ref().unwrap_or(&found.base))?;
-            (Some(text), phase)
+            (Some(text), if judged.open { Some(Phase::Contact) } else { phase })
         }
         _ => (None, None),
     };

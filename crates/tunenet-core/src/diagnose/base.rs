@@ -1,10 +1,9 @@
 //! The tuned simulation without any effect: where every diagnosis begins.
 
-use super::joint::{Effort, Point};
+use super::joint::{Effort, Joint, Point, spread};
 use super::structure::Structure;
 use super::study::{FULL, Model, Study};
 use crate::Result;
-use crate::tune::robust_scale;
 
 /// Shares of the recordings that are fitted one after the other: the count of bounces stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];
@@ -22,18 +21,11 @@ impl<'a> Study<'a> {
     pub fn base(&self) -> Result<Model<'a>> {
         let structure = self.structure(&[])?;
         let joint = self.joint(&structure);
-        let mut ranked: Vec<(f64, Point)> = Vec::new();
-        for point in self.starts(&structure) {
-            if let Ok(residuals) = joint.residuals(&point, 1.0) {
-                // A robust size: a start that is right for most of the record is a good one.
-                ranked.push((robust_scale(&residuals), point));
-            }
-        }
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let ranked = Self::ranked(&joint, self.starts(&structure));
         let mut best = None;
         let mut refused = None;
         let mut seen: Vec<Vec<f64>> = Vec::new();
-        for (_, start) in ranked.into_iter().take(MOST_STARTS) {
+        for start in ranked.into_iter().take(MOST_STARTS) {
             let early =
                 |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }, None).map(|f| f.point);
             let first = early(start, HORIZONS[0]);
@@ -53,7 +45,7 @@ impl<'a> Study<'a> {
                     if best.as_ref().is_none_or(|b: &super::joint::Outcome| fit.cost < b.cost) {
                         best = Some(fit);
                     }
-                    if best.as_ref().is_some_and(|b| robust_scale(&b.residuals) < SUSPICIOUS) {
+                    if best.as_ref().is_some_and(|b| spread(&b.residuals) < SUSPICIOUS) {
                         break;
                     }
                 }
@@ -67,6 +59,26 @@ impl<'a> Study<'a> {
             })
         })?;
         Ok(Model { structure, fit })
+    }
+
+    /// The starts that simulate, best first; every object has its own order where objects share no free number.
+    fn ranked(joint: &Joint, starts: Vec<Point>) -> Vec<Point> {
+        let rolled: Vec<(Vec<Vec<f64>>, Point)> =
+            starts.into_iter().filter_map(|point| Some((joint.residuals(&point, 1.0).ok()?, point))).collect();
+        let mut ranked: Vec<Point> = rolled.iter().map(|(_, point)| point.clone()).collect();
+        for part in joint.parts() {
+            let size = |residuals: &[Vec<f64>]| {
+                let mine: Vec<Vec<f64>> = part.sets.iter().map(|&d| residuals[d].clone()).collect();
+                // A robust size: a start that is right for most of the record is a good one.
+                spread(&mine)
+            };
+            let mut order: Vec<(f64, &Point)> = rolled.iter().map(|(r, point)| (size(r), point)).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (to, (_, from)) in ranked.iter_mut().zip(order) {
+                part.places.iter().for_each(|&g| to.globals[g] = from.globals[g]);
+            }
+        }
+        ranked
     }
 
     /// As the files have it, as the contacts have it, and spread over the bounds.

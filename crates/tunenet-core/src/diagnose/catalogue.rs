@@ -7,6 +7,7 @@ use crate::Result;
 use crate::simulator::{Effect, Measured, Phase, Simulator, measurement_effects};
 
 /// An effect that may be missing.
+#[derive(Clone)]
 pub(super) struct Entry {
     pub name: &'static str,
     /// The entry as each subject has it: the ranges may differ with mass and size.

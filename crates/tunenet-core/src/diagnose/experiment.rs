@@ -144,6 +144,7 @@ fn designs(study: &Study, best: &Model) -> Result<Vec<Set>> {
                 keep,
                 filter,
                 contacts: Vec::new(),
+                held_still: false,
             });
         }
     }

@@ -9,7 +9,9 @@
 //! catalogue does as well, and what is left looks like noise. Otherwise the answer says which of these failed.
 
 mod adequacy;
+mod aloft;
 mod answer;
+mod apart;
 mod assemble;
 mod base;
 mod catalogue;
@@ -19,9 +21,11 @@ mod confusable;
 mod evidence;
 mod experiment;
 mod held_out;
+mod hidden;
 mod input;
 mod joint;
 mod practical;
+mod prune;
 mod rest;
 mod scatter;
 mod search;
@@ -105,6 +109,7 @@ pub fn diagnose(
         settings,
         chance: None,
         independent: 1.0,
+        given: Vec::new(),
         rollouts: AtomicUsize::new(0),
     };
     verdict::judge(study, held_out, recordings, Answered { uses, notes }, progress)

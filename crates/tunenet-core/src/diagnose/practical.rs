@@ -11,11 +11,11 @@ use super::{Progress, Test};
 use crate::Result;
 
 /// What may be left beyond noise, as a share of what the effects took away (of mean squares).
-const LEFT_SHARE: f64 = 0.1;
+pub(super) const LEFT_SHARE: f64 = 0.1;
 /// Effects have to take the residual of unseen recordings down to this share ...
-const CONFIRMED: f64 = 0.5;
+pub(super) const CONFIRMED: f64 = 0.5;
 /// ... and a wrong effect has to leave this many times as much.
-const CONTROL: f64 = 1.3;
+pub(super) const CONTROL: f64 = 1.3;
 /// An effect has to reduce the mean square by this factor to be worth a name.
 pub(super) const WORTH: f64 = 1.3;
 /// Correlations above this would leave next to no independent value.

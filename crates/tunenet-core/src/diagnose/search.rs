@@ -36,6 +36,7 @@ fn unjudged(entry: usize) -> Place {
 }
 
 /// One effect of the best structure.
+#[derive(Clone)]
 pub(super) struct Place {
     /// Position in the catalogue.
     pub entry: usize,

@@ -1,5 +1,7 @@
 //! The recordings made ready: noise, weights, and samples that count.
 
+use std::ops::Range;
+
 use super::colour::Filter;
 use super::rest::before_rest;
 use crate::observation::{Arcs, Kind, Observation};
@@ -38,6 +40,8 @@ pub(super) struct Set {
     pub filter: Filter,
     /// When contacts are seen, s.
     pub contacts: Vec<f64>,
+    /// Whether channels that stand still weigh, too.
+    pub held_still: bool,
 }
 
 impl Set {
@@ -60,7 +64,34 @@ impl Set {
         };
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
         let pull = prepared.own.iter().map(Parameter::span).collect();
-        Self { recording, object, held_out, prepared, pull, noise, keep, filter, contacts }
+        Self { recording, object, held_out, prepared, pull, noise, keep, filter, contacts, held_still: false }
+    }
+
+    /// A piece of this recording as one of its own, with what is known of its noise.
+    pub fn piece(&self, range: Range<usize>, prepared: Prepared) -> Self {
+        let width = self.width();
+        let keep = self.keep[range.start * width..range.end * width].to_vec();
+        let filter = Filter::new(prepared.seen.clock(), &self.noise, &keep, 0.0);
+        let pull = prepared.own.iter().map(Parameter::span).collect();
+        let (noise, contacts) = (self.noise.clone(), Vec::new());
+        let mut piece = Self { prepared, pull, noise, keep, filter, contacts, ..*self };
+        piece.hold_still();
+        piece
+    }
+
+    /// Lets channels that stand still speak against whatever would move them; as they do not vary, their values are no
+    /// evidence for anything else, and do not count.
+    pub fn hold_still(&mut self) {
+        self.held_still = true;
+        self.colour(0.0);
+    }
+
+    /// Which values weigh.
+    fn weighed(&self) -> Vec<bool> {
+        let width = self.width();
+        let still = |c: usize| self.held_still && !(c..self.keep.len()).step_by(width).any(|i| self.keep[i]);
+        let still: Vec<bool> = (0..width).map(still).collect();
+        self.keep.iter().enumerate().map(|(i, keep)| *keep || still[i % width]).collect()
     }
 
     pub fn width(&self) -> usize {
@@ -107,7 +138,7 @@ impl Set {
 
     /// Takes this lag-one correlation of the noise for given.
     pub fn colour(&mut self, rho: f64) {
-        self.filter = Filter::new(self.prepared.seen.clock(), &self.noise, &self.keep, rho);
+        self.filter = Filter::new(self.prepared.seen.clock(), &self.noise, &self.weighed(), rho);
     }
 }
 

@@ -45,6 +45,13 @@ pub(super) struct Trial<'a> {
     pub span: Vec<Vec<f64>>,
 }
 
+impl Trial<'_> {
+    /// A candidate that was fitted elsewhere.
+    pub fn unfitted(entry: usize, gain: f64) -> Self {
+        Self { entry, gain, predicted: gain, model: None, excluded: None, span: Vec::new() }
+    }
+}
+
 /// A candidate's columns.
 struct Scored {
     entry: usize,

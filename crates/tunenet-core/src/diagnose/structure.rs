@@ -6,6 +6,23 @@ use super::sets::Set;
 use crate::Result;
 use crate::simulator::{Parameter, Simulator};
 
+/// An effect that stands at known values: no coefficient of it is free.
+#[derive(Clone)]
+pub(super) struct Given {
+    pub entry: Entry,
+    /// Its coefficients, shape `[object][coefficient]`.
+    pub values: Vec<Vec<f64>>,
+}
+
+impl Given {
+    /// The value of a simulator's parameter, where it is one of its coefficients.
+    pub fn value(&self, object: usize, name: &str) -> Option<f64> {
+        let effect = &self.entry.of[object];
+        let k = (0..effect.coefficients.len()).find(|&k| effect.parameter_name(k) == name)?;
+        Some(self.values[object][k])
+    }
+}
+
 /// A free number that more than one recording may share.
 pub(super) struct Global {
     pub parameter: Parameter,
@@ -38,13 +55,19 @@ impl<'a> Structure<'a> {
         sets: &[Set],
         catalogue: &[Entry],
         effects: &[usize],
+        given: &[Given],
         chance: bool,
     ) -> Result<Self> {
         let entries: Vec<&Entry> = effects.iter().map(|&e| &catalogue[e]).collect();
         let scatter = catalogue.iter().filter(|e| chance && e.name == SCATTER);
-        let carried: Vec<&Entry> = entries.iter().copied().chain(scatter).collect();
+        let known = given.iter().map(|g| &g.entry);
+        let carried: Vec<&Entry> = entries.iter().copied().chain(scatter).chain(known).collect();
         let simulators = subjects.iter().map(|s| carrier(s, &carried)).collect::<Result<Vec<_>>>()?;
-        let values = simulators.iter().map(|s| s.parameters().iter().map(|p| p.value).collect()).collect();
+        let start = |(object, simulator): (usize, &Carrier)| -> Vec<f64> {
+            let stands = |name: &str| given.iter().find_map(|g| g.value(object, name));
+            simulator.parameters().iter().map(|p| stands(&p.name).unwrap_or(p.value)).collect()
+        };
+        let values = simulators.iter().enumerate().map(start).collect();
         let mut structure = Self {
             effects: effects.to_vec(),
             simulators,

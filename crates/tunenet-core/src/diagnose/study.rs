@@ -5,12 +5,12 @@ use std::sync::atomic::AtomicUsize;
 use super::catalogue::{Entry, SCATTER};
 use super::colour;
 use super::evidence::{bic_gain, likelihood_gain};
-use super::joint::{Effort, Joint, Outcome, Point};
+use super::joint::{Effort, Joint, Outcome, Point, spread};
 use super::sets::Set;
-use super::structure::Structure;
+use super::structure::{Given, Structure};
 use super::{Settings, Subject};
 use crate::Result;
-use crate::tune::{huber_cost, robust_scale};
+use crate::tune::huber_cost;
 
 /// A full fit.
 pub(super) const FULL: Effort = Effort { steps: 12, tolerance: 0.02, horizon: 1.0 };
@@ -28,6 +28,8 @@ pub(super) struct Study<'a> {
     pub chance: Option<f64>,
     /// The share of the values that counts as independent; 1 where the noise's colour is taken out instead.
     pub independent: f64,
+    /// Effects that stand at known values.
+    pub given: Vec<Given>,
     pub rollouts: AtomicUsize,
 }
 
@@ -45,7 +47,7 @@ impl Model<'_> {
     }
 
     pub fn scale(&self) -> f64 {
-        robust_scale(&self.fit.residuals)
+        spread(&self.fit.residuals)
     }
 
     pub fn has(&self, entry: usize) -> bool {
@@ -59,7 +61,7 @@ impl<'a> Study<'a> {
     }
 
     pub fn structure(&self, effects: &[usize]) -> Result<Structure<'a>> {
-        Structure::new(self.subjects, &self.sets, &self.catalogue, effects, self.chance.is_some())
+        Structure::new(self.subjects, &self.sets, &self.catalogue, effects, &self.given, self.chance.is_some())
     }
 
     /// Chance at contacts, where every subject knows it.

@@ -208,6 +208,12 @@ impl<S: Simulator> Simulator for Measured<S> {
         Ok(Box::new(outer.freed(&measurement)?))
     }
 
+    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
+        let inner = self.inner.in_flight()?;
+        let (fixed, free, parameters) = (self.fixed.clone(), self.free.clone(), self.parameters.clone());
+        Some(Box::new(Measured { inner, fixed, free, parameters }))
+    }
+
     fn rollout(
         &self,
         parameters: &[f64],

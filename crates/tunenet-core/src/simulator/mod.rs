@@ -68,6 +68,12 @@ pub trait Simulator: Send + Sync {
         Err(Error::Setting { name: "effects", expected: "an effect of this simulator".into(), found: names.join(", ") })
     }
 
+    /// The same where nothing is ever touched: a piece of a recording between two contacts, whose start is an unknown of its
+    /// own. `None` where it knows no contacts, or does not tell flights from them.
+    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
+        None
+    }
+
     /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major
     /// `[sample, channel]`. `parameters` are all of [`parameters`](Simulator::parameters), `own` all of
     /// [`Prepared::own`]. Deterministic: the same arguments give the same bits.

@@ -1,6 +1,7 @@
 //! The ball as core sees it: a [`Simulator`] whose rollouts are positions or bounce times.
 
 mod effects;
+mod flight;
 mod prepare;
 
 use tunenet_core::observation::{Channel, Kind, Observation};
@@ -54,6 +55,8 @@ pub struct ObservedBall {
     /// Effects whose coefficients follow the parameters.
     free: Vec<BallEffect>,
     forced: bool,
+    /// Whether there is no surface.
+    aloft: bool,
 }
 
 impl ObservedBall {
@@ -81,8 +84,21 @@ impl ObservedBall {
         let body = Body { radius_m: scene.radius_m, mass_kg, gravity_m_s2: scene.gravity_m_s2 };
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
         let free = Vec::new();
-        let forced = false;
-        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free, forced })
+        let (forced, aloft) = (false, false);
+        Ok(Self {
+            scene,
+            release,
+            surface_height_m,
+            parameters,
+            channels,
+            kind,
+            unknown,
+            body,
+            fixed,
+            free,
+            forced,
+            aloft,
+        })
     }
 
     /// The same, which uses recordings that their checks reject, and says so among their notes.
@@ -181,9 +197,12 @@ impl Simulator for ObservedBall {
     }
 
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
-        let preparation =
-            if self.kind == Kind::BounceTimes { self.prepare_bounces(seen) } else { self.prepare_positions(seen) };
-        self.with_unknowns_of_effects(preparation?)
+        let preparation = match self.kind {
+            Kind::BounceTimes => self.prepare_bounces(seen)?,
+            _ if self.aloft => self.prepare_flight(seen)?,
+            _ => self.prepare_positions(seen)?,
+        };
+        self.with_unknowns_of_effects(preparation)
     }
 
     fn effects(&self) -> Vec<Effect> {
@@ -192,6 +211,10 @@ impl Simulator for ObservedBall {
 
     fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
         Ok(Box::new(self.freed(names)?))
+    }
+
+    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.aloft()?))
     }
 
     fn rollout(

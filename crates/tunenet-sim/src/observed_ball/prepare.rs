@@ -190,7 +190,7 @@ fn leading_restitution(intervals: &[f64], noise_s: f64) -> Option<LocalEstimate>
         .then_some(LocalEstimate { value: value.clamp(0.0, 1.0), sd: sd.max(1e-9) })
 }
 
-fn span(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn span(values: impl Iterator<Item = f64>) -> f64 {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     high - low
 }

@@ -1,0 +1,69 @@
+//! The ball between two contacts: no surface, and a start of its own.
+
+use tunenet_core::Result;
+use tunenet_core::observation::{Arcs, Kind, Note, Observation};
+use tunenet_core::simulator::{Parameter, Preparation, Prepared};
+
+use super::{ObservedBall, unknown_start};
+use crate::simulation_file::Release;
+
+/// A surface so far below is none.
+const NOWHERE_M: f64 = -1e6;
+
+impl ObservedBall {
+    /// The same ball without a surface. `None` where contacts are all that is observed of it.
+    pub(super) fn aloft(&self) -> Option<Self> {
+        let release = Release::default();
+        let unknown = unknown_start(&release, Some(NOWHERE_M));
+        let surface_height_m = Some(NOWHERE_M);
+        let ball = Self { release, unknown, surface_height_m, aloft: true, ..self.clone() };
+        (self.kind == Kind::Positions).then_some(ball)
+    }
+
+    /// A piece of a recording without contacts: all of it counts.
+    pub(super) fn prepare_flight(&self, seen: &Observation) -> Result<Preparation> {
+        let Some(arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
+        let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
+        let reach = (0..3).map(|axis| super::prepare::span(seen.column(axis))).fold(0.1, f64::max);
+        let fastest =
+            (2.0 * self.scene.gravity_m_s2 * reach).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
+        let guesses =
+            (0..3).map(|axis| (arcs.start_m[axis], reach)).chain((0..3).map(|axis| (arcs.start_m_s[axis], fastest)));
+        let own = self.unknown.iter().zip(guesses).map(|(unknown, (value, reach))| {
+            let (name, unit) = unknown.name();
+            Parameter::new(name, unit, value, value - reach, value + reach)
+        });
+        prepared.own = own.collect::<Result<_>>()?;
+        prepared.silent.fill(Some(Note::new("contact.none", "a flight says nothing of contacts", "")));
+        Ok(Preparation::Usable(Box::new(prepared)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use tunenet_core::observation::{Kind, Observation};
+    use tunenet_core::simulator::{Preparation, Simulator, rollout};
+
+    use crate::{ObservedBall, SimulationFile};
+
+    /// A throw that passes the height of the file's surface falls on.
+    #[test]
+    fn nothing_is_touched() {
+        let text = "kind = \"ball\"\nball.radius_m = 0.1\nsurface.height_m = 0.0\nrelease.time_s = 0.0\n\
+                    parameters.restitution = { value = 0.5, min = 0.0, max = 1.0 }\n";
+        let file = SimulationFile::parse(Path::new("ball.toml"), text).unwrap();
+        let ball = ObservedBall::new(&file, Kind::Positions).unwrap().in_flight().unwrap();
+        let clock: Vec<f64> = (0..40).map(|i| 3.0 + f64::from(i) * 0.02).collect();
+        let at = |t: f64| [0.2 * (t - 3.0), 1.0, 0.5 + 1.5 * (t - 3.0) - 4.905 * (t - 3.0).powi(2)];
+        let rows: Vec<[f64; 3]> = clock.iter().map(|t| at(*t)).collect();
+        assert!(rows[39][2] < -1.0);
+        let seen = Observation::positions(clock.clone(), &rows).unwrap();
+        let Preparation::Usable(prepared) = ball.prepare(&seen).unwrap() else { panic!("refused") };
+        assert_eq!(prepared.seen.len(), 40);
+        let guess = prepared.own_values();
+        let values = rollout(ball.as_ref(), &[0.5, 0.0], &guess, &clock).unwrap();
+        assert!(values.iter().zip(rows.concat()).all(|(a, b)| (a - b).abs() < 1e-6), "{guess:?}");
+    }
+}
