@@ -12,6 +12,9 @@ use crate::Result;
 
 /// What may be left beyond noise, as a share of what the effects took away (of mean squares).
 const LEFT_SHARE: f64 = 0.1;
+/// ... where each of them has to be there anyhow (drag of a ball of known mass and size): most of what was missing is
+/// accounted for, and the rest is something else. Whether such an effect exists is no question; how large it is, is.
+const LEFT_SHARE_CERTAIN: f64 = 1.0 / 3.0;
 /// Effects have to take the residual of unseen recordings down to this share ...
 const CONFIRMED: f64 = 0.5;
 /// ... and a wrong effect has to leave this many times as much.
@@ -104,7 +107,8 @@ impl<'a> Study<'a> {
         };
         let (before, after) = (square(&found.base)?, square(best)?);
         let left = (after - floor).max(0.0) / (before - after).max(f64::MIN_POSITIVE);
-        let threshold = LEFT_SHARE;
+        let certain = best.structure.effects.iter().all(|&entry| self.certain(entry));
+        let threshold = if certain { LEFT_SHARE_CERTAIN } else { LEFT_SHARE };
         let mut tests = vec![Test { name: "left over taken away", value: left, threshold, passed: left <= threshold }];
         if let Some((before, after)) = unseen {
             let value = after.rmse / before.rmse.max(f64::MIN_POSITIVE);

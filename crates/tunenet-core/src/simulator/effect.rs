@@ -72,9 +72,19 @@ pub struct Effect {
     pub sentence: &'static str,
     /// Names of effects that some recordings cannot tell from it.
     pub mistaken_for: &'static [&'static str],
+    /// Why it is not to be expected of this object, where something else that explains recordings as well is: it stands
+    /// back behind the other, and alone only where nothing else does.
+    pub unlikely: Option<&'static str>,
 }
 
 impl Effect {
+    /// Whether it has to be there, only its size being open: what is believed of it excludes its absence.
+    #[must_use]
+    pub fn certain(&self) -> bool {
+        let outside = |c: &Coefficient, (low, high): (f64, f64)| c.absent < low || c.absent > high;
+        !self.coefficients.is_empty() && self.coefficients.iter().zip(&self.plausible).all(|(c, p)| outside(c, *p))
+    }
+
     /// Whether coefficients with these values are physically believable, each with `slack` (its standard error, say).
     #[must_use]
     pub fn believable(&self, values: &[f64], slack: &[f64]) -> bool {

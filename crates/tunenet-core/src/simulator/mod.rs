@@ -63,6 +63,12 @@ pub trait Simulator: Send + Sync {
         Err(Error::Setting { name: "effects", expected: "an effect of this simulator".into(), found: names.join(", ") })
     }
 
+    /// The same simulator, in which what a throw brings beside position and velocity (its spin, and how the air answers it)
+    /// is unknown of every recording: further own unknowns, after those that it has. `None` where it knows no such thing.
+    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
+        None
+    }
+
     /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major
     /// `[sample, channel]`. `parameters` are all of [`parameters`](Simulator::parameters), `own` all of
     /// [`Prepared::own`]. Deterministic: the same arguments give the same bits.
@@ -104,6 +110,10 @@ impl<S: Simulator + ?Sized> Simulator for &S {
         (**self).with_effects(names)
     }
 
+    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
+        (**self).with_unknown_spin()
+    }
+
     fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
         (**self).rollout(p, own, clock, values)
     }
@@ -133,6 +143,10 @@ impl<S: Simulator + ?Sized> Simulator for Box<S> {
 
     fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
         (**self).with_effects(names)
+    }
+
+    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
+        (**self).with_unknown_spin()
     }
 
     fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {

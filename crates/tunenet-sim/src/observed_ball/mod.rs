@@ -53,6 +53,8 @@ pub struct ObservedBall {
     fixed: Vec<(BallEffect, Vec<f64>)>,
     /// Effects whose coefficients follow the parameters.
     free: Vec<BallEffect>,
+    /// Effects whose coefficients are every recording's own.
+    own: Vec<BallEffect>,
     forced: bool,
 }
 
@@ -78,11 +80,11 @@ impl ObservedBall {
         let parameters = file.parameters()?;
         let scene = scene(file);
         let mass_kg = file.number("ball.mass_kg");
-        let body = Body { radius_m: scene.radius_m, mass_kg, gravity_m_s2: scene.gravity_m_s2 };
+        let (radius_m, gravity_m_s2) = (scene.radius_m, scene.gravity_m_s2);
+        let body = Body { radius_m, mass_kg, gravity_m_s2, in_air: file.in_air() };
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
-        let free = Vec::new();
-        let forced = false;
-        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free, forced })
+        let (free, own, forced) = (Vec::new(), Vec::new(), false);
+        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free, own, forced })
     }
 
     /// The same, which uses recordings that their checks reject, and says so among their notes.
@@ -192,6 +194,10 @@ impl Simulator for ObservedBall {
 
     fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
         Ok(Box::new(self.freed(names)?))
+    }
+
+    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.spinning()?))
     }
 
     fn rollout(
