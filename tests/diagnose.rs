@@ -258,7 +258,8 @@ fn an_axis_that_was_not_measured_carries_no_effect() {
     assert!((json["effects"][0]["coefficients"]["c_1_m"]["value"].as_f64().unwrap() - c).abs() < 0.05, "{json:#}");
     assert!(codes(&json).contains(&"effect.unlikely"), "{json:#}");
     // In something that may be syrup, both are left.
-    let other = folder.run("diagnose --sim ball.toml --set world.medium=other --observation fall.csv --json").ends(3).json();
+    let other =
+        folder.run("diagnose --sim ball.toml --set world.medium=other --observation fall.csv --json").ends(3).json();
     let left: Vec<&str> = list(&other, "candidates").iter().filter_map(Value::as_str).collect();
     assert!(left.contains(&"quadratic_drag") && left.contains(&"linear_drag"), "{other:#}");
 }
@@ -270,7 +271,8 @@ fn a_wrong_coefficient_in_the_file_is_tuned_anew() {
     let line = "diagnose --sim wrong.toml --observation 1.csv 2.csv 3.csv --held-out 5.csv --out o.toml --json";
     let json = folder.run(line).ends(0).json();
     assert_eq!(json["verdict"], "none", "{json:#}");
-    let tuned = list(&json, "parameters").iter().find(|p| p["name"] == "quadratic_drag.c_1_m").expect("the coefficient");
+    let tuned =
+        list(&json, "parameters").iter().find(|p| p["name"] == "quadratic_drag.c_1_m").expect("the coefficient");
     assert!((tuned["value"].as_f64().unwrap() - 0.1317).abs() < 0.01 && tuned["given"] == 0.05, "{tuned}");
     let text = String::from_utf8(folder.read("o.toml")).expect("text");
     assert!(text.contains("c_1_m = 0.13") && text.contains("# a guess"), "{text}");

@@ -41,7 +41,8 @@ impl Study<'_> {
     /// Of lists of bounces, too short for any test of shape: whether the residual is no larger than the noise of single
     /// intervals, by the same limit as in tuning.
     fn size_of_rest(&self, model: &Model) -> Option<Test> {
-        let heard = self.sets.iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::BounceTimes);
+        let heard =
+            self.sets.iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::BounceTimes);
         let share = model.structure.globals.len().div_ceil(self.sets.len().max(1));
         let each = heard.map(|(set, residual)| {
             Adequacy::of(&set.prepared.seen, &set.noise, residual, set.prepared.own.len() + share)

@@ -1,7 +1,7 @@
 //! Flights alone: where recordings differ by what no effect explains (the ball spins, a racket hits it), each flight between
 //! contacts still says what acts in flight, from a start and with a spin of its own.
 
-use super::answer::{Diagnosis, Tuned, Verdict};
+use super::answer::{Diagnosis, NextExperiment, Tuned, Verdict};
 use super::assemble::NORMAL_95;
 use super::sets::Set;
 use super::{Answered, Asked, Settings, Subject};
@@ -17,7 +17,7 @@ const START: [&str; 6] =
 /// The height of what no flight touches, which its lowest sample is not to pin.
 const SURFACE: &str = "surface.height";
 
-/// Fewer recordings may have the same cause for something else that their contacts, and their spin, hide.
+/// Fewer recordings leave a choice at most.
 const FEWEST_RECORDINGS: usize = 3;
 
 impl Asked<'_> {
@@ -26,12 +26,7 @@ impl Asked<'_> {
     ///
     /// What is missing is named only where it has to be there anyhow, as drag of a ball of known mass and size: with so
     /// much of every flight's own, too many things look alike.
-    pub(super) fn flights_alone(
-        &self,
-        sets: &[Set],
-        known: &Answered,
-        whole: &Diagnosis,
-    ) -> Result<Option<Diagnosis>> {
+    pub(super) fn flights_alone(&self, sets: &[Set], known: &Answered, whole: &Diagnosis) -> Result<Option<Diagnosis>> {
         let spinning: Option<Vec<Box<dyn Simulator>>> =
             self.subjects.iter().map(|s| s.simulator.with_unknown_spin()).collect();
         let Some(spinning) = spinning else { return Ok(None) };
@@ -47,19 +42,18 @@ impl Asked<'_> {
         }
         let mut used: Vec<usize> = pieces.iter().filter(|p| !p.held_out).map(|p| p.recording).collect();
         used.dedup();
-        if used.len() < FEWEST_RECORDINGS {
+        if used.is_empty() {
             return Ok(None);
         }
         let settings = Settings { most_effects: 1, ..self.settings.clone() };
         let asked = Asked { subjects: &subjects, settings: &settings, ..*self };
         let Ok(mut answer) = asked.judge(pieces, known.clone()) else { return Ok(None) };
-        eprintln!("DEBUG {:?} {:?} {:?} {:?}", answer.verdict, answer.names, answer.gap, answer.adequacy);
-        for c in answer.candidates.iter().take(6) {
-            eprintln!("DEBUG {} {} {:?} {:?}", c.name, c.bic_gain, c.held_out_ratio, c.excluded);
-        }
         let told = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
         if !told || !answer.effects.iter().all(|named| named.effect.certain()) {
             return Ok(None);
+        }
+        if used.len() < FEWEST_RECORDINGS && answer.verdict == Verdict::Named {
+            self.leave_open(&mut answer);
         }
         answer.rollouts += whole.rollouts;
         answer.parameters = whole.parameters.iter().map(|tuned| beside_contacts(tuned, sets, self)).collect();
@@ -71,6 +65,18 @@ impl Asked<'_> {
             "record throws without spin to learn more of the contacts",
         ));
         Ok(Some(answer))
+    }
+
+    /// Makes a lone name one of two, with the candidate that comes next.
+    fn leave_open(&self, answer: &mut Diagnosis) {
+        let effects = self.subjects[0].simulator.effects();
+        let unlikely = |name: &str| effects.iter().any(|e| e.name == name && e.unlikely.is_some());
+        let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !unlikely(c.name)).map(|c| c.name);
+        let next = next.filter(|name| !answer.names.contains(name)).take(1).collect::<Vec<_>>();
+        answer.names.extend(next);
+        answer.verdict = Verdict::OneOf;
+        let text = "add recordings of the same ball from other heights and in other directions".into();
+        answer.next_experiment = Some(NextExperiment { text, settings: Vec::new() });
     }
 }
 
@@ -120,4 +126,25 @@ fn beside_contacts(tuned: &Tuned, sets: &[Set], asked: &Asked) -> Tuned {
     let p = &parameters[i];
     let interval95 = ((value - reach).max(p.min), (value + reach).min(p.max));
     Tuned { value: value.clamp(p.min, p.max), interval95, ..tuned.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::Prepared;
+
+    /// 50 samples with contacts at sample 20 and between samples 30 and 31: the last stretch has 18 samples, the middle one
+    /// too few.
+    #[test]
+    fn flights_keep_off_the_contacts() {
+        let clock: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.01).collect();
+        let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.0, 1.0 - 4.905 * t * t]).collect();
+        let seen = Observation::positions(clock, &rows).unwrap();
+        let mut set = Set::new(0, 0, false, Prepared::whole(seen, 1));
+        set.contacts = vec![0.2, 0.305];
+        let starts: Vec<(f64, usize)> = flights(&set).iter().map(|f| (f.clock()[0], f.len())).collect();
+        assert_eq!(starts.len(), 2, "{starts:?}");
+        assert!((starts[0].0 - 0.0).abs() < 1e-12 && starts[0].1 == 19, "{starts:?}");
+        assert!((starts[1].0 - 0.32).abs() < 1e-12 && starts[1].1 == 18, "{starts:?}");
+    }
 }

@@ -29,7 +29,11 @@ impl Study<'_> {
             for (other, why) in near.filter_map(|(other, _)| Some((*other, self.unlikely(*other)?))) {
                 let name = self.catalogue[other].name;
                 let text = format!("`{name}` would explain these recordings about as well, but {why}");
-                notes.push(Note::new("effect.unlikely", text, "set world.medium = \"other\" where it did not move in air"));
+                notes.push(Note::new(
+                    "effect.unlikely",
+                    text,
+                    "set world.medium = \"other\" where it did not move in air",
+                ));
             }
         }
     }

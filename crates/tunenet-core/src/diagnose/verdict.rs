@@ -67,7 +67,7 @@ pub(super) fn judge(
     let floor = study.floor();
     let mut practical = None;
     // Without a recording that could confirm it, a large part taken away proves no name; of a single one it leaves a choice.
-    if (!held_out.is_empty() || study.sets.len() == 1) && !tests.iter().all(|t| t.passed) {
+    if (!held_out.is_empty() || study.single()) && !tests.iter().all(|t| t.passed) {
         let (sets, unseen_sets) = (study.sets.clone(), held_out.clone());
         let second = practically(&mut study, &found, &mut held_out, floor, progress)?;
         if second.tests.iter().all(|t| t.passed) && second.found.best.is_some() {
@@ -269,7 +269,7 @@ fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bool) -> (Ver
     if !adequate || found.places.iter().any(|p| p.gain < study.settings.margin) {
         return (Verdict::Unknown, found.places.iter().map(|p| name(p.entry)).collect());
     }
-    let single = study.sets.len() == 1;
+    let single = study.single();
     let margin = margin(study);
     let mut names: Vec<&'static str> = Vec::new();
     let mut open = false;
@@ -280,7 +280,9 @@ fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bool) -> (Ver
         names.extend(near.into_iter().map(name));
     }
     if single && open && names.len() == 1 {
-        let next = found.alone.iter().find(|t| t.excluded.is_none() && name(t.entry) != names[0]);
+        let best = found.places[0].entry;
+        let mut rest = found.alone.iter().filter(|t| t.excluded.is_none() && t.entry != best);
+        let next = rest.find(|t| !study.stands_back(t.entry, best));
         names.extend(next.map(|t| name(t.entry)));
     }
     let mut names = unique(names);

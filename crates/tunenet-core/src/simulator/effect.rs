@@ -109,3 +109,23 @@ impl Effect {
         format!("{}.{}", self.name, self.coefficients[i].key)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_believed_to_exclude_absence_has_to_be_there() {
+        let effect = |low: f64, high: f64| Effect {
+            name: "drag",
+            phase: Phase::Flight,
+            coefficients: vec![Coefficient::new("c", "1", 0.0, (0.0, 10.0), 0.1)],
+            plausible: vec![(low, high)],
+            sentence: "",
+            mistaken_for: &[],
+            unlikely: None,
+        };
+        assert!(effect(0.03, 0.4).certain() && effect(-2.0, -1.0).certain());
+        assert!(!effect(0.0, 0.4).certain() && !effect(-1.0, 1.0).certain());
+    }
+}

@@ -84,7 +84,20 @@ impl ObservedBall {
         let body = Body { radius_m, mass_kg, gravity_m_s2, in_air: file.in_air() };
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
         let (free, own, forced) = (Vec::new(), Vec::new(), false);
-        Ok(Self { scene, release, surface_height_m, parameters, channels, kind, unknown, body, fixed, free, own, forced })
+        Ok(Self {
+            scene,
+            release,
+            surface_height_m,
+            parameters,
+            channels,
+            kind,
+            unknown,
+            body,
+            fixed,
+            free,
+            own,
+            forced,
+        })
     }
 
     /// The same, which uses recordings that their checks reject, and says so among their notes.

@@ -4,7 +4,7 @@ use tunenet_core::simulator::{Coefficient, Phase};
 
 use super::BallEffect;
 
-/// A sphere of water this small falls in air at a Reynolds number of 1, m; whatever is larger or thrown is far above it.
+/// A sphere of water larger than this falls in air at a Reynolds number beyond 1, m, and what is thrown is far above it.
 const SMALLEST_M: f64 = 1e-4;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
@@ -32,3 +32,21 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     heard: true,
     apply: |scene, c| scene.flight.linear_drag_1_s += c[0],
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ball::effects::Body;
+
+    /// Stokes' fall in air, v = 2 ρ g r²/(9 μ) with μ = 1.8e-5 Pa s: Re = 2 v r / ν passes 1 between r of .03 and .05 mm in
+    /// water, so no ball that a camera sees is below it.
+    #[test]
+    fn only_dust_is_slow_enough_in_air() {
+        let reynolds = |r: f64| 2.0 * (2.0 * 1000.0 * 9.81 * r * r / (9.0 * 1.8e-5)) * r / 1.5e-5;
+        assert!(reynolds(SMALLEST_M) > 1.0 && reynolds(3e-5) < 1.0);
+        let ball = Body { radius_m: 0.02, mass_kg: None, gravity_m_s2: 9.81, in_air: true };
+        assert!((EFFECT.unlikely)(&ball).is_some());
+        assert!((EFFECT.unlikely)(&Body { in_air: false, ..ball }).is_none());
+        assert!((EFFECT.unlikely)(&Body { radius_m: 1e-5, ..ball }).is_none());
+    }
+}
