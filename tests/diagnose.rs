@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use common::{Drop, Folder, Noise, Ran, table};
@@ -244,18 +245,18 @@ fn one_throw_repeated_is_told_to_be_varied() {
 fn an_axis_that_was_not_measured_carries_no_effect() {
     let (c, mut noise) = (0.9, Noise(5));
     let row = |i: i32| {
-        let t = f64::from(i) / 60.0;
+        let t = f64::from(i) / 30.0;
         let z = 1.5 - ((9.81f64 * c).sqrt() * t).cosh().ln() / c;
-        format!("{t},{},{}\n", 0.002 * noise.normal(), z + 0.002 * noise.normal())
+        format!("{t},{},{}\n", 0.005 * noise.normal(), z + 0.005 * noise.normal())
     };
     let folder = Folder::new();
-    folder.write("fall.csv", format!("t_s,x_m,z_m\n{}", (0..36).map(row).collect::<String>()));
+    folder.write("fall.csv", format!("t_s,x_m,z_m\n{}", (0..18).map(row).collect::<String>()));
     folder.write("ball.toml", "kind = \"ball\"\nball.radius_m = 0.0155\nball.mass_kg = 0.0004\n");
     // Spin along a start velocity that nobody saw would explain the fall as well, and viscous drag nearly so.
     let json = folder.run("diagnose --sim ball.toml --observation fall.csv --json").ends(0).json();
     assert_eq!(json["verdict"], "named", "{json:#}");
     assert_eq!(json["effects"][0]["name"], "quadratic_drag", "{json:#}");
-    assert!((json["effects"][0]["coefficients"]["c_1_m"]["value"].as_f64().unwrap() - c).abs() < 0.05, "{json:#}");
+    assert!((json["effects"][0]["coefficients"]["c_1_m"]["value"].as_f64().unwrap() - c).abs() < 0.1, "{json:#}");
     assert!(codes(&json).contains(&"effect.unlikely"), "{json:#}");
     // In something that may be syrup, both are left.
     let other =
@@ -284,7 +285,7 @@ fn a_list_of_bounces_gets_one_answer_from_tuning_and_from_diagnosis() {
     let (mut time, mut interval, mut noise) = (0.0, 0.5, Noise(2));
     let mut rows = String::from("bounce_time_s\n");
     for k in 0..15 {
-        rows.push_str(&format!("{}\n", time + 2e-4 * noise.normal()));
+        writeln!(rows, "{}", time + 2e-4 * noise.normal()).expect("text");
         time += interval;
         interval *= 0.86 + 0.006 * f64::from(k);
     }
@@ -300,8 +301,9 @@ fn a_list_of_bounces_gets_one_answer_from_tuning_and_from_diagnosis() {
 #[test]
 fn a_rejected_recording_is_said_before_anything_is_tuned() {
     let folder = with_throws();
-    folder.write("short.csv", Drop { frames: 4, ..Drop::default() }.csv());
-    let ran = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv short.csv");
+    let frames = Drop::default().frames();
+    folder.write("mm.csv", table(&frames.iter().map(|(t, x)| (*t, x.map(|v| v * 1000.0))).collect::<Vec<_>>()));
+    let ran = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv mm.csv");
     let at = |word: &str| ran.stderr.find(word).unwrap_or_else(|| panic!("no `{word}` in\n{}", ran.stderr));
-    assert!(at("not used: short.csv") < at("tuned "), "{}", ran.stderr);
+    assert!(at("not used: mm.csv") < at("tuned "), "{}", ran.stderr);
 }
