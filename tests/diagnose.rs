@@ -245,12 +245,12 @@ fn one_throw_repeated_is_told_to_be_varied() {
 fn an_axis_that_was_not_measured_carries_no_effect() {
     let (c, mut noise) = (0.9, Noise(5));
     let row = |i: i32| {
-        let t = f64::from(i) / 30.0;
+        let t = f64::from(i) / 40.0;
         let z = 1.5 - ((9.81f64 * c).sqrt() * t).cosh().ln() / c;
-        format!("{t},{},{}\n", 0.005 * noise.normal(), z + 0.005 * noise.normal())
+        format!("{t},{},{}\n", 0.0035 * noise.normal(), z + 0.0035 * noise.normal())
     };
     let folder = Folder::new();
-    folder.write("fall.csv", format!("t_s,x_m,z_m\n{}", (0..18).map(row).collect::<String>()));
+    folder.write("fall.csv", format!("t_s,x_m,z_m\n{}", (0..24).map(row).collect::<String>()));
     folder.write("ball.toml", "kind = \"ball\"\nball.radius_m = 0.0155\nball.mass_kg = 0.0004\n");
     // Spin along a start velocity that nobody saw would explain the fall as well, and viscous drag nearly so.
     let json = folder.run("diagnose --sim ball.toml --observation fall.csv --json").ends(0).json();
