@@ -29,6 +29,7 @@ mod scatter;
 mod search;
 mod sets;
 mod stage;
+mod steady;
 mod structure;
 mod study;
 mod unknown;

@@ -19,6 +19,8 @@ const LEFT_SHARE_CERTAIN: f64 = 1.0 / 3.0;
 const CONFIRMED: f64 = 0.5;
 /// ... and a wrong effect has to leave this many times as much.
 const CONTROL: f64 = 1.3;
+/// An effect may differ from recording to recording by this share of itself; what is only like it differs by more.
+const UNSTEADY: f64 = 0.15;
 /// An effect has to reduce the mean square by this factor to be worth a name.
 pub(super) const WORTH: f64 = 1.3;
 /// Correlations above this would leave next to no independent value.
@@ -110,6 +112,9 @@ impl<'a> Study<'a> {
         let certain = best.structure.effects.iter().all(|&entry| self.certain(entry));
         let threshold = if certain { LEFT_SHARE_CERTAIN } else { LEFT_SHARE };
         let mut tests = vec![Test { name: "left over taken away", value: left, threshold, passed: left <= threshold }];
+        let value = self.unsteadiness(best);
+        let passed = certain || value <= UNSTEADY;
+        tests.push(Test { name: "difference between recordings", value, threshold: UNSTEADY, passed });
         if let Some((before, after)) = unseen {
             let value = after.rmse / before.rmse.max(f64::MIN_POSITIVE);
             let passed = value <= CONFIRMED;
