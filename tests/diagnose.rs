@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use common::{Drop, Folder, Noise, Ran, table};
@@ -225,4 +226,72 @@ fn one_throw_repeated_is_told_to_be_varied() {
     }
     let json = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv --json").json();
     assert!(["none", "insufficient"].contains(&json["verdict"].as_str().unwrap()), "{json:#}");
+}
+
+/// A light ball that falls from rest through air, z = h − ln cosh(√(g c) t) / c, in a picture that shows x and z.
+#[test]
+fn an_axis_that_was_not_measured_carries_no_effect() {
+    let (c, mut noise) = (0.9, Noise(5));
+    let row = |i: i32| {
+        let t = f64::from(i) / 40.0;
+        let z = 1.5 - ((9.81f64 * c).sqrt() * t).cosh().ln() / c;
+        format!("{t},{},{}\n", 0.0035 * noise.normal(), z + 0.0035 * noise.normal())
+    };
+    let folder = Folder::new();
+    folder.write("fall.csv", format!("t_s,x_m,z_m\n{}", (0..24).map(row).collect::<String>()));
+    folder.write("ball.toml", "kind = \"ball\"\nball.radius_m = 0.0155\nball.mass_kg = 0.0004\n");
+    // Spin along a start velocity that nobody saw would explain the fall as well, and viscous drag nearly so.
+    let json = folder.run("diagnose --sim ball.toml --observation fall.csv --json").ends(0).json();
+    assert_eq!(json["verdict"], "named", "{json:#}");
+    assert_eq!(json["effects"][0]["name"], "quadratic_drag", "{json:#}");
+    assert!((json["effects"][0]["coefficients"]["c_1_m"]["value"].as_f64().unwrap() - c).abs() < 0.1, "{json:#}");
+    assert!(codes(&json).contains(&"effect.unlikely"), "{json:#}");
+    // In something that may be syrup, both are left.
+    let other =
+        folder.run("diagnose --sim ball.toml --set world.medium=other --observation fall.csv --json").ends(3).json();
+    let left: Vec<&str> = list(&other, "candidates").iter().filter_map(Value::as_str).collect();
+    assert!(left.contains(&"quadratic_drag") && left.contains(&"linear_drag"), "{other:#}");
+}
+
+#[test]
+fn a_wrong_coefficient_in_the_file_is_tuned_anew() {
+    let folder = with_throws();
+    folder.write("wrong.toml", format!("{SCENE}\n[effects.quadratic_drag]\nc_1_m = 0.05 # a guess\n"));
+    let line = "diagnose --sim wrong.toml --observation 1.csv 2.csv 3.csv --held-out 5.csv --out o.toml --json";
+    let json = folder.run(line).ends(0).json();
+    assert_eq!(json["verdict"], "none", "{json:#}");
+    let tuned =
+        list(&json, "parameters").iter().find(|p| p["name"] == "quadratic_drag.c_1_m").expect("the coefficient");
+    assert!((tuned["value"].as_f64().unwrap() - 0.1317).abs() < 0.01 && tuned["given"] == 0.05, "{tuned}");
+    let text = String::from_utf8(folder.read("o.toml")).expect("text");
+    assert!(text.contains("c_1_m = 0.13") && text.contains("# a guess"), "{text}");
+}
+
+/// A restitution that rises from bounce to bounce, in one list: no constant one explains it, whoever is asked.
+#[test]
+fn a_list_of_bounces_gets_one_answer_from_tuning_and_from_diagnosis() {
+    let (mut time, mut interval, mut noise) = (0.0, 0.5, Noise(2));
+    let mut rows = String::from("bounce_time_s\n");
+    for k in 0..15 {
+        writeln!(rows, "{}", time + 2e-4 * noise.normal()).expect("text");
+        time += interval;
+        interval *= 0.86 + 0.006 * f64::from(k);
+    }
+    let folder = Folder::new();
+    folder.write("heard.csv", rows);
+    folder.write("ball.toml", "kind = \"ball\"\nball.radius_m = 0.02\n");
+    let tuned = folder.run("tune --sim ball.toml --observation heard.csv --json").ends(3).json();
+    assert_eq!(tuned["verdict"], "poor_fit", "{tuned:#}");
+    let json = folder.run("diagnose --sim ball.toml --observation heard.csv --json").ends(3).json();
+    assert!(["unknown", "one_of"].contains(&json["verdict"].as_str().unwrap()), "{json:#}");
+}
+
+#[test]
+fn a_rejected_recording_is_said_before_anything_is_tuned() {
+    let folder = with_throws();
+    let frames = Drop::default().frames();
+    folder.write("mm.csv", table(&frames.iter().map(|(t, x)| (*t, x.map(|v| v * 1000.0))).collect::<Vec<_>>()));
+    let ran = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv mm.csv");
+    let at = |word: &str| ran.stderr.find(word).unwrap_or_else(|| panic!("no `{word}` in\n{}", ran.stderr));
+    assert!(at("not used: mm.csv") < at("tuned "), "{}", ran.stderr);
 }

@@ -185,7 +185,7 @@ fn fallen(name: &str, x: usize, z: usize, until_s: f64, radius_m: f64, mass_kg: 
 #[test]
 fn foam_needs_air_and_rubber_does_not() {
     let Some(red) = fallen("red_ball.txt", 1, 2, 0.54, 0.0155, 0.0004) else { return };
-    assert!(offers(&red, "quadratic_drag"), "{}", short(&red));
+    assert!(is_named(&red, "quadratic_drag") && names(&red["effects"], "name").len() == 1, "{}", short(&red));
     let Some(black) = fallen("black_ball.txt", 2, 1, 9.0, 0.0199, 0.02455) else { return };
     assert!(["none", "insufficient"].contains(&black["verdict"].as_str().unwrap_or_default()), "{}", short(&black));
     let Some(white) = fallen("white_ball.txt", 2, 1, 9.0, 0.0201, 0.0028) else { return };
@@ -205,7 +205,6 @@ fn flights(count: usize) -> Option<Value> {
 }
 
 #[test]
-#[ignore = "not reached: the answer is `unknown`; drag leads, but a third of what it takes away is left"]
 fn table_tennis_flights_show_drag_together() {
     let Some(json) = flights(12) else { return };
     assert!(is_named(&json, "quadratic_drag"), "{}", short(&json));
@@ -222,7 +221,8 @@ fn table_tennis_flights_show_drag_together() {
 #[test]
 fn one_flight_cannot_tell() {
     let Some(json) = flights(1) else { return };
-    assert_ne!(json["verdict"], "named", "{}", short(&json));
+    assert_eq!(json["verdict"], "one_of", "{}", short(&json));
+    assert!(offers(&json, "quadratic_drag"), "{}", short(&json));
 }
 
 #[test]
@@ -233,7 +233,7 @@ fn heard_bounces_leave_two_explanations() {
     here.write("ball.toml", ball(0.02, None));
     eprintln!("{} lists of bounces:", files.len());
     let json = run(here.command().args(["diagnose", "--sim", "ball.toml", "--observation"]).args(files));
-    assert!(offers(&json, "quadratic_drag") && offers(&json, "speed_dependent_restitution"), "{}", short(&json));
+    assert_eq!(names(&json["candidates"], ""), ["quadratic_drag", "speed_dependent_restitution"], "{}", short(&json));
     let held_out = &json["gap"]["held_out"];
     let ratio = held_out["after"].as_f64().expect("held out") / held_out["before"].as_f64().expect("held out");
     assert!(ratio <= 0.5, "{held_out}");
@@ -248,7 +248,7 @@ fn metres(path: &Path, fps: f64, px_m: f64, up: f64) -> String {
 }
 
 #[test]
-#[ignore = "not reached: the answer is `unknown`; the track is smoothed and its noise too small"]
+#[ignore = "not reached: the answer is `unknown`; drag and a stretched picture act in one throw, and neither alone takes most away"]
 fn a_basketball_in_a_picture_whose_pixels_are_not_square() {
     let Some(from) = folder("TUNENET_MEASURED", "basketball-throw") else { return };
     let here = Folder::new();
@@ -261,7 +261,7 @@ fn a_basketball_in_a_picture_whose_pixels_are_not_square() {
 
 /// No length is known in these pictures: gravity itself is the only scale, so lengths stay free.
 #[test]
-#[ignore = "not reached: Magnus alone is named"]
+#[ignore = "not reached: the answer is `unknown`; each launch has a spin of its own, beside which drag gains nothing"]
 fn spinning_launches_show_drag() {
     let Some(from) = folder("TUNENET_MEASURED", "pingpong-serve-px") else { return };
     let here = Folder::new();

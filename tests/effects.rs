@@ -10,7 +10,7 @@ use tunenet_sim::ball::effects::{ALL, Body};
 
 /// A ball of which only the size is known.
 fn ball_effects() -> Vec<Effect> {
-    let body = Body { radius_m: 0.02, mass_kg: None, gravity_m_s2: 9.81 };
+    let body = Body { radius_m: 0.02, mass_kg: None, gravity_m_s2: 9.81, in_air: true };
     ALL.iter().map(|e| e.entry(&body)).collect()
 }
 

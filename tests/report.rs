@@ -83,7 +83,7 @@ fn diagnoses() -> Vec<(&'static str, String, i32, &'static [&'static str])> {
     let insufficient: &[&str] = &["These recordings do not suffice", "recordings.short", "stays as it is"];
     vec![
         ("named", seen("light_1.csv light_2.csv light_3.csv light_4.csv --held-out light_5.csv"), 0, named),
-        ("one_of", seen("light_1.csv"), 3, one_of),
+        ("one_of", "diagnose --sim scene.toml --observation light_1.csv".into(), 3, one_of),
         ("unknown", seen("shaken_1.csv shaken_2.csv shaken_3.csv"), 3, unknown),
         ("insufficient", seen("bounces.csv"), 3, insufficient),
         ("nothing", seen("drop.csv"), 0, &["Nothing is missing", "Tuned, the simulation stays"]),

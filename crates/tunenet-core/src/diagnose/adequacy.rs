@@ -8,6 +8,8 @@ use super::evidence::{upper_chi_squared, upper_f};
 use super::joint::{Which, dot};
 use super::sets::Set;
 use super::study::{Model, Study};
+use crate::observation::Kind;
+use crate::tune::Adequacy;
 
 /// A test fails only below this probability ...
 const PROBABLE: f64 = 1e-4;
@@ -32,7 +34,21 @@ impl Study<'_> {
             .flatten()
             .collect();
         tests.extend(self.heterogeneity(model));
+        tests.extend(self.size_of_rest(model));
         tests
+    }
+
+    /// Of lists of bounces, too short for any test of shape: whether the residual is no larger than the noise of single
+    /// intervals, by the same limit as in tuning.
+    fn size_of_rest(&self, model: &Model) -> Option<Test> {
+        let heard =
+            self.sets.iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::BounceTimes);
+        let share = model.structure.globals.len().div_ceil(self.sets.len().max(1));
+        let each = heard.map(|(set, residual)| {
+            Adequacy::of(&set.prepared.seen, &set.noise, residual, set.prepared.own.len() + share)
+        });
+        let worst = each.filter(|a| a.tested).max_by(|a, b| (a.ratio / a.limit).total_cmp(&(b.ratio / b.limit)))?;
+        Some(Test { name: "residual over noise", value: worst.ratio, threshold: worst.limit, passed: !worst.poor() })
     }
 
     /// Whether the recordings agree on the free numbers: how far each alone would move them, weighed by how well it knows

@@ -18,7 +18,7 @@ use crate::observation::Note;
 use crate::simulator::Phase;
 
 /// 95 % of a normal distribution lies within so many standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+pub(super) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// Everything judged, to be put together.
 pub(super) struct Judged<'a> {
@@ -131,8 +131,10 @@ fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffec
         };
         Fitted { key: coefficient.key, unit: coefficient.unit, values }
     });
+    // What acts along an axis that was not measured has no value.
+    let coefficients = coefficients.filter(|fitted| !fitted.values.is_empty());
     let next = place.others.first();
-    let alternatives = in_place_of(place, margin);
+    let alternatives = in_place_of(study, place, margin);
     NamedEffect {
         effect: entry.of[0].clone(),
         coefficients: coefficients.collect(),

@@ -12,6 +12,8 @@ pub(super) struct Entry {
     pub name: &'static str,
     /// The entry as each subject has it: the ranges may differ with mass and size.
     pub of: Vec<Effect>,
+    /// For each coefficient: whether the recordings depend on it; what acts along an axis that was not measured is not free.
+    pub seen: Vec<bool>,
 }
 
 impl Entry {
@@ -57,7 +59,7 @@ pub(super) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {
     let everywhere = |effect: &Effect| {
         let of: Option<Vec<Effect>> =
             known.iter().map(|effects| effects.iter().find(|e| e.name == effect.name).cloned()).collect();
-        of.map(|of| Entry { name: effect.name, of })
+        of.map(|of| Entry { name: effect.name, of, seen: vec![true; effect.coefficients.len()] })
     };
     known.first().into_iter().flatten().filter_map(everywhere).collect()
 }

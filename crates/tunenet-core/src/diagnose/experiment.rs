@@ -32,9 +32,9 @@ const START: &str = "release.";
 /// The experiment that separates what the search left together; `margin` as it was applied.
 pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<NextExperiment>> {
     let Some(best) = &found.best else { return Ok(None) };
-    let near = found.places.iter().find(|p| !in_place_of(p, margin).is_empty());
+    let near = found.places.iter().find(|p| !in_place_of(study, p, margin).is_empty());
     let Some(place) = near.or(found.places.iter().find(|p| !p.others.is_empty())) else { return Ok(None) };
-    let mut others = in_place_of(place, margin);
+    let mut others = in_place_of(study, place, margin);
     if others.is_empty() {
         others.extend(place.others.first().map(|(entry, _)| *entry));
     }

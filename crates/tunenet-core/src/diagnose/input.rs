@@ -1,6 +1,6 @@
 //! What a diagnosis starts from.
 
-use crate::observation::Observation;
+use crate::observation::{Note, Observation};
 use crate::simulator::Simulator;
 use crate::{Error, Result};
 
@@ -63,7 +63,14 @@ impl Settings {
 
 /// What a diagnosis is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
+pub enum Progress<'a> {
+    /// A recording is not used.
+    NotUsed {
+        /// Its name.
+        name: &'a str,
+        /// Why.
+        why: &'a Note,
+    },
     /// Tuning the simulation as it is.
     Tuning,
     /// Scoring this many candidates beside as many effects as are already in.

@@ -20,10 +20,12 @@ mod columns;
 mod confusable;
 mod evidence;
 mod experiment;
+mod flights;
 mod held_out;
 mod hidden;
 mod input;
 mod joint;
+mod likely;
 mod practical;
 mod prune;
 mod rest;
@@ -31,9 +33,11 @@ mod scatter;
 mod search;
 mod sets;
 mod stage;
+mod steady;
 mod structure;
 mod study;
 mod unknown;
+mod unmeasured;
 mod verdict;
 
 #[cfg(test)]
@@ -84,6 +88,7 @@ pub fn diagnose(
             }
             Preparation::Rejected(rejected) => {
                 one.used = false;
+                progress(Progress::NotUsed { name: &recording.name, why: &rejected.note });
                 one.notes.push(rejected.note);
             }
         }
@@ -101,21 +106,46 @@ pub fn diagnose(
             notes.push(Note::new("held_out.chosen", format!("set aside to judge by: {}", names.join(", ")), ""));
         }
     }
-    let (held_out, sets): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.held_out);
-    let study = Study {
-        subjects,
-        sets,
-        catalogue: catalogue::catalogue(subjects),
-        settings,
-        chance: None,
-        independent: 1.0,
-        given: Vec::new(),
-        rollouts: AtomicUsize::new(0),
-    };
-    verdict::judge(study, held_out, recordings, Answered { uses, notes }, progress)
+    let asked = Asked { subjects, recordings, settings, progress };
+    let known = Answered { uses, notes };
+    let whole = asked.judge(sets.clone(), known.clone())?;
+    if whole.verdict == Verdict::Unknown
+        && let Some(flights) = asked.flights_alone(&sets, &known, &whole)?
+    {
+        return Ok(flights);
+    }
+    Ok(whole)
+}
+
+/// What [`diagnose`] was asked.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    subjects: &'a [Subject<'a>],
+    recordings: &'a [Recording<'a>],
+    settings: &'a Settings,
+    progress: &'a dyn Fn(Progress),
+}
+
+impl Asked<'_> {
+    /// The answer of these recordings, ready.
+    fn judge(&self, sets: Vec<Set>, known: Answered) -> Result<Diagnosis> {
+        let (held_out, sets): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.held_out);
+        let study = Study {
+            subjects: self.subjects,
+            sets,
+            catalogue: catalogue::catalogue(self.subjects),
+            settings: self.settings,
+            chance: None,
+            independent: 1.0,
+            given: Vec::new(),
+            rollouts: AtomicUsize::new(0),
+        };
+        verdict::judge(study, held_out, self.recordings, known, self.progress)
+    }
 }
 
 /// What is known of the answer before anything is fitted.
+#[derive(Clone)]
 struct Answered {
     uses: Vec<Use>,
     notes: Vec<Note>,

@@ -12,10 +12,15 @@ use crate::Result;
 
 /// What may be left beyond noise, as a share of what the effects took away (of mean squares).
 pub(super) const LEFT_SHARE: f64 = 0.1;
+/// ... where each of them has to be there anyhow (drag of a ball of known mass and size): most of what was missing is
+/// accounted for, and the rest is something else. Whether such an effect exists is no question; how large it is, is.
+const LEFT_SHARE_CERTAIN: f64 = 1.0 / 3.0;
 /// Effects have to take the residual of unseen recordings down to this share ...
 pub(super) const CONFIRMED: f64 = 0.5;
 /// ... and a wrong effect has to leave this many times as much.
 pub(super) const CONTROL: f64 = 1.3;
+/// An effect may differ from recording to recording by this share of itself; what is only like it differs by more.
+const UNSTEADY: f64 = 0.15;
 /// An effect has to reduce the mean square by this factor to be worth a name.
 pub(super) const WORTH: f64 = 1.3;
 /// Correlations above this would leave next to no independent value.
@@ -104,8 +109,12 @@ impl<'a> Study<'a> {
         };
         let (before, after) = (square(&found.base)?, square(best)?);
         let left = (after - floor).max(0.0) / (before - after).max(f64::MIN_POSITIVE);
-        let threshold = LEFT_SHARE;
+        let certain = best.structure.effects.iter().all(|&entry| self.certain(entry));
+        let threshold = if certain { LEFT_SHARE_CERTAIN } else { LEFT_SHARE };
         let mut tests = vec![Test { name: "left over taken away", value: left, threshold, passed: left <= threshold }];
+        let value = self.unsteadiness(best);
+        let passed = certain || value <= UNSTEADY;
+        tests.push(Test { name: "difference between recordings", value, threshold: UNSTEADY, passed });
         if let Some((before, after)) = unseen {
             let value = after.rmse / before.rmse.max(f64::MIN_POSITIVE);
             let passed = value <= CONFIRMED;

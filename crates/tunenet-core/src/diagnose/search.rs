@@ -4,6 +4,7 @@ use super::evidence::p_value;
 use super::practical::WORTH;
 use super::stage::Trial;
 use super::study::{Model, Study};
+use super::verdict::margin;
 use super::{Progress, confusable};
 use crate::Result;
 
@@ -91,7 +92,8 @@ impl<'a> Study<'a> {
         let Some(trial) = trials.iter().find(|t| t.excluded.is_none() && t.model.is_some()) else { return Ok(None) };
         let Some(model) = &trial.model else { return Ok(None) };
         let (_, p) = self.worth(before, model);
-        if trial.gain > self.settings.margin && p < self.settings.significance && self.matters(before, model) {
+        let least = if before.structure.effects.is_empty() { self.settings.margin } else { margin(self) };
+        if trial.gain > least && p < self.settings.significance && self.matters(before, model) {
             let structure = self.structure(&model.structure.effects)?;
             return Ok(Some(Model { structure, fit: model.fit.clone() }));
         }

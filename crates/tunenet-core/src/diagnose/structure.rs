@@ -86,7 +86,7 @@ impl<'a> Structure<'a> {
         }
         let present: Vec<usize> = (0..subjects.len()).filter(|&o| sets.iter().any(|s| s.object == o)).collect();
         for (position, entry) in entries.iter().enumerate() {
-            for (k, coefficient) in entry.of[0].coefficients.iter().enumerate() {
+            for (k, coefficient) in entry.of[0].coefficients.iter().enumerate().filter(|(k, _)| entry.seen[*k]) {
                 for &object in &present {
                     let name = entry.of[object].parameter_name(k);
                     let known = structure.simulators[object].parameters().iter().find(|p| p.name == name).cloned();

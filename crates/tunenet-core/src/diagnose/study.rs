@@ -69,6 +69,11 @@ impl<'a> Study<'a> {
         self.catalogue.iter().find(|e| e.name == SCATTER)
     }
 
+    /// Whether all that is fitted comes from one recording.
+    pub fn single(&self) -> bool {
+        self.sets.iter().all(|set| set.recording == self.sets[0].recording)
+    }
+
     /// How many values count.
     pub fn count(&self) -> usize {
         self.sets.iter().map(Set::count).sum()

@@ -13,8 +13,9 @@ use super::{Answered, Progress, Recording};
 use crate::Result;
 use crate::observation::Note;
 
-/// Of a single recording, explanations are left up to this many times the usual margin. It earns no lone name at all: what
-/// is in no catalogue looks like one of its entries in one throw, by any margin.
+/// Of a single recording, explanations are left up to this many times the usual margin. It earns no lone name, since what
+/// is in no catalogue looks like one of its entries in one throw, by any margin; unless the effect has to be there, as drag
+/// of a ball of known mass and size.
 const SINGLE: f64 = 10.0;
 /// Fewer values than this beyond the unknowns say nothing of what is missing.
 const LEAST_FREEDOM: usize = 12;
@@ -40,6 +41,7 @@ pub(super) fn judge(
     }
     progress(Progress::Tuning);
     let mut base = study.base()?;
+    study.leave_out_unmeasured(&base, &mut held_out)?;
     let mut rho = 0.0;
     let apart = if study.hopeless(&base) { study.apart(progress)? } else { None };
     let open = apart.as_ref().is_some_and(|apart| apart.open);
@@ -80,8 +82,9 @@ pub(super) fn judge(
     let mut before = unseen(&study, &found.base, &held_out)?;
     let mut tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base));
     let floor = study.floor();
-    // Without a recording that could confirm it, a large part taken away proves nothing.
-    if !judged_apart && !held_out.is_empty() && !tests.iter().all(|t| t.passed) {
+    // Without a recording that could confirm it, a large part taken away proves no name; of a single one it leaves a choice.
+    let judgeable = !held_out.is_empty() || study.single();
+    if !judged_apart && judgeable && !tests.iter().all(|t| t.passed) {
         let (sets, unseen_sets) = (study.sets.clone(), held_out.clone());
         let second = practically(&mut study, &found, &mut held_out, floor, progress)?;
         if second.tests.iter().all(|t| t.passed) && second.found.best.is_some() {
@@ -126,9 +129,13 @@ pub(super) fn judge(
         tests.push(Test { name: "held-out residual after over before", value, threshold: HELD_OUT_WORSE, passed });
     }
     let judged_by = practical.as_ref().unwrap_or(&tests);
-    let (verdict, names) = decide(&study, &found, judged_by);
+    let confirmed = practical.is_none() || !held_out.is_empty();
+    let (verdict, names) = decide(&study, &found, judged_by, confirmed);
     tests.extend(practical.into_iter().flatten());
     let margin = margin(&study);
+    if matches!(verdict, Verdict::Named | Verdict::OneOf) {
+        study.say_what_stands_back(&found, margin, &mut notes);
+    }
     let judged = Judged {
         ratios,
         verdict,
@@ -280,7 +287,7 @@ pub(super) fn margin(study: &Study) -> f64 {
     study.settings.margin * if thin { SINGLE } else { 1.0 }
 }
 
-fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'static str>) {
+fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bool) -> (Verdict, Vec<&'static str>) {
     let adequate = tests.iter().all(|t| t.passed);
     let name = |entry: usize| study.catalogue[entry].name;
     if found.best.is_none() {
@@ -293,18 +300,20 @@ fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'stati
     if !adequate || found.places.iter().any(|p| p.gain < study.settings.margin) {
         return (Verdict::Unknown, found.places.iter().map(|p| name(p.entry)).collect());
     }
-    let single = study.sets.len() == 1;
+    let single = study.single();
     let margin = margin(study);
     let mut names: Vec<&'static str> = Vec::new();
     let mut open = false;
     for place in &found.places {
         names.push(name(place.entry));
-        let near = in_place_of(place, margin);
-        open |= !near.is_empty() || single;
+        let near = in_place_of(study, place, margin);
+        open |= !near.is_empty() || single && !(confirmed && study.certain(place.entry));
         names.extend(near.into_iter().map(name));
     }
     if single && open && names.len() == 1 {
-        let next = found.alone.iter().find(|t| t.excluded.is_none() && name(t.entry) != names[0]);
+        let best = found.places[0].entry;
+        let mut rest = found.alone.iter().filter(|t| t.excluded.is_none() && t.entry != best);
+        let next = rest.find(|t| !study.stands_back(t.entry, best));
         names.extend(next.map(|t| name(t.entry)));
     }
     let mut names = unique(names);
@@ -312,9 +321,10 @@ fn decide(study: &Study, found: &Found, tests: &[Test]) -> (Verdict, Vec<&'stati
     (if open { Verdict::OneOf } else { Verdict::Named }, names)
 }
 
-/// What stands within `margin` of an effect of the best structure.
-pub(super) fn in_place_of(place: &Place, margin: f64) -> Vec<usize> {
-    place.others.iter().filter(|(_, gap)| *gap < margin).map(|(entry, _)| *entry).collect()
+/// What stands within `margin` of an effect of the best structure, less what is not to be expected where that is.
+pub(super) fn in_place_of(study: &Study, place: &Place, margin: f64) -> Vec<usize> {
+    let near = place.others.iter().filter(|(_, gap)| *gap < margin).map(|(entry, _)| *entry);
+    near.filter(|&other| !study.stands_back(other, place.entry)).collect()
 }
 
 /// Each name once, in the order in which they come.

@@ -72,9 +72,19 @@ pub struct Effect {
     pub sentence: &'static str,
     /// Names of effects that some recordings cannot tell from it.
     pub mistaken_for: &'static [&'static str],
+    /// Why it is not to be expected of this object, where something else that explains recordings as well is: it stands
+    /// back behind the other, and alone only where nothing else does.
+    pub unlikely: Option<&'static str>,
 }
 
 impl Effect {
+    /// Whether it has to be there, only its size being open: what is believed of it excludes its absence.
+    #[must_use]
+    pub fn certain(&self) -> bool {
+        let outside = |c: &Coefficient, (low, high): (f64, f64)| c.absent < low || c.absent > high;
+        !self.coefficients.is_empty() && self.coefficients.iter().zip(&self.plausible).all(|(c, p)| outside(c, *p))
+    }
+
     /// Whether coefficients with these values are physically believable, each with `slack` (its standard error, say).
     #[must_use]
     pub fn believable(&self, values: &[f64], slack: &[f64]) -> bool {
@@ -97,5 +107,25 @@ impl Effect {
     #[must_use]
     pub fn parameter_name(&self, i: usize) -> String {
         format!("{}.{}", self.name, self.coefficients[i].key)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_believed_to_exclude_absence_has_to_be_there() {
+        let effect = |low: f64, high: f64| Effect {
+            name: "drag",
+            phase: Phase::Flight,
+            coefficients: vec![Coefficient::new("c", "1", 0.0, (0.0, 10.0), 0.1)],
+            plausible: vec![(low, high)],
+            sentence: "",
+            mistaken_for: &[],
+            unlikely: None,
+        };
+        assert!(effect(0.03, 0.4).certain() && effect(-2.0, -1.0).certain());
+        assert!(!effect(0.0, 0.4).certain() && !effect(-1.0, 1.0).certain());
     }
 }

@@ -74,6 +74,12 @@ pub trait Simulator: Send + Sync {
         None
     }
 
+    /// The same simulator, in which what a throw brings beside position and velocity (its spin, and how the air answers it)
+    /// is unknown of every recording: further own unknowns, after those that it has. `None` where it knows no such thing.
+    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
+        None
+    }
+
     /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major
     /// `[sample, channel]`. `parameters` are all of [`parameters`](Simulator::parameters), `own` all of
     /// [`Prepared::own`]. Deterministic: the same arguments give the same bits.

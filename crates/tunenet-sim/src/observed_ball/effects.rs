@@ -10,6 +10,8 @@ use crate::ball::effects::{ALL, BallEffect};
 
 /// The effect that is chance.
 const SCATTER: &str = "bounce_scatter";
+/// What the spin of a throw does in the air.
+const SPIN: &str = "magnus";
 /// How far a bounce may turn the normal, rad, and at how many bounces of a record it may; later ones are next to rest.
 const GREATEST_KICK_RAD: f64 = 0.5;
 const MOST_KICKS: usize = 12;
@@ -19,7 +21,9 @@ pub(super) const OWN_PARAMETERS: usize = 2;
 impl ObservedBall {
     /// Those that are not there, and that this kind of observation can show.
     pub(super) fn absent_effects(&self) -> Vec<Effect> {
-        let present = |name| self.fixed.iter().any(|(e, _)| e.name == name) || self.free.iter().any(|e| e.name == name);
+        let present = |name| {
+            self.fixed.iter().any(|(e, _)| e.name == name) || self.free.iter().chain(&self.own).any(|e| e.name == name)
+        };
         ALL.iter().filter(|e| !present(e.name) && self.can_take(e)).map(|e| e.entry(&self.body)).collect()
     }
 
@@ -44,6 +48,13 @@ impl ObservedBall {
         Ok(ball)
     }
 
+    /// The same ball, thrown with an unknown spin of its own in every recording; `None` where that is known or does not show.
+    pub(super) fn spinning(&self) -> Option<Self> {
+        let unknown = self.absent_effects().iter().any(|e| e.name == SPIN) && self.release.spin_rad_s.is_none();
+        let effect = BallEffect::find(SPIN).filter(|_| unknown)?;
+        Some(Self { own: vec![effect], ..self.clone() })
+    }
+
     /// Puts the effects into the scene: the file's, those with these coefficients, and the tilts of single bounces,
     /// which follow a recording's other unknowns.
     pub(super) fn apply_effects(&self, scene: &mut Scene, mut coefficients: &[f64], own: &[f64]) {
@@ -55,7 +66,14 @@ impl ObservedBall {
             (effect.apply)(scene, values);
             coefficients = rest;
         }
-        if let Some(kicks) = own.get(self.unknown.len()..) {
+        let mut own = own.get(self.unknown.len()..).unwrap_or_default();
+        for effect in &self.own {
+            let Some((values, rest)) = own.split_at_checked(effect.coefficients.len()) else { break };
+            (effect.apply)(scene, values);
+            own = rest;
+        }
+        if !own.is_empty() {
+            let kicks = own;
             scene.contact.kicks_rad = kicks.chunks_exact(2).map(|kick| [kick[0], kick[1]]).collect();
         }
     }
@@ -68,6 +86,12 @@ impl ObservedBall {
         for (silent, phase) in prepared.silent[OWN_PARAMETERS..].iter_mut().zip(phases) {
             if phase == Phase::Flight {
                 *silent = None;
+            }
+        }
+        for effect in &self.own {
+            let entry = effect.entry(&self.body);
+            for (parameter, (low, high)) in entry.parameters(None)?.into_iter().zip(&entry.plausible) {
+                prepared.own.push(Parameter::new(parameter.name, parameter.unit, parameter.value, *low, *high)?);
             }
         }
         if self.scatters() {

@@ -54,6 +54,8 @@ pub struct ObservedBall {
     fixed: Vec<(BallEffect, Vec<f64>)>,
     /// Effects whose coefficients follow the parameters.
     free: Vec<BallEffect>,
+    /// Effects whose coefficients are every recording's own.
+    own: Vec<BallEffect>,
     forced: bool,
     /// Whether there is no surface.
     aloft: bool,
@@ -81,9 +83,10 @@ impl ObservedBall {
         let parameters = file.parameters()?;
         let scene = scene(file);
         let mass_kg = file.number("ball.mass_kg");
-        let body = Body { radius_m: scene.radius_m, mass_kg, gravity_m_s2: scene.gravity_m_s2 };
+        let (radius_m, gravity_m_s2) = (scene.radius_m, scene.gravity_m_s2);
+        let body = Body { radius_m, mass_kg, gravity_m_s2, in_air: file.in_air() };
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
-        let free = Vec::new();
+        let (free, own) = (Vec::new(), Vec::new());
         let (forced, aloft) = (false, false);
         Ok(Self {
             scene,
@@ -96,6 +99,7 @@ impl ObservedBall {
             body,
             fixed,
             free,
+            own,
             forced,
             aloft,
         })
@@ -215,6 +219,10 @@ impl Simulator for ObservedBall {
 
     fn in_flight(&self) -> Option<Box<dyn Simulator>> {
         Some(Box::new(self.aloft()?))
+    }
+
+    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.spinning()?))
     }
 
     fn rollout(

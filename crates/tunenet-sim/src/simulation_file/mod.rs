@@ -210,6 +210,12 @@ impl SimulationFile {
         self.item(path).and_then(item_number)
     }
 
+    /// Whether the ball moves in air, as it does where nothing else is said.
+    #[must_use]
+    pub fn in_air(&self) -> bool {
+        self.item("world.medium").and_then(Item::as_str).is_none_or(|medium| medium == "air")
+    }
+
     fn vector(&self, path: &str) -> Option<[f64; 3]> {
         let array = self.item(path)?.as_array()?;
         let numbers: Vec<f64> = array.iter().filter_map(schema::number).collect();

@@ -97,6 +97,7 @@ const fn key(path: &'static str, shape: Shape, required: bool, meaning: &'static
 pub const BALL_KEYS: &[Key] = &[
     key("kind", Shape::Word(&["ball"]), true, "what is simulated"),
     key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards; 9.81 where left out"),
+    key("world.medium", Shape::Word(&["air", "other"]), false, "what the ball moves in; air where left out"),
     key("ball.radius_m", Shape::Number(LEAST, 1e3), true, "radius of the ball"),
     key("ball.mass_kg", Shape::Number(1e-9, 1e6), false, "mass of the ball"),
     key("surface.height_m", Shape::Number(-1e6, 1e6), false, "height of the surface; estimated where left out"),
@@ -128,7 +129,7 @@ pub const BALL_KEYS: &[Key] = &[
 
 /// The keys below `[effects]`: one for each coefficient of the catalogues, within the bounds that it has there.
 pub static EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
-    let any = Body { radius_m: 1.0, mass_kg: None, gravity_m_s2: 1.0 };
+    let any = Body { radius_m: 1.0, mass_kg: None, gravity_m_s2: 1.0, in_air: true };
     let entries = ALL.iter().map(|e| e.entry(&any)).chain(measurement_effects(Kind::Positions));
     let keys = entries.flat_map(|effect| {
         let one = |i: usize| Key {

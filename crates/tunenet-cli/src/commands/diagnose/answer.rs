@@ -71,5 +71,6 @@ impl Answer<'_> {
 fn body(object: &super::load::Object) -> Option<Body> {
     let number = |path: &str| object.file.number(path);
     let gravity_m_s2 = number("world.gravity_m_s2").unwrap_or(0.0);
-    Some(Body { radius_m: number("ball.radius_m")?, mass_kg: number("ball.mass_kg"), gravity_m_s2 })
+    let in_air = object.file.in_air();
+    Some(Body { radius_m: number("ball.radius_m")?, mass_kg: number("ball.mass_kg"), gravity_m_s2, in_air })
 }

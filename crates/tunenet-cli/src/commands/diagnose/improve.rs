@@ -111,9 +111,10 @@ fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
     let diagnosis = answer.diagnosis;
     let mut file = answer.loaded.objects[number].file.clone();
     for tuned in diagnosis.parameters.iter().filter(|p| p.object == number) {
-        // What is not a parameter of the file is a coefficient, written below.
-        if !tuned.name.contains('.') {
-            file.set_value(&tuned.name, tuned.value);
+        // A coefficient of an effect that the file has already bears both names.
+        match tuned.name.split_once('.') {
+            Some((effect, key)) => file.add_effect(effect, &[(key, tuned.value)])?,
+            None => file.set_value(&tuned.name, tuned.value),
         }
     }
     for effect in &diagnosis.effects {

@@ -99,7 +99,14 @@ fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
             other => other,
         })?;
     }
-    let simulator = simulator(&file, kind).with_context(|| load::name(&source.path))?;
+    let mut simulator = simulator(&file, kind).with_context(|| load::name(&source.path))?;
+    // A coefficient that stands there may be wrong, and is tuned with the parameters; else it looks like something missing.
+    let present = file.effects();
+    let names = present.iter().map(|e| e.name.as_str());
+    let shown: Vec<&str> = names.filter(|name| simulator.with_effects(&[*name]).is_ok()).collect();
+    if !shown.is_empty() {
+        simulator = simulator.with_effects(&shown)?;
+    }
     Ok(Object { name: source.object.clone(), file, simulator, scene: source.scene.clone() })
 }
 

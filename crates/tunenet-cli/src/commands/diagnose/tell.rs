@@ -30,6 +30,10 @@ pub fn read(loaded: &Loaded) {
 /// Shows what is being done.
 pub fn progress(working: &ProgressBar, at: Progress) {
     working.set_message(match at {
+        Progress::NotUsed { name, why } => {
+            working.suspend(|| anstream::eprintln!("not used: {name} ({})", why.text));
+            return;
+        }
         Progress::Tuning => "tuning".to_owned(),
         Progress::Scoring { candidates, effects: 0 } => format!("scoring {candidates} effects"),
         Progress::Scoring { candidates, effects } => format!("scoring {candidates} effects beside {effects}"),
@@ -56,10 +60,6 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
     }
     if let Some(line) = margins(diagnosis) {
         anstream::eprintln!("  {line}");
-    }
-    for one in diagnosis.uses.iter().filter(|u| !u.used) {
-        let why = one.notes.first().map_or("", |n| n.text.as_str());
-        anstream::eprintln!("  not used: {} ({why})", one.name);
     }
     let aside: Vec<&str> = diagnosis
         .uses
@@ -129,7 +129,7 @@ fn details(answer: &Answer) -> Vec<String> {
             }
         }
     }
-    for tuned in diagnosis.parameters.iter().filter(|p| !p.name.contains('.')) {
+    for tuned in &diagnosis.parameters {
         let object = answer.loaded.objects.get(tuned.object).filter(|_| answer.loaded.objects.len() > 1);
         let object = object.map(|o| format!("{}: ", o.name)).unwrap_or_default();
         let value = Value { object: None, value: tuned.value, interval95: tuned.interval95 };

@@ -32,6 +32,7 @@ fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64
         plausible: vec![plausible],
         sentence: "",
         mistaken_for: &[],
+        unlikely: None,
     }
 }
 

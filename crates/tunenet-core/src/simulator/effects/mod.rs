@@ -73,6 +73,7 @@ impl MeasurementEffect {
             plausible: self.plausible.to_vec(),
             sentence: self.sentence,
             mistaken_for: self.mistaken_for,
+            unlikely: None,
         }
     }
 }

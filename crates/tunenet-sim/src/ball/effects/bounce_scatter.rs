@@ -13,6 +13,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 0.3)],
     sentence: "each bounce turns the ball by chance, as if the surface were tilted anew (a ball that is not round)",
     mistaken_for: &["surface_tilt", "bounce_friction"],
+    unlikely: |_| None,
     heard: false,
     apply: |_, _| {},
 };

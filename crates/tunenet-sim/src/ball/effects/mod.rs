@@ -32,21 +32,23 @@ pub struct Body {
     pub mass_kg: Option<f64>,
     /// Gravity where it falls, m/s².
     pub gravity_m_s2: f64,
+    /// Whether it moves in air.
+    pub in_air: bool,
 }
 
 impl Body {
-    /// The mass of the air that it displaces over its own mass, where that is known.
+    /// The mass of the air that it displaces over its own mass, where it moves in air and its mass is known.
     #[must_use]
     pub fn buoyancy(&self) -> Option<f64> {
         let volume = 4.0 / 3.0 * std::f64::consts::PI * self.radius_m.powi(3);
-        self.mass_kg.map(|mass| AIR_KG_M3 * volume / mass)
+        self.mass_kg.filter(|_| self.in_air).map(|mass| AIR_KG_M3 * volume / mass)
     }
 
-    /// The quadratic drag (1/m) of a drag coefficient of 1: c = ρ A / (2 m), where the mass is known.
+    /// The quadratic drag (1/m) of a drag coefficient of 1: c = ρ A / (2 m), where it moves in air and its mass is known.
     #[must_use]
     pub fn drag_1_m(&self) -> Option<f64> {
         let area = std::f64::consts::PI * self.radius_m * self.radius_m;
-        self.mass_kg.map(|mass| 0.5 * AIR_KG_M3 * area / mass)
+        self.mass_kg.filter(|_| self.in_air).map(|mass| 0.5 * AIR_KG_M3 * area / mass)
     }
 }
 
@@ -65,6 +67,8 @@ pub struct BallEffect {
     pub sentence: &'static str,
     /// What some recordings cannot tell from it.
     pub mistaken_for: &'static [&'static str],
+    /// Why it is not to be expected of this ball where something else explains its recordings as well.
+    pub unlikely: fn(&Body) -> Option<&'static str>,
     /// Whether the bounce times of a vertical drop show it.
     pub heard: bool,
     /// Adds it to a scene.
@@ -104,6 +108,7 @@ impl BallEffect {
             plausible: (self.plausible)(body),
             sentence: self.sentence,
             mistaken_for: self.mistaken_for,
+            unlikely: (self.unlikely)(body),
         }
     }
 }

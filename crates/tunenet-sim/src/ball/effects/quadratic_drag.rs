@@ -26,6 +26,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         "tangential_restitution",
         "bounce_friction",
     ],
+    unlikely: |_| None,
     heard: true,
     apply: |scene, c| scene.flight.quadratic_drag_1_m += c[0],
 };

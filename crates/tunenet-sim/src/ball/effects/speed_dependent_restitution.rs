@@ -11,6 +11,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(-0.3, 0.5)],
     sentence: "fast impacts rebound otherwise than slow ones: e(v) = e (v / 3 m/s)^(-exponent)",
     mistaken_for: &["quadratic_drag", "linear_drag", "contact_time"],
+    unlikely: |_| None,
     heard: true,
     apply: |scene, c| scene.contact.restitution_exponent += c[0],
 };

@@ -1,0 +1,150 @@
+//! Flights alone: where recordings differ by what no effect explains (the ball spins, a racket hits it), each flight between
+//! contacts still says what acts in flight, from a start and with a spin of its own.
+
+use super::answer::{Diagnosis, NextExperiment, Tuned, Verdict};
+use super::assemble::NORMAL_95;
+use super::sets::Set;
+use super::{Answered, Asked, Settings, Subject};
+use crate::Result;
+use crate::observation::{Note, Observation};
+use crate::simulator::{Preparation, Simulator};
+
+/// A flight of fewer samples says next to nothing beyond its start.
+const FEWEST: usize = 14;
+/// What has to be free for a flight to begin anywhere.
+const START: [&str; 6] =
+    ["release.x", "release.y", "release.z", "release.velocity_x", "release.velocity_y", "release.velocity_z"];
+/// The height of what no flight touches, which its lowest sample is not to pin.
+const SURFACE: &str = "surface.height";
+
+/// Fewer recordings leave a choice at most.
+const FEWEST_RECORDINGS: usize = 3;
+
+impl Asked<'_> {
+    /// The answer of the flights of `sets`, each with an unknown spin, where `whole`, that of the recordings as they are,
+    /// names nothing.
+    ///
+    /// What is missing is named only where it has to be there anyhow, as drag of a ball of known mass and size: with so
+    /// much of every flight's own, too many things look alike.
+    pub(super) fn flights_alone(&self, sets: &[Set], known: &Answered, whole: &Diagnosis) -> Result<Option<Diagnosis>> {
+        let spinning: Option<Vec<Box<dyn Simulator>>> =
+            self.subjects.iter().map(|s| s.simulator.with_unknown_spin()).collect();
+        let Some(spinning) = spinning else { return Ok(None) };
+        let mut subjects: Vec<Subject> = Vec::with_capacity(spinning.len());
+        for (subject, simulator) in self.subjects.iter().zip(&spinning) {
+            subjects.push(Subject { name: subject.name.clone(), simulator: simulator.as_ref() });
+        }
+        let mut pieces = Vec::new();
+        for set in sets {
+            for flight in flights(set) {
+                pieces.extend(piece(&subjects, set, &flight)?);
+            }
+        }
+        let mut used: Vec<usize> = pieces.iter().filter(|p| !p.held_out).map(|p| p.recording).collect();
+        used.dedup();
+        if used.is_empty() {
+            return Ok(None);
+        }
+        let settings = Settings { most_effects: 1, ..self.settings.clone() };
+        let asked = Asked { subjects: &subjects, settings: &settings, ..*self };
+        let Ok(mut answer) = asked.judge(pieces, known.clone()) else { return Ok(None) };
+        let told = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
+        if !told || !answer.effects.iter().all(|named| named.effect.certain()) {
+            return Ok(None);
+        }
+        if used.len() < FEWEST_RECORDINGS && answer.verdict == Verdict::Named {
+            self.leave_open(&mut answer);
+        }
+        answer.rollouts += whole.rollouts;
+        answer.parameters = whole.parameters.iter().map(|tuned| beside_contacts(tuned, sets, self)).collect();
+        answer.notes.push(Note::new(
+            "flights.alone",
+            "the recordings as a whole are not explained: they differ from throw to throw, as by spin, or at contacts. \
+             Their flights were judged alone, each with a spin of its own, and parameters of contacts are read off the \
+             samples beside them",
+            "record throws without spin to learn more of the contacts",
+        ));
+        Ok(Some(answer))
+    }
+
+    /// Makes a lone name one of two, with the candidate that comes next.
+    fn leave_open(&self, answer: &mut Diagnosis) {
+        let effects = self.subjects[0].simulator.effects();
+        let unlikely = |name: &str| effects.iter().any(|e| e.name == name && e.unlikely.is_some());
+        let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !unlikely(c.name)).map(|c| c.name);
+        let next = next.filter(|name| !answer.names.contains(name)).take(1).collect::<Vec<_>>();
+        answer.names.extend(next);
+        answer.verdict = Verdict::OneOf;
+        let text = "add recordings of the same ball from other heights and in other directions".into();
+        answer.next_experiment = Some(NextExperiment { text, settings: Vec::new() });
+    }
+}
+
+/// One flight as a recording of its own, where it can be used as one.
+fn piece(subjects: &[Subject], set: &Set, flight: &Observation) -> Result<Option<Set>> {
+    let Preparation::Usable(mut prepared) = subjects[set.object].simulator.prepare(flight)? else {
+        return Ok(None);
+    };
+    let free = |name: &str| prepared.own.iter().any(|own| own.name == name);
+    if !prepared.events.is_empty() || !START.iter().all(|name| free(name)) || prepared.seen.len() < FEWEST {
+        return Ok(None);
+    }
+    for own in prepared.own.iter_mut().filter(|own| own.name == SURFACE) {
+        own.value = 0.5 * (own.min + own.value);
+    }
+    Ok(Some(Set::new(set.recording, set.object, set.held_out, *prepared)))
+}
+
+/// The stretches between contacts; the samples next to one may belong to either side.
+fn flights(set: &Set) -> Vec<Observation> {
+    let (clock, seen) = (set.clock(), &set.prepared.seen);
+    let mut edges = vec![(0, 0)];
+    edges.extend(
+        set.contacts.iter().map(|at| (clock.partition_point(|t| t < at), clock.partition_point(|t| t <= at) + 1)),
+    );
+    edges.push((clock.len() + 1, 0));
+    let stretch = |pair: &[(usize, usize)]| (pair[0].1, pair[1].0.saturating_sub(1).min(clock.len()));
+    let long = edges.windows(2).map(stretch).filter(|(begin, end)| *end >= begin + FEWEST);
+    long.filter_map(|(begin, end)| seen.slice(begin..end).ok()).collect()
+}
+
+/// A parameter as the samples beside the contacts alone have it, where they do.
+fn beside_contacts(tuned: &Tuned, sets: &[Set], asked: &Asked) -> Tuned {
+    let parameters = asked.subjects[tuned.object].simulator.parameters();
+    let Some(i) = parameters.iter().position(|p| p.name == tuned.name) else { return tuned.clone() };
+    let mine = || sets.iter().filter(|s| s.object == tuned.object && !s.held_out);
+    let each: Vec<_> = mine().filter_map(|s| s.prepared.local[i]).collect();
+    let weight: f64 = each.iter().map(|l| l.sd.powi(-2)).sum();
+    let value = each.iter().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight;
+    if !value.is_finite() {
+        return tuned.clone();
+    }
+    let squares: f64 = each.iter().map(|l| ((l.value - value) / l.sd).powi(2)).sum();
+    // Where recordings differ by more than they should, the mean is known less well.
+    let spread = (squares / (each.len() as f64 - 1.0).max(1.0)).max(1.0);
+    let reach = NORMAL_95 * (spread / weight).sqrt();
+    let p = &parameters[i];
+    let interval95 = ((value - reach).max(p.min), (value + reach).min(p.max));
+    Tuned { value: value.clamp(p.min, p.max), interval95, ..tuned.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::Prepared;
+
+    /// 50 samples with contacts at sample 20 and between samples 30 and 31: the last stretch has 18 samples, the middle one
+    /// too few.
+    #[test]
+    fn flights_keep_off_the_contacts() {
+        let clock: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.01).collect();
+        let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.0, 1.0 - 4.905 * t * t]).collect();
+        let seen = Observation::positions(clock, &rows).unwrap();
+        let mut set = Set::new(0, 0, false, Prepared::whole(seen, 1));
+        set.contacts = vec![0.2, 0.305];
+        let starts: Vec<(f64, usize)> = flights(&set).iter().map(|f| (f.clock()[0], f.len())).collect();
+        assert_eq!(starts.len(), 2, "{starts:?}");
+        assert!((starts[0].0 - 0.0).abs() < 1e-12 && starts[0].1 == 19, "{starts:?}");
+        assert!((starts[1].0 - 0.32).abs() < 1e-12 && starts[1].1 == 18, "{starts:?}");
+    }
+}
