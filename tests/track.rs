@@ -61,7 +61,7 @@ fn metres_come_from_the_fall_from_the_radius_or_from_a_length() {
     for (flags, by, share) in
         [("", "gravity", 0.02), ("--radius 0.04", "radius", 0.02), ("--length 0.5=100", "length", 1e-9)]
     {
-        let json = folder.run(&format!("track drop.avi {flags} --out track.csv --json")).ends(0).json();
+        let json = folder.run(&format!("track drop.avi {flags} --out track.csv --overwrite --json")).ends(0).json();
         assert_eq!(json["scale"]["by"], by);
         let found = json["scale"]["m_per_px"].as_f64().unwrap();
         assert!((found / film.m_per_px - 1.0).abs() < share, "{by}: {found}");

@@ -111,7 +111,7 @@ impl Renderer {
         for row in self.noisy.chunks_mut(3 * self.camera.size_px().0) {
             let start = self.random.random_range(0..NOISE_TABLE - row.len());
             for (value, noise) in row.iter_mut().zip(&self.noise[start..]) {
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
+                #[expect(clippy::cast_sign_loss, reason = "clamped to a byte")]
                 let noisy = (i16::from(*value) + noise).clamp(0, 255) as u8;
                 *value = noisy;
             }

@@ -34,7 +34,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
         return each(options, &file, model.as_ref());
     }
     let began = Instant::now();
-    let hashes = load::distinct(options.observation.iter().map(AsRef::as_ref))?;
+    load::distinct(options.observation.iter().map(AsRef::as_ref))?;
     let recordings = options.observation.iter().map(|path| read(path, options, &file)).collect::<Result<Vec<_>>>();
     let recordings = match recordings {
         Ok(recordings) => recordings,
@@ -42,7 +42,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     };
     let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
-        write_tuned(options, &file, &outcome, &hashes, out)?;
+        write_tuned(options, &file, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
@@ -368,7 +368,7 @@ fn is_written(outcome: &Outcome) -> bool {
     matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
 }
 
-fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, hashes: &[String], out: &Path) -> Result<()> {
+fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &Path) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
     let mut tuned = file.clone();
     let mut intervals = InlineTable::new();
@@ -377,10 +377,10 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, hashes:
         intervals.insert(&p.name, Array::from_iter([p.interval95.0, p.interval95.1]).into());
     }
     let mut observations = Array::new();
-    for (path, hash) in options.observation.iter().zip(hashes) {
+    for path in &options.observation {
         let mut one = InlineTable::new();
         one.insert("file", load::name(path).into());
-        one.insert("sha256", hash.as_str().into());
+        one.insert("sha256", load::hash(path)?.into());
         observations.push(one);
     }
     let mut estimated = Array::new();

@@ -138,8 +138,12 @@ pub fn regions(contours: &[&Contour], parameters: (&Parameter, &Parameter)) -> M
         let spots = panel.spots(&contour.edge);
         let class = if contour.level > 0.9 { "line after" } else { "thick after" };
         svg.path(class, &spots, true);
-        let top = spots.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
-        svg.text("label after", (top.0, top.1 + 18.0), Anchor::Middle, &format!("{} %", 100.0 * contour.level));
+        // One label at the top, the other at the foot: where a bound cuts both regions, their tops are one.
+        let height = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let place = if contour.level > 0.9 { spots.iter().min_by(height) } else { spots.iter().max_by(height) };
+        let (x, y) = place.copied().unwrap_or_default();
+        let y = if contour.level > 0.9 { y + 18.0 } else { y - 8.0 };
+        svg.text("label after", (x, y), Anchor::Middle, &format!("{} %", 100.0 * contour.level));
     }
     if let Some(contour) = contours.first() {
         svg.dots("knob after", &[panel.spot(contour.best)]);

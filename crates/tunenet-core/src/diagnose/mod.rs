@@ -109,7 +109,8 @@ pub fn diagnose(
     let asked = Asked { subjects, recordings, settings, progress };
     let known = Answered { uses, notes };
     let whole = asked.judge(sets.clone(), known.clone())?;
-    if whole.verdict == Verdict::Unknown
+    let open = whole.notes.iter().any(|note| note.code == verdict::CONTACT_OPEN);
+    if (whole.verdict == Verdict::Unknown || open)
         && let Some(flights) = asked.flights_alone(&sets, &known, &whole)?
     {
         return Ok(flights);

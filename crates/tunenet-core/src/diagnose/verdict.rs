@@ -26,6 +26,9 @@ const MOST_RATIOS: usize = 3;
 /// How many names an ambiguous or unknown verdict gives at most.
 const MOST_NAMES: usize = 6;
 
+/// The code of what is said where flights are explained and contacts are not.
+pub(super) const CONTACT_OPEN: &str = "contact.unexplained";
+
 /// Searches, judges and answers.
 #[expect(clippy::too_many_lines, reason = "the steps of a diagnosis, one after the other")]
 pub(super) fn judge(
@@ -58,7 +61,7 @@ pub(super) fn judge(
     };
     if open {
         notes.push(Note::new(
-            "contact.unexplained",
+            CONTACT_OPEN,
             "what flies is explained; at the contacts something is left that no effect takes away",
             "vary height and surface, to see with which of them it changes",
         ));
@@ -321,8 +324,11 @@ fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bool) -> (Ver
     (if open { Verdict::OneOf } else { Verdict::Named }, names)
 }
 
-/// What stands within `margin` of an effect of the best structure, less what is not to be expected where that is.
+/// What stands within `margin` of an effect of the best structure, less what is not to be expected where that is. Of an
+/// effect that has to be there anyhow it is no question whether it is, only whether something else does its work: there the
+/// usual margin does.
 pub(super) fn in_place_of(study: &Study, place: &Place, margin: f64) -> Vec<usize> {
+    let margin = if study.certain(place.entry) { margin.min(study.settings.margin) } else { margin };
     let near = place.others.iter().filter(|(_, gap)| *gap < margin).map(|(entry, _)| *entry);
     near.filter(|&other| !study.stands_back(other, place.entry)).collect()
 }

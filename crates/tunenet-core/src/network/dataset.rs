@@ -175,6 +175,7 @@ pub(super) struct HeaderMessage {
 }
 
 /// A list at the end of a message that older files end before.
+#[expect(clippy::unnecessary_wraps, reason = "the signature is serde's")]
 fn or_none<'de, D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Vec<String>, D::Error> {
     Ok(Vec::deserialize(from).unwrap_or_default())
 }

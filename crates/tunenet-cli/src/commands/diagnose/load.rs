@@ -61,7 +61,7 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
-        let (hash, held_out, seen) = (source.hash.clone(), source.held_out, recording.observation);
+        let (hash, held_out, seen) = (load::hash(&source.path)?, source.held_out, recording.observation);
         recorded.push(Recorded { name, hash, object: 0, held_out, seen });
     }
     let kind = one_kind(sources, &recorded)?;

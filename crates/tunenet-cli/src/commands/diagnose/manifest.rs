@@ -20,8 +20,6 @@ pub struct Source {
     pub held_out: bool,
     /// Keys of the scene that differ for its object, with their values.
     pub scene: Vec<(String, String)>,
-    /// SHA-256 of its bytes.
-    pub hash: String,
 }
 
 /// Everything that is to be read, in the order given. A recording that is given twice is refused, be it for training, held
@@ -34,10 +32,9 @@ pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {
     let given = options.observation.iter().map(|path| (path, false));
     for (path, held_out) in given.chain(options.held_out.iter().map(|path| (path, true))) {
         let (object, scene) = (ONLY.to_owned(), vec![]);
-        sources.push(Source { path: path.clone(), object, held_out, scene, hash: String::new() });
+        sources.push(Source { path: path.clone(), object, held_out, scene });
     }
-    let hashes = distinct(sources.iter().map(|s| s.path.as_path()))?;
-    sources.iter_mut().zip(hashes).for_each(|(source, hash)| source.hash = hash);
+    distinct(sources.iter().map(|s| s.path.as_path()))?;
     if let Some(first) = sources.first().filter(|_| sources.iter().all(|s| s.held_out)) {
         let message = "expected at least one recording to fit to, found only held-out ones";
         return Err(Error::file(&first.path, message, "give one with --observation").into());
@@ -96,7 +93,7 @@ fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) 
         }
     }
     let path = folder.join(file.ok_or_else(|| place("expected `file`, found none"))?);
-    Ok(Source { path, object, held_out, scene, hash: String::new() })
+    Ok(Source { path, object, held_out, scene })
 }
 
 /// The scene's keys below `item`, whether written `ball.radius_m = …`, `"ball.radius_m" = …` or as tables.

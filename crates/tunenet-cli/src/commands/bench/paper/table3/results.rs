@@ -149,7 +149,7 @@ pub fn markdown(results: &Results) -> String {
         let _ = writeln!(
             out,
             "| {} | {cm:.3} ± {spread:.3} | {percent:.3} | {restitution} | {published} | {goal} |",
-            row.title.title
+            row.title.words
         );
     }
     out

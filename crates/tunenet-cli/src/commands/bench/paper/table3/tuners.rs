@@ -18,7 +18,7 @@ const ROLLOUTS: usize = 5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Title {
     pub key: &'static str,
-    pub title: &'static str,
+    pub words: &'static str,
     /// Whether the film is spoilt.
     pub spoilt: bool,
     /// What the paper states, cm and percent.
@@ -27,8 +27,8 @@ pub struct Title {
     pub goal: Option<(f64, Option<f64>, Option<f64>)>,
 }
 
-const fn row(key: &'static str, title: &'static str) -> Title {
-    Title { key, title, spoilt: false, published: None, goal: None }
+const fn row(key: &'static str, words: &'static str) -> Title {
+    Title { key, words, spoilt: false, published: None, goal: None }
 }
 
 /// The networks of one seed.
