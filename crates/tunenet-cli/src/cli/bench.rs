@@ -1,0 +1,201 @@
+//! `tunenet bench`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::{Common, jobs};
+
+pub const EXAMPLES: &str = "\
+Examples:
+  tunenet bench speed
+  tunenet bench speed --json
+  tunenet bench tuning --quick --only easy-0 easy-2cm
+  tunenet bench diagnose --quick --only clean ratio-10
+An interrupted `bench tuning` or `bench diagnose` goes on where it stopped when the same command is given again.";
+
+/// `tunenet bench`.
+#[derive(Debug, Args)]
+pub struct Bench {
+    /// Which
+    #[command(subcommand)]
+    pub what: Measured,
+}
+
+/// What is measured.
+#[derive(Debug, Subcommand)]
+pub enum Measured {
+    /// Rollouts, training and tuning per second
+    Speed(BenchSpeed),
+    /// Error against rollouts, beside rivals, a maximum-likelihood fit and the Cramér–Rao bound
+    Tuning(BenchTuning),
+    /// Whether the effect that is named is the one that was hidden, and what is said where none was
+    Diagnose(BenchDiagnose),
+    /// How often the stated intervals hold the truth, and how often a good drop is called a poor fit
+    Intervals(BenchIntervals),
+    /// How often intervals and joint regions of several parameters hold the truth
+    Regions(BenchRegions),
+    /// How many spoilt records are found, and how many good ones are blamed
+    Preflight(BenchPreflight),
+    /// The tables of the paper, beside what is reached here
+    Paper(BenchPaper),
+}
+
+/// A table or figure of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PaperTable {
+    /// How far a tuned ball is from the real one
+    Table3,
+}
+
+impl PaperTable {
+    pub const ALL: [Self; 1] = [Self::Table3];
+}
+
+/// `tunenet bench paper`.
+#[derive(Debug, Args)]
+pub struct BenchPaper {
+    /// Where finished cells and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-paper")]
+    pub out: PathBuf,
+    /// Only these
+    #[arg(long, value_enum, value_name = "TABLE", num_args = 1..)]
+    pub only: Vec<PaperTable>,
+    /// One seed, few drops, short trainings
+    #[arg(long)]
+    pub quick: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench regions`.
+#[derive(Debug, Args)]
+pub struct BenchRegions {
+    /// Recordings in each cell
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub draws: u32,
+    /// Where finished cells and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-regions")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench preflight`.
+#[derive(Debug, Args)]
+pub struct BenchPreflight {
+    /// Records of each kind
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub records: u32,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// A row of `bench diagnose`: what is hidden in its recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DiagnoseRow {
+    /// Nothing
+    Clean,
+    /// Nothing; the noise is coloured
+    Coloured,
+    /// Nothing; 1 % of the samples are far off
+    Outliers,
+    /// Nothing; 15 % of the frames are missing
+    Dropped,
+    /// One effect, as large as the noise
+    #[value(name = "ratio-1")]
+    Ratio1,
+    /// One effect, 3 times the noise
+    #[value(name = "ratio-3")]
+    Ratio3,
+    /// One effect, 10 times the noise
+    #[value(name = "ratio-10")]
+    Ratio10,
+    /// One effect, 30 times the noise
+    #[value(name = "ratio-30")]
+    Ratio30,
+    /// Two effects
+    Two,
+    /// An effect that is in no catalogue
+    Outside,
+    /// One effect in one drop, then the experiment that was asked for
+    Experiment,
+    /// One effect in three drops; what the answer costs
+    Cost,
+}
+
+/// `tunenet bench diagnose`.
+#[derive(Debug, Args)]
+pub struct BenchDiagnose {
+    /// Where finished pieces and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-diagnose")]
+    pub out: PathBuf,
+    /// Only these rows
+    #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
+    pub only: Vec<DiagnoseRow>,
+    /// Few sets of each kind
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads [default: one for each core]
+    #[arg(long, value_parser = jobs)]
+    pub jobs: Option<usize>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench intervals`.
+#[derive(Debug, Args)]
+pub struct BenchIntervals {
+    /// Drops in each cell
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub drops: u32,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench speed`.
+#[derive(Debug, Args)]
+pub struct BenchSpeed {
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// A row of `bench tuning`: restitutions .3 to .7 (easy) or 0 to 1 (hard), and the noise on the height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Row {
+    #[value(name = "easy-0")]
+    Easy0,
+    #[value(name = "hard-0")]
+    Hard0,
+    #[value(name = "easy-5mm")]
+    Easy5mm,
+    #[value(name = "easy-2cm")]
+    Easy2cm,
+    #[value(name = "hard-5mm")]
+    Hard5mm,
+    #[value(name = "hard-2cm")]
+    Hard2cm,
+    /// Drops from .3 to 10 m at 24 to 240 Hz, nothing known but the data: the built-in network
+    General,
+    /// Drops from other engines, in the folder that the environment variable `TUNENET_PEERS` names
+    Cross,
+}
+
+/// `tunenet bench tuning`.
+#[derive(Debug, Args)]
+pub struct BenchTuning {
+    /// Where finished cells, models and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-tuning")]
+    pub out: PathBuf,
+    /// Only these rows
+    #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
+    pub only: Vec<Row>,
+    /// Targets in each row [default: 1000; 200 with --quick]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub targets: Option<u64>,
+    /// One short training of each preset instead of three whole ones
+    #[arg(long)]
+    pub quick: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
