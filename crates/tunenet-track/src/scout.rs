@@ -15,6 +15,10 @@ const SMALL_PX: i32 = 400;
 const BACKGROUND_FRAMES: usize = 31;
 /// How far a pixel has to differ from the background, in grey levels of any channel, to belong to something that moves.
 pub(crate) const MOVED: u8 = 20;
+/// Frames that differ in less than this share of their pixels show the same.
+const UNCHANGED_SHARE: f64 = 3e-4;
+/// Fewest frames that show something new.
+const FEWEST_CHANGING: usize = 8;
 /// ... and while the colour is still unknown.
 const MOVED_CLEARLY: u8 = 30;
 /// Saturation and value from which a hue means something.
@@ -94,6 +98,8 @@ pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
 /// # Errors
 /// Where OpenCV fails.
 pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
+    let changing = changing(frames)?;
+    let frames = changing.as_slice();
     let background = median(frames)?;
     let still = background.data_bytes()?;
     let hsv: Vec<Mat> = frames.par_iter().map(to_hsv).collect::<opencv::Result<_>>()?;
@@ -123,6 +129,25 @@ pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Sc
     let clutter = clutter(&background, &window, area)?;
     let area_share = area / f64::from(background.cols() * background.rows());
     Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
+}
+
+/// Those of `frames` in which something moved since the last of them; all where that leaves few. A ball that lies still for
+/// most of a film would else be taken for background.
+fn changing(frames: &[Mat]) -> opencv::Result<Vec<Mat>> {
+    let mut kept: Vec<&Mat> = Vec::with_capacity(frames.len());
+    for frame in frames {
+        let moved = match kept.last() {
+            None => true,
+            Some(last) => {
+                let change = difference(frame.data_bytes()?, last.data_bytes()?);
+                change.iter().filter(|d| **d > MOVED).count() as f64 > UNCHANGED_SHARE * change.len() as f64
+            }
+        };
+        if moved {
+            kept.push(frame);
+        }
+    }
+    Ok(if kept.len() < FEWEST_CHANGING { frames.to_vec() } else { kept.into_iter().cloned().collect() })
 }
 
 /// The median of each pixel over at most [`BACKGROUND_FRAMES`] frames.
