@@ -54,7 +54,7 @@ impl Tuning<'_> {
                 notes.push(Note::new(
                     "fit.poor",
                     text,
-                    "an effect is missing from the simulation, or the recording is of something else",
+                    "`tunenet diagnose` with the same files names the effect that is missing, or says that it is none it knows",
                 ));
             } else if !adequacy.tested {
                 let text = format!("{} samples are too few to tell noise from misfit", recording.seen.len());

@@ -85,7 +85,7 @@ impl SimulationFile {
                 text,
                 span,
                 e.message().to_string(),
-                "this file is TOML: `key = value` lines under [table] heads",
+                "a simulation file is TOML, `key = value` lines under [table] heads; is this the recording?",
             )
         })?;
         check::document(path, text, document.as_table())?;

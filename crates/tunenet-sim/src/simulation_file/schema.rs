@@ -174,6 +174,9 @@ pub fn find(path: &str) -> Option<Key> {
 #[must_use]
 pub fn siblings(path: &str) -> Vec<String> {
     let table = path.rsplit_once('.').map_or("", |(table, _)| table);
+    if table == "parameters" {
+        return BALL_PARAMETERS.iter().map(|p| format!("parameters.{p}")).collect();
+    }
     if let Some(name) = table.strip_prefix("parameters.") {
         let known = BALL_PARAMETERS.contains(&name);
         return if known {

@@ -29,6 +29,7 @@ pub fn run(options: &Inspect) -> Result<Exit> {
         }
         return Ok(if found.usable { Exit::Done } else { Exit::Inconclusive });
     }
+    load::distinct(options.files.iter().map(AsRef::as_ref))?;
     Ok(several(options))
 }
 
@@ -166,6 +167,7 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
     if let Some((first, last)) = whole_lines(found) {
         let header = if first > 1 && has_header(found) { "1p;" } else { "" };
         stage("whole", &format!("lines {first} to {last}: `sed -n '{header}{first},{last}p'` cuts them out"));
+        anstream::eprintln!("  try: where single cells are bad, empty them; a line with an empty cell is left out");
     }
     notes.iter().for_each(warn);
     let usable = judged(usable, motion.as_ref());

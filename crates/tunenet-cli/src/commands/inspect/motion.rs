@@ -27,7 +27,8 @@ impl Motion {
         let moved = (kind == Kind::Positions).then(|| seen.from_zero());
         let preflight = examine(moved.as_ref().unwrap_or(seen), &Expected::default());
         let coarse = usize::from(preflight.coarse.is_some());
-        let bounces = preflight.arcs.as_ref().map_or(seen.len(), |arcs| arcs.contacts.len() + coarse);
+        let listed = if seen.kind() == Kind::BounceTimes { seen.len() } else { 0 };
+        let bounces = preflight.arcs.as_ref().map_or(listed, |arcs| arcs.contacts.len() + coarse);
         let noise = preflight.kept.as_ref().map(|kept| channel_noise(kept)[kept.channels().len() - 1]);
         let mut intervals: Vec<f64> = seen.clock().windows(2).map(|w| w[1] - w[0]).collect();
         intervals.sort_unstable_by(f64::total_cmp);

@@ -57,7 +57,17 @@ pub(super) fn check(found: Option<&ApparentGravity>, expected: &Expected) -> Che
             let remedy = if column.is_empty() {
                 "convert the columns to metres".into()
             } else {
-                format!("let the column's name say its unit, such as `{column}`, or map it: `--columns {column}=NAME`")
+                let unit = column.split_once('_').map_or("", |(_, unit)| unit);
+                if column.starts_with('t') {
+                    format!(
+                        "let the column's name say its unit, such as `{column}`, or map it: `--columns {column}=NAME`"
+                    )
+                } else {
+                    format!(
+                        "let the names of all lengths say their unit, such as `{column}`, or map every one of them: \
+                         `--columns x_{unit}=NAME,y_{unit}=NAME,z_{unit}=NAME`"
+                    )
+                }
             };
             Check::failed(CODE, text, remedy)
         }
