@@ -356,7 +356,8 @@ fn nothing_overflows_at_any_width() {
     let mut pages = pages();
     let long = "a_recording_with_a_name_as_long_as_people_give_them_when_they_number_their_trials_0001.csv";
     folder.write(long, Drop::default().csv());
-    folder.run(&format!("tune --sim scene.toml --observation {long} drop.csv --report long.html"));
+    let ran = folder.run(&format!("tune --sim scene.toml --observation {long} drop.csv --report long.html"));
+    assert!(folder.path("long.html").exists(), "{}", ran.stderr);
     pages.push(("long", String::from_utf8(folder.read("long.html")).unwrap()));
     folder.write("wrapper.html", wrapper(&pages));
     let mut command = Command::new(browser);

@@ -216,7 +216,12 @@ pub(super) fn ends_with(
 ///
 /// # Errors
 /// Where the simulator refuses.
-pub(super) fn held(problem: &Problem, start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
+pub(super) fn held(problem: &Problem, mut start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
+    // A place that was reckoned from a bound may lie beyond it by a rounding error.
+    for &position in positions {
+        let p = &problem.simulator.parameters()[position];
+        start.parameters[position] = start.parameters[position].clamp(p.min, p.max);
+    }
     let others: Vec<usize> = problem.free.iter().copied().filter(|f| !positions.contains(f)).collect();
     Problem { free: &others, ..*problem }.fit_until(start, 1.0, spread.negligible())
 }

@@ -176,11 +176,8 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     checks.push(values::wild(&wild, tame.is_some()));
     kept = tame.unwrap_or(kept);
     checks.push(clock::slow(&kept, expected.gravity_m_s2));
-    let arcs = Arcs::cut(&kept, expected.gravity_m_s2);
-    // A hand that opens bends the motion as a lost frame does; only what flies by itself is looked at.
-    let free = arcs.as_ref().and_then(|arcs| kept.slice(arcs.usable.clone()).ok());
-    checks.push(skipped::check(free.as_ref().unwrap_or(&kept), expected.gravity_m_s2));
-    let Some(mut arcs) = arcs else {
+    checks.push(skipped::check(&kept, expected.gravity_m_s2));
+    let Some(mut arcs) = Arcs::cut(&kept, expected.gravity_m_s2) else {
         return Preflight { checks, kept: Some(kept), arcs: None, coarse: None, gravity: None };
     };
     let heights: Vec<f64> = kept.column(2).collect();

@@ -15,6 +15,8 @@ const CODE: &str = "clock.skipped";
 const BOUNCES_SHARE: f64 = 0.1;
 /// ... beside this many times what noise leaves unsure of the turn.
 const UNSURE: f64 = 3.0;
+/// What falls by less than this share of gravity is held.
+const FALLS_SHARE: f64 = 0.5;
 /// A flight covers at least this share of all heights: small hops in a row look like anything.
 const LEAST_SHARE: f64 = 0.1;
 /// Fewest samples of a flight that is looked at, and most, since the time grows with their square.
@@ -67,6 +69,7 @@ fn flights(clock: &[f64], heights: &[f64], noise: f64, gravity_m_s2: f64) -> Vec
     let turns = BOUNCES_SHARE * (2.0 * gravity_m_s2 * span(heights)).sqrt();
     let mut found: Vec<Range<usize>> = Vec::new();
     let mut before: Option<Polynomial> = None;
+    let mut held = false;
     for piece in parabolas(clock, heights) {
         let (time, part) = (&clock[piece.clone()], &heights[piece.clone()]);
         // Pieces that are too short to have a velocity belong to the one before.
@@ -75,10 +78,15 @@ fn flights(clock: &[f64], heights: &[f64], noise: f64, gravity_m_s2: f64) -> Vec
             let unsure = UNSURE * noise * a.slope_gain(time[0]).hypot(b.slope_gain(time[0]));
             b.slope(time[0]) - a.slope(time[0]) > turns + unsure
         });
-        match found.last_mut().filter(|_| !bounces) {
+        match found.last_mut().filter(|_| !bounces && !held) {
             Some(last) => last.end = piece.end,
             None => found.push(piece),
         }
+        // A hand that opens bends the motion as a lost frame does.
+        held = here.is_some_and(|p| {
+            let falls = -(p.slope(time[time.len() - 1]) - p.slope(time[0])) / (time[time.len() - 1] - time[0]);
+            falls + 2.0 * UNSURE * noise * p.curvature_gain() < FALLS_SHARE * gravity_m_s2
+        });
         before = here.or(before);
     }
     // The samples beside a bounce may belong to the other side.
