@@ -104,6 +104,12 @@ impl<S: Simulator> Measured<S> {
         Ok(found)
     }
 
+    /// Another simulator with the same parameters, seen as this one is.
+    fn around(&self, inner: Box<dyn Simulator>) -> Box<dyn Simulator> {
+        let (fixed, free, parameters) = (self.fixed.clone(), self.free.clone(), self.parameters.clone());
+        Box::new(Measured { inner, fixed, free, parameters })
+    }
+
     fn has(&self, name: &str) -> bool {
         self.fixed.iter().any(|(_, e, _)| e.name == name) || self.free.iter().any(|(_, e)| e.name == name)
     }
@@ -209,9 +215,11 @@ impl<S: Simulator> Simulator for Measured<S> {
     }
 
     fn in_flight(&self) -> Option<Box<dyn Simulator>> {
-        let inner = self.inner.in_flight()?;
-        let (fixed, free, parameters) = (self.fixed.clone(), self.free.clone(), self.parameters.clone());
-        Some(Box::new(Measured { inner, fixed, free, parameters }))
+        Some(self.around(self.inner.in_flight()?))
+    }
+
+    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
+        Some(self.around(self.inner.with_unknown_spin()?))
     }
 
     fn rollout(
