@@ -3,18 +3,19 @@
 use super::answer::NextExperiment;
 use super::colour::Filter;
 use super::columns::{Projector, orthonormal, stack};
-use super::joint::{Columns, Joint, Point, Which, dot};
+use super::decide::{in_place_of, unique};
+use super::derivatives::{Columns, Which};
+use super::joint::{Joint, Point, dot};
 use super::search::Found;
 use super::sets::Set;
 use super::study::{Model, Study};
-use super::verdict::{in_place_of, unique};
 use crate::Result;
 use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, rollout};
 
 /// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
 const HEIGHTS_M: [f64; 3] = [0.5, 1.0, 2.0];
-const SPEEDS_M_S: [[f64; 3]; 7] = [
+const SPEEDS_M_S: [[f64; 3]; 9] = [
     [0.0, 0.0, 0.0],
     [2.0, 0.0, 0.0],
     [0.0, 2.0, 0.0],
@@ -22,6 +23,8 @@ const SPEEDS_M_S: [[f64; 3]; 7] = [
     [0.0, 4.0, 0.0],
     [3.0, 3.0, 2.0],
     [2.0, -2.0, 4.0],
+    [2.0, 0.0, 4.0],
+    [0.0, 2.0, 4.0],
 ];
 /// Two explanations whose expected logarithmic likelihoods differ by less than this stay together: the usual margin of 6
 /// in the information criterion.
@@ -58,7 +61,9 @@ pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<N
         let how = if (x, y, z) == (0.0, 0.0, 0.0) {
             format!("drop it from {height:.2} m")
         } else {
-            format!("throw it from {height:.2} m with {x:.1} m/s along x, {y:.1} along y and {z:.1} upwards")
+            let along = [("x", x), ("y", y)].into_iter().filter(|(_, speed)| *speed != 0.0);
+            let along: Vec<String> = along.map(|(axis, speed)| format!("{speed:.1} m/s along {axis}")).collect();
+            format!("throw it from {height:.2} m with {} and {z:.1} m/s upwards", along.join(", "))
         };
         let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
         text = format!(
@@ -112,8 +117,11 @@ fn designs(study: &Study, best: &Model) -> Result<Vec<Set>> {
     let (simulator, parameters) =
         (best.structure.simulator(set.object), best.structure.parameters(set.object, &best.fit.point.globals));
     let mut all = Vec::new();
+    // An axis that was not measured will not be next time either.
+    let unmeasured = set.unmeasured();
+    let across = |velocity: &[f64; 3]| unmeasured.iter().any(|&axis| velocity[axis] != 0.0);
     for height in HEIGHTS_M {
-        for velocity in SPEEDS_M_S {
+        for velocity in SPEEDS_M_S.into_iter().filter(|velocity| !across(velocity)) {
             let mut start = own.clone();
             let wanted =
                 [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", velocity[0]), ("velocity_y", velocity[1])];
@@ -130,13 +138,14 @@ fn designs(study: &Study, best: &Model) -> Result<Vec<Set>> {
                 Parameter { value: *value, min: value - reach, max: value + reach, ..p.clone() }
             };
             let own: Vec<Parameter> = set.prepared.own.iter().zip(&start).map(free).collect();
-            let keep = vec![true; seen.values().len()];
+            let keep: Vec<bool> = (0..seen.values().len()).map(|i| !unmeasured.contains(&(i % set.width()))).collect();
             let filter = Filter::new(seen.clock(), &set.noise, &keep, 0.0);
             let mut prepared = Prepared::whole(seen, parameters.len());
             prepared.own = own;
             all.push(Set {
                 recording: 0,
                 object: set.object,
+                throw: 0,
                 held_out: false,
                 pull: set.pull.clone(),
                 prepared,
@@ -213,6 +222,7 @@ fn gaps(study: &Study, best: &Model, entry: usize, others: &[usize], designs: &[
     }
     Ok(all)
 }
+
 /// Beyond this, a greater gain says nothing more.
 const CLEAR_GAIN: f64 = 1000.0;
 

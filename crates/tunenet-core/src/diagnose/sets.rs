@@ -28,6 +28,8 @@ pub(super) struct Set {
     /// Its position among the recordings given.
     pub recording: usize,
     pub object: usize,
+    /// The first recording that shows the same throw, often itself.
+    pub throw: usize,
     pub held_out: bool,
     pub prepared: Prepared,
     /// How strongly each own unknown is drawn to its guess: a standard deviation.
@@ -64,7 +66,19 @@ impl Set {
         };
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
         let pull = prepared.own.iter().map(Parameter::span).collect();
-        Self { recording, object, held_out, prepared, pull, noise, keep, filter, contacts, held_still: false }
+        Self {
+            recording,
+            object,
+            throw: recording,
+            held_out,
+            prepared,
+            pull,
+            noise,
+            keep,
+            filter,
+            contacts,
+            held_still: false,
+        }
     }
 
     /// A piece of this recording as one of its own, with what is known of its noise.

@@ -5,7 +5,8 @@ use std::sync::atomic::AtomicUsize;
 use super::catalogue::{Entry, SCATTER};
 use super::colour;
 use super::evidence::{bic_gain, likelihood_gain};
-use super::joint::{Effort, Joint, Outcome, Point, spread};
+use super::fit::Effort;
+use super::joint::{Joint, Outcome, Point, spread};
 use super::sets::Set;
 use super::structure::{Given, Structure};
 use super::{Settings, Subject};
@@ -69,9 +70,15 @@ impl<'a> Study<'a> {
         self.catalogue.iter().find(|e| e.name == SCATTER)
     }
 
-    /// Whether all that is fitted comes from one recording.
+    /// Whether all that is fitted shows one throw, however often.
     pub fn single(&self) -> bool {
-        self.sets.iter().all(|set| set.recording == self.sets[0].recording)
+        self.sets.iter().all(|set| set.throw == self.sets[0].throw)
+    }
+
+    /// Whether no object shows a second throw, against which the numbers of its own could be held.
+    pub fn thin(&self) -> bool {
+        let one = |a: &Set| self.sets.iter().all(|b| a.object != b.object || a.throw == b.throw);
+        self.sets.iter().all(one)
     }
 
     /// How many values count.
