@@ -12,7 +12,7 @@ use crate::observation::Kind;
 use crate::tune::Adequacy;
 
 /// A test fails only below this probability ...
-const PROBABLE: f64 = 1e-4;
+const PROBABLE: f64 = 1e-3;
 /// ... and beyond these practical bounds, since enough real data fail every test.
 const PORTMANTEAU: f64 = 1.15;
 const BAND_RATIO: f64 = 1.25;

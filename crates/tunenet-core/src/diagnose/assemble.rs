@@ -97,7 +97,7 @@ impl Judged<'_> {
 fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
     let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
     Ok(match judged.decision.verdict {
-        Verdict::OneOf => experiment::next(study, &judged.found, judged.decision.margin)?
+        Verdict::OneOf => experiment::next(study, &judged.found, &judged.decision.alternatives)?
             .or_else(|| plain("add recordings of the same ball from other heights and in other directions")),
         Verdict::Unknown => plain(
             "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",

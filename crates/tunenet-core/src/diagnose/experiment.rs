@@ -3,7 +3,7 @@
 use super::answer::NextExperiment;
 use super::colour::Filter;
 use super::columns::{Projector, orthonormal, stack};
-use super::decide::{in_place_of, unique};
+use super::decide::unique;
 use super::derivatives::{Columns, Which};
 use super::joint::{Joint, Point, dot};
 use super::search::Found;
@@ -32,18 +32,22 @@ const SEPARATED: f64 = 3.0;
 /// Names of own unknowns that a person can choose.
 const START: &str = "release.";
 
-/// The experiment that separates what the search left together; `margin` as it was applied.
-pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<NextExperiment>> {
+/// The experiment that separates what is left together: for each effect of the best structure, `alternatives` are what
+/// could be in its place.
+pub(super) fn next(study: &Study, found: &Found, alternatives: &[Vec<usize>]) -> Result<Option<NextExperiment>> {
     let Some(best) = &found.best else { return Ok(None) };
-    let near = found.places.iter().find(|p| !in_place_of(study, p, margin).is_empty());
-    let Some(place) = near.or(found.places.iter().find(|p| !p.others.is_empty())) else { return Ok(None) };
-    let mut others = in_place_of(study, place, margin);
-    if others.is_empty() {
-        others.extend(place.others.first().map(|(entry, _)| *entry));
-    }
+    let open = found.places.iter().zip(alternatives).find(|(_, others)| !others.is_empty());
+    let Some((place, others)) = open else { return Ok(None) };
     let name = |entry: usize| study.catalogue[entry].name;
     let designs = designs(study, best)?;
-    let gaps = gaps(study, best, place.entry, &others, &designs)?;
+    let chance = |entry: usize| study.catalogue[entry].chance();
+    let gaps = if chance(place.entry) || others.iter().any(|&other| chance(other)) {
+        // Chance turns every bounce anew, whatever the throw: what is steady is not, so the more bounces along a new
+        // direction the better.
+        designs.iter().map(|design| vec![across(design); others.len()]).collect()
+    } else {
+        gaps(study, best, place.entry, others, &designs)?
+    };
     // What some motion separates at all; the rest are twins in any of them.
     let separable: Vec<usize> =
         (0..others.len()).filter(|&b| gaps.iter().any(|design| design[b] > SEPARATED)).collect();
@@ -82,6 +86,15 @@ pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<N
         text = format!("{text}{also} {} from {rest}: {}", name(place.entry), unique.join(", or "));
     }
     Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
+}
+
+/// The speed along the surface with which a design starts, in units in which 1 m/s separates.
+fn across(design: &Set) -> f64 {
+    let speed = |axis: &str| {
+        let own = design.prepared.own.iter().find(|p| p.name == format!("{START}velocity_{axis}"));
+        own.map_or(0.0, |p| p.value)
+    };
+    SEPARATED * speed("x").hypot(speed("y"))
 }
 
 /// What a person can find out beside any motion that settles whether an effect is there.

@@ -36,6 +36,7 @@ mod insufficient;
 mod intervals;
 mod joint;
 mod likely;
+mod outliers;
 mod pieces;
 mod practical;
 mod prune;
