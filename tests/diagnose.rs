@@ -167,7 +167,7 @@ fn a_wrong_manifest_is_refused_with_its_place() {
         "[[observation]]\nfile = \"1.csv\"\nball.mass_kg = 1\n[[observation]]\nfile = \"2.csv\"\n",
         &["2.csv", "ball.mass_kg"],
     );
-    tried("[[observation]]\nfile = \"1.csv\"\nheld_out = true\n", &["1.csv", "at least one"]);
+    tried("[[observation]]\nfile = \"1.csv\"\nheld_out = true\n", &["m.toml", "at least one"]);
     refused(folder.run("diagnose --sim scene.toml"), 2, &["--observation"]);
     refused(folder.run("diagnose --sim scene.toml --observation 1.csv --jobs 0"), 2, &["--jobs"]);
 }
