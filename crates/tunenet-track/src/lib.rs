@@ -35,6 +35,7 @@ pub mod overlay;
 mod parabola;
 pub mod rehearsal;
 pub mod render;
+mod samples;
 pub mod scale;
 pub mod scout;
 pub mod source;

@@ -6,12 +6,10 @@ use serde::{Deserialize, Serialize};
 use tunenet_core::camera::Pinhole;
 
 use crate::render::{Look, Renderer};
-use crate::scout::{Unseen, reduced, scout};
+use crate::samples::Samples;
+use crate::scout::{Unseen, scout};
 use crate::tracker::{Sighting, Tracker};
 use crate::view::View;
-
-/// Frames of each film that are scouted.
-const SCOUTED: usize = 60;
 
 /// One film.
 #[derive(Debug, Clone, Deserialize)]
@@ -85,9 +83,11 @@ fn through_jpeg(picture: &Mat, quality: i32) -> opencv::Result<Mat> {
 /// # Errors
 /// Where OpenCV fails.
 pub fn tracked(pictures: &[Mat]) -> opencv::Result<Result<Vec<Option<Sighting>>, Unseen>> {
-    let every = pictures.len().div_ceil(SCOUTED).max(1);
-    let small = pictures.iter().step_by(every).map(reduced).collect::<opencv::Result<Vec<_>>>()?;
-    let scene = match scout(&small, None)? {
+    let mut samples = Samples::default();
+    for (i, picture) in pictures.iter().enumerate() {
+        samples.push(i, picture, Some(pictures.len()))?;
+    }
+    let scene = match scout(samples.telling(), None)? {
         Ok(scene) => scene,
         Err(reason) => return Ok(Err(reason)),
     };

@@ -8,17 +8,18 @@ use crate::changes::Changes;
 use crate::clock;
 use crate::colour::{HUES, Window};
 use crate::noticed;
-use crate::scout::{Scene, Unseen, reduced, scout};
+use crate::samples::{Samples, reduced};
+use crate::scout::{Scene, Unseen, scout};
 use crate::source::Source;
 use crate::stillness::moves;
 use crate::tracker::{Sighting, Tracker};
 use crate::video::{FEWEST_FRAMES, undecodable};
 use crate::view::View;
 
-/// Small pictures that are kept for scouting, evenly over the film.
-const MOST_SCOUTED: usize = 48;
 /// Whole frames up to this many bytes wait until it is known what to look for, so that a film is decoded only once.
 const WAITING_BYTES: usize = 256 << 20;
+/// Small pictures of the first frames that are scouted.
+const EARLY: usize = 24;
 /// What the first frames show is looked at when these shares of the bytes have come ...
 const LOOKS: [f64; 3] = [0.25, 0.5, 1.0];
 /// ... and believed, before the rest is known, where the ball is seen in this share of them.
@@ -110,12 +111,12 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
     let cut_short = settings.most_frames.is_none() && frames.promised.is_some_and(|p| p > frames.count + 1 + p / 50);
     let missing = frames.promised.filter(|_| cut_short).map(|p| (frames.count, p));
     if let Some(pass) = pass.take_if(|pass| pass.sure()) {
-        if moves(&samples.kept).map_err(broken)? {
+        if moves(samples.telling()).map_err(broken)? {
             return Ok(unseen(Unseen::CameraMoves, frames.count, settings, ""));
         }
         return Ok(pass.finish(settings, missing));
     }
-    let scene = match scout(&samples.kept, settings.colour).map_err(broken)? {
+    let scene = match scout(samples.telling(), settings.colour).map_err(broken)? {
         Ok(scene) => scene,
         Err(reason) => return Ok(unseen(reason, frames.count, settings, "")),
     };
@@ -141,34 +142,6 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
 
 fn unseen(reason: Unseen, frames: usize, settings: &Settings, found: &str) -> Answer {
     Answer::Unseen { reason, frames, note: noticed::unseen(reason, settings.colour.is_some(), found) }
-}
-
-/// Small pictures, evenly over the film, however long it is.
-#[derive(Default)]
-struct Samples {
-    kept: Vec<Mat>,
-    stride: usize,
-}
-
-impl Samples {
-    fn push(&mut self, index: usize, image: &Mat, promised: Option<usize>) -> opencv::Result<()> {
-        if self.stride == 0 {
-            self.stride = promised.unwrap_or(1).div_ceil(MOST_SCOUTED).max(1);
-        }
-        if !index.is_multiple_of(self.stride) {
-            return Ok(());
-        }
-        self.kept.push(reduced(image)?);
-        if self.kept.len() > MOST_SCOUTED {
-            let mut place = 0;
-            self.kept.retain(|_| {
-                place += 1;
-                place % 2 == 1
-            });
-            self.stride *= 2;
-        }
-        Ok(())
-    }
 }
 
 /// The first time through a film: frames wait until it is known what to look for.
@@ -197,7 +170,7 @@ impl First<'_> {
         self.waiting.push((time_s, image));
         if self.bytes as f64 > LOOKS[self.looks] * WAITING_BYTES as f64 {
             self.looks += 1;
-            let every = self.waiting.len().div_ceil(MOST_SCOUTED / 2);
+            let every = self.waiting.len().div_ceil(EARLY);
             let early: Vec<Mat> =
                 self.waiting.iter().step_by(every).map(|(_, image)| reduced(image)).collect::<opencv::Result<_>>()?;
             if let Ok(scene) = scout(&early, self.settings.colour)?
