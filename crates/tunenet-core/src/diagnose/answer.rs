@@ -166,6 +166,8 @@ pub struct Explained {
     pub recording: usize,
     /// Its name.
     pub name: String,
+    /// Which of its flights this is, from 1, where they were cut apart.
+    pub flight: Option<usize>,
     /// Whether it was kept out of the fit.
     pub held_out: bool,
     /// What was used of it.

@@ -206,6 +206,7 @@ fn explained(study: &Study, judged: &Judged, last: &Model, recordings: &[Recordi
     let one = |set: &Set, before: &[f64], after: &[f64], own: &[f64]| Explained {
         recording: set.recording,
         name: recordings[set.recording].name.clone(),
+        flight: None,
         held_out: set.held_out,
         seen: set.prepared.seen.clone(),
         kept: set.keep.clone(),

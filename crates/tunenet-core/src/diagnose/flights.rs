@@ -57,6 +57,11 @@ impl Asked<'_> {
         }
         answer.rollouts += whole.rollouts;
         answer.gap.iter_mut().for_each(|gap| gap.of_flights = true);
+        for i in 0..answer.explained.len() {
+            let recording = answer.explained[i].recording;
+            let before = answer.explained[..i].iter().filter(|other| other.recording == recording).count();
+            answer.explained[i].flight = Some(before + 1);
+        }
         answer.parameters = whole.parameters.iter().map(|tuned| beside_contacts(tuned, sets, self)).collect();
         answer.notes.push(Note::new(
             "flights.alone",

@@ -125,7 +125,10 @@ pub fn diagnose(
     let known = Answered { uses, notes };
     let whole = asked.judge(sets.clone(), known.clone())?;
     let open = whole.notes.iter().any(|note| note.code == verdict::CONTACT_OPEN);
-    if (whole.verdict == Verdict::Unknown || open)
+    // Where several effects together are but a guess, as of one throw with a contact, fewer of the flights are better.
+    let crowded = whole.verdict == Verdict::OneOf && whole.effects.len() > 1;
+    let crowded = crowded && sets.iter().any(|set| !set.contacts.is_empty());
+    if (whole.verdict == Verdict::Unknown || open || crowded)
         && let Some(flights) = asked.flights_alone(&sets, &known, &whole)?
     {
         return Ok(flights);

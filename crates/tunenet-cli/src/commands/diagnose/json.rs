@@ -126,5 +126,5 @@ fn used(one: &Use) -> Json {
 
 fn estimated(one: &Explained) -> Json {
     let own = one.own.iter().map(|(name, value, unit)| json!({ "name": name, "value": value, "unit": unit }));
-    json!({ "file": one.name, "own": own.collect::<Vec<_>>() })
+    json!({ "file": one.name, "flight": one.flight, "own": own.collect::<Vec<_>>() })
 }
