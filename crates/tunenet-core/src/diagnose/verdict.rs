@@ -54,7 +54,8 @@ pub(super) fn judge(
         practical = apart.best.is_some().then_some(apart.tests);
         Found { base, alone: apart.alone, best: apart.best, places: apart.places }
     } else {
-        if study.learn_noise(&base, &mut rho)? {
+        // What is left so far beyond the noise is no noise, and would pass for a very slow one.
+        if !study.hopeless(&base) && study.learn_noise(&base, &mut rho)? {
             base = study.fit_near(&[], &base)?;
         }
         study.search(base, progress)?
