@@ -20,9 +20,9 @@ use crate::simulator::{Phase, Preparation, Simulator};
 
 /// What is left out on either side of a contact, s and samples: it lasts, and a simulator may have found it late.
 const GUARD_S: f64 = 0.02;
-const GUARD: usize = 1;
-/// A shorter flight says nothing of its bend: at 30 frames a second a hop of a palm's height has as many.
-const FEWEST: usize = 7;
+const GUARD: usize = 2;
+/// A shorter flight says nothing of its bend.
+const FEWEST: usize = 12;
 /// Of so many flights of an object one is held out: the second, so that others are faster, and others slower.
 const ENOUGH: usize = 3;
 const HELD_OUT: usize = 1;

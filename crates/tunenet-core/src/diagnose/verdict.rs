@@ -54,8 +54,7 @@ pub(super) fn judge(
         practical = apart.best.is_some().then_some(apart.tests);
         Found { base, alone: apart.alone, best: apart.best, places: apart.places }
     } else {
-        // What is left so far beyond the noise is no noise, and would pass for a very slow one.
-        if !study.hopeless(&base) && study.learn_noise(&base, &mut rho)? {
+        if study.learn_noise(&base, &mut rho)? {
             base = study.fit_near(&[], &base)?;
         }
         study.search(base, progress)?
