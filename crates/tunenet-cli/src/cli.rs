@@ -141,6 +141,9 @@ pub struct Reading {
     /// Which topic of an MCAP log
     #[arg(long)]
     pub topic: Option<String>,
+    /// Frames per second at which a camera really took them: of a film that plays slower, or of a folder of frames
+    #[arg(long, value_name = "1/S", value_parser = track::positive)]
+    pub camera_rate: Option<f64>,
 }
 
 /// What every command takes.

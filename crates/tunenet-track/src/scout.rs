@@ -48,6 +48,8 @@ pub enum Unseen {
     NoBall,
     /// Two things look alike.
     TwoBalls,
+    /// What moves has no round outline.
+    NotRound,
     /// Most of the picture moves.
     CameraMoves,
 }
@@ -59,6 +61,7 @@ impl Unseen {
         match self {
             Self::NoBall => "no_ball",
             Self::TwoBalls => "two_balls",
+            Self::NotRound => "not_round",
             Self::CameraMoves => "camera_moves",
         }
     }
@@ -69,6 +72,7 @@ impl Unseen {
         match self {
             Self::NoBall => "ball.none",
             Self::TwoBalls => "ball.two",
+            Self::NotRound => "ball.shape",
             Self::CameraMoves => "camera.moves",
         }
     }

@@ -52,7 +52,10 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
         let (expected, found) = ("a CSV file".into(), format!("the film {}", path.display()));
         return Err(Error::Setting { name: "columns", expected, found }.into());
     }
-    let found = film::Asked::default().with("--topic", reading.topic.as_ref()).of(file).track(path)?;
+    let asked = film::Asked::default()
+        .with("--topic", reading.topic.as_ref())
+        .with("--camera-rate", reading.camera_rate.map(|r| r.to_string()));
+    let found = asked.of(file).track(path)?;
     at_most(most, film::positions(path, &found)?)
 }
 
@@ -90,11 +93,22 @@ pub fn ending(out: &Path, endings: &[&str]) -> Result<()> {
     Err(Error::Setting { name: "--out", expected, found }.into())
 }
 
-/// The SHA-256 of a file's bytes, in hexadecimal.
+/// The SHA-256 of a file's bytes, in hexadecimal; of a folder of frames, that of all their bytes.
 pub fn hash(path: &Path) -> Result<String> {
+    let mut hasher = Sha256::new();
+    if path.is_dir() {
+        for picture in film::pictures(path).map_err(|source| Error::io(path, "reading", source))? {
+            digest(&picture, &mut hasher)?;
+        }
+    } else {
+        digest(path, &mut hasher)?;
+    }
+    Ok(hex(&hasher.finalize()))
+}
+
+fn digest(path: &Path, hasher: &mut Sha256) -> Result<()> {
     let failed = |source| Error::io(path, "reading", source);
     let mut file = open(path)?;
-    let mut hasher = Sha256::new();
     let mut buffer = vec![0; 1 << 16];
     loop {
         let count = file.read(&mut buffer).map_err(failed)?;
@@ -103,7 +117,7 @@ pub fn hash(path: &Path) -> Result<String> {
         }
         hasher.update(&buffer[..count]);
     }
-    Ok(hex(&hasher.finalize()))
+    Ok(())
 }
 
 /// Bytes in hexadecimal.

@@ -47,7 +47,7 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
         "toml" => plain(simulation(&SimulationFile::read(path)?)?, true),
         "safetensors" => plain(model(&Model::load(path)?), true),
         _ if is_film(path) => {
-            let (object, usable) = film::look(path)?;
+            let (object, usable) = film::look(path, options.reading.camera_rate)?;
             plain(object, usable)
         }
         _ => match contents_with(path, &load::reading(&options.reading))? {
