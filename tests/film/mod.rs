@@ -164,7 +164,7 @@ impl Film {
         let mut writer = mcap::Writer::new(&mut bytes).unwrap();
         let name = if compressed { "sensor_msgs/msg/CompressedImage" } else { "sensor_msgs/msg/Image" };
         let schema = writer.add_schema(name, "ros2msg", b"").unwrap();
-        let channel = writer.add_channel(schema, "/camera/image", "cdr", &Default::default()).unwrap();
+        let channel = writer.add_channel(schema, "/camera/image", "cdr", &std::collections::BTreeMap::new()).unwrap();
         for (i, picture) in self.pictures().iter().enumerate() {
             let nanoseconds = (i as f64 / f64::from(self.rates_hz.1) * 1e9).round() as u64;
             let data = message(picture, 1_000_000_000 + nanoseconds, compressed);

@@ -102,7 +102,9 @@ fn off_ellipse(edges: &[(f64, f64)], (u, v, radius): (f64, f64, f64)) -> Option<
     for part in parts.iter().cycle().take(ROUNDS * parts.len()) {
         let (product, square) =
             polar.iter().fold((0.0, 0.0), |(p, s), (a, r)| (p + r * part(*a), s + part(*a).powi(2)));
-        polar.iter_mut().for_each(|(a, r)| *r -= product / square * part(*a));
+        for (a, r) in &mut polar {
+            *r -= product / square * part(*a);
+        }
     }
     median(polar.iter().map(|(_, r)| r.abs()).collect()).filter(|off| off.is_finite())
 }

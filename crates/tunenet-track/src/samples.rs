@@ -53,16 +53,14 @@ impl Samples {
         self.even.stride = self.even.stride.max(all.div_ceil(MOST_EVEN));
         let even = index.is_multiple_of(self.even.stride);
         let new = index.is_multiple_of((all / LOOKED_AT).max(1)) && self.shows_something_new(image)?;
+        let new = new && self.changing.wants_next();
         if even || new {
             let small = reduced(image)?;
             if even {
-                self.even.kept.push(small.clone());
-                if self.even.kept.len() > MOST_EVEN {
-                    self.even.halve();
-                }
+                self.even.keep(small.clone(), MOST_EVEN);
             }
             if new {
-                self.changing.take(small);
+                self.changing.keep(small, MOST_CHANGING);
             }
         }
         Ok(())
@@ -93,16 +91,19 @@ struct Thinned {
 }
 
 impl Thinned {
-    /// Takes every `stride`-th picture that is offered.
-    fn take(&mut self, small: Mat) {
+    /// Whether the picture that is offered now is one that is kept: every `stride`-th.
+    fn wants_next(&mut self) -> bool {
         self.stride = self.stride.max(1);
-        if self.passed.is_multiple_of(self.stride) {
-            self.kept.push(small);
-            if self.kept.len() > MOST_CHANGING {
-                self.halve();
-            }
-        }
+        let wanted = self.passed.is_multiple_of(self.stride);
         self.passed += 1;
+        wanted
+    }
+
+    fn keep(&mut self, small: Mat, most: usize) {
+        self.kept.push(small);
+        if self.kept.len() > most {
+            self.halve();
+        }
     }
 
     fn halve(&mut self) {

@@ -127,7 +127,7 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
         if moves(samples.telling()).map_err(broken)? {
             return Ok(unseen(Unseen::CameraMoves, frames.count, settings, ""));
         }
-        return Ok(pass.finish(settings, cut_off));
+        return Ok(pass.finish(settings, cut_off.as_ref()));
     }
     let scene = match scout(samples.telling(), settings.colour).map_err(broken)? {
         Ok(scene) => scene,
@@ -150,7 +150,7 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
             pass
         }
     };
-    Ok(pass.finish(settings, cut_off))
+    Ok(pass.finish(settings, cut_off.as_ref()))
 }
 
 fn unseen(reason: Unseen, frames: usize, settings: &Settings, found: &str) -> Answer {
@@ -244,7 +244,7 @@ impl Pass {
         Ok(())
     }
 
-    fn finish(self, settings: &Settings, cut_off: Option<CutOff>) -> Answer {
+    fn finish(self, settings: &Settings, cut_off: Option<&CutOff>) -> Answer {
         let Self { tracker, mut sightings, mut times_s, changes, size_px } = self;
         let frames = times_s.len();
         clock::even_out(&mut times_s);
@@ -294,7 +294,7 @@ impl Pass {
             dropped,
             notes: Vec::new(),
         };
-        track.notes = noticed::of(&track, tracker.scene().clutter, cut_off.as_ref());
+        track.notes = noticed::of(&track, tracker.scene().clutter, cut_off);
         Answer::Tracked(Box::new(track))
     }
 }

@@ -96,8 +96,8 @@ impl Tuners {
         match key {
             "zero" => return Ok(Estimate::Nothing),
             "untuned" => return Ok(Estimate::Restitution(drop.proposed)),
-            "gt_paper" => return along(drops, drop, &self.gt_paper, drops.positions(drop)?, alone),
-            "gt_default" => return along(drops, drop, &self.gt_default, drops.positions(drop)?, whole),
+            "gt_paper" => return along(drops, drop, &self.gt_paper, &drops.positions(drop)?, alone),
+            "gt_default" => return along(drops, drop, &self.gt_default, &drops.positions(drop)?, whole),
             _ => {}
         }
         let Film::Tracked(track) = film else { return Ok(Estimate::Refused) };
@@ -107,9 +107,9 @@ impl Tuners {
         // A track in which no camera could see the fall is refused as a film without a ball is.
         let Ok(seen) = drops.film(drop, track) else { return Ok(Estimate::Refused) };
         match key.trim_end_matches("_spoilt") {
-            "obs_paper" => along(drops, drop, &self.obs_paper, seen, alone),
-            "obs_network" => along(drops, drop, &self.obs_default, seen, alone),
-            "obs_default" => along(drops, drop, &self.obs_default, seen, whole),
+            "obs_paper" => along(drops, drop, &self.obs_paper, &seen, alone),
+            "obs_network" => along(drops, drop, &self.obs_default, &seen, alone),
+            "obs_default" => along(drops, drop, &self.obs_default, &seen, whole),
             "apex_camera" => {
                 let radius_m = drops.filmed.radius_m();
                 let heights: Vec<f64> = seen.seen.column(2).map(|z| z - radius_m).collect();
@@ -121,8 +121,8 @@ impl Tuners {
 }
 
 /// Where a network's loop ends.
-fn along(drops: &Drops, drop: &Drop, model: &Model, seen: Prepared, how: Loop) -> Result<Estimate> {
-    let walk = walk(drops.filmed.ball(), &seen, model, drops.start(drop, &seen), how)?;
+fn along(drops: &Drops, drop: &Drop, model: &Model, seen: &Prepared, how: Loop) -> Result<Estimate> {
+    let walk = walk(drops.filmed.ball(), seen, model, drops.start(drop, seen), how)?;
     Ok(Estimate::Restitution(walk.point.parameters[0]))
 }
 
