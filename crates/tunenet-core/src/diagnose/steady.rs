@@ -28,6 +28,9 @@ fn share_moved(scores: &[Score], size: &dyn Fn(usize) -> Option<f64>, by_noise: 
     for score in scores {
         let (mine, sizes): (Vec<usize>, Vec<f64>) =
             score.places.iter().enumerate().filter_map(|(i, &place)| Some((i, size(place)?))).unzip();
+        if mine.is_empty() {
+            continue;
+        }
         let normal = DMatrix::from_fn(mine.len(), mine.len(), |i, j| score.normal[(mine[i], mine[j])]);
         let pull = DVector::from_fn(mine.len(), |i, _| score.pull[mine[i]]);
         let sizes = DVector::from_vec(sizes);
