@@ -209,7 +209,8 @@ fn three_balls_together_show_drag() {
         let lines: Vec<String> = rows.map(|row| format!("{},{},{}", row[0], row[x], row[z])).collect();
         here.write(&format!("{name}.csv"), format!("t_s,x_m,z_m\n{}\n", lines.join("\n")));
         let scene = format!("ball.radius_m = {radius_m}\nball.mass_kg = {mass_kg}");
-        manifest += &format!("[[observation]]\nfile = \"{name}.csv\"\nobject = \"{name}\"\n{scene}\n");
+        let entry = format!("[[observation]]\nfile = \"{name}.csv\"\nobject = \"{name}\"\n{scene}\n");
+        manifest.push_str(&entry);
     }
     here.write("m.toml", manifest);
     here.write("ball.toml", ball(0.02, None));

@@ -18,7 +18,9 @@ pub(super) fn unseen(study: &Study, model: &Model, sets: &[Set]) -> Result<Optio
 pub(super) fn control(study: &Study, found: &Found, sets: &[Set]) -> Result<Option<(&'static str, f64)>> {
     let named = |entry: usize| {
         found.places.iter().any(|p| {
-            p.entry == entry || p.others.iter().any(|(other, gap)| *other == entry && *gap < study.settings.margin)
+            p.entry == entry
+                || p.equals.contains(&entry)
+                || p.others.iter().any(|(other, gap)| *other == entry && *gap < study.settings.margin)
         })
     };
     let wrong = found.alone.iter().rev().find(|t| t.excluded.is_none() && !named(t.entry));

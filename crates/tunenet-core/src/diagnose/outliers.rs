@@ -32,7 +32,9 @@ pub(super) fn set_aside(sets: &mut [Set], residuals: &[Vec<f64>]) -> usize {
     }
     let gathered = near.wild >= FEWEST_GATHERED && near.of() > GATHERED * far.of();
     chosen.retain(|(_, _, beside)| !(gathered && *beside));
-    chosen.iter().for_each(|&(d, i, _)| sets[d].keep[i] = false);
+    for &(d, i, _) in &chosen {
+        sets[d].keep[i] = false;
+    }
     chosen.len()
 }
 
@@ -99,7 +101,9 @@ mod tests {
         let mut set = Set::new(0, 0, false, Prepared::whole(Observation::positions(clock, &rows).unwrap(), 1));
         set.contacts = vec![0.4, 0.8, 1.2, 1.6];
         let mut residuals: Vec<f64> = (0..600).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
-        wild.iter().for_each(|k| residuals[3 * k + 2] = 20.0);
+        for k in wild {
+            residuals[3 * k + 2] = 20.0;
+        }
         (vec![set], vec![residuals])
     }
 

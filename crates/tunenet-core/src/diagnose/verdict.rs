@@ -38,7 +38,9 @@ pub(super) fn judge(
     let Look { mut found, rho, apart } = first_look(&mut study, &mut held_out, progress)?;
     let judged_apart = apart.is_some();
     let (mut practical, open) = apart.unwrap_or((None, false));
-    held_out.iter_mut().for_each(|set| set.colour(rho));
+    for set in &mut held_out {
+        set.colour(rho);
+    }
     let mut before = unseen(&study, &found.base, &held_out)?;
     let mut tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base));
     let floor = study.floor();

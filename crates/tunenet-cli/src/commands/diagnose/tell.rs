@@ -85,8 +85,11 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
         Written::Files(files) => {
             let paths: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
             let several = diagnosis.verdict == Verdict::OneOf;
-            let with =
-                if several { format!(" with {}, the best of them", answer.chosen().join(" and ")) } else { "".into() };
+            let with = if several {
+                format!(" with {}, the best of them", answer.chosen().join(" and "))
+            } else {
+                String::new()
+            };
             format!("wrote {}{with}; ", paths.join(", "))
         }
         Written::Not(why) => {
@@ -133,7 +136,7 @@ fn sentence(answer: &Answer) -> String {
     }
 }
 
-/// What is left to choose from, place by place: "wind, magnus; beside quadratic_drag".
+/// What is left to choose from, place by place: `wind, magnus; beside quadratic_drag`.
 fn choices(answer: &Answer) -> String {
     let (open, firm): (Vec<_>, Vec<_>) = answer.choices().into_iter().partition(|names| names.len() > 1);
     let open: Vec<String> = open.iter().map(|names| names.join(", ")).collect();
