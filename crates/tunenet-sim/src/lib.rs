@@ -6,6 +6,7 @@
 //! | [`arm`] | arms read from a URDF: kinematics, inverse dynamics, motions |
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
+//! | [`observed_arm`] | an arm that follows a motion, as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`filmed`] | drops in front of a camera that nobody knows |
@@ -19,11 +20,13 @@ pub mod drawn;
 pub mod filmed;
 pub mod filmed_ball;
 pub mod observed;
+pub mod observed_arm;
 pub mod observed_ball;
 pub mod simulation_file;
 
 pub use drawn::Drawn;
 pub use filmed_ball::FilmedBall;
 pub use observed::simulator;
+pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;
 pub use simulation_file::SimulationFile;

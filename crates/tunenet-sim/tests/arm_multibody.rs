@@ -33,24 +33,24 @@ fn validate_that_torques_of_inverse_dynamics_hold_the_arm_still() {
 }
 
 /// Relative RMS between what the controller asks for and what the motion that came out needs, and the torques.
-fn circle(mass_kg: f64, believed_kg: f64, rate_hz: f64, from_s: f64) -> (f64, Vec<[f64; 7]>) {
+fn circle(mass_kg: f64, believed_kg: f64, rate_hz: u32, from_s: f64) -> (f64, Vec<[f64; 7]>) {
     let (arm, believed) = (arm(mass_kg), arm(believed_kg));
     let motion = Motion::circle(&believed, believed.frame("grip").unwrap(), &Circle::default()).unwrap();
     let (mut q, mut dq, mut wanted) = ([0.0; 7], [0.0; 7], ([0.0; 7], [0.0; 7], [0.0; 7]));
     motion.at(0.0, &mut q, &mut dq, &mut wanted.2);
-    let mut rapier = Multibody::new(&arm, gravity(GRAVITY), 1.0 / rate_hz, &q, &dq).unwrap();
+    let mut rapier = Multibody::new(&arm, gravity(GRAVITY), 1.0 / f64::from(rate_hz), &q, &dq).unwrap();
     let mut controller = ComputedTorque::new(&believed, gravity(GRAVITY), STIFFNESS);
     let mut needed = Recursion::new(&arm, gravity(GRAVITY));
     let (mut torques, mut off, mut size) = (Vec::new(), 0.0, 0.0);
-    for i in 0..(5.0 * rate_hz) as u32 {
-        let time_s = f64::from(i) / rate_hz;
+    for i in 0..5 * rate_hz {
+        let time_s = f64::from(i) / f64::from(rate_hz);
         motion.at(time_s, &mut wanted.0, &mut wanted.1, &mut wanted.2);
         let mut torque = [0.0; 7];
         controller.torque((&q, &dq), (&wanted.0, &wanted.1, &wanted.2), &mut torque);
         rapier.step(&torque);
         let (before, mut exact) = ((q, dq), [0.0; 7]);
         rapier.state(&mut q, &mut dq);
-        let ddq: Vec<f64> = dq.iter().zip(before.1).map(|(v, last)| (v - last) * rate_hz).collect();
+        let ddq: Vec<f64> = dq.iter().zip(before.1).map(|(v, last)| (v - last) * f64::from(rate_hz)).collect();
         needed.inverse_dynamics(&before.0, &before.1, &ddq, &mut exact);
         if time_s > from_s {
             off += torque.iter().zip(exact).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
@@ -64,7 +64,7 @@ fn circle(mass_kg: f64, believed_kg: f64, rate_hz: f64, from_s: f64) -> (f64, Ve
 #[test]
 fn validate_the_torque_of_the_circle_with_the_true_model() {
     for mass in [0.0, 1.0, 2.0] {
-        let (off, torques) = circle(mass, mass, 240.0, 0.0);
+        let (off, torques) = circle(mass, mass, 240, 0.0);
         let peak = torques.iter().map(|t| t[1].abs()).fold(0.0, f64::max);
         println!("{mass} kg: {off:.1e} relative RMS, joint 2 at most {peak:.1} N·m");
         assert!(off <= 5e-4, "{mass} kg: {off:e}");
@@ -74,9 +74,9 @@ fn validate_the_torque_of_the_circle_with_the_true_model() {
 #[test]
 fn validate_the_torque_of_a_controller_that_does_not_know_the_payload() {
     for mass in [0.5, 2.0] {
-        let (off, torques) = circle(mass, 0.0, 240.0, 0.5);
+        let (off, torques) = circle(mass, 0.0, 240, 0.5);
         println!("{mass} kg, unknown: {off:.1e} relative RMS");
         assert!(off <= 1e-2, "{mass} kg: {off:e}");
-        assert_eq!(circle(mass, 0.0, 240.0, 0.5).1, torques, "the same bits");
+        assert_eq!(circle(mass, 0.0, 240, 0.5).1, torques, "the same bits");
     }
 }
