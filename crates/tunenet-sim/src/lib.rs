@@ -9,6 +9,7 @@
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`filmed`] | drops in front of a camera that nobody knows |
 //! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
+//! | [`shot`] | a ball that bounces off a plane through a hoop, and from where to let it go |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
 pub mod ball;
@@ -18,6 +19,7 @@ pub mod filmed;
 pub mod filmed_ball;
 pub mod observed;
 pub mod observed_ball;
+pub mod shot;
 pub mod simulation_file;
 
 pub use drawn::Drawn;

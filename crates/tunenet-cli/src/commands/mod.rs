@@ -10,6 +10,7 @@ mod inspect;
 pub(crate) mod load;
 mod man;
 mod model_cache;
+mod plan;
 mod simulate;
 mod start;
 mod track;
@@ -28,6 +29,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
     match arguments.command {
         Command::Tune(options) => tune::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Track(options) => track::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Inspect(options) => inspect::run(&options),

@@ -6,7 +6,7 @@ use std::path::Path;
 use toml_edit::{Item, Table, TableLike};
 use tunenet_core::{Error, Result};
 
-use super::schema::{BALL_KEYS, BALL_PARAMETERS, PARAMETER_KEYS, find, item_number, keys, siblings};
+use super::schema::{BALL_KEYS, BALL_PARAMETERS, Key, PARAMETER_KEYS, find, item_number, keys, siblings};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing.
 pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
@@ -14,7 +14,7 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
         let message = "expected `kind = \"ball\"`, found no `kind`".to_string();
         return Err(Error::file(path, message, "is this a simulation file? assets/ball.toml is one to start from"));
     }
-    walk(path, text, root, "")?;
+    walk(&SIMULATION, path, text, root, "")?;
     for key in BALL_KEYS.iter().filter(|k| k.required) {
         if lookup(root, &key.path).is_none() {
             let message = format!("expected `{}` ({}), found none", key.path, key.meaning);
@@ -86,17 +86,35 @@ fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
     Some(item)
 }
 
-fn walk(path: &Path, text: &str, table: &dyn TableLike, prefix: &str) -> Result<()> {
+/// Which keys a file may hold.
+pub(crate) struct Vocabulary {
+    /// What such a file is called.
+    pub file: &'static str,
+    /// The key at a path.
+    pub find: fn(&str) -> Option<Key>,
+    /// Whether there is a table at a path.
+    pub has_table: fn(&str) -> bool,
+    /// What could have been meant beside an unknown path.
+    pub siblings: fn(&str) -> Vec<String>,
+    /// A table that is not looked into.
+    pub passed_over: &'static str,
+}
+
+const SIMULATION: Vocabulary =
+    Vocabulary { file: "a simulation file", find, has_table: known_table, siblings, passed_over: "provenance" };
+
+/// Refuses keys that `known` does not hold, and values that do not fit theirs.
+pub(crate) fn walk(known: &Vocabulary, path: &Path, text: &str, table: &dyn TableLike, prefix: &str) -> Result<()> {
     for (name, item) in table.iter() {
         let full = format!("{prefix}{name}");
-        if full == "provenance" {
+        if full == known.passed_over {
             continue;
         }
         let key_span =
             || table.get_key_value(name).and_then(|(key, _)| key.span()).or_else(|| item.span()).unwrap_or(0..0);
         match item.as_value().filter(|v| !v.is_inline_table()) {
             Some(value) => {
-                let Some(key) = find(&full) else { return Err(unknown(path, text, key_span(), &full)) };
+                let Some(key) = (known.find)(&full) else { return Err(unknown(known, path, text, key_span(), &full)) };
                 if !key.shape.accepts(value) {
                     let found = value.to_string();
                     let message = format!("`{full}`: expected {}, found {}", key.shape.expected(), found.trim());
@@ -110,8 +128,8 @@ fn walk(path: &Path, text: &str, table: &dyn TableLike, prefix: &str) -> Result<
                 }
             }
             None => match item.as_table_like() {
-                Some(inner) if known_table(&full) => walk(path, text, inner, &format!("{full}."))?,
-                _ => return Err(unknown(path, text, key_span(), &full)),
+                Some(inner) if (known.has_table)(&full) => walk(known, path, text, inner, &format!("{full}."))?,
+                _ => return Err(unknown(known, path, text, key_span(), &full)),
             },
         }
     }
@@ -124,13 +142,13 @@ fn known_table(path: &str) -> bool {
     path == "parameters" || parameter || keys().any(|k| k.path.starts_with(&inside))
 }
 
-fn unknown(path: &Path, text: &str, span: Range<usize>, key: &str) -> Error {
-    let hint = format!("known here: {}", siblings(key).join(", "));
-    located(path, text, span, format!("expected a key of a simulation file, found `{key}`"), &hint)
+fn unknown(known: &Vocabulary, path: &Path, text: &str, span: Range<usize>, key: &str) -> Error {
+    let hint = format!("known here: {}", (known.siblings)(key).join(", "));
+    located(path, text, span, format!("expected a key of {}, found `{key}`", known.file), &hint)
 }
 
 /// An error at a place of the text.
-pub(super) fn located(path: &Path, text: &str, span: Range<usize>, message: String, hint: &str) -> Error {
+pub(crate) fn located(path: &Path, text: &str, span: Range<usize>, message: String, hint: &str) -> Error {
     let start = span.start.min(text.len());
     let before = text.get(..start).unwrap_or("");
     let line_start = before.rfind('\n').map_or(0, |i| i + 1);

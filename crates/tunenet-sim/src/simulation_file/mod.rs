@@ -1,7 +1,7 @@
 //! The simulation file: one TOML file that describes a simulation completely, read, overridden, and written back with its
 //! comments and its order kept.
 
-mod check;
+pub(crate) mod check;
 mod effects;
 pub mod schema;
 mod template;
@@ -222,7 +222,7 @@ impl SimulationFile {
         numbers.try_into().ok()
     }
 
-    fn item(&self, path: &str) -> Option<&Item> {
+    pub(crate) fn item(&self, path: &str) -> Option<&Item> {
         let mut item = self.document.as_item();
         for part in path.split('.') {
             item = item.as_table_like()?.get(part)?;

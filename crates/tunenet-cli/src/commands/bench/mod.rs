@@ -7,6 +7,7 @@ mod preflight;
 mod process;
 mod regions;
 mod resume;
+mod shot;
 mod speed;
 mod tuning;
 
@@ -24,5 +25,6 @@ pub fn run(options: &Bench) -> Result<Exit> {
         Measured::Regions(options) => regions::run(options),
         Measured::Preflight(options) => preflight::run(options),
         Measured::Paper(options) => paper::run(options),
+        Measured::Shot(options) => shot::run(options),
     }
 }
