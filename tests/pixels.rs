@@ -5,29 +5,8 @@ mod common;
 use common::{Drop, Folder};
 use std::fmt::Write;
 
-const SCENE: &str = "\
-kind = \"ball\"
-
-[ball]
-radius_m = 0.5
-
-[surface]
-height_m = 0.0
-
-[release]
-height_m = 4.0
-velocity_m_s = [0.0, 0.0, 0.0]
-time_s = 0.0
-
-[record]
-rate_hz = 60.0
-frames = 400
-
-[parameters.restitution]
-value = 0.5
-min = 0.0
-max = 1.0
-";
+/// The scene of the drops below.
+const SCENE: &str = include_str!("../assets/ball_easy.toml");
 
 /// Any camera makes `(a z + b) / (c z + 1)` of a vertical line.
 fn pixels(restitution: f64) -> String {
@@ -71,7 +50,7 @@ fn restitution_comes_out_of_pixels() {
 #[test]
 fn pixels_without_a_known_height_say_what_is_missing() {
     let folder = Folder::new();
-    folder.write("scene.toml", SCENE.replace("height_m = 4.0\n", ""));
+    folder.write("scene.toml", SCENE.replace("height_m = 4.0 ", "# "));
     folder.write("drop.csv", pixels(0.5));
     let ran = folder.run("tune --sim scene.toml --observation drop.csv").ends(1);
     assert!(ran.stderr.contains("release.height_m"), "{}", ran.stderr);

@@ -10,7 +10,7 @@ mod inspect;
 pub(crate) mod load;
 mod man;
 mod model_cache;
-mod plan;
+pub(crate) mod plan;
 mod simulate;
 mod start;
 mod track;

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::sets::Set;
 use super::structure::Structure;
 use crate::Result;
-use crate::simulator::{Parameter, rollout};
+use crate::simulator::{Parameter, predict};
 use crate::tune::arrow::{Arrow, Block};
 use crate::tune::{huber_cost, huber_weight, robust_scale};
 
@@ -123,7 +123,7 @@ impl Joint<'_> {
         self.rollouts.fetch_add(1, Ordering::Relaxed);
         let parameters = self.structure.parameters(set.object, globals);
         let simulator = self.structure.simulator(set.object);
-        let mut values = rollout(simulator, &parameters, own, &set.clock()[..samples])?;
+        let mut values = predict(simulator, &set.prepared, &parameters, own, &set.clock()[..samples])?;
         values.iter_mut().zip(set.prepared.seen.values()).for_each(|(value, seen)| *value = seen - *value);
         Ok(values)
     }

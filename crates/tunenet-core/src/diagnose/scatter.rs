@@ -13,7 +13,7 @@ use super::joint::{Which, dot};
 use super::sets::Set;
 use super::study::{Model, Study};
 use crate::Result;
-use crate::simulator::{Parameter, Preparation, Simulator, rollout};
+use crate::simulator::{Parameter, Preparation, Simulator, predict};
 
 /// Step of a tilt for its derivative, rad.
 const STEP_RAD: f64 = 1e-4;
@@ -71,9 +71,9 @@ impl Study<'_> {
                 let tilts = (0..tilts.len()).map(|k| if tilted == Some(k) { STEP_RAD } else { 0.0 });
                 model.fit.point.own[d].iter().copied().chain(tilts).collect()
             };
-            let straight = rollout(simulator, &parameters, &own(None), set.clock())?;
+            let straight = predict(simulator, &set.prepared, &parameters, &own(None), set.clock())?;
             for k in 0..tilts.len() {
-                let tilted = rollout(simulator, &parameters, &own(Some(k)), set.clock())?;
+                let tilted = predict(simulator, &set.prepared, &parameters, &own(Some(k)), set.clock())?;
                 self.rollouts.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 let mut change: Vec<f64> = straight.iter().zip(&tilted).map(|(a, b)| (a - b) / STEP_RAD).collect();
                 set.filter.apply(&mut change);

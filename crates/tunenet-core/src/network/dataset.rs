@@ -1,8 +1,10 @@
 //! A dataset's contents: what all pairs share, one pair, and how both stand in the file.
 
+use std::fmt;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{Error as _, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::observation::Channel;
 use crate::simulator::Scale;
@@ -152,9 +154,17 @@ impl From<ClockedPair> for Pair {
     }
 }
 
-/// The header as it stands in the file; see [`DATASET_DEFINITION`].
-#[derive(Debug, Default, Serialize, Deserialize)]
+/// The header as it stands in the file: [`DATASET_DEFINITION`], followed by [`TARGET_DEFINITION`] from version [`FILMED`] on.
+#[derive(Debug, Default, Serialize)]
 pub(super) struct HeaderMessage {
+    shared: Shared,
+    #[serde(skip_serializing_if = "Targets::are_none")]
+    targets: Targets,
+}
+
+/// See [`DATASET_DEFINITION`].
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Shared {
     version: u32,
     preset: String,
     seed: u64,
@@ -168,21 +178,51 @@ pub(super) struct HeaderMessage {
     channel_units: Vec<String>,
     clock: Vec<f64>,
     scene: String,
-    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "or_none")]
-    target_channel_names: Vec<String>,
-    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "or_none")]
-    target_channel_units: Vec<String>,
 }
 
-/// A list at the end of a message that older files end before.
-#[expect(clippy::unnecessary_wraps, reason = "the signature is serde's")]
-fn or_none<'de, D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Vec<String>, D::Error> {
-    Ok(Vec::deserialize(from).unwrap_or_default())
+/// See [`TARGET_DEFINITION`].
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Targets {
+    channel_names: Vec<String>,
+    channel_units: Vec<String>,
+}
+
+impl Targets {
+    fn are_none(&self) -> bool {
+        self.channel_names.is_empty()
+    }
+}
+
+/// CDR names no fields and has no end mark, so the version decides what follows.
+impl<'de> Deserialize<'de> for HeaderMessage {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        struct Parts;
+        impl<'de> Visitor<'de> for Parts {
+            type Value = HeaderMessage;
+
+            fn expecting(&self, to: &mut fmt::Formatter) -> fmt::Result {
+                to.write_str("the header of a dataset")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut parts: A) -> std::result::Result<HeaderMessage, A::Error> {
+                let shared: Shared = parts.next_element()?.ok_or_else(|| A::Error::invalid_length(0, &self))?;
+                let targets = if shared.version == FILMED {
+                    parts.next_element()?.ok_or_else(|| A::Error::invalid_length(1, &self))?
+                } else {
+                    Targets::default()
+                };
+                Ok(HeaderMessage { shared, targets })
+            }
+        }
+        from.deserialize_tuple(2, Parts)
+    }
 }
 
 impl From<&DatasetHeader> for HeaderMessage {
     fn from(header: &DatasetHeader) -> Self {
-        let mut message = Self {
+        let parameters = || header.parameters.iter();
+        let (channel_names, channel_units) = names_and_units(&header.channels);
+        let shared = Shared {
             version: match (header.target_channels.is_empty(), header.clock.is_empty()) {
                 (false, _) => FILMED,
                 (true, true) => CLOCKS_IN_PAIRS,
@@ -191,67 +231,67 @@ impl From<&DatasetHeader> for HeaderMessage {
             preset: header.preset.clone(),
             seed: header.seed,
             pairs: header.pairs,
+            parameter_names: parameters().map(|p| p.name.clone()).collect(),
+            parameter_units: parameters().map(|p| p.unit.clone()).collect(),
+            parameter_min: parameters().map(|p| p.min).collect(),
+            parameter_max: parameters().map(|p| p.max).collect(),
+            parameter_tuned: parameters().map(|p| p.tuned).collect(),
+            channel_names,
+            channel_units,
             clock: header.clock.clone(),
             scene: header.scene.clone(),
-            ..Self::default()
         };
-        for parameter in &header.parameters {
-            message.parameter_names.push(parameter.name.clone());
-            message.parameter_units.push(parameter.unit.clone());
-            message.parameter_min.push(parameter.min);
-            message.parameter_max.push(parameter.max);
-            message.parameter_tuned.push(parameter.tuned);
-        }
-        for channel in &header.channels {
-            message.channel_names.push(channel.name.clone());
-            message.channel_units.push(channel.unit.clone());
-        }
-        for channel in &header.target_channels {
-            message.target_channel_names.push(channel.name.clone());
-            message.target_channel_units.push(channel.unit.clone());
-        }
-        message
+        let (channel_names, channel_units) = names_and_units(&header.target_channels);
+        Self { shared, targets: Targets { channel_names, channel_units } }
     }
 }
 
 impl HeaderMessage {
     pub(super) fn header(self, path: &Path) -> Result<DatasetHeader> {
-        if !(ONE_CLOCK..=DATASET_VERSION).contains(&self.version) {
-            let text = format!("expected a dataset of version 1 to {DATASET_VERSION}, found version {}", self.version);
+        let Self { shared, targets } = self;
+        if !(ONE_CLOCK..=DATASET_VERSION).contains(&shared.version) {
+            let text =
+                format!("expected a dataset of version 1 to {DATASET_VERSION}, found version {}", shared.version);
             return Err(Error::file(path, text, "write it again with this version of `tunenet gen`"));
         }
-        let n = self.parameter_names.len();
-        let whole = [
-            self.parameter_units.len(),
-            self.parameter_min.len(),
-            self.parameter_max.len(),
-            self.parameter_tuned.len(),
-        ]
-        .iter()
-        .all(|&found| found == n)
-            && self.channel_units.len() == self.channel_names.len()
-            && self.target_channel_units.len() == self.target_channel_names.len();
-        if !whole {
+        let n = shared.parameter_names.len();
+        let of_parameters = [
+            shared.parameter_units.len(),
+            shared.parameter_min.len(),
+            shared.parameter_max.len(),
+            shared.parameter_tuned.len(),
+        ];
+        if of_parameters.iter().any(|&found| found != n)
+            || shared.channel_units.len() != shared.channel_names.len()
+            || targets.channel_units.len() != targets.channel_names.len()
+        {
             return Err(Error::file(path, "expected lists of equal length in the dataset's header, found others", ""));
         }
+        if shared.version == FILMED && targets.are_none() {
+            return Err(Error::file(path, "expected what the targets observe in the dataset's header, found none", ""));
+        }
         let parameters = (0..n).map(|i| CoveredParameter {
-            name: self.parameter_names[i].clone(),
-            unit: self.parameter_units[i].clone(),
-            min: self.parameter_min[i],
-            max: self.parameter_max[i],
-            tuned: self.parameter_tuned[i],
+            name: shared.parameter_names[i].clone(),
+            unit: shared.parameter_units[i].clone(),
+            min: shared.parameter_min[i],
+            max: shared.parameter_max[i],
+            tuned: shared.parameter_tuned[i],
         });
         Ok(DatasetHeader {
-            preset: self.preset,
-            seed: self.seed,
-            pairs: self.pairs,
             parameters: parameters.collect(),
-            channels: channels(self.channel_names, self.channel_units),
-            target_channels: channels(self.target_channel_names, self.target_channel_units),
-            clock: self.clock,
-            scene: self.scene,
+            preset: shared.preset,
+            seed: shared.seed,
+            pairs: shared.pairs,
+            channels: channels(shared.channel_names, shared.channel_units),
+            target_channels: channels(targets.channel_names, targets.channel_units),
+            clock: shared.clock,
+            scene: shared.scene,
         })
     }
+}
+
+fn names_and_units(channels: &[Channel]) -> (Vec<String>, Vec<String>) {
+    channels.iter().map(|c| (c.name.clone(), c.unit.clone())).unzip()
 }
 
 fn channels(names: Vec<String>, units: Vec<String>) -> Vec<Channel> {

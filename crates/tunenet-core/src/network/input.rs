@@ -114,9 +114,9 @@ impl Input {
     /// [`Error::Model`] where a channel, the number of samples or the scale does not fit, or where a dimensionless
     /// record and its scale do not overlap.
     pub fn encode(&self, clock: &[f64], values: &[f64], channels: usize, scale: Option<&Scale>) -> Result<Encoded> {
-        let refuse = |what: &str, expected: String, found: String| {
+        fn refuse<T>(what: &str, expected: String, found: String) -> Result<T> {
             Err(Error::Model { what: format!("input, {what}"), expected, found })
-        };
+        }
         if clock.len() < 2 || channels == 0 || clock.len() * channels != values.len() {
             return refuse(
                 "values",
@@ -125,45 +125,47 @@ impl Input {
             );
         }
         let column = |channel: usize| Column { clock, values: &values[channel..], channels };
+        let there = |channel: usize| {
+            if channel < channels {
+                return Ok(channel);
+            }
+            refuse("channels", format!("more than {channel}"), channels.to_string())
+        };
+        let scale = || {
+            scale.map_or_else(|| refuse("scale", "the recording's own zero, length and time".into(), "none".into()), Ok)
+        };
+        // The means of one channel over intervals of dimensionless time; at least one lies within the record.
+        let means = |channel: usize, scale: &Scale, bins: usize, tau_max: f64| {
+            let step = scale.time_s * tau_max / bins as f64;
+            let (means, covered) = column(channel).means(scale.start_s, step, bins, 1e-9 * scale.time_s);
+            if covered.is_empty() {
+                let expected = format!("samples after {} s", scale.start_s);
+                return refuse("clock", expected, format!("{} to {} s", clock[0], clock[clock.len() - 1]));
+            }
+            Ok((means, covered))
+        };
         match self {
             Self::Raw { channel, samples, low, high } => {
                 if clock.len() != *samples {
                     return refuse("samples", samples.to_string(), clock.len().to_string());
                 }
-                if *channel >= channels {
-                    return refuse("channels", format!("more than {channel}"), channels.to_string());
-                }
+                let channel = there(*channel)?;
                 let span = high - low;
                 let factor = if span > 0.0 { 1.0 / span } else { 0.0 };
-                let values = values[*channel..].iter().step_by(channels).map(|v| (v - low) * factor).collect();
+                let values = values[channel..].iter().step_by(channels).map(|v| (v - low) * factor).collect();
                 Ok(Encoded { values, covered: 0..*samples })
             }
             Self::Dimensionless { channel, bins, tau_max } => {
-                let Some(scale) = scale else {
-                    return refuse("scale", "the recording's own zero, length and time".into(), "none".into());
-                };
-                if *channel >= channels {
-                    return refuse("channels", format!("more than {channel}"), channels.to_string());
-                }
-                let step = scale.time_s * tau_max / *bins as f64;
-                let (mut values, covered) = column(*channel).means(scale.start_s, step, *bins, 1e-9 * scale.time_s);
-                if covered.is_empty() {
-                    let expected = format!("samples after {} s", scale.start_s);
-                    return refuse("clock", expected, format!("{} to {} s", clock[0], clock[clock.len() - 1]));
-                }
+                let scale = scale()?;
+                let (mut values, covered) = means(there(*channel)?, scale, *bins, *tau_max)?;
                 for value in &mut values[covered.clone()] {
                     *value = (*value - scale.origin) / scale.length;
                 }
                 Ok(Encoded { values, covered })
             }
             Self::Filmed { channel, bins, tau_max } => {
-                let Some(scale) = scale else {
-                    return refuse("scale", "the drop's own zero, length and time".into(), "none".into());
-                };
-                if *channel >= channels {
-                    return refuse("channels", format!("more than {channel}"), channels.to_string());
-                }
-                let v_px: Vec<f64> = values[*channel..].iter().step_by(channels).copied().collect();
+                let (scale, channel) = (scale()?, there(*channel)?);
+                let v_px: Vec<f64> = values[channel..].iter().step_by(channels).copied().collect();
                 let Some(camera) = LineCamera::of_fall(clock, &v_px, scale) else {
                     return refuse("picture", "the first fall of a drop".into(), "none that a camera could see".into());
                 };
@@ -171,20 +173,13 @@ impl Input {
                 Self::Dimensionless { channel: 0, bins: *bins, tau_max: *tau_max }.encode(clock, &z_m, 1, Some(scale))
             }
             Self::Scaled { bins, tau_max, unit } => {
-                let Some(scale) = scale else {
-                    return refuse("scale", "the recording's own zero, length and time".into(), "none".into());
-                };
+                let scale = scale()?;
                 if unit.len() != channels {
                     return refuse("channels", unit.len().to_string(), channels.to_string());
                 }
-                let step = scale.time_s * tau_max / *bins as f64;
                 let mut all = Encoded { values: vec![0.0; bins * channels], covered: 0..0 };
                 for (c, unit) in unit.iter().enumerate() {
-                    let (means, covered) = column(c).means(scale.start_s, step, *bins, 1e-9 * scale.time_s);
-                    if covered.is_empty() {
-                        let expected = format!("samples after {} s", scale.start_s);
-                        return refuse("clock", expected, format!("{} to {} s", clock[0], clock[clock.len() - 1]));
-                    }
+                    let (means, covered) = means(c, scale, *bins, *tau_max)?;
                     let zero = if c + 1 == channels { scale.origin } else { means[covered.start] };
                     for i in covered.clone() {
                         all.values[i * channels + c] = (means[i] - zero) / (scale.length * unit);

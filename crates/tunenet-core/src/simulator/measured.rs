@@ -104,6 +104,12 @@ impl<S: Simulator> Measured<S> {
         Ok(found)
     }
 
+    /// Another simulator with the same parameters, seen as this one is.
+    fn around(&self, inner: Box<dyn Simulator>) -> Box<dyn Simulator> {
+        let (fixed, free, parameters) = (self.fixed.clone(), self.free.clone(), self.parameters.clone());
+        Box::new(Measured { inner, fixed, free, parameters })
+    }
+
     fn has(&self, name: &str) -> bool {
         self.fixed.iter().any(|(_, e, _)| e.name == name) || self.free.iter().any(|(_, e)| e.name == name)
     }
@@ -127,19 +133,40 @@ impl<S: Simulator> Measured<S> {
         Ok(active)
     }
 
+    /// One rollout of the inner simulator.
+    fn run(
+        &self,
+        p: &[f64],
+        own: &[f64],
+        input: Option<&Observation>,
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        match input {
+            Some(input) => self.inner.rollout_driven(p, own, input, clock, values),
+            None => self.inner.rollout(p, own, clock, values),
+        }
+    }
+
     /// Asks the inner simulator at instants in any order; values row-major `[instant, channel]`.
-    fn ask(&self, p: &[f64], own: &[f64], instants: &[f64]) -> std::result::Result<Vec<f64>, String> {
+    fn ask(
+        &self,
+        p: &[f64],
+        own: &[f64],
+        input: Option<&Observation>,
+        instants: &[f64],
+    ) -> std::result::Result<Vec<f64>, String> {
         let width = self.channels().len();
         let mut values = vec![0.0; instants.len() * width];
         if instants.is_sorted() {
-            self.inner.rollout(p, own, instants, &mut values)?;
+            self.run(p, own, input, instants, &mut values)?;
             return Ok(values);
         }
         let mut order: Vec<usize> = (0..instants.len()).collect();
         order.sort_by(|&a, &b| instants[a].total_cmp(&instants[b]));
         let rising: Vec<f64> = order.iter().map(|&i| instants[i]).collect();
         let mut sorted = values.clone();
-        self.inner.rollout(p, own, &rising, &mut sorted)?;
+        self.run(p, own, input, &rising, &mut sorted)?;
         for (row, &i) in sorted.chunks_exact(width).zip(&order) {
             values[i * width..(i + 1) * width].copy_from_slice(row);
         }
@@ -162,6 +189,68 @@ impl<S: Simulator> Measured<S> {
                     lengths.for_each(|(value, _)| *value = map(*value, c));
                 }
                 Act::Clock { .. } | Act::Exposure(_) | Act::Readout(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// What is observed at the stamps of `clock`.
+    fn observe(
+        &self,
+        parameters: &[f64],
+        own: &[f64],
+        input: Option<&Observation>,
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        let (p, coefficients) = parameters.split_at(self.inner.parameters().len());
+        let active = self.active(coefficients)?;
+        if active.is_empty() {
+            return self.run(p, own, input, clock, values);
+        }
+        if self.kind() == Kind::BounceTimes {
+            self.run(p, own, input, clock, values)?;
+            for (_, effect, c) in &active {
+                if let Act::Clock { to_seen, .. } = effect.act {
+                    for time in values.iter_mut() {
+                        *time = to_seen(*time, c);
+                    }
+                }
+            }
+            return Ok(());
+        }
+
+        let exposure = active.iter().find_map(|(_, e, c)| match e.act {
+            Act::Exposure(length) => Some(length(c)),
+            _ => None,
+        });
+        let point = [(0.0, 1.0)];
+        let nodes: &[(f64, f64)] = if exposure.is_some() { &EXPOSURE } else { &point };
+        let length = exposure.unwrap_or(0.0);
+        // The clock's faults came one after the other, so they are undone from the last to the first.
+        let to_true = |stamp: f64| {
+            active.iter().rev().fold(stamp, |t, (_, e, c)| match e.act {
+                Act::Clock { to_true, .. } => to_true(t, c),
+                _ => t,
+            })
+        };
+        let stamps = clock.iter().flat_map(|t| nodes.iter().map(move |(share, _)| t + length * share));
+        let stamps: Vec<f64> = stamps.map(to_true).collect();
+        let mut inner = self.ask(p, own, input, &stamps)?;
+        let width = self.channels().len();
+        for (_, effect, c) in &active {
+            let Act::Readout(delay) = effect.act else { continue };
+            for _ in 0..READOUT_ROUNDS {
+                let late = |(t, row): (&f64, &[f64])| t + delay(row[2], c);
+                let instants: Vec<f64> = stamps.iter().zip(inner.chunks_exact(width)).map(late).collect();
+                inner = self.ask(p, own, input, &instants)?;
+            }
+        }
+        for (rows, out) in inner.chunks_exact_mut(width * nodes.len()).zip(values.chunks_exact_mut(width)) {
+            out.fill(0.0);
+            for (row, (_, weight)) in rows.chunks_exact_mut(width).zip(nodes) {
+                self.seen(&active, row)?;
+                out.iter_mut().zip(row.iter()).for_each(|(o, v)| *o += weight * v);
             }
         }
         Ok(())
@@ -209,9 +298,11 @@ impl<S: Simulator> Simulator for Measured<S> {
     }
 
     fn in_flight(&self) -> Option<Box<dyn Simulator>> {
-        let inner = self.inner.in_flight()?;
-        let (fixed, free, parameters) = (self.fixed.clone(), self.free.clone(), self.parameters.clone());
-        Some(Box::new(Measured { inner, fixed, free, parameters }))
+        Some(self.around(self.inner.in_flight()?))
+    }
+
+    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
+        Some(self.around(self.inner.with_unknown_spin()?))
     }
 
     fn rollout(
@@ -221,56 +312,17 @@ impl<S: Simulator> Simulator for Measured<S> {
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String> {
-        let (p, coefficients) = parameters.split_at(self.inner.parameters().len());
-        let active = self.active(coefficients)?;
-        if active.is_empty() {
-            return self.inner.rollout(p, own, clock, values);
-        }
-        if self.kind() == Kind::BounceTimes {
-            self.inner.rollout(p, own, clock, values)?;
-            for (_, effect, c) in &active {
-                if let Act::Clock { to_seen, .. } = effect.act {
-                    for time in values.iter_mut() {
-                        *time = to_seen(*time, c);
-                    }
-                }
-            }
-            return Ok(());
-        }
+        self.observe(parameters, own, None, clock, values)
+    }
 
-        let exposure = active.iter().find_map(|(_, e, c)| match e.act {
-            Act::Exposure(length) => Some(length(c)),
-            _ => None,
-        });
-        let point = [(0.0, 1.0)];
-        let nodes: &[(f64, f64)] = if exposure.is_some() { &EXPOSURE } else { &point };
-        let length = exposure.unwrap_or(0.0);
-        // The clock's faults came one after the other, so they are undone from the last to the first.
-        let to_true = |stamp: f64| {
-            active.iter().rev().fold(stamp, |t, (_, e, c)| match e.act {
-                Act::Clock { to_true, .. } => to_true(t, c),
-                _ => t,
-            })
-        };
-        let stamps = clock.iter().flat_map(|t| nodes.iter().map(move |(share, _)| t + length * share));
-        let stamps: Vec<f64> = stamps.map(to_true).collect();
-        let mut inner = self.ask(p, own, &stamps)?;
-        let width = self.channels().len();
-        for (_, effect, c) in &active {
-            let Act::Readout(delay) = effect.act else { continue };
-            for _ in 0..READOUT_ROUNDS {
-                let late = |(t, row): (&f64, &[f64])| t + delay(row[2], c);
-                let instants: Vec<f64> = stamps.iter().zip(inner.chunks_exact(width)).map(late).collect();
-                inner = self.ask(p, own, &instants)?;
-            }
-        }
-        for (rows, out) in inner.chunks_exact_mut(width * nodes.len()).zip(values.chunks_exact_mut(width)) {
-            out.fill(0.0);
-            for (row, (_, weight)) in rows.chunks_exact_mut(width).zip(nodes) {
-                self.seen(&active, row)?;
-                out.iter_mut().zip(row.iter()).for_each(|(o, v)| *o += weight * v);
-            }
-        }
-        Ok(())
+    fn rollout_driven(
+        &self,
+        parameters: &[f64],
+        own: &[f64],
+        input: &Observation,
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        self.observe(parameters, own, Some(input), clock, values)
     }
 }

@@ -13,7 +13,7 @@ pub use effects::measurement_effects;
 pub use measured::Measured;
 pub use parameter::Parameter;
 pub use prepared::{Preparation, Prepared, Rejected};
-pub use rollouts::{rollout, rollouts};
+pub use rollouts::{predict, rollout, rollouts};
 pub use scale::Scale;
 
 use auto_impl::auto_impl;
@@ -78,6 +78,23 @@ pub trait Simulator: Send + Sync {
     /// is unknown of every recording: further own unknowns, after those that it has. `None` where it knows no such thing.
     fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
         None
+    }
+
+    /// As [`rollout`](Self::rollout), driven by what was measured beside the observation, the motion of an arm, say. Only a
+    /// simulator whose [`prepare`](Self::prepare) gives an [input](Prepared::input) is ever asked.
+    ///
+    /// # Errors
+    /// As [`rollout`](Self::rollout).
+    fn rollout_driven(
+        &self,
+        parameters: &[f64],
+        own: &[f64],
+        input: &Observation,
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        let _ = input;
+        self.rollout(parameters, own, clock, values)
     }
 
     /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major

@@ -1,5 +1,7 @@
 //! A recording made ready for one simulator.
 
+use std::sync::Arc;
+
 use super::{Parameter, Scale};
 use crate::observation::preflight::Check;
 use crate::observation::{LocalEstimate, Note, Observation};
@@ -9,6 +11,9 @@ use crate::observation::{LocalEstimate, Note, Observation};
 pub struct Prepared {
     /// The samples to explain.
     pub seen: Observation,
+    /// What drove the thing while it was seen (the motion of an arm), where its simulator predicts from that; on the clock of
+    /// `seen`.
+    pub input: Option<Arc<Observation>>,
     /// Unknowns of this recording alone (its release, its floor), each with a first guess as `value`.
     pub own: Vec<Parameter>,
     /// For each parameter of the simulator: what the neighbourhood of the events alone says of it, whatever happens in
@@ -35,6 +40,7 @@ impl Prepared {
         let (local, silent) = (vec![None; parameters], vec![None; parameters]);
         Self {
             seen,
+            input: None,
             own: Vec::new(),
             local,
             silent,

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Simulator;
+use super::{Prepared, Simulator};
 use crate::{Error, Result};
 
 /// One rollout, values row-major `[sample, channel]`.
@@ -10,12 +10,37 @@ use crate::{Error, Result};
 /// # Errors
 /// [`Error::Simulator`] where the simulator refuses or returns a number that is not finite.
 pub fn rollout(simulator: &dyn Simulator, parameters: &[f64], own: &[f64], clock: &[f64]) -> Result<Vec<f64>> {
+    checked(simulator, parameters, clock, |values| simulator.rollout(parameters, own, clock, values))
+}
+
+/// One rollout as `recording` was driven, values row-major `[sample, channel]`.
+///
+/// # Errors
+/// As [`rollout`].
+pub fn predict(
+    simulator: &dyn Simulator,
+    recording: &Prepared,
+    parameters: &[f64],
+    own: &[f64],
+    clock: &[f64],
+) -> Result<Vec<f64>> {
+    let Some(input) = &recording.input else { return rollout(simulator, parameters, own, clock) };
+    checked(simulator, parameters, clock, |values| simulator.rollout_driven(parameters, own, input, clock, values))
+}
+
+/// What `run` writes, if it can and all of it is finite.
+fn checked(
+    simulator: &dyn Simulator,
+    parameters: &[f64],
+    clock: &[f64],
+    run: impl FnOnce(&mut [f64]) -> std::result::Result<(), String>,
+) -> Result<Vec<f64>> {
     let mut values = vec![0.0; clock.len() * simulator.channels().len()];
     let at = || {
         let named = simulator.parameters().iter().zip(parameters).map(|(p, v)| format!("{}={v}", p.name));
         named.collect::<Vec<_>>().join(" ")
     };
-    simulator.rollout(parameters, own, clock, &mut values).map_err(|message| Error::Simulator { at: at(), message })?;
+    run(&mut values).map_err(|message| Error::Simulator { at: at(), message })?;
     if let Some(i) = values.iter().position(|v| !v.is_finite()) {
         let channel = &simulator.channels()[i % simulator.channels().len()].name;
         let message = format!("`{channel}` is {} at sample {}", values[i], i / simulator.channels().len() + 1);

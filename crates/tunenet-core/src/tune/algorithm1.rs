@@ -5,7 +5,7 @@ use super::outcome::Iteration;
 use super::unknowns::Point;
 use crate::network::{Model, Side};
 use crate::observation::Observation;
-use crate::simulator::{Parameter, Prepared, Simulator, rollout};
+use crate::simulator::{Parameter, Prepared, Simulator, predict};
 use crate::{Error, Result};
 
 /// Two rollouts farther apart than this share of the bounds give a chord, not a slope, so no secant step is taken; nor does
@@ -73,7 +73,7 @@ pub fn walk(
     let mut iterations = Vec::new();
     let mut best: Option<(f64, Point)> = None;
     for k in 0..=settings.iterations {
-        let values = rollout(simulator, &point.parameters, &point.own[0], clock)?;
+        let values = predict(simulator, recording, &point.parameters, &point.own[0], clock)?;
         let beside = film.as_ref().and_then(|film| film.beside(&values));
         let seen_now = beside.as_ref().map_or(&recording.seen, |b| &b.seen);
         let squares = values.iter().zip(seen_now.values()).map(|(p, s)| (s - p).powi(2)).sum::<f64>();

@@ -12,7 +12,7 @@ use super::unknowns::{Point, free};
 use super::{Adequacy, Outcome, Spread, channel_noise};
 use crate::Result;
 use crate::observation::{Kind, Observation};
-use crate::simulator::{Prepared, Simulator, rollout};
+use crate::simulator::{Prepared, Simulator, predict};
 
 /// Instants of a rollout that is drawn as a curve.
 const CURVE: u32 = 1200;
@@ -145,7 +145,7 @@ fn compare(
     let ends: [Values; 2] = [(old, old_own), (new, new_own)];
     let mut curves = ends
         .par_iter()
-        .map(|(parameters, own)| rollout(simulator, parameters, own, &clock))
+        .map(|(parameters, own)| predict(simulator, recording, parameters, own, &clock))
         .collect::<Result<Vec<_>>>()?;
     let (after, before) = (curves.pop().unwrap_or_default(), curves.pop().unwrap_or_default());
     let residual = weighted(simulator, recording, noise, new, new_own, seen.len())?;

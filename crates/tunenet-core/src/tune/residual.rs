@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::observation::{Kind, Observation, bounce_time_sd, noise_sd};
-use crate::simulator::{Prepared, Simulator, rollout};
+use crate::simulator::{Prepared, Simulator, predict};
 
 /// Noise below this share of a channel's range cannot be told from rounding; it keeps weights finite.
 const LEAST_RELATIVE_NOISE: f64 = 1e-9;
@@ -40,7 +40,7 @@ pub fn weighted(
     own: &[f64],
     samples: usize,
 ) -> Result<Vec<f64>> {
-    let mut predicted = rollout(simulator, parameters, own, &recording.seen.clock()[..samples])?;
+    let mut predicted = predict(simulator, recording, parameters, own, &recording.seen.clock()[..samples])?;
     for (i, (value, seen)) in predicted.iter_mut().zip(recording.seen.values()).enumerate() {
         *value = (seen - *value) / noise[i % noise.len()];
     }

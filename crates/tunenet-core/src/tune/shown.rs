@@ -2,7 +2,7 @@
 //! along an axis that was not measured.
 
 use crate::Result;
-use crate::simulator::{Parameter, Prepared, Simulator, rollout};
+use crate::simulator::{Parameter, Prepared, Simulator, predict};
 
 /// How far an unknown is moved to see whether anything follows, as a share of its bounds.
 const NUDGE: f64 = 1e-6;
@@ -25,12 +25,12 @@ pub(super) fn shown(
     // A channel that never varies, not even by noise, was not measured.
     let measured: Vec<bool> =
         (0..width).map(|c| recording.seen.column(c).any(|v| v != recording.seen.row(0)[c])).collect();
-    let here = rollout(simulator, parameters, own, clock)?;
+    let here = predict(simulator, recording, parameters, own, clock)?;
     let moves = |i: usize, step: f64| {
         let mut moved = own.to_vec();
         moved[i] += step;
         // A step that cannot be simulated makes a difference.
-        rollout(simulator, parameters, &moved, clock).map_or(true, |there| {
+        predict(simulator, recording, parameters, &moved, clock).map_or(true, |there| {
             let differs =
                 |(k, (a, b)): (usize, (&f64, &f64))| measured[k % width] && (a - b).abs() > LEAST * noise[k % width];
             there.iter().zip(&here).enumerate().any(differs)

@@ -73,8 +73,13 @@ impl Belief {
         let given = file.number("parameters.restitution.value");
         if given.is_none_or(|e| e <= 0.0) {
             let found = given.map_or("none".into(), |e| e.to_string());
-            let message = format!("expected a restitution above 0, found {found}: without one no ball bounces to a hoop");
-            return Err(Error::file(file.path(), message, "tune the simulation first: `tunenet tune … --out tuned.toml`"));
+            let message =
+                format!("expected a restitution above 0, found {found}: without one no ball bounces to a hoop");
+            return Err(Error::file(
+                file.path(),
+                message,
+                "tune the simulation first: `tunenet tune … --out tuned.toml`",
+            ));
         }
         let provenance = Provenance { file };
         let mut quantities = Vec::new();

@@ -12,11 +12,12 @@
 //! | [`flight`] | one shot: the fall, the bounce, the way to the hoop |
 //! | [`pass`] | how it goes by the hoop: through it, at the rim, beside it |
 //! | [`belief`] | what a tuned file leaves uncertain, drawn |
-//! | [`reach`] | from which heights an arm can let go |
+//! | [`reach`], [`arm`] | from which heights a hand, or an arm, can let go |
 //! | [`mod@plan`] | the best of many heights |
 //!
 //! The origin is the ball's centre when it touches the plane; z points up.
 
+pub mod arm;
 pub mod belief;
 pub mod flight;
 pub mod pass;
@@ -25,6 +26,7 @@ pub mod reach;
 pub mod scene;
 pub mod task;
 
+pub use arm::ArmReach;
 pub use belief::Belief;
 pub use flight::Flight;
 pub use pass::Pass;

@@ -111,9 +111,8 @@ pub fn plan(
     if settings.rule == Rule::Probability {
         candidates.par_iter_mut().try_for_each(|candidate| candidate.weigh(scene, &draws))?;
     }
-    let nearer = |a: &Candidate, b: &Candidate| {
-        b.pass.falls.cmp(&a.pass.falls).then(a.pass.miss_m.total_cmp(&b.pass.miss_m))
-    };
+    let nearer =
+        |a: &Candidate, b: &Candidate| b.pass.falls.cmp(&a.pass.falls).then(a.pass.miss_m.total_cmp(&b.pass.miss_m));
     let better = |a: &Candidate, b: &Candidate| match settings.rule {
         Rule::Nearest => nearer(a, b),
         Rule::Probability => {

@@ -43,7 +43,12 @@ pub const TASK_KEYS: &[Key] = &[
     ),
     key("arm.urdf", Shape::Word(&[]), false, "robot that lets go; its path is seen from the task file"),
     key("arm.link", Shape::Word(&[]), false, "link that holds the ball"),
-    key("arm.grip_m", Shape::Numbers(3, -10.0, 10.0), false, "where that link holds the ball's centre, in its own frame"),
+    key(
+        "arm.grip_m",
+        Shape::Numbers(3, -10.0, 10.0),
+        false,
+        "where that link holds the ball's centre, in its own frame",
+    ),
     key("arm.tool_rpy_rad", Shape::Numbers(3, -TURN_RAD, TURN_RAD), false, "how that link is turned at the release"),
     key("arm.base_position_m", Shape::Numbers(3, -FARTHEST_M, FARTHEST_M), false, "where the robot's base stands"),
     key("arm.base_rpy_rad", Shape::Numbers(3, -TURN_RAD, TURN_RAD), false, "how it is turned"),
@@ -197,13 +202,13 @@ fn at<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
 /// The keys of the table that an unknown path is in; all tables where there is none.
 fn siblings(path: &str) -> Vec<String> {
     let table = path.rsplit_once('.').map_or("", |(table, _)| table);
-    let near = TASK_KEYS.iter().map(|k| k.path.to_string()).filter(|k| k.rsplit_once('.').map_or("", |(t, _)| t) == table);
+    let near =
+        TASK_KEYS.iter().map(|k| k.path.to_string()).filter(|k| k.rsplit_once('.').map_or("", |(t, _)| t) == table);
     let near: Vec<String> = near.collect();
     if !table.is_empty() && !near.is_empty() {
         return near;
     }
-    let mut heads: Vec<String> =
-        TASK_KEYS.iter().filter_map(|k| Some(k.path.split('.').next()?.to_string())).collect();
+    let mut heads: Vec<String> = TASK_KEYS.iter().filter_map(|k| Some(k.path.split('.').next()?.to_string())).collect();
     heads.dedup();
     heads
 }

@@ -2,19 +2,21 @@
 
 mod json;
 
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
 use tunenet_core::Error;
-use tunenet_core::observation::Note;
+use tunenet_core::observation::{Note, recording};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::shot::reach::Anywhere;
-use tunenet_sim::shot::{self, Belief, Candidate, Reach, Rule, Settings, ShotScene, Task};
+use tunenet_sim::shot::{self, ArmReach, Belief, Candidate, Reach, Rule, Settings, ShotScene, Task};
 
 use super::destination::{self, Output, Product};
 use super::{load, print_json};
 use crate::cli::{Plan, PlanRule};
 use crate::failure::Exit;
+use crate::report;
 use crate::terminal::{in_words, stage, warn};
 
 /// Everything that was asked and answered.
@@ -22,6 +24,7 @@ pub struct Answer {
     pub task: Task,
     pub scene: ShotScene,
     pub belief: Belief,
+    pub arm: Option<ArmReach>,
     pub plan: shot::Plan,
     pub settings: Settings,
     pub notes: Vec<Note>,
@@ -38,6 +41,15 @@ pub fn run(options: &Plan) -> Result<Exit> {
     let file = load::simulation(&options.simulation)?;
     let task = Task::read(&options.task)?;
     let answer = answer(options, &file, task)?;
+    if let Some(out) = &options.out {
+        write_approach(&answer, &options.task, out)?;
+    }
+    if let Some(report) = &options.report {
+        let read = [options.simulation.sim.as_path(), options.task.as_path()];
+        let provenance = report::Provenance::new(options.common.seed, &read);
+        report::shot::write(report, &load::name(&options.task), &answer, &provenance)?;
+        stage("report", &report.display().to_string());
+    }
     if options.common.json {
         print_json(&json::object(&answer));
     }
@@ -57,12 +69,29 @@ fn answer(options: &Plan, file: &SimulationFile, task: Task) -> Result<Answer> {
         draws: options.draws as usize,
         seed: options.common.seed,
     };
-    let reach: Box<dyn Reach> = Box::new(Anywhere);
-    let plan = shot::plan(&scene, &belief, task.heights_m, reach.as_ref(), &settings)?;
+    let arm = task.arm.as_ref().map(ArmReach::new).transpose()?;
+    let reach: &dyn Reach = arm.as_ref().map_or(&Anywhere, |arm| arm);
+    let plan = shot::plan(&scene, &belief, task.heights_m, reach, &settings).map_err(|error| match error {
+        Error::Simulator { message, .. } => refused(message),
+        other => other,
+    })?;
     let mut notes = belief.notes().to_vec();
     notes.extend(notice(&plan, &task));
     let seconds = began.elapsed().as_secs_f64();
-    Ok(Answer { task, scene, belief, plan, settings, notes, seconds })
+    Ok(Answer { task, scene, belief, arm, plan, settings, notes, seconds })
+}
+
+/// Writes the arm's way to the release.
+fn write_approach(answer: &Answer, task: &Path, out: &Path) -> Result<()> {
+    let Some(arm) = &answer.arm else {
+        let message = "expected a robot for --out, found no [arm]";
+        return Err(Error::file(task, message, "add [arm] with its `urdf`, or leave --out out").into());
+    };
+    let best = answer.plan.best();
+    let way = arm.approach([0.0, 0.0, best.height_m], best.joints_rad.as_deref().unwrap_or_default());
+    recording::write_approach(&arm.joints(), &way, out)?;
+    stage("wrote", &format!("{}, {} points", out.display(), way.len()));
+    Ok(())
 }
 
 /// What a person should know of the plan.
@@ -81,7 +110,10 @@ fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
         let (low, high) = task.heights_m;
         notes.push(Note::new(
             "plan.at_end",
-            format!("the best height is the {} that the task allows", if plan.best == 0 { "lowest" } else { "highest" }),
+            format!(
+                "the best height is the {} that the task allows",
+                if plan.best == 0 { "lowest" } else { "highest" }
+            ),
             format!("widen `release.heights_m` beyond {low} to {high} m where there is room"),
         ));
     }
@@ -97,7 +129,10 @@ fn tell(answer: &Answer) {
         anstream::eprintln!("  joints {} rad", each.join(", "));
     }
     answer.notes.iter().for_each(warn);
-    stage("planned", &format!("{} heights, {:.1} s, seed {}", answer.plan.candidates.len(), answer.seconds, answer.settings.seed));
+    stage(
+        "planned",
+        &format!("{} heights, {:.1} s, seed {}", answer.plan.candidates.len(), answer.seconds, answer.settings.seed),
+    );
 }
 
 /// The answer in one line.

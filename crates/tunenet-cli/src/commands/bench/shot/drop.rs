@@ -48,11 +48,7 @@ impl Filmed {
         let mut normal = || random.sample::<f64, _>(StandardNormal);
         let (x, v) = ([normal(), normal()].map(|n| n * OFFSET_M), [normal(), normal()].map(|n| n * PUSH_M_S));
         let w = [normal(), normal()].map(|n| n * ball.spin_rad_s);
-        let start = State {
-            x: [x[0], x[1], fall_m + RADIUS_M],
-            v: [v[0], v[1], 0.0],
-            w: [w[0], w[1], 0.0],
-        };
+        let start = State { x: [x[0], x[1], fall_m + RADIUS_M], v: [v[0], v[1], 0.0], w: [w[0], w[1], 0.0] };
         let dropped = drop(ball, start, &clock(), random);
         // The table's edge hides what falls below its top.
         let hidden = |x: &Three| if x[2] < 0.0 { [0.0, 0.0, NOWHERE_M] } else { *x };

@@ -129,7 +129,8 @@ pub fn tuned(bounces_s: &[f64], fall_m: Option<f64>) -> Result<Option<Estimate>>
 /// What a diagnosis of several drops of one ball finds; `None` where it finds nothing to plan with.
 pub fn diagnosed(drops: &[&Read]) -> Result<Option<Estimate>> {
     let lists = drops.iter().filter(|d| d.bounces_s.len() >= FEWEST);
-    let seen = lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<Vec<_>>>()?;
+    let seen =
+        lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<Vec<_>>>()?;
     if seen.is_empty() {
         return Ok(None);
     }

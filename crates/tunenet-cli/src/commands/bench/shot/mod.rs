@@ -112,7 +112,8 @@ fn played(
     }
     let tracks = film::tracks(&films, seed ^ numbers.start)?;
     let mut seen = films.into_iter().zip(tracks);
-    let each: Vec<Vec<_>> = numbers.clone().map(|_| seen.by_ref().take(usize::try_from(DROPS).unwrap_or(1)).collect()).collect();
+    let each: Vec<Vec<_>> =
+        numbers.clone().map(|_| seen.by_ref().take(usize::try_from(DROPS).unwrap_or(1)).collect()).collect();
     let numbered: Vec<(u64, Vec<_>)> = numbers.zip(each).collect();
     let one = |(number, films): &(u64, Vec<_>)| Trial::run(target, films, planner, &stream(seed, name, *number, DROPS));
     numbered.par_iter().map(one).collect()

@@ -107,9 +107,7 @@ impl Results {
     /// Shares of spoilt drops that are flagged, of wrong estimates that are, and of good drops that are.
     fn flags(&self) -> [Share; 3] {
         let trials = self.trials(false);
-        let flagged = |which: &dyn Fn(&Trial) -> bool| {
-            Share::of(trials.iter().filter(|t| which(t)).map(|t| t.flagged))
-        };
+        let flagged = |which: &dyn Fn(&Trial) -> bool| Share::of(trials.iter().filter(|t| which(t)).map(|t| t.flagged));
         [flagged(&Trial::spoilt), flagged(&|t| t.off.abs() > SPOILT), flagged(&|t| !t.spoilt())]
     }
 
@@ -195,8 +193,14 @@ impl Results {
                 if words.is_empty() { "none".into() } else { words.join(", ") }
             );
         }
-        let _ = writeln!(out, "| all | {} | {} | {} | {} | |", Success::of(Way::Tuned, &trials).all.words(),
-            Success::of(Way::Diagnosed, &trials).all.words(), difference(&trials), Success::of(Way::Known, &trials).all.words());
+        let _ = writeln!(
+            out,
+            "| all | {} | {} | {} | {} | |",
+            Success::of(Way::Tuned, &trials).all.words(),
+            Success::of(Way::Diagnosed, &trials).all.words(),
+            difference(&trials),
+            Success::of(Way::Known, &trials).all.words()
+        );
         let richer = self.trials(true);
         if !richer.is_empty() {
             let _ = writeln!(out, "\nIn richer worlds (spin, restitution that falls with speed):\n");
@@ -232,9 +236,8 @@ fn goal(out: &mut String, what: &str, found: f64, goal: f64, least: bool) {
 
 /// What naming effects is worth: the mean difference over the same trials, with its standard error.
 fn difference(trials: &[&Trial]) -> String {
-    let one = |t: &&Trial| {
-        f64::from(u8::from(t.hit(Way::Diagnosed, false))) - f64::from(u8::from(t.hit(Way::Tuned, false)))
-    };
+    let one =
+        |t: &&Trial| f64::from(u8::from(t.hit(Way::Diagnosed, false))) - f64::from(u8::from(t.hit(Way::Tuned, false)));
     let n = trials.len() as f64;
     let mean = trials.iter().map(one).sum::<f64>() / n;
     let square = trials.iter().map(|t| (one(t) - mean).powi(2)).sum::<f64>() / n;

@@ -39,8 +39,7 @@ pub enum Way {
 }
 
 impl Way {
-    pub const ALL: [Self; 6] =
-        [Self::Untuned, Self::Apex, Self::Nearest, Self::Tuned, Self::Diagnosed, Self::Known];
+    pub const ALL: [Self; 6] = [Self::Untuned, Self::Apex, Self::Nearest, Self::Tuned, Self::Diagnosed, Self::Known];
 
     pub fn words(self) -> &'static str {
         match self {

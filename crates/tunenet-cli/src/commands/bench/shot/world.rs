@@ -70,11 +70,7 @@ fn flown(ball: &Ball, state: &State, h: f64) -> State {
     let v4 = plus(v1, a3, h);
     let a4 = slope(v4);
     let sum = |a: Three, b: Three, c: Three, d: Three| plus(plus(plus(a, b, 2.0), c, 2.0), d, 1.0);
-    State {
-        x: plus(state.x, sum(v1, v2, v3, v4), h / 6.0),
-        v: plus(state.v, sum(a1, a2, a3, a4), h / 6.0),
-        w: state.w,
-    }
+    State { x: plus(state.x, sum(v1, v2, v3, v4), h / 6.0), v: plus(state.v, sum(a1, a2, a3, a4), h / 6.0), w: state.w }
 }
 
 /// After an impact on a plane with this normal, its rebound turned by chance.
