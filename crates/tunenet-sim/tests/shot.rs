@@ -222,6 +222,16 @@ fn a_hoop_out_of_reach_is_missed_by_as_much_as_is_said() {
     assert!((found.best().pass.miss_m - (4.0 - lands)).abs() < 1e-9);
 }
 
+/// A hand that shakes by more than the height: some balls start below the plane, and miss.
+#[test]
+fn a_release_below_the_plane_is_a_miss() {
+    let mut shaky = task();
+    shaky.release_position_sd_m = 0.4;
+    let belief = Belief::new(&file(""), &shaky).unwrap();
+    let found = plan(&scene(), &belief, shaky.heights_m, &Anywhere, &Settings::default()).unwrap();
+    assert!((0.0..0.3).contains(&found.best().probability.unwrap()), "{:?}", found.best());
+}
+
 /// An arm that is 60 cm long.
 struct Short;
 

@@ -45,7 +45,7 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
         section class=(class) { div { p.word { (word) } p { (told) } } }
         section {
             h2 { "The shot" }
-            p.how { "To scale, seen from the side. The thick line is the ball's centre as the file has it, the thin ones are "
+            p.how { "To scale, seen from the side. The dark line is the ball's centre as the file has it, the others are "
                 "balls drawn from what is uncertain; dashed ones touch the rim or miss." }
             figure { (shot(answer)) }
         }
@@ -128,7 +128,7 @@ fn shot(answer: &Answer) -> Markup {
     for (goes_in, points) in &spread {
         svg.path(if *goes_in { "line thin after" } else { "line thin before" }, &panel.spots(&inside(points)), false);
     }
-    svg.path("thick after", &panel.spots(&inside(&path)), false);
+    svg.path("event", &panel.spots(&inside(&path)), false);
     // The plane is a ball's radius below the centre of a ball that touches it.
     let [nx, ny, nz] = scene.plane_normal;
     let (lean, _) = along(answer, [nx, ny, 0.0]);
@@ -172,7 +172,7 @@ fn release(answer: &Answer) -> Markup {
             tr { th scope="row" { "distance from the rim" } td { (format!("{:.1} mm", 1e3 * best.pass.clearance_m)) } }
             tr { th scope="row" { "chance" } td { (chance) } }
             @if let (Some(joints), Some(arm)) = (joints, &answer.arm) {
-                @for (name, q) in arm.joints().iter().zip(joints) {
+                @for (name, q) in arm.joint_names().iter().zip(joints) {
                     tr { th scope="row" { (name) } td { (format!("{q:.5} rad")) } }
                 }
             }

@@ -67,7 +67,7 @@ impl ArmReach {
 
     /// The names of its joints.
     #[must_use]
-    pub fn joints(&self) -> Vec<String> {
+    pub fn joint_names(&self) -> Vec<String> {
         self.model.joints().into_iter().map(|j| j.name.clone()).collect()
     }
 

@@ -3,7 +3,7 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use toml_edit::{Item, TableLike};
+use toml_edit::{InlineTable, Item, Value};
 use tunenet_core::observation::Note;
 use tunenet_core::{Error, Result};
 
@@ -12,6 +12,7 @@ use crate::SimulationFile;
 use crate::ball::effects::BallEffect;
 use crate::ball::{Scene, State};
 use crate::observed_ball::scene;
+use crate::simulation_file::schema::number;
 
 /// Half a 95 % interval of a normal distribution, in standard deviations.
 const INTERVAL: f64 = 1.959_964;
@@ -182,20 +183,22 @@ impl Belief {
         let known = self.alternatives[0].clone();
         let mut alternatives: Vec<Alternative> = Vec::new();
         for table in listed {
-            let Some(effect) = table.get("name").and_then(Item::as_str).and_then(BallEffect::find) else { continue };
+            let Some(name) = table.get("name").and_then(Value::as_str) else { continue };
             let mut one = known.clone();
             // The explanation that the file holds is one of them, and stands for itself alone.
             one.quantities.retain(|q| !matches!(&q.role, Role::Coefficient(e) if provenance.is_alternative(e.name)));
             for quantity in &mut one.quantities {
                 if let Some(value) = table.get(&quantity.name.replace('.', "_")).and_then(number) {
-                    (quantity.value, quantity.interval) = (value, None);
+                    (quantity.value, quantity.interval) = (value.clamp(quantity.bounds.0, quantity.bounds.1), None);
                 }
             }
-            for c in effect.coefficients {
-                let value = table.get(c.key).and_then(number).unwrap_or(c.absent);
-                let role = Role::Coefficient(Box::new(effect));
-                let name = format!("{}.{}", effect.name, c.key);
-                one.quantities.push(Quantity { name, role, value, interval: None, bounds: (c.min, c.max) });
+            // An effect of the measurement leaves the ball as it is.
+            if let Some(effect) = BallEffect::find(name) {
+                for c in effect.coefficients {
+                    let value = table.get(c.key).and_then(number).unwrap_or(c.absent).clamp(c.min, c.max);
+                    let (name, role) = (format!("{}.{}", effect.name, c.key), Role::Coefficient(Box::new(effect)));
+                    one.quantities.push(Quantity { name, role, value, interval: None, bounds: (c.min, c.max) });
+                }
             }
             one.weight = table.get("weight").and_then(number).filter(|w| *w > 0.0).unwrap_or(1.0);
             alternatives.push(one);
@@ -237,22 +240,22 @@ impl Provenance<'_> {
     /// The 95 % interval of a coefficient: of a named effect, or tuned like a parameter.
     fn of_effect(&self, effect: &str, key: &str) -> Option<(f64, f64)> {
         let named = self.item("effects").and_then(Item::as_array).and_then(|all| {
-            let tables = all.iter().filter_map(toml_edit::Value::as_inline_table);
+            let tables = all.iter().filter_map(Value::as_inline_table);
             let mut own = tables.filter(|t| t.get("name").and_then(|n| n.as_str()) == Some(effect));
             let interval = own.next()?.get(&format!("{key}_interval95"))?.as_array()?;
-            Some((interval.get(0)?.as_float()?, interval.get(1)?.as_float()?))
+            Some((number(interval.get(0)?)?, number(interval.get(1)?)?))
         });
         named.or_else(|| self.interval(&format!("{effect}.{key}")))
     }
 
     /// What a diagnosis was left with, each with its numbers.
-    fn alternatives(&self) -> Option<Vec<Box<dyn TableLike>>> {
+    fn alternatives(&self) -> Option<Vec<&InlineTable>> {
         let listed = self.item("alternatives")?.as_array()?;
-        Some(listed.iter().filter_map(|v| Some(Box::new(v.as_inline_table()?.clone()) as Box<dyn TableLike>)).collect())
+        Some(listed.iter().filter_map(Value::as_inline_table).collect())
     }
 
     fn is_alternative(&self, name: &str) -> bool {
-        let named = |t: &Box<dyn TableLike>| t.get("name").and_then(Item::as_str) == Some(name);
+        let named = |t: &&InlineTable| t.get("name").and_then(Value::as_str) == Some(name);
         self.alternatives().is_some_and(|all| all.iter().any(named))
     }
 
@@ -280,13 +283,8 @@ impl Provenance<'_> {
     }
 }
 
-fn number(item: &Item) -> Option<f64> {
-    item.as_float().or_else(|| item.as_integer().map(|n| n as f64)).filter(|n| n.is_finite())
-}
-
 fn pair(item: &Item) -> Option<(f64, f64)> {
     let array = item.as_array()?;
-    let at = |i: usize| array.get(i).and_then(|v| v.as_float().or_else(|| v.as_integer().map(|n| n as f64)));
-    let (low, high) = (at(0)?, at(1)?);
-    (low.is_finite() && high.is_finite() && low <= high).then_some((low, high))
+    let (low, high) = (number(array.get(0)?)?, number(array.get(1)?)?);
+    (low <= high).then_some((low, high))
 }

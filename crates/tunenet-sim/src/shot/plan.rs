@@ -109,7 +109,7 @@ pub fn plan(
         .collect::<Result<Vec<_>>>()?;
     let draws = belief.draws(settings.draws, settings.seed);
     if settings.rule == Rule::Probability {
-        candidates.par_iter_mut().try_for_each(|candidate| candidate.weigh(scene, &draws))?;
+        candidates.par_iter_mut().for_each(|candidate| candidate.weigh(scene, &draws));
     }
     let nearer =
         |a: &Candidate, b: &Candidate| b.pass.falls.cmp(&a.pass.falls).then(a.pass.miss_m.total_cmp(&b.pass.miss_m));
@@ -123,26 +123,26 @@ pub fn plan(
     };
     let within = (0..candidates.len()).filter(|i| candidates[*i].joints_rad.is_some());
     let best = within.min_by(|a, b| better(&candidates[*a], &candidates[*b])).unwrap_or(0);
-    candidates[best].weigh(scene, &draws)?;
+    candidates[best].weigh(scene, &draws);
     let reachable = candidates[best].pass.goes_in() || candidates[best].probability.is_some_and(|p| p > 0.0);
     Ok(Plan { candidates, best, reachable })
 }
 
 impl Candidate {
-    fn weigh(&mut self, scene: &ShotScene, draws: &[Draw]) -> Result<()> {
+    fn weigh(&mut self, scene: &ShotScene, draws: &[Draw]) {
         if self.probability.is_some() {
-            return Ok(());
+            return;
         }
         let (mut hits, mut margin) = (0.0, 0.0);
+        // Beyond a ball's width a miss is a miss, and so is a release that never gets to bounce.
+        let worst = -2.0 * scene.radius_m;
         for draw in draws {
-            let pass = shot(scene, &draw.ball, self.height_m, &draw.offset)?;
-            hits += f64::from(u8::from(pass.goes_in()));
-            // Beyond a ball's width a miss is a miss.
-            margin += pass.margin_m.clamp(-2.0 * scene.radius_m, 2.0 * scene.radius_m);
+            let pass = shot(scene, &draw.ball, self.height_m, &draw.offset);
+            hits += pass.as_ref().map_or(0.0, |pass| f64::from(u8::from(pass.goes_in())));
+            margin += pass.map_or(worst, |pass| pass.margin_m.clamp(worst, -worst));
         }
         let count = draws.len() as f64;
         (self.probability, self.margin_m) = (Some(hits / count), margin / count);
-        Ok(())
     }
 }
 

@@ -191,6 +191,7 @@ fn provenance(options: &Diagnose, answer: &Answer, gap: &Gap, object: usize) -> 
     ];
     if diagnosis.verdict == Verdict::OneOf {
         entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
+        entries.push(("alternatives", super::alternatives::alternatives(answer, object).into()));
     }
     entries.extend([
         ("gap_unit", Toml::from(gap.unit.as_str())),

@@ -21,7 +21,6 @@ use crate::terminal::{in_words, stage, warn};
 
 /// Everything that was asked and answered.
 pub struct Answer {
-    pub task: Task,
     pub scene: ShotScene,
     pub belief: Belief,
     pub arm: Option<ArmReach>,
@@ -40,7 +39,7 @@ pub fn run(options: &Plan) -> Result<Exit> {
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
     let task = Task::read(&options.task)?;
-    let answer = answer(options, &file, task)?;
+    let answer = answer(options, &file, &task)?;
     if let Some(out) = &options.out {
         write_approach(&answer, &options.task, out)?;
     }
@@ -57,12 +56,12 @@ pub fn run(options: &Plan) -> Result<Exit> {
     Ok(if answer.plan.reachable { Exit::Done } else { Exit::Inconclusive })
 }
 
-fn answer(options: &Plan, file: &SimulationFile, task: Task) -> Result<Answer> {
+fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> {
     let began = Instant::now();
     let refused = |message: String| Error::file(&options.task, message, "correct the task file");
     let radius_m = file.number("ball.radius_m").unwrap_or_default();
-    let scene = ShotScene::new(&task, radius_m).map_err(refused)?;
-    let belief = Belief::new(file, &task)?;
+    let scene = ShotScene::new(task, radius_m).map_err(refused)?;
+    let belief = Belief::new(file, task)?;
     let settings = Settings {
         heights: options.heights as usize,
         rule: if options.rule == PlanRule::Nearest { Rule::Nearest } else { Rule::Probability },
@@ -76,20 +75,20 @@ fn answer(options: &Plan, file: &SimulationFile, task: Task) -> Result<Answer> {
         other => other,
     })?;
     let mut notes = belief.notes().to_vec();
-    notes.extend(notice(&plan, &task));
+    notes.extend(notice(&plan, task));
     let seconds = began.elapsed().as_secs_f64();
-    Ok(Answer { task, scene, belief, arm, plan, settings, notes, seconds })
+    Ok(Answer { scene, belief, arm, plan, settings, notes, seconds })
 }
 
 /// Writes the arm's way to the release.
 fn write_approach(answer: &Answer, task: &Path, out: &Path) -> Result<()> {
     let Some(arm) = &answer.arm else {
         let message = "expected a robot for --out, found no [arm]";
-        return Err(Error::file(task, message, "add [arm] with its `urdf`, or leave --out out").into());
+        return Err(Error::file(task, message, "add [arm] with its `urdf`, or leave `--out` out").into());
     };
     let best = answer.plan.best();
     let way = arm.approach([0.0, 0.0, best.height_m], best.joints_rad.as_deref().unwrap_or_default());
-    recording::write_approach(&arm.joints(), &way, out)?;
+    recording::write_approach(&arm.joint_names(), &way, out)?;
     stage("wrote", &format!("{}, {} points", out.display(), way.len()));
     Ok(())
 }

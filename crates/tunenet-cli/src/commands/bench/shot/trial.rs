@@ -115,6 +115,14 @@ impl Target {
     }
 }
 
+/// What everybody plans after one drop.
+struct Planned {
+    heights_m: Vec<(Way, f64)>,
+    restitution: f64,
+    /// Effects that the diagnosis named.
+    named: Vec<String>,
+}
+
 impl Trial {
     /// From the films of up to three drops. `random` decides what chance does to the shots, the same for all who shoot.
     pub fn run(
@@ -125,14 +133,14 @@ impl Trial {
     ) -> Result<Self> {
         let reads: Vec<Read> = films.iter().map(|(_, track)| Read::new(track.as_ref())).collect();
         let flagged = reads[0].flagged();
-        let heights = |first: usize| -> Result<(Vec<(Way, f64)>, f64, Vec<String>)> {
+        let planned = |first: usize| -> Result<Planned> {
             let (film, track) = &films[first];
             let tuned = reads[first].tuned(film.fall_m)?;
             let fine: Vec<&Read> = reads.iter().filter(|r| !r.flagged()).collect();
             let effects = diagnosed(&fine)?.unwrap_or_else(|| tuned.clone());
             let apex = apex_on_pixels(track.as_ref(), film.fall_m);
             let apex = Estimate { restitution: (apex, (apex, apex)), effects: Vec::new(), verdict: "tuned".into() };
-            let all = vec![
+            let heights_m = vec![
                 (Way::Untuned, target.untuned_m),
                 (Way::Apex, planner.height(&apex, Rule::Nearest)?),
                 (Way::Nearest, planner.height(&tuned, Rule::Nearest)?),
@@ -140,7 +148,8 @@ impl Trial {
                 (Way::Diagnosed, planner.height(&effects, Rule::Probability)?),
                 (Way::Known, target.known_m),
             ];
-            Ok((all, tuned.restitution.0, effects.effects.into_iter().map(|e| e.0).collect()))
+            let named = effects.effects.into_iter().map(|e| e.0).collect();
+            Ok(Planned { heights_m, restitution: tuned.restitution.0, named })
         };
         let shots = |heights: &[(Way, f64)]| -> Vec<Shot> {
             let one = |&(way, height_m): &(Way, f64)| {
@@ -152,9 +161,9 @@ impl Trial {
             };
             heights.iter().map(one).collect()
         };
-        let (planned, restitution, named) = heights(0)?;
-        let first = shots(&planned);
-        let repeated = if flagged && films.len() > 1 { shots(&heights(1)?.0) } else { first.clone() };
+        let Planned { heights_m, restitution, named } = planned(0)?;
+        let first = shots(&heights_m);
+        let repeated = if flagged && films.len() > 1 { shots(&planned(1)?.heights_m) } else { first.clone() };
         let off = restitution - target.shown;
         Ok(Self { left: films[0].0.left, off, flagged, shots: first, repeated, named })
     }
