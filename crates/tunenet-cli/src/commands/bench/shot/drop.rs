@@ -32,7 +32,7 @@ pub struct Filmed {
     pub camera: Pinhole,
     /// What can be seen of the ball's centre, m.
     pub path_m: Vec<Three>,
-    /// Whether the ball left the table while it was filmed.
+    /// Whether the ball fell off the table while it was filmed.
     pub left: bool,
 }
 
@@ -52,8 +52,9 @@ impl Filmed {
         let dropped = drop(ball, start, &clock(), random);
         // The table's edge hides what falls below its top.
         let hidden = |x: &Three| if x[2] < 0.0 { [0.0, 0.0, NOWHERE_M] } else { *x };
+        let left = dropped.gone_s.is_some() && dropped.path_m.last().is_some_and(|x| x[2] < 0.0);
         let path_m = dropped.path_m.iter().map(hidden).collect();
-        Ok(Self { fall_m, camera, path_m, left: dropped.gone_s.is_some() })
+        Ok(Self { fall_m, camera, path_m, left })
     }
 }
 

@@ -19,6 +19,8 @@ use super::world::{GRAVITY_M_S2, RADIUS_M};
 
 /// Before a ball vanishes over an edge it flies lower than the table.
 const LAST_FRAMES: usize = 3;
+/// A ball that goes out of sight moves by more than this within its last frames, px; one that lies still is only lost.
+const MOVES_PX: f64 = 2.0;
 /// Fewer bounces say nothing of how they follow one another.
 const FEWEST: usize = 3;
 /// What is planned with where a film shows nothing.
@@ -88,7 +90,10 @@ impl Read {
     pub fn new(track: Option<&Track>) -> Self {
         let Some(track) = track else { return Self { bounces_s: Vec::new(), gone: true } };
         let last = track.seen.iter().rposition(|seen| *seen).map_or(0, |last| last + 1);
-        let gone = last < track.seen.len();
+        let seen: Vec<f64> = track.v_px.iter().zip(&track.seen).filter(|(_, seen)| **seen).map(|(v, _)| *v).collect();
+        let ending = &seen[seen.len().saturating_sub(LAST_FRAMES + 1)..];
+        let (low, high) = ending.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+        let gone = last < track.seen.len() && high - low > MOVES_PX;
         let end = if gone { last.saturating_sub(LAST_FRAMES) } else { last };
         let shown = clock().into_iter().zip(&track.v_px).zip(&track.seen).take(end).filter(|(_, seen)| **seen);
         let (times, up): (Vec<f64>, Vec<f64>) = shown.map(|((t, v), _)| (t, -v)).unzip();
@@ -127,7 +132,7 @@ pub fn tuned(bounces_s: &[f64], fall_m: Option<f64>) -> Result<Option<Estimate>>
 }
 
 /// What a diagnosis of several drops of one ball finds; `None` where it finds nothing to plan with.
-pub fn diagnosed(drops: &[&Read]) -> Result<Option<Estimate>> {
+pub fn diagnosed(drops: &[Read]) -> Result<Option<Estimate>> {
     let lists = drops.iter().filter(|d| d.bounces_s.len() >= FEWEST);
     let seen =
         lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<Vec<_>>>()?;

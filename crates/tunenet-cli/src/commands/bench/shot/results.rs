@@ -167,7 +167,7 @@ impl Results {
         goal(&mut out, "flagged of all other drops", wrongly.value, FLAGS.1, false);
         let _ = writeln!(
             out,
-            "\nA drop is spoilt where the ball leaves the table while it is filmed ({} of {}), or where the restitution \
+            "\nA drop is spoilt where the ball falls off the table while it is filmed ({} of {}), or where the restitution \
              tuned to it is off by more than {SPOILT} ({}). Of the latter alone, {} are flagged.\n",
             trials.iter().filter(|t| t.left).count(),
             trials.len(),

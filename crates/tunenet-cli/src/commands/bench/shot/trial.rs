@@ -65,7 +65,7 @@ pub struct Shot {
 /// A trial from its first drop to its shots.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Trial {
-    /// Whether the ball left the table while it was filmed.
+    /// Whether the ball fell off the table while it was filmed.
     pub left: bool,
     /// How far the tuned restitution is from what an undisturbed drop shows.
     pub off: f64,
@@ -136,8 +136,12 @@ impl Trial {
         let planned = |first: usize| -> Result<Planned> {
             let (film, track) = &films[first];
             let tuned = reads[first].tuned(film.fall_m)?;
-            let fine: Vec<&Read> = reads.iter().filter(|r| !r.flagged()).collect();
-            let effects = diagnosed(&fine)?.unwrap_or_else(|| tuned.clone());
+            // What was seen of a ball before it left is as good as ever; of drops too short for a diagnosis, the longest.
+            let longest = (0..reads.len()).max_by_key(|i| (reads[*i].bounces_s.len(), *i == first)).unwrap_or(first);
+            let effects = match diagnosed(&reads)? {
+                Some(found) => found,
+                None => reads[longest].tuned(films[longest].0.fall_m)?,
+            };
             let apex = apex_on_pixels(track.as_ref(), film.fall_m);
             let apex = Estimate { restitution: (apex, (apex, apex)), effects: Vec::new(), verdict: "tuned".into() };
             let heights_m = vec![
