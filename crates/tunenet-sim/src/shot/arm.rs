@@ -87,9 +87,10 @@ impl ArmReach {
         let mut away = self.base.translation.vector - Vector3::from(point_m);
         away.z = 0.0;
         let away = away.try_normalize(1e-9).unwrap_or_else(Vector3::zeros) * APPROACH_M;
-        let beside: [f64; 3] = (Vector3::from(point_m) + away).into();
-        // Where even that is out of reach the arm stands ready already.
-        let start = self.near(beside, release).unwrap_or_else(|| release.to_vec());
+        // Where that is too near to the base, from above or from below; at worst the arm stands ready already.
+        let ways = [away, Vector3::z() * APPROACH_M, Vector3::z() * -APPROACH_M];
+        let beside = |way: &Vector3<f64>| self.near((Vector3::from(point_m) + way).into(), release);
+        let start = ways.iter().find_map(beside).unwrap_or_else(|| release.to_vec());
         let joints = self.model.joints();
         let limit = |i: usize| Some(joints[i].limits.velocity).filter(|v| v.is_finite()).unwrap_or(UNSAID_RAD_S);
         let change: Vec<f64> = release.iter().zip(&start).map(|(to, from)| to - from).collect();

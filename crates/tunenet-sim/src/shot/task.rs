@@ -119,7 +119,7 @@ impl Task {
     /// let text = "kind = \"shot\"\nrelease.heights_m = [0.3, 1.0]\nhoop = { centre_m = [0.8, 0, -0.3], radius_m = 0.11 }";
     /// assert_eq!(Task::parse(Path::new("shot.toml"), text)?.heights_m, (0.3, 1.0));
     /// let wrong = Task::parse(Path::new("shot.toml"), &text.replace("radius_m", "radius_cm")).unwrap_err();
-    /// assert_eq!(wrong.to_string(), "shot.toml:3:34: expected a key of a task file, found `hoop.radius_cm`");
+    /// assert_eq!(wrong.to_string(), "shot.toml:3:37: expected a key of a task file, found `hoop.radius_cm`");
     /// # Ok::<(), tunenet_core::Error>(())
     /// ```
     ///
