@@ -24,6 +24,7 @@ fn help_of_the_tool_and_of_every_command() {
         " init",
         " tune",
         " diagnose",
+        " plan",
         " track",
         " simulate",
         " inspect",

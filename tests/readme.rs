@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use tunenet_sim::shot::task::TASK_KEYS;
 use tunenet_sim::simulation_file::ARM_KEYS;
 use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
 
@@ -168,7 +169,13 @@ fn rows(keys: &[Key]) -> String {
 #[test]
 fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     let page = text("docs/files.md");
-    let all = [("keys", BALL_KEYS), ("arm", ARM_KEYS), ("effects", &EFFECT_KEYS), ("parameters", PARAMETER_KEYS)];
+    let all = [
+        ("keys", BALL_KEYS),
+        ("arm", ARM_KEYS),
+        ("effects", &EFFECT_KEYS),
+        ("parameters", PARAMETER_KEYS),
+        ("task", TASK_KEYS),
+    ];
     for (name, keys) in all {
         let (begin, end) = (format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->"));
         let found = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end));
@@ -192,7 +199,8 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let page = ["tune", "preflight", "diagnose", "track", "arm"].map(|page| text(format!("docs/{page}.md"))).concat();
+    let pages = ["tune", "preflight", "diagnose", "track", "arm", "plan"];
+    let page = pages.map(|page| text(format!("docs/{page}.md"))).concat();
     let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {
@@ -200,11 +208,7 @@ fn every_warning_has_its_remedy_in_the_docs() {
             let Some(code) = call.trim_start().strip_prefix('"').and_then(|rest| rest.split('"').next()) else {
                 continue;
             };
-            assert!(
-                page.contains(&format!("| `{code}` |")),
-                "none of docs/tune.md, docs/preflight.md, docs/diagnose.md, docs/track.md and docs/arm.md lists `{code}` of {}",
-                file.display()
-            );
+            assert!(page.contains(&format!("| `{code}` |")), "no page of docs/ lists `{code}` of {}", file.display());
             codes += 1;
         }
     }
@@ -236,7 +240,9 @@ fn every_key_of_the_json_is_in_the_docs() {
     let out = folder.path().join("drop.mcap").display().to_string();
     let (scene, drop, throw) = (at("ball.toml"), at("observations/drop.csv"), at("observations/throw.csv"));
     let light: Vec<String> = (1..=5).map(|i| at(&format!("observations/light_{i}.csv"))).collect();
-    let runs: [&[&str]; 9] = [
+    let shot = at("shot.toml");
+    let runs: [&[&str]; 10] = [
+        &["plan", "--sim", &scene, "--task", &shot],
         &["diagnose", "--sim", &scene, "--observation", &light[0], &light[1], &light[2], "--held-out", &light[4]],
         &["tune", "--sim", &scene, "--observation", &drop],
         &["tune", "--sim", &scene, "--set", "parameters.friction.tune=true", "--observation", &throw],

@@ -1,6 +1,7 @@
 //! The command line.
 
 pub mod bench;
+pub mod plan;
 pub mod track;
 
 use std::path::PathBuf;
@@ -8,9 +9,10 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use bench::{
-    Bench, BenchDiagnose, BenchIntervals, BenchPaper, BenchPreflight, BenchRegions, BenchSpeed, BenchTuning,
+    Bench, BenchDiagnose, BenchIntervals, BenchPaper, BenchPreflight, BenchRegions, BenchShot, BenchSpeed, BenchTuning,
     DiagnoseRow, Measured, PaperTable, Row,
 };
+pub use plan::{Plan, PlanRule};
 pub use track::Track;
 
 /// Makes a simulator behave like a measured real thing.
@@ -38,6 +40,9 @@ pub enum Command {
     /// Name the effect that a simulation lacks, and write it into the simulation file
     #[command(after_help = DIAGNOSE_EXAMPLES)]
     Diagnose(Diagnose),
+    /// Find from where to let a ball go so that it bounces through a hoop
+    #[command(after_help = plan::EXAMPLES)]
+    Plan(plan::Plan),
     /// Follow the ball in a film
     #[command(after_help = track::EXAMPLES)]
     Track(track::Track),

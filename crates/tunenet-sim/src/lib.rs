@@ -11,6 +11,7 @@
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`filmed`] | drops in front of a camera that nobody knows |
 //! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
+//! | [`shot`] | a ball that bounces off a plane through a hoop, and from where to let it go |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
 pub mod arm;
@@ -22,6 +23,7 @@ pub mod filmed_ball;
 pub mod observed;
 pub mod observed_arm;
 pub mod observed_ball;
+pub mod shot;
 pub mod simulation_file;
 
 pub use drawn::Drawn;

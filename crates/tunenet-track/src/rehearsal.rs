@@ -20,8 +20,19 @@ use crate::view::View;
 pub struct Take {
     /// What films it.
     pub camera: Pinhole,
-    /// Heights of the ball's centre on the vertical line above the origin, one for each frame, m.
+    /// Heights of the ball's centre, one for each frame, m.
     pub heights_m: Vec<f64>,
+    /// Where it is along x and y, m; on the vertical line above the origin where there are fewer than frames.
+    #[serde(default)]
+    pub across_m: Vec<[f64; 2]>,
+}
+
+impl Take {
+    /// The ball's centre in a frame, m.
+    fn place(&self, frame: usize) -> [f64; 3] {
+        let [x, y] = self.across_m.get(frame).copied().unwrap_or_default();
+        [x, y, self.heights_m[frame]]
+    }
 }
 
 /// How the pictures are spoilt.
@@ -45,6 +56,8 @@ pub struct Tracked {
     pub v_px: Vec<f64>,
     /// Frames in which it was not seen.
     pub missed: usize,
+    /// Whether it was seen, frame by frame.
+    pub seen: Vec<bool>,
 }
 
 /// The pictures of a take, in order.
@@ -57,12 +70,13 @@ pub fn pictures(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> openc
     let (width, height) = take.camera.size_px();
     let size = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
     let (columns, rows) = (size(width), size(height));
-    let all = take.heights_m.iter().enumerate().map(|(i, &z)| {
-        let next = take.heights_m.get(i + 1).copied().unwrap_or(z);
+    let last = take.heights_m.len().saturating_sub(1);
+    let all = (0..take.heights_m.len()).map(|i| {
+        let (here, next) = (take.place(i), take.place((i + 1).min(last)));
         let bytes = if spoilt.exposure > 0.0 {
-            renderer.blurred([0.0, 0.0, z], [0.0, 0.0, z + spoilt.exposure * (next - z)])
+            renderer.blurred(here, [0, 1, 2].map(|k| here[k] + spoilt.exposure * (next[k] - here[k])))
         } else {
-            renderer.frame([0.0, 0.0, z])
+            renderer.frame(here)
         };
         let mut mat = Mat::new_rows_cols_with_default(rows, columns, CV_8UC3, Scalar::all(0.0))?;
         mat.data_bytes_mut()?.copy_from_slice(bytes);
@@ -150,12 +164,13 @@ pub fn rehearse(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> openc
     };
     let Some(first) = sightings.iter().flatten().next() else { return Ok(Err(Unseen::NoBall)) };
     let mut last = (first.u_px, first.v_px);
-    let mut track = Tracked { u_px: Vec::new(), v_px: Vec::new(), missed: 0 };
+    let mut track = Tracked { u_px: Vec::new(), v_px: Vec::new(), missed: 0, seen: Vec::new() };
     for sighting in &sightings {
         match sighting {
             Some(seen) => last = (seen.u_px, seen.v_px),
             None => track.missed += 1,
         }
+        track.seen.push(sighting.is_some());
         track.u_px.push(last.0);
         track.v_px.push(last.1);
     }
@@ -173,7 +188,7 @@ mod tests {
             let t = f64::from(i) / 60.0;
             if t < 3.0 { 0.5 + 4.0 * (1.0 - t / 3.0) * (2.5 * t).cos().abs() } else { 0.5 }
         };
-        Take { camera, heights_m: (0..240).map(height).collect() }
+        Take { camera, heights_m: (0..240).map(height).collect(), across_m: Vec::new() }
     }
 
     /// Errors against the projected outline, px: mean and standard deviation along `v`.

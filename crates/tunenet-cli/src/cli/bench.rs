@@ -39,6 +39,8 @@ pub enum Measured {
     Preflight(BenchPreflight),
     /// The tables of the paper, beside what is reached here
     Paper(BenchPaper),
+    /// How often a ball that was filmed once goes through a hoop
+    Shot(BenchShot),
 }
 
 /// A table or figure of the paper.
@@ -64,6 +66,22 @@ pub struct BenchPaper {
     #[arg(long, value_enum, value_name = "TABLE", num_args = 1..)]
     pub only: Vec<PaperTable>,
     /// One seed, few drops, short trainings
+    #[arg(long)]
+    pub quick: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench shot`.
+#[derive(Debug, Args)]
+pub struct BenchShot {
+    /// Where finished pieces and results are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-shot")]
+    pub out: PathBuf,
+    /// Trials of each ball [default: 200]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub trials: Option<u64>,
+    /// Few trials, and none in richer worlds
     #[arg(long)]
     pub quick: bool,
     #[command(flatten)]

@@ -11,6 +11,7 @@ mod inspect;
 pub(crate) mod load;
 mod man;
 mod model_cache;
+pub(crate) mod plan;
 mod simulate;
 mod simulate_arm;
 mod start;
@@ -30,6 +31,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
     match arguments.command {
         Command::Tune(options) => tune::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Track(options) => track::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Inspect(options) => inspect::run(&options),

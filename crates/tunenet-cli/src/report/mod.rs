@@ -12,6 +12,7 @@
 //! | `verdict`, `parameters`, `checks`, `provenance` | sections |
 //! | `tune` | the page of `tunenet tune` |
 //! | `track` | the page of `tunenet track` |
+//! | `shot` | the page of `tunenet plan` |
 //! | `diagnose` | the page of `tunenet diagnose`, and its own drawings and tables |
 
 mod axis;
@@ -24,6 +25,7 @@ mod panel;
 mod parameters;
 mod provenance;
 mod series;
+pub mod shot;
 mod svg;
 pub mod track;
 pub mod tune;

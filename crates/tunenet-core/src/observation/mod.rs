@@ -15,6 +15,7 @@ pub mod preflight;
 pub mod recording;
 mod release;
 mod resample;
+mod turns;
 mod wild;
 
 pub use arcs::{Arcs, Contact};
@@ -24,6 +25,7 @@ pub use local::LocalEstimate;
 pub use noise::noise_sd;
 pub use note::Note;
 pub use resample::resample;
+pub use turns::bounces;
 
 use crate::{Error, Result};
 

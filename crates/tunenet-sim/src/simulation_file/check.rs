@@ -7,12 +7,12 @@ use toml_edit::{Item, Table, TableLike};
 use tunenet_core::{Error, Result};
 
 use super::domain::Domain;
-use super::schema::{PARAMETER_KEYS, item_number};
+use super::schema::{Key, PARAMETER_KEYS, item_number};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing.
 pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
     let domain = domain(path, text, root)?;
-    walk(path, text, domain, root, "")?;
+    walk(&domain, path, text, root, "")?;
     for key in domain.keys().filter(|k| k.required) {
         if lookup(root, &key.path).is_none() {
             let message = format!("expected `{}` ({}), found none", key.path, key.meaning);
@@ -97,17 +97,72 @@ fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
     Some(item)
 }
 
-fn walk(path: &Path, text: &str, domain: Domain, table: &dyn TableLike, prefix: &str) -> Result<()> {
+/// Which keys a file may hold.
+pub(crate) trait Vocabulary {
+    /// The key at a path.
+    fn find(&self, path: &str) -> Option<Key>;
+    /// Whether there is a table at a path.
+    fn has_table(&self, path: &str) -> bool;
+    /// What could have been meant beside an unknown path.
+    fn siblings(&self, path: &str) -> Vec<String>;
+    /// What is said of an unknown key.
+    fn unknown(&self, key: &str) -> String;
+    /// A table that is not looked into.
+    fn passes_over(&self, path: &str) -> bool;
+}
+
+impl Vocabulary for Domain {
+    fn find(&self, path: &str) -> Option<Key> {
+        Domain::find(*self, path)
+    }
+
+    fn has_table(&self, path: &str) -> bool {
+        let inside = format!("{path}.");
+        let parameter = path.strip_prefix("parameters.").is_some_and(|name| self.parameter(name).is_some());
+        path == "parameters" || parameter || self.keys().any(|k| k.path.starts_with(&inside))
+    }
+
+    fn siblings(&self, path: &str) -> Vec<String> {
+        Domain::siblings(*self, path)
+    }
+
+    fn unknown(&self, key: &str) -> String {
+        let other = Domain::ALL.into_iter().find(|other| other.find(key).is_some() || other.has_table(key));
+        match other {
+            Some(other) => {
+                format!(
+                    "expected a key of `kind = \"{}\"`, found `{key}` of `kind = \"{}\"`",
+                    self.name(),
+                    other.name()
+                )
+            }
+            None => format!("expected a key of a simulation file, found `{key}`"),
+        }
+    }
+
+    fn passes_over(&self, path: &str) -> bool {
+        path == "provenance"
+    }
+}
+
+/// Refuses keys that `known` does not hold, and values that do not fit theirs.
+pub(crate) fn walk(
+    known: &impl Vocabulary,
+    path: &Path,
+    text: &str,
+    table: &dyn TableLike,
+    prefix: &str,
+) -> Result<()> {
     for (name, item) in table.iter() {
         let full = format!("{prefix}{name}");
-        if full == "provenance" {
+        if known.passes_over(&full) {
             continue;
         }
         let key_span =
             || table.get_key_value(name).and_then(|(key, _)| key.span()).or_else(|| item.span()).unwrap_or(0..0);
         match item.as_value().filter(|v| !v.is_inline_table()) {
             Some(value) => {
-                let Some(key) = domain.find(&full) else { return Err(unknown(path, text, domain, key_span(), &full)) };
+                let Some(key) = known.find(&full) else { return Err(unknown(known, path, text, key_span(), &full)) };
                 if !key.shape.accepts(value) {
                     let found = value.to_string();
                     let message = format!("`{full}`: expected {}, found {}", key.shape.expected(), found.trim());
@@ -121,34 +176,20 @@ fn walk(path: &Path, text: &str, domain: Domain, table: &dyn TableLike, prefix: 
                 }
             }
             None => match item.as_table_like() {
-                Some(inner) if known_table(domain, &full) => walk(path, text, domain, inner, &format!("{full}."))?,
-                _ => return Err(unknown(path, text, domain, key_span(), &full)),
+                Some(inner) if known.has_table(&full) => walk(known, path, text, inner, &format!("{full}."))?,
+                _ => return Err(unknown(known, path, text, key_span(), &full)),
             },
         }
     }
     Ok(())
 }
 
-fn known_table(domain: Domain, path: &str) -> bool {
-    let inside = format!("{path}.");
-    let parameter = path.strip_prefix("parameters.").is_some_and(|name| domain.parameter(name).is_some());
-    path == "parameters" || parameter || domain.keys().any(|k| k.path.starts_with(&inside))
-}
-
-fn unknown(path: &Path, text: &str, domain: Domain, span: Range<usize>, key: &str) -> Error {
-    let hint = format!("known here: {}", domain.siblings(key).join(", "));
-    let other = Domain::ALL.into_iter().find(|other| other.find(key).is_some() || known_table(*other, key));
-    let message = match other {
-        Some(other) => {
-            format!("expected a key of `kind = \"{}\"`, found `{key}` of `kind = \"{}\"`", domain.name(), other.name())
-        }
-        None => format!("expected a key of a simulation file, found `{key}`"),
-    };
-    located(path, text, span, message, &hint)
+fn unknown(known: &impl Vocabulary, path: &Path, text: &str, span: Range<usize>, key: &str) -> Error {
+    located(path, text, span, known.unknown(key), &format!("known here: {}", known.siblings(key).join(", ")))
 }
 
 /// An error at a place of the text.
-pub(super) fn located(path: &Path, text: &str, span: Range<usize>, message: String, hint: &str) -> Error {
+pub(crate) fn located(path: &Path, text: &str, span: Range<usize>, message: String, hint: &str) -> Error {
     let start = span.start.min(text.len());
     let before = text.get(..start).unwrap_or("");
     let line_start = before.rfind('\n').map_or(0, |i| i + 1);

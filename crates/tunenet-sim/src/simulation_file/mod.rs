@@ -2,7 +2,7 @@
 //! comments and its order kept.
 
 mod arm_schema;
-mod check;
+pub(crate) mod check;
 mod domain;
 mod effects;
 pub mod schema;
@@ -245,7 +245,7 @@ impl SimulationFile {
         numbers.try_into().ok()
     }
 
-    fn item(&self, path: &str) -> Option<&Item> {
+    pub(crate) fn item(&self, path: &str) -> Option<&Item> {
         let mut item = self.document.as_item();
         for part in path.split('.') {
             item = item.as_table_like()?.get(part)?;

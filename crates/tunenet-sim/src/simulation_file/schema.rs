@@ -69,12 +69,12 @@ fn range(min: f64, max: f64) -> String {
 }
 
 /// A TOML number, whole or not.
-pub(super) fn number(value: &Value) -> Option<f64> {
+pub(crate) fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|n| n as f64)).filter(|n| n.is_finite())
 }
 
 /// The number that an item holds.
-pub(super) fn item_number(item: &Item) -> Option<f64> {
+pub(crate) fn item_number(item: &Item) -> Option<f64> {
     item.as_value().and_then(number)
 }
 
@@ -95,7 +95,7 @@ pub(super) const GREATEST: f64 = 1e9;
 pub(super) const LEAST: f64 = 1e-6;
 const STEEPEST: f64 = 1.5;
 
-pub(super) const fn key(path: &'static str, shape: Shape, required: bool, meaning: &'static str) -> Key {
+pub(crate) const fn key(path: &'static str, shape: Shape, required: bool, meaning: &'static str) -> Key {
     Key { path: Cow::Borrowed(path), shape, required, meaning: Cow::Borrowed(meaning) }
 }
 

@@ -25,7 +25,7 @@ const SPOILT: (f64, i32) = (6.0, 75);
 
 /// All rows as one object. `folder` takes the films that are made.
 pub fn run(folder: &Path) -> Result<Value> {
-    let take = Take { camera: camera((160, 120))?, heights_m: heights(FRAMES) };
+    let take = Take { camera: camera((160, 120))?, heights_m: heights(FRAMES), across_m: Vec::new() };
     let clean = render(&take, 0.0, None)?;
     let spoilt = render(&take, SPOILT.0, Some(SPOILT.1))?;
     let (tracked, off_px) = small(&take)?;
@@ -110,7 +110,7 @@ fn film_rates(path: &Path) -> Result<(f64, f64)> {
 
 /// A film with a sensor's noise, as a phone takes it.
 fn write(path: &Path, size_px: (usize, usize), frames: usize) -> Result<()> {
-    let take = Take { camera: camera(size_px)?, heights_m: heights(frames) };
+    let take = Take { camera: camera(size_px)?, heights_m: heights(frames), across_m: Vec::new() };
     Ok(rehearsal::write(path, &take, RADIUS_M, 3.0, RATE_HZ)?)
 }
 

@@ -7,7 +7,9 @@ mod paper;
 mod preflight;
 mod process;
 mod regions;
+mod rehearsal;
 mod resume;
+mod shot;
 mod speed;
 mod tuning;
 
@@ -25,5 +27,6 @@ pub fn run(options: &Bench) -> Result<Exit> {
         Measured::Regions(options) => regions::run(options),
         Measured::Preflight(options) => preflight::run(options),
         Measured::Paper(options) => paper::run(options),
+        Measured::Shot(options) => shot::run(options),
     }
 }

@@ -194,6 +194,7 @@ fn provenance(options: &Diagnose, answer: &Answer, gap: &Gap, object: usize) -> 
         entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
         // Of what cannot be told apart only one is written, never all together.
         entries.push(("chosen", answer.chosen().into_iter().collect::<Array>().into()));
+        entries.push(("alternatives", super::alternatives::alternatives(answer, object).into()));
     }
     entries.extend([
         ("gap_of", Toml::from(gap_of(gap))),

@@ -36,6 +36,32 @@ int32 sec
 uint32 nanosec
 ";
 
+/// `trajectory_msgs/msg/JointTrajectory` with all that it needs.
+pub(super) const JOINT_TRAJECTORY: &str = "\
+std_msgs/Header header
+string[] joint_names
+trajectory_msgs/JointTrajectoryPoint[] points
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+================================================================================
+MSG: trajectory_msgs/JointTrajectoryPoint
+float64[] positions
+float64[] velocities
+float64[] accelerations
+float64[] effort
+builtin_interfaces/Duration time_from_start
+================================================================================
+MSG: builtin_interfaces/Duration
+int32 sec
+uint32 nanosec
+";
+
 /// The impact of a ball, as a JSON schema.
 pub(super) const BOUNCE: &str = r#"{
   "$schema": "https://json-schema.org/draft/2020-12/schema",

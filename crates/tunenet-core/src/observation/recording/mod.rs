@@ -9,9 +9,10 @@
 //! | `lines`, `quantity`, `columns`, `guess`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, what the columns make or could make, the numbers, an observation from them |
 //! | `mcap_read`, `topics`, `message`, `ros`, `json`, `joints`, `mcap_series`, `stamps` | MCAP: records, topics, messages, an observation from them |
 //! | `source`, `encoding` | the file itself: what is opened, whether it changed meanwhile, and how its text is written |
-//! | `csv_write`, `mcap_write`, `definitions`, `atomic` | writing |
+//! | `csv_write`, `mcap_write`, `approach_write`, `definitions`, `atomic` | writing |
 //! | `contents` | the listing |
 
+mod approach_write;
 mod atomic;
 mod bounces;
 mod columns;
@@ -43,6 +44,7 @@ mod topics;
 use std::io::Read as _;
 use std::path::Path;
 
+pub use approach_write::{JointPoint, write_approach};
 pub use atomic::write_atomically;
 pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv_write::write_csv;

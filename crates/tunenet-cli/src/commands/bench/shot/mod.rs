@@ -1,0 +1,120 @@
+//! `tunenet bench shot`: a ball is dropped in front of a camera, and the next time it has to go through a hoop.
+//!
+//! ```text
+//! ball, world (hidden) → drop → film (rendered, tracked) → estimate (tuned, diagnosed) → trial (planned, shot) → results
+//! ```
+//!
+//! The hidden world shares nothing with the simulator that is tuned and planned with; all that leaves it is films and the
+//! height of each fall. Every finished piece is kept by [`resume`](super::resume).
+
+mod ball;
+mod drop;
+mod estimate;
+mod film;
+mod results;
+mod trial;
+mod world;
+
+use anyhow::{Context, Result};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use serde_json::json;
+use sha2::{Digest, Sha256};
+
+use self::ball::Ball;
+use self::drop::Filmed;
+use self::results::{Results, Series};
+use self::trial::{Planner, Target, Trial};
+use self::world::{RADIUS_M, State};
+use super::resume::Store;
+use crate::cli::BenchShot;
+use crate::commands::{load, print_json};
+use crate::failure::Exit;
+use crate::terminal::{progress, stage};
+
+/// Trials of each ball, and of each in a richer world.
+const TRIALS: u64 = 200;
+const RICHER: u64 = 50;
+const QUICK: u64 = 10;
+/// Drops of a trial.
+const DROPS: u64 = 3;
+/// Trials that are filmed and kept together.
+const PIECE: u64 = 25;
+/// The fall of an undisturbed drop, m.
+const FALL_M: f64 = 0.6;
+
+pub fn run(options: &BenchShot) -> Result<Exit> {
+    let seed = options.common.seed;
+    let (trials, richer) = if options.quick { (QUICK, 0) } else { (options.trials.unwrap_or(TRIALS), RICHER) };
+    // The version alone would not tell a rebuilt program from the one that made a piece.
+    let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
+    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }))?;
+    let planner = Planner::new()?;
+    let balls = ball::all(&mut stream(seed, "balls", 0, 0));
+    let bar = progress(6 * (trials + richer), "shots");
+    let mut series = Vec::new();
+    for (rich, count) in [(false, trials), (true, richer)] {
+        for (number, ball) in balls.iter().enumerate() {
+            let ball = if rich { ball.clone().richer() } else { ball.clone() };
+            let name = format!("{}{number}", if rich { "richer" } else { "ball" });
+            let target = target(ball, &planner)?;
+            let mut all: Vec<Trial> = Vec::new();
+            for first in (0..count).step_by(usize::try_from(PIECE)?) {
+                let numbers = first..(first + PIECE).min(count);
+                let piece = format!("{name}-from-{first}-to-{}", numbers.end);
+                all.extend(store.keep(&piece, || played(&target, &name, seed, numbers.clone(), &planner))?);
+                bar.inc(numbers.end - first);
+            }
+            if count > 0 {
+                series.push(Series { ball: target.ball, rich, trials: all });
+            }
+        }
+    }
+    bar.finish_and_clear();
+    let results = Results { seed, quick: options.quick, trials, series };
+    results.write(&options.out)?;
+    anstream::eprintln!("{}", results.markdown());
+    stage("wrote", &options.out.join("shot.md").display().to_string());
+    if options.common.json {
+        print_json(&results.as_json());
+    }
+    Ok(Exit::Done)
+}
+
+/// Draws that depend on the seed and on what they are for, and on nothing else.
+fn stream(seed: u64, what: &str, trial: u64, part: u64) -> ChaCha8Rng {
+    ChaCha8Rng::from_seed(Sha256::digest(format!("tunenet bench shot/{seed}/{what}/{trial}/{part}")).into())
+}
+
+/// A ball with what a drop without push and scatter shows of it.
+fn target(ball: Ball, planner: &Planner) -> Result<Target> {
+    let quiet = Ball { scatter_rad: 0.0, ..ball.clone() };
+    let start = State { x: [0.0, 0.0, FALL_M + RADIUS_M], v: [0.0; 3], w: [0.0; 3] };
+    let seen = world::drop(&quiet, start, &drop::clock(), &mut stream(0, "quiet", 0, 0));
+    let shown = estimate::tuned(&seen.impacts_s, Some(FALL_M))?.context("an undisturbed drop shows its restitution")?;
+    Target::new(ball, shown.restitution.0, planner)
+}
+
+/// Trials of one ball: all are filmed at once, then planned and shot.
+fn played(
+    target: &Target,
+    name: &str,
+    seed: u64,
+    numbers: std::ops::Range<u64>,
+    planner: &Planner,
+) -> Result<Vec<Trial>> {
+    let mut films = Vec::new();
+    for number in numbers.clone() {
+        for drop in 0..DROPS {
+            films.push(Filmed::draw(&target.ball, &mut stream(seed, name, number, drop))?);
+        }
+    }
+    let tracks = film::tracks(&films, seed ^ numbers.start)?;
+    let mut seen = films.into_iter().zip(tracks);
+    let each: Vec<Vec<_>> =
+        numbers.clone().map(|_| seen.by_ref().take(usize::try_from(DROPS).unwrap_or(1)).collect()).collect();
+    let numbered: Vec<(u64, Vec<_>)> = numbers.zip(each).collect();
+    let one = |(number, films): &(u64, Vec<_>)| Trial::run(target, films, planner, &stream(seed, name, *number, DROPS));
+    numbered.par_iter().map(one).collect()
+}

@@ -1,0 +1,258 @@
+//! What was measured, and how it is written down.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::Result;
+use serde_json::{Map, Value, json};
+use tunenet_core::observation::recording::write_atomically;
+
+use super::ball::Ball;
+use super::trial::{Trial, Way};
+
+/// A restitution that is off by more lets a shot miss.
+const SPOILT: f64 = 0.04;
+/// Goals: over all trials and over accepted drops.
+const GOALS: [(Way, f64, f64); 2] = [(Way::Tuned, 0.86, 0.92), (Way::Diagnosed, 0.88, 0.93)];
+/// ... and of the planner that knows everything.
+const OF_KNOWN: f64 = 0.97;
+/// Least share of spoilt drops that are flagged, greatest of good ones.
+const FLAGS: (f64, f64) = (0.90, 0.03);
+
+/// All trials of one ball.
+pub struct Series {
+    pub ball: Ball,
+    pub rich: bool,
+    pub trials: Vec<Trial>,
+}
+
+pub struct Results {
+    pub seed: u64,
+    pub quick: bool,
+    pub trials: u64,
+    pub series: Vec<Series>,
+}
+
+/// A share with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Share {
+    value: f64,
+    count: usize,
+}
+
+impl Share {
+    fn of(hits: impl Iterator<Item = bool>) -> Self {
+        let (mut count, mut yes) = (0_usize, 0.0);
+        for hit in hits {
+            count += 1;
+            yes += f64::from(u8::from(hit));
+        }
+        Self { value: if count == 0 { f64::NAN } else { yes / count as f64 }, count }
+    }
+
+    fn error(self) -> f64 {
+        (self.value * (1.0 - self.value) / self.count.max(1) as f64).sqrt()
+    }
+
+    fn words(self) -> String {
+        if self.count == 0 { "-".into() } else { format!("{:.3} ± {:.3}", self.value, self.error()) }
+    }
+
+    /// NaN is no JSON.
+    fn json(self) -> Value {
+        if self.count == 0 { Value::Null } else { json!(self.value) }
+    }
+}
+
+impl Trial {
+    fn spoilt(&self) -> bool {
+        self.left || self.off.abs() > SPOILT
+    }
+
+    fn hit(&self, way: Way, repeated: bool) -> bool {
+        let shots = if repeated { &self.repeated } else { &self.shots };
+        shots.iter().any(|shot| shot.way == way && shot.goes_in)
+    }
+}
+
+/// Success of one way over some trials.
+struct Success {
+    all: Share,
+    accepted: Share,
+    after_repeat: Share,
+}
+
+impl Success {
+    fn of(way: Way, trials: &[&Trial]) -> Self {
+        Self {
+            all: Share::of(trials.iter().map(|t| t.hit(way, false))),
+            accepted: Share::of(trials.iter().filter(|t| !t.flagged).map(|t| t.hit(way, false))),
+            after_repeat: Share::of(trials.iter().map(|t| t.hit(way, true))),
+        }
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "success_all": self.all.json(), "success_all_se": self.all.error(),
+            "success_accepted": self.accepted.json(), "success_after_repeat": self.after_repeat.json(),
+        })
+    }
+}
+
+impl Results {
+    fn trials(&self, rich: bool) -> Vec<&Trial> {
+        self.series.iter().filter(|s| s.rich == rich).flat_map(|s| &s.trials).collect()
+    }
+
+    /// Shares of spoilt drops that are flagged, of wrong estimates that are, and of good drops that are.
+    fn flags(&self) -> [Share; 3] {
+        let trials = self.trials(false);
+        let flagged = |which: &dyn Fn(&Trial) -> bool| Share::of(trials.iter().filter(|t| which(t)).map(|t| t.flagged));
+        [flagged(&Trial::spoilt), flagged(&|t| t.off.abs() > SPOILT), flagged(&|t| !t.spoilt())]
+    }
+
+    pub fn as_json(&self) -> Value {
+        let trials = self.trials(false);
+        let way = |way: &Way| (key(*way), Success::of(*way, &trials).json());
+        let tuned = Success::of(Way::Tuned, &trials);
+        let [rightly, wrong_estimates, wrongly] = self.flags();
+        let ball = |series: &Series| {
+            let own: Vec<&Trial> = series.trials.iter().collect();
+            let ways: Map<String, Value> =
+                Way::ALL.iter().map(|way| (key(*way), Success::of(*way, &own).json())).collect();
+            let named: Vec<&String> = own.iter().flat_map(|t| &t.named).collect();
+            json!({
+                "ball": series.ball.name, "richer": series.rich, "trials": own.len(), "ways": ways,
+                "restitution": series.ball.restitution, "friction": series.ball.friction,
+                "drag_1_m": series.ball.drag_1_m, "scatter_rad": series.ball.scatter_rad,
+                "named": counted(&named),
+            })
+        };
+        json!({
+            "schema": "tunenet.bench.shot/1",
+            "seed": self.seed, "trials": self.trials, "quick": self.quick,
+            "success_all": tuned.all.json(), "success_accepted": tuned.accepted.json(),
+            "success_after_repeat": tuned.after_repeat.json(),
+            "flagged_rightly": rightly.json(), "flagged_of_wrong_estimates": wrong_estimates.json(),
+            "flagged_wrongly": wrongly.json(),
+            "all_known": Success::of(Way::Known, &trials).json(),
+            "ways": Way::ALL.iter().map(way).collect::<Map<String, Value>>(),
+            "per_ball": self.series.iter().map(ball).collect::<Vec<_>>(),
+        })
+    }
+
+    /// The tables for people. Writing to a string cannot fail, so its results are dropped.
+    pub fn markdown(&self) -> String {
+        let mut out = String::new();
+        let quick = if self.quick { " --quick" } else { "" };
+        let _ = writeln!(out, "# The bounce shot\n\n`tunenet bench shot{quick} --seed {}`\n", self.seed);
+        let _ = writeln!(
+            out,
+            "Six balls, {} trials each. A ball is dropped once in front of an uncalibrated camera; then it is let go above \
+             a plane so that it bounces through a hoop. Success with standard error.\n",
+            self.trials
+        );
+        let trials = self.trials(false);
+        table(&mut out, &trials);
+        let _ = writeln!(out);
+        for (way, all, accepted) in GOALS {
+            let found = Success::of(way, &trials);
+            goal(&mut out, &format!("{}: all", way.words()), found.all.value, all, true);
+            goal(&mut out, &format!("{}: accepted drops", way.words()), found.accepted.value, accepted, true);
+        }
+        let ratio = Success::of(Way::Diagnosed, &trials).all.value / Success::of(Way::Known, &trials).all.value;
+        goal(&mut out, "with named effects, of everything known", ratio, OF_KNOWN, true);
+        let [rightly, wrong, wrongly] = self.flags();
+        goal(&mut out, "flagged of drops that are spoilt", rightly.value, FLAGS.0, true);
+        goal(&mut out, "flagged of all other drops", wrongly.value, FLAGS.1, false);
+        let _ = writeln!(
+            out,
+            "\nA drop is spoilt where the ball falls off the table while it is filmed ({} of {}), or where the restitution \
+             tuned to it is off by more than {SPOILT} ({}). Of the latter alone, {} are flagged.\n",
+            trials.iter().filter(|t| t.left).count(),
+            trials.len(),
+            wrong.count,
+            wrong.words()
+        );
+        let _ = writeln!(out, "| ball | restitution alone | named effects | difference | known | effects named |");
+        let _ = writeln!(out, "|---|---|---|---|---|---|");
+        for series in &self.series {
+            let own: Vec<&Trial> = series.trials.iter().collect();
+            let of = |way: Way| Success::of(way, &own).all;
+            let named: Vec<&String> = own.iter().flat_map(|t| &t.named).collect();
+            let words: Vec<String> = counted(&named).into_iter().map(|(name, n)| format!("{name} {n}")).collect();
+            let _ = writeln!(
+                out,
+                "| {}{} | {} | {} | {} | {} | {} |",
+                series.ball.name,
+                if series.rich { ", richer" } else { "" },
+                of(Way::Tuned).words(),
+                of(Way::Diagnosed).words(),
+                difference(&own),
+                of(Way::Known).words(),
+                if words.is_empty() { "none".into() } else { words.join(", ") }
+            );
+        }
+        let _ = writeln!(
+            out,
+            "| all | {} | {} | {} | {} | |",
+            Success::of(Way::Tuned, &trials).all.words(),
+            Success::of(Way::Diagnosed, &trials).all.words(),
+            difference(&trials),
+            Success::of(Way::Known, &trials).all.words()
+        );
+        let richer = self.trials(true);
+        if !richer.is_empty() {
+            let _ = writeln!(out, "\nIn richer worlds (spin, restitution that falls with speed):\n");
+            table(&mut out, &richer);
+        }
+        out
+    }
+
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        let json = format!("{:#}\n", self.as_json());
+        for (name, text) in [("shot.md", self.markdown()), ("shot.json", json)] {
+            write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
+        }
+        Ok(())
+    }
+}
+
+fn table(out: &mut String, trials: &[&Trial]) {
+    let _ = writeln!(out, "| who plans | all | accepted drops | after one repeat |");
+    let _ = writeln!(out, "|---|---|---|---|");
+    for way in Way::ALL {
+        let found = Success::of(way, trials);
+        let cells = [found.all, found.accepted, found.after_repeat].map(Share::words);
+        let _ = writeln!(out, "| {} | {} |", way.words(), cells.join(" | "));
+    }
+}
+
+fn goal(out: &mut String, what: &str, found: f64, goal: f64, least: bool) {
+    let met = if least { found >= goal } else { found <= goal };
+    let sign = if least { "at least" } else { "at most" };
+    let _ = writeln!(out, "- {what}: {found:.3}, goal {sign} {goal}: {}", if met { "met" } else { "missed" });
+}
+
+/// What naming effects is worth: the mean difference over the same trials, with its standard error.
+fn difference(trials: &[&Trial]) -> String {
+    let one =
+        |t: &&Trial| f64::from(u8::from(t.hit(Way::Diagnosed, false))) - f64::from(u8::from(t.hit(Way::Tuned, false)));
+    let n = trials.len() as f64;
+    let mean = trials.iter().map(one).sum::<f64>() / n;
+    let square = trials.iter().map(|t| (one(t) - mean).powi(2)).sum::<f64>() / n;
+    format!("{mean:+.3} ± {:.3}", (square / n).sqrt())
+}
+
+/// How often each name stands there.
+fn counted(names: &[&String]) -> std::collections::BTreeMap<String, usize> {
+    let mut all = std::collections::BTreeMap::new();
+    for name in names {
+        *all.entry((*name).clone()).or_insert(0) += 1;
+    }
+    all
+}
+
+fn key(way: Way) -> String {
+    serde_json::to_value(way).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+}

@@ -1,0 +1,157 @@
+//! `tunenet plan`.
+
+mod json;
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Result;
+use tunenet_core::Error;
+use tunenet_core::observation::{Note, recording};
+use tunenet_sim::SimulationFile;
+use tunenet_sim::shot::reach::Anywhere;
+use tunenet_sim::shot::{self, ArmReach, Belief, Candidate, Reach, Rule, Settings, ShotScene, Task};
+
+use super::destination::{self, Output, Product};
+use super::{load, print_json};
+use crate::cli::{Plan, PlanRule};
+use crate::failure::Exit;
+use crate::report;
+use crate::terminal::{in_words, stage, warn};
+
+/// Everything that was asked and answered.
+pub struct Answer {
+    pub scene: ShotScene,
+    pub belief: Belief,
+    pub arm: Option<ArmReach>,
+    pub plan: shot::Plan,
+    pub settings: Settings,
+    pub notes: Vec<Note>,
+    pub seconds: f64,
+}
+
+pub fn run(options: &Plan) -> Result<Exit> {
+    let out = options.out.iter().map(|out| Output::new(out, "--out", Product::Unmarked));
+    let report = options.report.iter().map(|report| Output::new(report, "--report", Product::Page));
+    let outputs: Vec<Output> = out.chain(report).collect();
+    let inputs = [options.simulation.sim.as_path(), options.task.as_path()];
+    options.out.iter().try_for_each(|out| load::ending(out, &["mcap"]))?;
+    destination::check(&outputs, &inputs, options.writing.overwrite)?;
+    let file = load::simulation(&options.simulation)?;
+    let task = Task::read(&options.task)?;
+    let answer = answer(options, &file, &task)?;
+    if let Some(out) = &options.out {
+        write_approach(&answer, &options.task, out)?;
+    }
+    if let Some(report) = &options.report {
+        let read = [options.simulation.sim.as_path(), options.task.as_path()];
+        let provenance = report::Provenance::new(options.common.seed, &read);
+        report::shot::write(report, &load::name(&options.task), &answer, &provenance)?;
+        stage("report", &report.display().to_string());
+    }
+    if options.common.json {
+        print_json(&json::object(&answer));
+    }
+    tell(&answer);
+    Ok(if answer.plan.reachable { Exit::Done } else { Exit::Inconclusive })
+}
+
+fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> {
+    let began = Instant::now();
+    let refused = |message: String| Error::file(&options.task, message, "correct the task file");
+    let radius_m = file.number("ball.radius_m").unwrap_or_default();
+    let scene = ShotScene::new(task, radius_m).map_err(refused)?;
+    let belief = Belief::new(file, task)?;
+    let settings = Settings {
+        heights: options.heights as usize,
+        rule: if options.rule == PlanRule::Nearest { Rule::Nearest } else { Rule::Probability },
+        draws: options.draws as usize,
+        seed: options.common.seed,
+    };
+    let arm = task.arm.as_ref().map(ArmReach::new).transpose()?;
+    let reach: &dyn Reach = arm.as_ref().map_or(&Anywhere, |arm| arm);
+    let plan = shot::plan(&scene, &belief, task.heights_m, reach, &settings).map_err(|error| match error {
+        Error::Simulator { message, .. } => refused(message),
+        other => other,
+    })?;
+    let mut notes = belief.notes().to_vec();
+    notes.extend(notice(&plan, task));
+    let seconds = began.elapsed().as_secs_f64();
+    Ok(Answer { scene, belief, arm, plan, settings, notes, seconds })
+}
+
+/// Writes the arm's way to the release.
+fn write_approach(answer: &Answer, task: &Path, out: &Path) -> Result<()> {
+    let Some(arm) = &answer.arm else {
+        let message = "expected a robot for --out, found no [arm]";
+        return Err(Error::file(task, message, "add [arm] with its `urdf`, or leave `--out` out").into());
+    };
+    let best = answer.plan.best();
+    let way = arm.approach([0.0, 0.0, best.height_m], best.joints_rad.as_deref().unwrap_or_default());
+    recording::write_approach(&arm.joint_names(), &way, out)?;
+    stage("wrote", &format!("{}, {} points", out.display(), way.len()));
+    Ok(())
+}
+
+/// What a person should know of the plan.
+fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
+    let mut notes = Vec::new();
+    let out_of_reach = plan.candidates.iter().filter(|c| c.joints_rad.is_none()).count();
+    if out_of_reach > 0 {
+        notes.push(Note::new(
+            "plan.arm_reach",
+            format!("the arm reaches {} of {} heights", plan.candidates.len() - out_of_reach, plan.candidates.len()),
+            "move its base in the task file, or narrow `release.heights_m`",
+        ));
+    }
+    let at_end = plan.best == 0 || plan.best + 1 == plan.candidates.len();
+    if plan.reachable && at_end {
+        let (low, high) = task.heights_m;
+        notes.push(Note::new(
+            "plan.at_end",
+            format!(
+                "the best height is the {} that the task allows",
+                if plan.best == 0 { "lowest" } else { "highest" }
+            ),
+            format!("widen `release.heights_m` beyond {low} to {high} m where there is room"),
+        ));
+    }
+    notes
+}
+
+fn tell(answer: &Answer) {
+    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
+    anstream::eprintln!("{bold}{}{reset}", sentence(answer));
+    let best = answer.plan.best();
+    if let Some(joints) = best.joints_rad.as_deref().filter(|j| !j.is_empty()) {
+        let each: Vec<String> = joints.iter().map(|q| format!("{q:.4}")).collect();
+        anstream::eprintln!("  joints {} rad", each.join(", "));
+    }
+    answer.notes.iter().for_each(warn);
+    stage(
+        "planned",
+        &format!("{} heights, {:.1} s, seed {}", answer.plan.candidates.len(), answer.seconds, answer.settings.seed),
+    );
+}
+
+/// The answer in one line.
+pub fn sentence(answer: &Answer) -> String {
+    let best = answer.plan.best();
+    let chance = best.probability.map_or(String::new(), |p| format!(", goes in {:.0} of 100 times", 100.0 * p));
+    if answer.plan.reachable {
+        let passes = in_words(best.pass.miss_m, "m");
+        return format!("PLANNED  let go at {:.3} m: passes {passes} from the hoop's centre{chance}", best.height_m);
+    }
+    format!("OUT OF REACH  {}", missing(best))
+}
+
+/// By how much a hoop is missed.
+fn missing(best: &Candidate) -> String {
+    let by = in_words(best.pass.miss_m, "m");
+    let height = best.height_m;
+    if best.pass.falls {
+        format!("no height brings the ball through the hoop; from {height:.3} m it falls {by} from its centre")
+    } else {
+        format!("no height brings the ball up to the hoop; from {height:.3} m it comes within {by} of its centre")
+    }
+}

@@ -1,0 +1,165 @@
+//! `tunenet plan` as a process: the answer, its files, and everything that it refuses.
+
+mod common;
+
+use std::path::Path;
+
+use common::{Folder, refused};
+
+const TUNED: &str = "\
+kind = \"ball\"
+
+[ball]
+radius_m = 0.03
+
+[parameters.restitution]
+value = 0.72
+min = 0.0
+max = 1.0
+
+[provenance]
+tool = \"tunenet 0\"
+verdict = \"tuned\"
+interval95 = { restitution = [0.70, 0.74] }
+";
+const LINE: &str = "plan --sim tuned.toml --task shot.toml";
+
+/// The ready task, its robot, and a tuned ball.
+fn folder() -> Folder {
+    let (folder, assets) = (Folder::new(), Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets"));
+    for name in ["shot.toml", "jaco_robotiq.urdf"] {
+        folder.write(name, std::fs::read(assets.join(name)).unwrap());
+    }
+    folder.write("tuned.toml", TUNED);
+    folder
+}
+
+fn with(folder: &Folder, from: &str, to: &str) {
+    let task = String::from_utf8(folder.read("shot.toml")).unwrap();
+    assert!(task.contains(from), "{from}");
+    folder.write("shot.toml", task.replace(from, to));
+}
+
+/// From a drop to a shot: what is tuned here is let go from the height that the formula asks for.
+#[test]
+fn a_tuned_file_is_planned_with() {
+    let folder = folder();
+    let drop = common::Drop { restitution: 0.72, ..common::Drop::default() };
+    folder.write("drop.csv", drop.csv());
+    folder.write("ball.toml", TUNED.split("\n[provenance]").next().unwrap().replace("0.72", "0.5"));
+    folder.run("tune --sim ball.toml --observation drop.csv --out found.toml").ends(0);
+    let found = folder.run("plan --sim found.toml --task shot.toml --rule nearest --heights 71 --json").ends(0).json();
+    // v = √(2gh); the normal part comes back e times as fast; the parabola then falls .3 m.
+    let lands = |height: f64| {
+        let (speed, tilt) = ((2.0 * 9.81 * height).sqrt(), std::f64::consts::FRAC_PI_6);
+        let push = 1.72 * speed * tilt.cos();
+        let (vx, vz) = (push * tilt.sin(), push * tilt.cos() - speed);
+        vx * (vz + (vz * vz + 2.0 * 9.81 * 0.3).sqrt()) / 9.81
+    };
+    let height = found["height_m"].as_f64().unwrap();
+    let miss = found["miss_distance_m"].as_f64().unwrap();
+    assert!((miss - (lands(height) - 0.8).abs()).abs() < 3e-3, "{miss} {}", lands(height));
+    let best = (0..=70).map(|i| (lands(0.3 + 0.01 * f64::from(i)) - 0.8).abs()).fold(f64::INFINITY, f64::min);
+    assert!((miss - best).abs() < 3e-3, "{miss} {best}");
+    assert_eq!(found["candidates"].as_array().unwrap().len(), 71);
+    assert_eq!(found["joint_positions_rad"].as_array().unwrap().len(), 7);
+    assert!(found["warnings"].as_array().unwrap().is_empty(), "{}", found["warnings"]);
+}
+
+#[test]
+fn the_surest_height_is_as_sure_as_any() {
+    let folder = folder();
+    let found = folder.run(&format!("{LINE} --json")).ends(0).json();
+    let chance = |value: &serde_json::Value| value["success_probability"].as_f64().unwrap();
+    let most = found["candidates"].as_array().unwrap().iter().map(chance).fold(0.0, f64::max);
+    assert!(chance(&found) >= most && most > 0.9 && found["reachable"] == true);
+    assert_eq!(found["schema"], "tunenet.plan/1");
+    // The same seed gives the same plan, whatever the number of threads.
+    let mut again = folder.command();
+    again.env("RAYON_NUM_THREADS", "1").args(LINE.split_whitespace()).arg("--json");
+    let again = common::Ran::from(again.output().unwrap()).ends(0).json();
+    assert_eq!((&again["height_m"], &again["candidates"]), (&found["height_m"], &found["candidates"]));
+}
+
+#[test]
+fn the_approach_and_the_page_are_written() {
+    let folder = folder();
+    folder.run(&format!("{LINE} --out approach.mcap --report shot.html")).ends(0);
+    let seen = folder.run("inspect approach.mcap --json").json();
+    let text = seen.to_string();
+    assert!(text.contains("trajectory_msgs") && text.contains("sensor_msgs"), "{text}");
+    let bytes = folder.read("approach.mcap");
+    let joints =
+        mcap::MessageStream::new(&bytes).unwrap().filter(|m| m.as_ref().unwrap().channel.topic == "/joint_states");
+    assert!(joints.count() > 20);
+    let page = String::from_utf8(folder.read("shot.html")).unwrap();
+    assert!(page.contains("PLANNED") && page.matches("<svg").count() == 3 && !page.contains("NaN"), "{page}");
+    // Asked again, the page may be replaced, and the log may not.
+    refused(&folder, &format!("{LINE} --out approach.mcap"), &["approach.mcap", "--overwrite"]);
+    folder.run(&format!("{LINE} --report shot.html")).ends(0);
+}
+
+#[test]
+fn a_hoop_out_of_reach_is_an_honest_no() {
+    let folder = folder();
+    with(&folder, "[0.8, 0.0, -0.3]", "[4.0, 0.0, -0.3]");
+    let ran = folder.run(&format!("{LINE} --json")).ends(3);
+    let found = ran.json();
+    assert_eq!((&found["reachable"], &found["success_probability"]), (&false.into(), &0.0.into()));
+    assert!(found["miss_distance_m"].as_f64().unwrap() > 1.0);
+    assert!(ran.stderr.contains("OUT OF REACH  no height brings the ball through the hoop"), "{}", ran.stderr);
+    with(&folder, "[4.0, 0.0, -0.3]", "[0.8, 0.0, 2.0]");
+    let above = folder.run(LINE).ends(3);
+    assert!(above.stderr.contains("no height brings the ball up to the hoop"), "{}", above.stderr);
+}
+
+#[test]
+fn what_cannot_be_planned_is_refused() {
+    let plane = ("tilt_about_y_rad = 0.5235987755982988", "tilt_about_y_rad = -0.5");
+    for (from, to, wanted) in [
+        (plane.0, plane.1, &["shot.toml: the plane faces away from the hoop"][..]),
+        (
+            plane.0,
+            "tilt_about_y_deg = 30",
+            &["expected a key of a task file, found `plane.tilt_about_y_deg`", "shot.toml:10"],
+        ),
+        ("radius_m = 0.11", "radius_m = \"wide\"", &["`hoop.radius_m`: expected a number", "\"wide\""]),
+        ("radius_m = 0.11", "", &["expected `hoop.radius_m`", "found none"]),
+        ("[0.3, 1.0]", "[1.0, 0.3]", &["`release.heights_m`: expected the lowest before the highest"]),
+        ("[0.3, 1.0]", "[nan, 1.0]", &["`release.heights_m`"]),
+        ("[0.3, 1.0]", "[2.5, 3.0]", &["the arm reaches none of the heights from 2.5 to 3 m"]),
+        ("jaco_robotiq.urdf", "none.urdf", &["none.urdf"]),
+        ("\"grip\"", "\"claw\"", &["`arm.link`: expected a link of the URDF", "`claw`"]),
+        ("kind = \"shot\"", "kind = \"ball\"", &["`kind`: expected \"shot\""]),
+    ] {
+        let folder = folder();
+        with(&folder, from, to);
+        refused(&folder, LINE, wanted);
+    }
+    let folder = folder();
+    folder.write("tuned.toml", "kind = \"ball\"\nball.radius_m = 0.03\n");
+    refused(&folder, LINE, &["tuned.toml: expected a restitution above 0, found none", "tune the simulation first"]);
+    folder.write("tuned.toml", &TUNED.as_bytes()[..40]);
+    refused(&folder, LINE, &["tuned.toml"]);
+    assert!(folder.run(&format!("{LINE} --heights 1")).ends(2).stderr.contains("--heights"));
+    assert!(folder.run(&format!("{LINE} --out way.csv")).ends(2).stderr.contains(".mcap"));
+}
+
+#[test]
+fn what_nobody_tuned_is_allowed_with_a_warning() {
+    let folder = folder();
+    folder.write("tuned.toml", TUNED.split("\n[provenance]").next().unwrap());
+    let found = folder.run(&format!("{LINE} --json")).ends(0).json();
+    assert_eq!(found["warnings"][0]["code"], "plan.untuned");
+}
+
+/// A base so far off that the arm reaches the lower heights alone.
+#[test]
+fn heights_beyond_the_arm_are_left_out() {
+    let folder = folder();
+    with(&folder, "[-0.55, 0.0, 0.25]", "[-0.55, 0.0, -0.35]");
+    let found = folder.run(&format!("{LINE} --json")).ends(0).json();
+    let reached = found["candidates"].as_array().unwrap().iter().filter(|c| c["arm_reaches"] == true).count();
+    assert!((5..95).contains(&reached), "{reached}");
+    assert!(found["warnings"].to_string().contains("plan.arm_reach"), "{}", found["warnings"]);
+}
