@@ -24,7 +24,7 @@ mod panel;
 mod parameters;
 mod provenance;
 mod series;
-mod svg;
+pub mod svg;
 pub mod track;
 pub mod tune;
 mod verdict;

@@ -1,5 +1,7 @@
 //! `tunenet bench paper`: the published tables, beside what this program and its rivals reach.
 
+mod direct;
+mod table2;
 mod table3;
 
 use anyhow::{Context, Result};
@@ -20,6 +22,13 @@ pub fn run(options: &BenchPaper) -> Result<Exit> {
     let mut all = Map::from_iter([("schema".into(), json!("tunenet.bench.paper/1"))]);
     for table in if options.only.is_empty() { &PaperTable::ALL[..] } else { &options.only } {
         match table {
+            PaperTable::Table2 => {
+                let results = table2::run(&store, seed, options.quick)?;
+                table2::write(&options.out, &results)?;
+                anstream::eprintln!("{}", table2::markdown(&results));
+                stage("wrote", &options.out.join("table2.md").display().to_string());
+                all.insert("table2".into(), table2::as_json(&results));
+            }
             PaperTable::Table3 => {
                 let results = table3::run(&store, seed, options.quick)?;
                 table3::write(&options.out, &results)?;
