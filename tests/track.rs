@@ -96,7 +96,7 @@ fn slow_motion_and_repeated_frames_are_noticed_and_mended() {
     let folder = with(&slow);
     let json = folder.run("track drop.avi --radius 0.04 --json").ends(0).json();
     assert!(codes(&json).contains(&"scale.disagrees"), "{json}");
-    let json = folder.run("track drop.avi --radius 0.04 --rate 240 --json").ends(0).json();
+    let json = folder.run("track drop.avi --radius 0.04 --camera-rate 240 --json").ends(0).json();
     assert!(!codes(&json).contains(&"scale.disagrees"), "{json}");
     assert!((json["fps"].as_f64().unwrap() - 240.0).abs() < 0.1);
     let twice = with(&Film { repeat: vec![20, 50], ..Film::default() });
@@ -156,6 +156,7 @@ fn flags_are_blamed_for_what_they_say() {
         ("--length 5", "0.5=240"),
         ("--radius=-1", "--radius"),
         ("--rate 0", "--rate"),
+        ("--camera-rate 0", "--camera-rate"),
         ("--frames 1", "at least 2"),
         ("--topic /camera", "--topic"),
         ("--out track.txt", "--out"),

@@ -3,25 +3,30 @@
 //! | module | what |
 //! |---|---|
 //! | [`simulation_file`] | the one file that describes a simulation |
+//! | [`arm`] | arms read from a URDF: kinematics, inverse dynamics, motions |
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
+//! | [`observed_arm`] | an arm that follows a motion, as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`filmed`] | drops in front of a camera that nobody knows |
 //! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
+pub mod arm;
 pub mod ball;
 pub mod built_in;
 pub mod drawn;
 pub mod filmed;
 pub mod filmed_ball;
 pub mod observed;
+pub mod observed_arm;
 pub mod observed_ball;
 pub mod simulation_file;
 
 pub use drawn::Drawn;
 pub use filmed_ball::FilmedBall;
 pub use observed::simulator;
+pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;
 pub use simulation_file::SimulationFile;

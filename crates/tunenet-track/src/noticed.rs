@@ -10,6 +10,34 @@ const LOST_FRAMES: usize = 3;
 /// The ball has left the view where it is last seen this many radii from the border, or nearer.
 const NEAR_BORDER: f64 = 2.5;
 
+/// A path this straight and this long, in radii, is none of a ball that flies ...
+const STRAIGHT: f64 = 0.15;
+const LONG: f64 = 4.0;
+/// ... nor one that rises and falls by less than this share of its length.
+const LEVEL: f64 = 0.6;
+
+/// That a ball goes along a line that is no plumb line, and so never flies.
+fn rolls(track: &Track) -> Option<Note> {
+    let places: Vec<(f64, f64)> = track.whole().map(|s| (s.u_px, s.v_px)).collect();
+    let n = places.len() as f64;
+    let (u, v) = (places.iter().map(|p| p.0).sum::<f64>() / n, places.iter().map(|p| p.1).sum::<f64>() / n);
+    let sum = |of: &dyn Fn(f64, f64) -> f64| places.iter().map(|p| of(p.0 - u, p.1 - v)).sum::<f64>();
+    let slope = sum(&|x, y| x * y) / sum(&|x, _| x * x);
+    let off = (sum(&|x, y| (y - slope * x).powi(2)) / n).sqrt();
+    let span = |of: &dyn Fn(&(f64, f64)) -> f64| {
+        let (low, high) =
+            places.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        high - low
+    };
+    let (across, down, radius) = (span(&|p| p.0), span(&|p| p.1), track.radius_px());
+    (across > LONG * radius && down < LEVEL * across && off < STRAIGHT * radius).then(|| {
+        let text = format!(
+            "the ball moves along a straight line, {across:.0} px across and {down:.0} px down: it rolls, and never leaves the ground"
+        );
+        Note::new("ball.rolls", text, "film a ball that falls and bounces; rolling does not show restitution")
+    })
+}
+
 /// Why there is no track.
 pub(crate) fn unseen(reason: Unseen, named: bool, found: &str) -> Note {
     let (text, remedy) = match (reason, named) {
@@ -20,6 +48,10 @@ pub(crate) fn unseen(reason: Unseen, named: bool, found: &str) -> Note {
         (Unseen::TwoBalls, _) => (
             format!("expected one ball, found two things alike {found}"),
             "leave one ball in view, or name its colour with `--color`",
+        ),
+        (Unseen::NotRound, _) => (
+            format!("expected a ball, found something that is not round: {found}"),
+            "name the ball's colour with `--color`, or leave nothing else in view that moves",
         ),
         (Unseen::NoBall, false) => (
             "expected a ball, found nothing round and coloured that moves".to_owned(),
@@ -33,14 +65,35 @@ pub(crate) fn unseen(reason: Unseen, named: bool, found: &str) -> Note {
     Note::new(reason.code(), text, remedy)
 }
 
-/// What was noticed of a track. `missing`: frames that decode, and frames that the file promises.
-pub(crate) fn of(track: &Track, clutter: bool, missing: Option<(usize, usize)>) -> Vec<Note> {
+/// Where a film ends before its end.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct CutOff {
+    /// Frames that decode.
+    pub frames: usize,
+    /// When the last of them was taken, s.
+    pub last_s: f64,
+    /// Frames that the file promises.
+    pub promised: Option<usize>,
+    /// Why the next one does not decode.
+    pub why: Option<String>,
+}
+
+impl CutOff {
+    fn note(&self) -> Note {
+        let Self { frames, last_s, promised, why } = self;
+        let promised = promised.map_or(String::new(), |n| format!(" of {n}"));
+        let why = why.as_ref().map_or(String::new(), |why| format!("; then: {why}"));
+        let text = format!("the film is cut off: {frames}{promised} frames decode, until {last_s:.3} s{why}");
+        Note::new("film.truncated", text, "what was read is used; copy the film again where its end matters")
+    }
+}
+
+/// What was noticed of a track, and of a film that ends before its end.
+pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<Note> {
     let mut notes = Vec::new();
     let frames = track.frames;
-    if let Some((found, promised)) = missing {
-        let text = format!("the film is cut off: {found} of {promised} frames decode");
-        notes.push(Note::new("film.truncated", text, "copy the film again; what decodes is used"));
-    }
+    notes.extend(missing.map(CutOff::note));
+    notes.extend(rolls(track));
     if !track.repeated.is_empty() {
         let numbers: Vec<String> = track.repeated.iter().take(4).map(ToString::to_string).collect();
         let more = if track.repeated.len() > 4 { ", …" } else { "" };

@@ -5,6 +5,7 @@
 //! exposure all blur that step and none of them moves its middle. A mask does not know this: it is too large by whatever
 //! its thresholds let in.
 
+use crate::track::median;
 use crate::view::View;
 
 /// So many rays for each px of the radius, within these bounds.
@@ -25,6 +26,9 @@ const STEP_PX: f64 = 0.5;
 /// An edge this far from the circle, as a share of the radius and in px, belongs to something else.
 const OFF: (f64, f64) = (0.06, 0.5);
 
+/// How often each part of an ellipse is taken out of its outline.
+const ROUNDS: usize = 3;
+
 /// Whether a colour at a point may be the ball's.
 pub(crate) type Own<'a> = dyn Fn([u8; 3], (f64, f64)) -> bool + 'a;
 
@@ -36,6 +40,8 @@ pub(crate) struct Circle {
     pub radius: f64,
     /// The share of all rays whose edges lie on it.
     pub share: f64,
+    /// The median distance of all edges from an ellipse about its middle, as a share of the radius.
+    pub off: f64,
     /// Whether rays leave the picture before they leave the ball.
     pub cut: bool,
 }
@@ -66,8 +72,8 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), smear
             Edge::Faint => {}
         }
     }
-    let mut kept = edges;
-    let mut found = circle(&kept)?;
+    let mut found = circle(&edges)?;
+    let mut kept = edges.clone();
     // A shadow, a reflection or a hand: the few worst edges go, and the circle is drawn again.
     for _ in 0..4 {
         let away = |p: &(f64, f64)| ((p.0 - found.0).hypot(p.1 - found.1) - found.2).abs();
@@ -83,7 +89,24 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), smear
     }
     let (u, v, radius) = found;
     let share = kept.len() as f64 / (rays - outside).max(1) as f64;
-    (radius.is_finite() && radius > 0.0).then_some(Circle { u, v, radius, share, cut: outside > 0 })
+    let off = off_ellipse(&edges, found)?;
+    (radius.is_finite() && radius > 0.0).then_some(Circle { u, v, radius, share, off, cut: outside > 0 })
+}
+
+/// The median distance of edges from an ellipse, as a share of the radius: blur makes a disc longer, but gives it no corners.
+fn off_ellipse(edges: &[(f64, f64)], (u, v, radius): (f64, f64, f64)) -> Option<f64> {
+    let mut polar: Vec<(f64, f64)> =
+        edges.iter().map(|p| ((p.1 - v).atan2(p.0 - u), (p.0 - u).hypot(p.1 - v) / radius - 1.0)).collect();
+    // About a circle, an ellipse is a wave that goes round twice; each part is taken out until nothing changes.
+    let parts: [fn(f64) -> f64; 5] = [|_| 1.0, f64::cos, f64::sin, |a| (2.0 * a).cos(), |a| (2.0 * a).sin()];
+    for part in parts.iter().cycle().take(ROUNDS * parts.len()) {
+        let (product, square) =
+            polar.iter().fold((0.0, 0.0), |(p, s), (a, r)| (p + r * part(*a), s + part(*a).powi(2)));
+        for (a, r) in &mut polar {
+            *r -= product / square * part(*a);
+        }
+    }
+    median(polar.iter().map(|(_, r)| r.abs()).collect()).filter(|off| off.is_finite())
 }
 
 enum Edge {

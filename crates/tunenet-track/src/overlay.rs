@@ -8,6 +8,7 @@ use opencv::imgproc::{INTER_AREA, LINE_AA, circle, line, resize};
 use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 use tunenet_core::{Error, Result};
 
+use crate::colour::{HUES, Window};
 use crate::source::Source;
 use crate::track::Track;
 use crate::tracker::Sighting;
@@ -56,9 +57,9 @@ pub fn overlay(
         if wanted.is_none() && film.is_none() {
             return Ok(Some(image));
         }
-        draw(&mut image, &track.sightings, index)?;
+        draw(&mut image, track, index)?;
         if let Some(sighting) = wanted {
-            drawn.push(picture(&image, sighting)?);
+            drawn.push(picture(&image, index, sighting.time_s)?);
         }
         if let Some(path) = film.filter(|_| refused.is_none()) {
             if writer.is_none() {
@@ -82,6 +83,23 @@ pub fn overlay(
     Ok(drawn)
 }
 
+/// At most `most` of the first `frames` frames as they are, evenly chosen, for films in which no ball is seen.
+///
+/// # Errors
+/// Of reading the film again.
+pub fn plain(source: &Source, frames: usize, most: usize) -> Result<Vec<Drawn>> {
+    let count = most.min(frames);
+    let wanted: Vec<usize> = (0..count).map(|i| i * (frames - 1) / (count - 1).max(1)).collect();
+    let mut pictures = Vec::new();
+    source.stream(frames, &mut |index, time_s, image, _| {
+        if wanted.contains(&index) {
+            pictures.push(picture(&image, index, time_s)?);
+        }
+        Ok(Some(image))
+    })?;
+    Ok(pictures)
+}
+
 fn chosen(sightings: &[Sighting], most: usize) -> Vec<Sighting> {
     let count = most.min(sightings.len());
     (0..count).map(|i| sightings[i * (sightings.len() - 1) / (count - 1).max(1)]).collect()
@@ -95,7 +113,7 @@ fn open(path: &Path, rate_hz: f64, size: Size) -> opencv::Result<Option<VideoWri
     Ok(writer.is_opened()?.then_some(writer))
 }
 
-fn picture(image: &Mat, sighting: &Sighting) -> opencv::Result<Drawn> {
+fn picture(image: &Mat, frame: usize, time_s: f64) -> opencv::Result<Drawn> {
     let longer = image.cols().max(image.rows());
     let mut small = Mat::default();
     if longer > SHEET_PX {
@@ -107,21 +125,36 @@ fn picture(image: &Mat, sighting: &Sighting) -> opencv::Result<Drawn> {
     let mut bytes = Vector::<u8>::new();
     imencode(".jpg", &small, &mut bytes, &Vector::from_slice(&[IMWRITE_JPEG_QUALITY, QUALITY]))?;
     let size_px = (small.cols(), small.rows());
-    Ok(Drawn { frame: sighting.frame, time_s: sighting.time_s, size_px, jpeg: bytes.as_slice().to_vec() })
+    Ok(Drawn { frame, time_s, size_px, jpeg: bytes.as_slice().to_vec() })
 }
 
-/// Draws the ball of one frame and where it came from: green where the whole ball is seen, orange where the border cuts it.
-fn draw(image: &mut Mat, sightings: &[Sighting], frame: usize) -> opencv::Result<()> {
+/// Draws the ball of one frame and where it came from, in a colour that is not the ball's: a thick circle where the whole
+/// ball is seen, a thin one where the border cuts it.
+fn draw(image: &mut Mat, track: &Track, frame: usize) -> opencv::Result<()> {
+    let sightings = &track.sightings;
+    let colour = opposite(&track.colour);
     let until = sightings.partition_point(|s| s.frame <= frame);
     let width = (image.cols().max(image.rows()) / 480).max(1);
     let trail = &sightings[until.saturating_sub(TRAIL)..until];
     for pair in trail.windows(2) {
-        line(image, place(&pair[0]), place(&pair[1]), Scalar::new(255.0, 220.0, 0.0, 0.0), width, LINE_AA, SHIFT)?;
+        line(image, place(&pair[0]), place(&pair[1]), colour, width, LINE_AA, SHIFT)?;
     }
     let Some(now) = trail.last().filter(|s| s.frame == frame) else { return Ok(()) };
-    let colour = if now.cut { Scalar::new(0.0, 140.0, 255.0, 0.0) } else { Scalar::new(60.0, 255.0, 60.0, 0.0) };
-    circle(image, place(now), fixed(now.radius_px).max(1), colour, width + 1, LINE_AA, SHIFT)?;
+    let thick = if now.cut { width } else { 2 * width + 1 };
+    circle(image, place(now), fixed(now.radius_px).max(1), colour, thick, LINE_AA, SHIFT)?;
     circle(image, place(now), fixed(f64::from(width)), colour, -1, LINE_AA, SHIFT)
+}
+
+/// The full colour farthest from the ball's, as blue, green, red. White, which has no hue, gets magenta.
+fn opposite(ball: &Window) -> Scalar {
+    let hueless = ball.half_width >= HUES / 2;
+    let sixths = f64::from(if hueless { 150 } else { (ball.hue + HUES / 2).rem_euclid(HUES) }) / 30.0;
+    // How much each channel has at this place of the circle: red is full at 0, green at 2, blue at 4 sixths.
+    let channel = |full: f64| {
+        let away = (sixths - full).rem_euclid(6.0);
+        255.0 * (2.0 - away.min(6.0 - away)).clamp(0.0, 1.0)
+    };
+    Scalar::new(channel(4.0), channel(2.0), channel(0.0), 0.0)
 }
 
 fn place(sighting: &Sighting) -> Point {
@@ -131,4 +164,19 @@ fn place(sighting: &Sighting) -> Point {
 #[expect(clippy::cast_possible_truncation, reason = "the cast saturates")]
 fn fixed(px: f64) -> i32 {
     (px * f64::from(1 << SHIFT)).round().clamp(-1e6, 1e6) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_drawing_is_of_the_opposite_colour() {
+        let drawn = |name: &str| opposite(&Window::parse(name).unwrap()).0;
+        assert_eq!(drawn("red"), [255.0, 255.0, 0.0, 0.0]);
+        assert_eq!(drawn("green"), [255.0, 0.0, 255.0, 0.0]);
+        assert_eq!(drawn("white"), [255.0, 0.0, 255.0, 0.0]);
+        let [blue, _, red, _] = drawn("blue");
+        assert!(blue == 0.0 && red == 255.0);
+    }
 }

@@ -1,17 +1,18 @@
 //! Films whose truth is known, rendered and tracked without a file in between.
 
-use opencv::core::{CV_8UC3, Mat, MatTraitManual, Vector};
+use std::path::Path;
+
+use opencv::core::{CV_8UC3, LogLevel, Mat, MatTraitManual, Scalar, Size, Vector, set_log_level};
 use opencv::imgcodecs::{IMREAD_COLOR, IMWRITE_JPEG_QUALITY, imdecode, imencode};
+use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 use serde::{Deserialize, Serialize};
 use tunenet_core::camera::Pinhole;
 
 use crate::render::{Look, Renderer};
-use crate::scout::{Unseen, reduced, scout};
+use crate::samples::Samples;
+use crate::scout::{Scene, Unseen, scout};
 use crate::tracker::{Sighting, Tracker};
 use crate::view::View;
-
-/// Frames of each film that are scouted.
-const SCOUTED: usize = 60;
 
 /// One film.
 #[derive(Debug, Clone, Deserialize)]
@@ -63,7 +64,7 @@ pub fn pictures(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> openc
         } else {
             renderer.frame([0.0, 0.0, z])
         };
-        let mut mat = Mat::new_rows_cols_with_default(rows, columns, CV_8UC3, opencv::core::Scalar::all(0.0))?;
+        let mut mat = Mat::new_rows_cols_with_default(rows, columns, CV_8UC3, Scalar::all(0.0))?;
         mat.data_bytes_mut()?.copy_from_slice(bytes);
         match spoilt.jpeg_quality {
             None => Ok(mat),
@@ -79,20 +80,63 @@ fn through_jpeg(picture: &Mat, quality: i32) -> opencv::Result<Mat> {
     imdecode(&bytes, IMREAD_COLOR)
 }
 
+/// What to look for in pictures, found as in a film.
+///
+/// # Errors
+/// Where OpenCV fails.
+pub fn scene(pictures: &[Mat]) -> opencv::Result<Result<Scene, Unseen>> {
+    let mut samples = Samples::default();
+    for (i, picture) in pictures.iter().enumerate() {
+        samples.push(i, picture, Some(pictures.len()))?;
+    }
+    scout(samples.telling(), None)
+}
+
 /// Tracks pictures as a film's are: the ball's colour found by itself, then frame after frame. `None` for a frame that
 /// does not show it.
 ///
 /// # Errors
 /// Where OpenCV fails.
 pub fn tracked(pictures: &[Mat]) -> opencv::Result<Result<Vec<Option<Sighting>>, Unseen>> {
-    let every = pictures.len().div_ceil(SCOUTED).max(1);
-    let small = pictures.iter().step_by(every).map(reduced).collect::<opencv::Result<Vec<_>>>()?;
-    let scene = match scout(&small, None)? {
+    let scene = match scene(pictures)? {
         Ok(scene) => scene,
         Err(reason) => return Ok(Err(reason)),
     };
     let mut tracker = Tracker::new(scene);
     pictures.iter().map(|p| tracker.look(&View::of(p)?)).collect::<opencv::Result<_>>().map(Ok)
+}
+
+/// Writes a take as a film at `rate_hz`, with noise of this standard deviation on every channel: H.264 as phones write it
+/// where OpenCV has a coder for it, else MPEG-4.
+///
+/// # Errors
+/// Where OpenCV fails, or writes no such film.
+pub fn write(path: &Path, take: &Take, radius_m: f64, noise: f64, rate_hz: f64) -> opencv::Result<()> {
+    let look = Look { noise, ..Look::default() };
+    let mut renderer = Renderer::new(take.camera.clone(), radius_m, look, 1);
+    let (width, height) = take.camera.size_px();
+    let size = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
+    let name = path.to_str().ok_or_else(|| opencv::Error::new(opencv::core::StsBadArg, "a name that is not UTF-8"))?;
+    let open = |codec: [char; 4]| {
+        let [a, b, c, d] = codec;
+        let code = VideoWriter::fourcc(a, b, c, d)?;
+        VideoWriter::new(name, code, rate_hz, Size::new(size(width), size(height)), true)
+    };
+    set_log_level(LogLevel::LOG_LEVEL_SILENT)?;
+    let mut writer = open(['a', 'v', 'c', '1'])?;
+    if !writer.is_opened()? {
+        writer = open(['m', 'p', '4', 'v'])?;
+    }
+    if !writer.is_opened()? {
+        return Err(opencv::Error::new(opencv::core::StsError, "OpenCV writes neither H.264 nor MPEG-4"));
+    }
+    for z in &take.heights_m {
+        let frame = renderer.frame([0.0, 0.0, *z]);
+        let mut mat = Mat::new_rows_cols_with_default(size(height), size(width), CV_8UC3, Scalar::all(0.0))?;
+        mat.data_bytes_mut()?.copy_from_slice(frame);
+        writer.write(&mat)?;
+    }
+    writer.release()
 }
 
 /// Renders and tracks a take. `Err` inside where no ball was found.
@@ -155,6 +199,40 @@ mod tests {
         let fall = |i: u32| 0.5 + 3.5 * (1.0 - f64::from(i) / 70.0).max(0.0) * (f64::from(i) / 20.0).cos().abs();
         let take = Take { heights_m: (0..400).map(fall).collect(), ..take() };
         assert_eq!(rehearse(&take, 0.5, &Spoilt::default(), 3).unwrap().unwrap().missed, 0);
+    }
+
+    /// Small and large balls of every colour, dark and bright, under noise, that fall at once or lie still before or after.
+    #[test]
+    fn balls_of_all_kinds_are_found() {
+        let camera = Pinhole::aimed([6.0, 3.0, 6.0], [0.0, 0.0, 2.0], std::f64::consts::FRAC_PI_3, (320, 240)).unwrap();
+        let colours = [[30.0, 30.0, 220.0], [40.0, 200.0, 60.0], [210.0, 90.0, 30.0], [20.0, 150.0, 230.0]];
+        for (i, (radius, lies)) in
+            [(0.13, 0), (0.13, 160), (0.5, -160), (0.5, 240), (1.0, 0), (1.0, 160)].into_iter().enumerate()
+        {
+            for (brightness, noise) in [(0.4, 3.0), (1.0, 12.0), (1.2, 0.0)] {
+                let look = Look {
+                    ball_bgr: colours[(i + usize::from(noise > 5.0)) % 4],
+                    brightness,
+                    noise,
+                    ..Look::default()
+                };
+                let mut renderer = Renderer::new(camera.clone(), radius, look, 5);
+                let mut seen = Vec::new();
+                let fall = |k: i32| radius + 3.0 * (1.0 - f64::from(k) / 80.0) * (f64::from(k) / 12.0).cos().abs();
+                let heights =
+                    (lies.min(0)..80 + lies.max(0)).map(|k| if (0..80).contains(&k) { fall(k) } else { radius });
+                for z in heights {
+                    let bytes = renderer.frame([0.0, 0.0, z]);
+                    let mut mat = Mat::new_rows_cols_with_default(240, 320, CV_8UC3, Scalar::all(0.0)).unwrap();
+                    mat.data_bytes_mut().unwrap().copy_from_slice(bytes);
+                    seen.push(mat);
+                }
+                let found =
+                    tracked(&seen).unwrap().unwrap_or_else(|r| panic!("{radius} {lies} {brightness} {noise}: {r:?}"));
+                let missed = found.iter().filter(|s| s.is_none()).count();
+                assert!(missed == 0, "{radius} {lies} {brightness} {noise}: {missed} missed");
+            }
+        }
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! From pixels to metres: by the ball's radius, by a length in the picture, or by how fast the ball falls.
 
 use serde::Serialize;
+use tunenet_core::camera::LineCamera;
 use tunenet_core::observation::preflight::{Expected, Preflight, examine};
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::{Error, Result};
 
 use crate::parabola::Parabola;
+use crate::perspective;
 use crate::track::{Track, median};
 
 /// Gravity is first read off windows of so many seconds, and at least so many frames.
@@ -20,6 +22,8 @@ const ODD: (f64, f64) = (0.1, 4.0);
 const FLIGHT_SAMPLES: usize = 5;
 /// What lies this near a contact, in frames, is of neither flight.
 const CONTACT_FRAMES: f64 = 0.75;
+/// Contacts are found again in heights read back by a camera, and the camera by them.
+const CAMERA_ROUNDS: usize = 3;
 
 /// What is known of lengths in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +72,9 @@ pub struct Metric {
     pub metres_per_px: f64,
     /// Where that comes from.
     pub by: By,
+    /// The camera by which heights were read back, where it does not look from the side; its height 0 is the ball's at
+    /// contact.
+    pub camera: Option<LineCamera>,
     /// x to the right, y = 0, z upwards from the surface (from the lowest point seen where there is no bounce), m.
     pub observation: Observation,
     /// What core's checks say of it.
@@ -108,9 +115,11 @@ impl Metric {
         if let (Some(a), Some(b)) = (by_gravity, by_radius.or((by != By::Gravity).then_some(metres_per_px))) {
             notes.extend(disagreement(a, b));
         }
-        let (observation, preflight) = placed(track, metres_per_px, radius_m, expected)?;
+        let eye = Eye { metres_per_px, camera: None };
+        let eye = if by == By::Gravity { eye.turned(track, gravity) } else { eye };
+        let (observation, preflight) = placed(track, &eye, radius_m, expected)?;
         notes.extend(odd_flights(&observation, &preflight));
-        Ok(Some(Self { metres_per_px, by, observation, preflight, notes }))
+        Ok(Some(Self { metres_per_px: eye.metres_per_px, by, camera: eye.camera, observation, preflight, notes }))
     }
 }
 
@@ -128,7 +137,7 @@ fn disagreement(by_gravity: f64, by_length: f64) -> Option<Note> {
         Note::new(
             "scale.disagrees",
             text,
-            "correct `ball.radius_m` or `--length`, or give the camera's true rate with `--rate` (slow motion)",
+            "correct `ball.radius_m` or `--length`, or give the camera's true rate with `--camera-rate` (slow motion)",
         )
     })
 }
@@ -154,7 +163,7 @@ fn by_gravity(track: &Track, gravity: f64) -> Option<f64> {
     // Whole flights say it better than windows do.
     for _ in 0..2 {
         let expected = Expected { gravity_m_s2: gravity, ..Expected::default() };
-        let seen = positions(track, scale, 0.0).ok()?;
+        let seen = positions(track, &Eye { metres_per_px: scale, camera: None }, 0.0).ok()?;
         let Some(found) = examine(&seen, &expected).gravity else { break };
         let better = scale * gravity / found.value_m_s2;
         if !(0.3..3.0).contains(&(better / scale)) {
@@ -165,21 +174,67 @@ fn by_gravity(track: &Track, gravity: f64) -> Option<f64> {
     (scale.is_finite() && scale > 0.0).then_some(scale)
 }
 
-fn positions(track: &Track, scale: f64, lift_m: f64) -> Result<Observation> {
-    let (times, places): (Vec<f64>, Vec<[f64; 3]>) =
-        track.whole().map(|s| (s.time_s, [scale * s.u_px, 0.0, lift_m - scale * s.v_px])).unzip();
+/// How pixels are read back.
+#[derive(Debug, Clone, Copy)]
+struct Eye {
+    metres_per_px: f64,
+    /// Where one scale does not do for all heights.
+    camera: Option<LineCamera>,
+}
+
+impl Eye {
+    /// With the camera that the hops between contacts show.
+    fn turned(self, track: &Track, gravity_m_s2: f64) -> Self {
+        let (clock, v_px): (Vec<f64>, Vec<f64>) = track.whole().map(|s| (s.time_s, s.v_px)).unzip();
+        let expected = Expected { gravity_m_s2, ..Expected::default() };
+        let mut eye = self;
+        for _ in 0..CAMERA_ROUNDS {
+            let seen = positions(track, &eye, 0.0).ok();
+            let Some(arcs) = seen.and_then(|seen| examine(&seen, &expected).arcs) else { break };
+            let contacts: Vec<f64> = arcs.contacts.iter().map(|c| c.time_s).collect();
+            let Some(camera) = perspective::of_hops(&clock, &v_px, &contacts, gravity_m_s2) else { break };
+            // All heights have to lie before it, those of the first fall too.
+            let heights: Vec<f64> = v_px.iter().map(|v| camera.height(*v)).collect();
+            if !heights.iter().all(|z| z.is_finite() && camera.depth(*z) > 0.0) {
+                break;
+            }
+            let (low, high) =
+                heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
+            let px = (camera.project(high) - camera.project(low)).abs();
+            eye = Self { metres_per_px: (high - low) / px.max(f64::MIN_POSITIVE), camera: Some(camera) };
+        }
+        eye
+    }
+
+    /// To the right and upwards, m. A camera shows widths as much smaller as they are farther away.
+    fn place(&self, track: &Track, u_px: f64, v_px: f64) -> (f64, f64) {
+        let Some(camera) = &self.camera else { return (self.metres_per_px * u_px, -self.metres_per_px * v_px) };
+        let (z, middle) = (camera.height(v_px), 0.5 * (track.size_px.0 as f64 - 1.0));
+        let beside = self.metres_per_px * (u_px - middle) * camera.depth(z) / camera.depth(0.0);
+        (beside + self.metres_per_px * middle, z)
+    }
+}
+
+fn positions(track: &Track, eye: &Eye, lift_m: f64) -> Result<Observation> {
+    let (times, places): (Vec<f64>, Vec<[f64; 3]>) = track
+        .whole()
+        .map(|s| {
+            let (x, z) = eye.place(track, s.u_px, s.v_px);
+            (s.time_s, [x, 0.0, lift_m + z])
+        })
+        .unzip();
     Observation::positions(times, &places)
 }
 
 /// Positions with the surface at z = 0.
-fn placed(track: &Track, scale: f64, radius_m: f64, expected: &Expected) -> Result<(Observation, Preflight)> {
-    let raw = positions(track, scale, 0.0)?;
+fn placed(track: &Track, eye: &Eye, radius_m: f64, expected: &Expected) -> Result<(Observation, Preflight)> {
+    let raw = positions(track, eye, 0.0)?;
     let free = Expected { radius_m: None, surface_height_m: None, release_height_m: None, ..*expected };
     let contacts = examine(&raw, &free).arcs.map(|arcs| arcs.contacts).unwrap_or_default();
     let lowest = raw.column(2).fold(f64::INFINITY, f64::min);
     let level = median(contacts.iter().map(|c| c.height_m).collect()).unwrap_or(lowest);
     let place = expected.surface_height_m.unwrap_or(0.0) + radius_m - level;
-    let seen = positions(track, scale, place)?;
+    let seen = positions(track, eye, place)?;
     let preflight = examine(&seen, &Expected { radius_m: Some(radius_m), ..*expected });
     Ok((seen, preflight))
 }

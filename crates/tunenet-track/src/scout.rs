@@ -1,7 +1,7 @@
 //! Finding out what to look for: the one saturated thing that moves before a still background.
 
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Size};
-use opencv::imgproc::{COLOR_BGR2HSV, INTER_LINEAR, cvt_color_def, resize};
+use opencv::imgproc::{COLOR_BGR2HSV, blur_def, cvt_color_def};
 use rayon::prelude::*;
 
 use super::blob::{Blob, blobs};
@@ -9,16 +9,10 @@ use super::colour::{HUES, Window};
 use super::lookup::Lookup;
 use super::stillness::moves;
 
-/// The longer side of the small pictures that are scouted, px.
-const SMALL_PX: i32 = 400;
 /// Frames that make the background: the median of so many forgets whatever passes.
 const BACKGROUND_FRAMES: usize = 31;
 /// How far a pixel has to differ from the background, in grey levels of any channel, to belong to something that moves.
 pub(crate) const MOVED: u8 = 20;
-/// Frames that differ in less than this share of their pixels show the same.
-const UNCHANGED_SHARE: f64 = 3e-4;
-/// Fewest frames that show something new.
-const FEWEST_CHANGING: usize = 8;
 /// ... and while the colour is still unknown.
 const MOVED_CLEARLY: u8 = 30;
 /// Saturation and value from which a hue means something.
@@ -54,6 +48,8 @@ pub enum Unseen {
     NoBall,
     /// Two things look alike.
     TwoBalls,
+    /// What moves has no round outline.
+    NotRound,
     /// Most of the picture moves.
     CameraMoves,
 }
@@ -65,6 +61,7 @@ impl Unseen {
         match self {
             Self::NoBall => "no_ball",
             Self::TwoBalls => "two_balls",
+            Self::NotRound => "not_round",
             Self::CameraMoves => "camera_moves",
         }
     }
@@ -75,21 +72,10 @@ impl Unseen {
         match self {
             Self::NoBall => "ball.none",
             Self::TwoBalls => "ball.two",
+            Self::NotRound => "ball.shape",
             Self::CameraMoves => "camera.moves",
         }
     }
-}
-
-/// Reduces `frame` so that its longer side has at most [`SMALL_PX`].
-pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
-    let longer = frame.cols().max(frame.rows());
-    if longer <= SMALL_PX {
-        return frame.try_clone();
-    }
-    let factor = f64::from(SMALL_PX) / f64::from(longer);
-    let mut small = Mat::default();
-    resize(frame, &mut small, Size::default(), factor, factor, INTER_LINEAR)?;
-    Ok(small)
 }
 
 /// Scouts `frames`, small pictures of the whole film in blue, green and red, for the ball, of colour `window` where that is
@@ -98,17 +84,18 @@ pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
 /// # Errors
 /// Where OpenCV fails.
 pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
-    let changing = changing(frames)?;
-    let frames = changing.as_slice();
+    // What moves is told in pictures with less noise; colours are the ball's own.
+    let smooth: Vec<Mat> = frames.par_iter().map(smoothed).collect::<opencv::Result<_>>()?;
     let background = median(frames)?;
-    let still = background.data_bytes()?;
+    let behind = median(&smooth)?;
+    let still = behind.data_bytes()?;
     let hsv: Vec<Mat> = frames.par_iter().map(to_hsv).collect::<opencv::Result<_>>()?;
     let moved: Vec<Vec<u8>> =
-        frames.par_iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
+        smooth.par_iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
     let mut shares: Vec<f64> =
         moved.iter().map(|m| m.iter().filter(|d| **d > MOVED_CLEARLY).count() as f64 / m.len() as f64).collect();
     shares.sort_unstable_by(f64::total_cmp);
-    if shares[shares.len() / 2] > STILL_SHARE || moves(frames)? {
+    if shares[shares.len() / 2] > STILL_SHARE || moves(&smooth)? {
         return Ok(Err(Unseen::CameraMoves));
     }
     let candidates = match window {
@@ -117,11 +104,15 @@ pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Sc
     };
     let mut best: Option<(f64, Window, f64, f64)> = None;
     for window in candidates {
-        let seen = sightings(frames, &moved, &window)?;
-        let Some((merit, area)) = merit(&seen, frames.len()) else { continue };
-        if best.as_ref().is_none_or(|b| merit > b.0) {
-            let share = seen.iter().flatten().count() as f64 / frames.len() as f64;
-            best = Some((merit, window, area, share));
+        // A ball that lies long in one place is background there, and its colour alone still tells it; where the background
+        // holds the colour, only motion does.
+        for moved in [None, Some(&moved)] {
+            let seen = sightings(frames, moved, &window)?;
+            let Some((merit, area)) = merit(&seen, frames.len()) else { continue };
+            if best.as_ref().is_none_or(|b| merit > b.0) {
+                let share = seen.iter().flatten().count() as f64 / frames.len() as f64;
+                best = Some((merit, window, area, share));
+            }
         }
     }
     let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
@@ -131,23 +122,10 @@ pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Sc
     Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
 }
 
-/// Those of `frames` in which something moved since the last of them; all where that leaves few. A ball that lies still for
-/// most of a film would else be taken for background.
-fn changing(frames: &[Mat]) -> opencv::Result<Vec<Mat>> {
-    let mut kept: Vec<&Mat> = Vec::with_capacity(frames.len());
-    for frame in frames {
-        let moved = match kept.last() {
-            None => true,
-            Some(last) => {
-                let change = difference(frame.data_bytes()?, last.data_bytes()?);
-                change.iter().filter(|d| **d > MOVED).count() as f64 > UNCHANGED_SHARE * change.len() as f64
-            }
-        };
-        if moved {
-            kept.push(frame);
-        }
-    }
-    Ok(if kept.len() < FEWEST_CHANGING { frames.to_vec() } else { kept.into_iter().cloned().collect() })
+fn smoothed(frame: &Mat) -> opencv::Result<Mat> {
+    let mut smooth = Mat::default();
+    blur_def(frame, &mut smooth, Size::new(3, 3))?;
+    Ok(smooth)
 }
 
 /// The median of each pixel over at most [`BACKGROUND_FRAMES`] frames.
@@ -214,16 +192,18 @@ fn colours(hsv: &[Mat], moved: &[Vec<u8>]) -> opencv::Result<Vec<Window>> {
     Ok(found)
 }
 
-/// The largest moving blob of this colour in each frame.
-fn sightings(frames: &[Mat], moved: &[Vec<u8>], window: &Window) -> opencv::Result<Vec<Option<Blob>>> {
+/// The largest blob of this colour in each frame, of what moved where that is given.
+fn sightings(frames: &[Mat], moved: Option<&Vec<Vec<u8>>>, window: &Window) -> opencv::Result<Vec<Option<Blob>>> {
     let lookup = Lookup::new(window);
-    let largest = |(frame, moved): (&Mat, &Vec<u8>)| {
-        let pixels = frame.data_bytes()?.chunks_exact(3);
-        let mask: Vec<bool> =
-            pixels.zip(moved).map(|(p, moved)| *moved > MOVED && lookup.holds([p[0], p[1], p[2]])).collect();
+    let largest = |(i, frame): (usize, &Mat)| {
+        let mut mask: Vec<bool> =
+            frame.data_bytes()?.chunks_exact(3).map(|p| lookup.holds([p[0], p[1], p[2]])).collect();
+        if let Some(moved) = moved {
+            mask.iter_mut().zip(&moved[i]).for_each(|(own, moved)| *own &= *moved > MOVED);
+        }
         Ok(blobs(&mask, usize::try_from(frame.cols()).unwrap_or(1)).into_iter().next())
     };
-    frames.par_iter().zip(moved).map(largest).collect()
+    frames.par_iter().enumerate().map(largest).collect()
 }
 
 /// How much these blobs look like one ball on its way, and their median area. A hand or a shadow is ragged or stays where

@@ -6,6 +6,7 @@ use std::sync::mpsc::{channel, sync_channel};
 use opencv::core::{Mat, MatTraitConst};
 use tunenet_core::{Error, Result};
 
+use crate::folder::Folder;
 use crate::frames::{Film, Pictures};
 use crate::log::Log;
 use crate::video::undecodable;
@@ -14,20 +15,23 @@ use crate::video::undecodable;
 const AHEAD: usize = 4;
 
 /// How far a stream of pictures went.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Streamed {
     /// Pictures that were decoded.
     pub count: usize,
     /// How many the file promises, where it says so.
     pub promised: Option<usize>,
+    /// Why the next one could not be decoded, where that is the end of it.
+    pub broken: Option<String>,
 }
 
-/// A film, or a topic of a log.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A film, a folder of pictures, or a topic of a log.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Source {
     path: PathBuf,
     topic: Option<String>,
     log: bool,
+    rate_hz: Option<f64>,
 }
 
 impl Source {
@@ -35,7 +39,13 @@ impl Source {
     #[must_use]
     pub fn new(path: &Path, topic: Option<&str>) -> Self {
         let log = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
-        Self { path: path.into(), topic: topic.map(Into::into), log }
+        Self { path: path.into(), topic: topic.map(Into::into), log, rate_hz: None }
+    }
+
+    /// Says how many pictures of a folder were taken each second; films and logs know it themselves.
+    #[must_use]
+    pub fn at_rate(self, rate_hz: Option<f64>) -> Self {
+        Self { rate_hz, ..self }
     }
 
     /// The file.
@@ -47,7 +57,7 @@ impl Source {
     /// Opens it at its start.
     ///
     /// # Errors
-    /// As [`Film::open`]; for a log, where it holds no pictures or several topics of them and none is named.
+    /// As [`Film::open`]; for a folder, where it holds no pictures or their rate is not known; for a log, where it holds no pictures or several topics of them and none is named.
     pub fn open(&self) -> Result<Box<dyn Pictures>> {
         if self.log {
             return Ok(Box::new(Log::open(&self.path, self.topic.as_deref())?));
@@ -56,14 +66,18 @@ impl Source {
             let (expected, found) = ("a log in MCAP form".into(), format!("`{topic}` of a film"));
             return Err(Error::Setting { name: "--topic", expected, found });
         }
+        if self.path.is_dir() {
+            return Ok(Box::new(Folder::open(&self.path, self.rate_hz)?));
+        }
         Ok(Box::new(Film::open(&self.path)?))
     }
 
     /// Calls `each` with every picture, at most `most` of them: its number from 0, when it was taken (s), and how many the
-    /// file promises. A picture that is given back is used again. Ends early where `each` returns an error.
+    /// file promises. A picture that is given back is used again. Ends early where `each` returns an error, and where a
+    /// picture after the first cannot be decoded: what came before it is as good as ever.
     ///
     /// # Errors
-    /// Of opening, of decoding, and of `each`.
+    /// Of opening, of decoding the first picture, and of `each`.
     pub fn stream(
         &self,
         most: usize,
@@ -89,10 +103,17 @@ impl Source {
                     }
                 }
             });
-            let (mut count, mut first) = (0, None);
+            let (mut count, mut first, mut broken) = (0, None, None);
             // The channel has to be let go before the thread is waited for.
             for picture in take.iter().take(most) {
-                let (time_s, image) = picture?;
+                let (time_s, image) = match picture {
+                    Ok(picture) => picture,
+                    Err(error) if count == 0 => return Err(error),
+                    Err(error) => {
+                        broken = Some(error.to_string());
+                        break;
+                    }
+                };
                 let size = (image.cols(), image.rows());
                 let (columns, rows) = *first.get_or_insert(size);
                 if size != (columns, rows) {
@@ -109,7 +130,7 @@ impl Source {
                 count += 1;
             }
             drop(take);
-            Ok(Streamed { count, promised })
+            Ok(Streamed { count, promised, broken })
         })
     }
 }

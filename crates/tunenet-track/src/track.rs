@@ -7,18 +7,19 @@ use tunenet_core::{Error, Result};
 use crate::changes::Changes;
 use crate::clock;
 use crate::colour::{HUES, Window};
-use crate::noticed;
-use crate::scout::{Scene, Unseen, reduced, scout};
+use crate::noticed::{self, CutOff};
+use crate::samples::{Samples, reduced};
+use crate::scout::{Scene, Unseen, scout};
 use crate::source::Source;
 use crate::stillness::moves;
 use crate::tracker::{Sighting, Tracker};
 use crate::video::{FEWEST_FRAMES, undecodable};
 use crate::view::View;
 
-/// Small pictures that are kept for scouting, evenly over the film.
-const MOST_SCOUTED: usize = 48;
 /// Whole frames up to this many bytes wait until it is known what to look for, so that a film is decoded only once.
 const WAITING_BYTES: usize = 256 << 20;
+/// Small pictures of the first frames that are scouted.
+const EARLY: usize = 24;
 /// What the first frames show is looked at when these shares of the bytes have come ...
 const LOOKS: [f64; 3] = [0.25, 0.5, 1.0];
 /// ... and believed, before the rest is known, where the ball is seen in this share of them.
@@ -28,6 +29,11 @@ const BELIEVED_SHARE: f64 = 0.4;
 const SURE: (f64, f64) = (0.8, 0.8);
 /// A sighting this many times larger or smaller than usual is something else.
 const OFF_SIZE: f64 = 1.8;
+/// From this radius on an outline tells shapes apart, px.
+const SHAPE_RADIUS_PX: f64 = 8.0;
+/// An edge that lies farther off its ellipse, as a share of the radius and in px, is that of something else: a square's lies
+/// 0.08 off.
+const NOT_ROUND: (f64, f64) = (0.05, 0.25);
 /// What is left of a ball at the border of the picture is one from this share of its usual radius on.
 const LEAST_CUT: f64 = 0.3;
 /// A ball is seen twice from this share of the looks on.
@@ -91,31 +97,39 @@ pub enum Answer {
 pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usize, Option<usize>)) -> Result<Answer> {
     if let Some(rate) = settings.rate_hz.filter(|r| !(r.is_finite() && (1e-3..=1e6).contains(r))) {
         let (expected, found) = ("frames per second from 0.001 to 1000000".into(), rate.to_string());
-        return Err(Error::Setting { name: "--rate", expected, found });
+        return Err(Error::Setting { name: "--camera-rate", expected, found });
     }
     let most = settings.most_frames.unwrap_or(usize::MAX);
     let mut first =
         First { settings, waiting: Vec::new(), bytes: 0, looks: 0, samples: Samples::default(), pass: None };
+    let mut last_s = 0.0;
     let frames = source.stream(most, &mut |index, time_s, image, promised| {
+        last_s = time_s;
         let promised = promised.map(|p| p.min(most));
         progress(index + 1, promised);
         first.take(index, time_s, image, promised)
     })?;
     let First { waiting, samples, mut pass, .. } = first;
     if frames.count < FEWEST_FRAMES {
-        let found = format!("expected a video, found {} frames that decode", frames.count);
-        return Err(Error::file(source.path(), found, "record a longer one"));
+        let why = frames.broken.map_or(String::new(), |why| format!(" ({why})"));
+        let found = format!("expected a video, found {} frames that decode{why}", frames.count);
+        return Err(Error::file(source.path(), found, "record a longer one, or copy it again"));
     }
     let broken = |e: opencv::Error| undecodable(source.path(), &e);
-    let cut_short = settings.most_frames.is_none() && frames.promised.is_some_and(|p| p > frames.count + 1 + p / 50);
-    let missing = frames.promised.filter(|_| cut_short).map(|p| (frames.count, p));
+    let fewer = settings.most_frames.is_none() && frames.promised.is_some_and(|p| p > frames.count + 1 + p / 50);
+    let cut_off = (fewer || frames.broken.is_some()).then(|| CutOff {
+        frames: frames.count,
+        last_s,
+        promised: frames.promised,
+        why: frames.broken.clone(),
+    });
     if let Some(pass) = pass.take_if(|pass| pass.sure()) {
-        if moves(&samples.kept).map_err(broken)? {
+        if moves(samples.telling()).map_err(broken)? {
             return Ok(unseen(Unseen::CameraMoves, frames.count, settings, ""));
         }
-        return Ok(pass.finish(settings, missing));
+        return Ok(pass.finish(settings, cut_off.as_ref()));
     }
-    let scene = match scout(&samples.kept, settings.colour).map_err(broken)? {
+    let scene = match scout(samples.telling(), settings.colour).map_err(broken)? {
         Ok(scene) => scene,
         Err(reason) => return Ok(unseen(reason, frames.count, settings, "")),
     };
@@ -136,39 +150,11 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
             pass
         }
     };
-    Ok(pass.finish(settings, missing))
+    Ok(pass.finish(settings, cut_off.as_ref()))
 }
 
 fn unseen(reason: Unseen, frames: usize, settings: &Settings, found: &str) -> Answer {
     Answer::Unseen { reason, frames, note: noticed::unseen(reason, settings.colour.is_some(), found) }
-}
-
-/// Small pictures, evenly over the film, however long it is.
-#[derive(Default)]
-struct Samples {
-    kept: Vec<Mat>,
-    stride: usize,
-}
-
-impl Samples {
-    fn push(&mut self, index: usize, image: &Mat, promised: Option<usize>) -> opencv::Result<()> {
-        if self.stride == 0 {
-            self.stride = promised.unwrap_or(1).div_ceil(MOST_SCOUTED).max(1);
-        }
-        if !index.is_multiple_of(self.stride) {
-            return Ok(());
-        }
-        self.kept.push(reduced(image)?);
-        if self.kept.len() > MOST_SCOUTED {
-            let mut place = 0;
-            self.kept.retain(|_| {
-                place += 1;
-                place % 2 == 1
-            });
-            self.stride *= 2;
-        }
-        Ok(())
-    }
 }
 
 /// The first time through a film: frames wait until it is known what to look for.
@@ -197,7 +183,7 @@ impl First<'_> {
         self.waiting.push((time_s, image));
         if self.bytes as f64 > LOOKS[self.looks] * WAITING_BYTES as f64 {
             self.looks += 1;
-            let every = self.waiting.len().div_ceil(MOST_SCOUTED / 2);
+            let every = self.waiting.len().div_ceil(EARLY);
             let early: Vec<Mat> =
                 self.waiting.iter().step_by(every).map(|(_, image)| reduced(image)).collect::<opencv::Result<_>>()?;
             if let Ok(scene) = scout(&early, self.settings.colour)?
@@ -258,8 +244,7 @@ impl Pass {
         Ok(())
     }
 
-    /// `missing`: how many frames decode of how many that the file promises, where it was cut off.
-    fn finish(self, settings: &Settings, missing: Option<(usize, usize)>) -> Answer {
+    fn finish(self, settings: &Settings, cut_off: Option<&CutOff>) -> Answer {
         let Self { tracker, mut sightings, mut times_s, changes, size_px } = self;
         let frames = times_s.len();
         clock::even_out(&mut times_s);
@@ -280,6 +265,14 @@ impl Pass {
         let step_s = step_s * slower;
         let dropped = clock::dropped(&times_s, step_s);
         let radius = median(sightings.iter().filter(|s| !s.cut).map(|s| s.radius_px).collect()).unwrap_or(1.0);
+        // Blur, shadows and what stands behind spoil the outlines of most balls somewhere, but not everywhere.
+        if let Some(off) = best_quarter(sightings.iter().filter(|s| !s.cut).filter_map(|s| s.off).collect())
+            && radius >= SHAPE_RADIUS_PX
+            && off > NOT_ROUND.0 + NOT_ROUND.1 / radius
+        {
+            let found = format!("its edge lies {:.0} % of its radius off an ellipse", 100.0 * off);
+            return unseen(Unseen::NotRound, frames, settings, &found);
+        }
         for s in sightings.iter_mut().filter(|s| !s.cut) {
             s.confidence *= (-((s.radius_px / radius).ln() / OFF_SIZE.ln()).powi(2)).exp();
         }
@@ -301,7 +294,7 @@ impl Pass {
             dropped,
             notes: Vec::new(),
         };
-        track.notes = noticed::of(&track, tracker.scene().clutter, missing);
+        track.notes = noticed::of(&track, tracker.scene().clutter, cut_off);
         Answer::Tracked(Box::new(track))
     }
 }
@@ -327,6 +320,11 @@ impl Track {
         let values = self.whole().flat_map(|s| [s.u_px, s.v_px]).collect();
         Observation::new(Kind::Pixels, vec![Channel::new("u", "px"), Channel::new("v", "px")], clock, values)
     }
+}
+
+fn best_quarter(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 4).copied()
 }
 
 pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {

@@ -39,6 +39,8 @@ pub struct Sighting {
     pub confidence: f64,
     /// Whether something else in the frame looks alike; `None` where nobody looked.
     pub(crate) second: Option<bool>,
+    /// How far its edge lies off the circle, as a share of the radius; `None` where it has no outline.
+    pub(crate) off: Option<f64>,
 }
 
 /// Follows one ball.
@@ -207,6 +209,7 @@ impl Tracker {
             cut,
             confidence,
             second: None,
+            off: None,
         };
         let background = if self.scene.clutter { View::of(&self.scene.background).ok() } else { None };
         let own = |colour: [u8; 3], (u, v): (f64, f64)| {
@@ -224,7 +227,8 @@ impl Tracker {
         match near {
             Some(c) => {
                 let cut = c.cut || outer;
-                seen(c.u, c.v, c.radius, cut, if cut { 0.5 * c.share } else { c.share })
+                let confidence = if cut { 0.5 * c.share } else { c.share };
+                Sighting { off: Some(c.off), ..seen(c.u, c.v, c.radius, cut, confidence) }
             }
             // Too small or too faint for an outline.
             None => seen(u, v, by_area, outer, 0.25),

@@ -11,13 +11,15 @@ Examples:
   tunenet track drop.mp4 --out track.csv
   tunenet track drop.mp4 --out track.csv --report track.html --overlay drawn.mp4
   tunenet track drop.mp4 --color green --radius 0.0335 --out track.csv
+  tunenet track drop.mp4 --rate 60 --frames 400 --out track.csv
+  tunenet track frames/ --camera-rate 120 --out track.csv
   tunenet track log.mcap --topic /camera/image_raw --out track.csv
 `tune` and `diagnose` take films as they are; track one to see what was seen.";
 
 /// `tunenet track`.
 #[derive(Debug, Args)]
 pub struct Track {
-    /// Film of a ball (mp4, avi, mov, mkv), or a log (MCAP) with pictures
+    /// Film of a ball (mp4, avi, mov, mkv), folder of its frames (png, jpg), or log (MCAP) with pictures
     pub video: PathBuf,
     /// Where to write the track
     #[arg(long, value_name = "TRACK.csv")]
@@ -38,10 +40,14 @@ pub struct Track {
     /// Which topic of a log
     #[arg(long)]
     pub topic: Option<String>,
-    /// Frames per second at which the camera really took them, where the film plays slower
+    /// Frames per second at which the camera really took them: of a film that plays slower, or of a folder of frames
+    #[arg(long, value_name = "1/S", value_parser = positive)]
+    pub camera_rate: Option<f64>,
+    /// Write samples at this rate, from the release on, by linear interpolation; also the rate of a folder of frames
     #[arg(long, value_name = "1/S", value_parser = positive)]
     pub rate: Option<f64>,
-    /// Track no more frames than this
+    /// Write so many samples with `--rate`, the last one repeated where the film is shorter; without it, track no more
+    /// frames than this
     #[arg(long, value_name = "N", value_parser = frames)]
     pub frames: Option<usize>,
     /// The ball's radius, which says how large a pixel is; without it, the fall of the ball does
@@ -63,7 +69,7 @@ fn frames(text: &str) -> Result<usize, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|n| n.is_finite() && *n > 0.0);
     number.ok_or_else(|| "expected a number above 0".to_owned())
 }

@@ -20,17 +20,23 @@ use crate::terminal::warn;
 const PROGRAM: &str = "tunenet-video";
 /// What films' names end in.
 const ENDINGS: [&str; 9] = ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "3gp"];
+/// What the names of a film's frames end in, where each is a file of its own.
+const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "bmp", "tif", "tiff"];
 /// What the names of other recordings end in.
 const TABLES: [&str; 5] = ["csv", "tsv", "txt", "mcap", "json"];
 /// How films begin: where, and with which bytes.
 const MARKS: [(usize, &[u8]); 4] = [(4, b"ftyp"), (8, b"AVI "), (0, b"\x1a\x45\xdf\xa3"), (0, b"\x00\x00\x01\xba")];
+/// The code of a ball that never leaves the ground, which tells nothing of a bounce.
+const ROLLS: &str = "ball.rolls";
 /// The codes of what may be noticed of a film.
-const CODES: [&str; 13] = [
+const CODES: [&str; 15] = [
     "ball.background",
     "ball.cut",
     "ball.gone",
     "ball.lost",
     "ball.none",
+    "ball.rolls",
+    "ball.shape",
     "ball.two",
     "camera.moves",
     "film.dropped",
@@ -47,8 +53,21 @@ pub fn program() -> Result<PathBuf> {
     Ok(own.with_file_name(format!("{PROGRAM}{}", std::env::consts::EXE_SUFFIX)))
 }
 
-/// Whether a file is a film, by its name or, where that says nothing else, by its first bytes.
+/// The pictures in a folder, in the order of their names.
+pub fn pictures(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let picture =
+        |path: &PathBuf| path.extension().is_some_and(|e| PICTURES.iter().any(|known| e.eq_ignore_ascii_case(known)));
+    let all = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<PathBuf>>>()?;
+    let mut pictures: Vec<PathBuf> = all.into_iter().filter(picture).collect();
+    pictures.sort();
+    Ok(pictures)
+}
+
+/// Whether a file is a film, by its name or, where that says nothing else, by its first bytes; so is a folder of pictures.
 pub fn is_film(path: &Path) -> bool {
+    if path.is_dir() {
+        return pictures(path).is_ok_and(|pictures| !pictures.is_empty());
+    }
     // Pipes are waited for where they are opened, and a folder is refused by whoever reads it.
     let file = std::fs::metadata(path).is_ok_and(|about| about.is_file());
     let table = path.extension().is_some_and(|e| TABLES.iter().any(|known| e.eq_ignore_ascii_case(known)));
@@ -115,7 +134,7 @@ impl Asked {
             return Err(Error::file(path, text("error"), text("hint")).into());
         }
         if object.get("setting").is_some() {
-            let name = ["--color", "--rate", "--radius", "--length", "--topic"];
+            let name = ["--color", "--camera-rate", "--rate", "--radius", "--length", "--topic"];
             let name = name.into_iter().find(|n| *n == text("setting")).unwrap_or("--color");
             return Err(Error::Setting { name, expected: text("expected"), found: text("found") }.into());
         }
@@ -128,7 +147,9 @@ impl Asked {
 
     fn run(&self, path: &Path) -> Result<Value> {
         // Refused here, so that a path is wrong in the same words everywhere.
-        drop(tunenet_core::observation::recording::open(path)?);
+        if !is_film(path) {
+            drop(tunenet_core::observation::recording::open(path)?);
+        }
         let program = program()?;
         if !program.is_file() {
             let message = format!("expected the part of tunenet that reads films beside it, found no `{PROGRAM}`");
@@ -185,8 +206,12 @@ pub fn column(object: &Value, name: &str) -> Option<Vec<f64>> {
 /// The positions in what was found.
 ///
 /// # Errors
-/// [`Error::File`] where the film shows too little of the ball to say how large a pixel is.
+/// [`Unseen`] where the ball never flies; [`Error::File`] where the film shows too little of it to say how large a pixel is.
 pub fn positions(path: &Path, object: &Value) -> Result<Recording> {
+    let warnings: Vec<Note> = object["warnings"].as_array().into_iter().flatten().map(note).collect();
+    if let Some(note) = warnings.iter().find(|n| n.code == ROLLS) {
+        return Err(Unseen { path: path.into(), note: note.clone(), object: object.clone() }.into());
+    }
     let columns = ["t_s", "x_m", "z_m"].map(|name| column(object, name));
     let [Some(times), Some(x), Some(z)] = columns else {
         let message = "expected a flight that shows how large a pixel is, found none";
@@ -194,6 +219,5 @@ pub fn positions(path: &Path, object: &Value) -> Result<Recording> {
     };
     let places: Vec<[f64; 3]> = x.into_iter().zip(z).map(|(x, z)| [x, 0.0, z]).collect();
     let observation = Observation::positions(times, &places)?;
-    let notes = object["warnings"].as_array().into_iter().flatten().map(note).collect();
-    Ok(Recording { observation, notes })
+    Ok(Recording { observation, notes: warnings })
 }

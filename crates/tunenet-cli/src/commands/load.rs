@@ -10,6 +10,7 @@ use tunenet_core::Error;
 use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
 use tunenet_sim::SimulationFile;
+use tunenet_sim::simulation_file::Domain;
 
 use super::film;
 use crate::cli::{Reading, Simulation};
@@ -21,6 +22,15 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
         file.set(assignment)?;
     }
     Ok(file)
+}
+
+/// Refuses a simulation file of another kind than a command needs.
+pub fn of_kind(file: &SimulationFile, needed: Domain) -> Result<()> {
+    if file.domain() == needed {
+        return Ok(());
+    }
+    let message = format!("expected `kind = \"{}\"` here, found \"{}\"", needed.name(), file.domain().name());
+    Err(Error::file(file.path(), message, format!("`tunenet init {}` writes one to start from", needed.name())).into())
 }
 
 /// Most samples of one recording that are looked at and fitted to; more would not sharpen the answer by as much as they
@@ -52,7 +62,10 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
         let (expected, found) = ("a CSV file".into(), format!("the film {}", path.display()));
         return Err(Error::Setting { name: "columns", expected, found }.into());
     }
-    let found = film::Asked::default().with("--topic", reading.topic.as_ref()).of(file).track(path)?;
+    let asked = film::Asked::default()
+        .with("--topic", reading.topic.as_ref())
+        .with("--camera-rate", reading.camera_rate.map(|r| r.to_string()));
+    let found = asked.of(file).track(path)?;
     at_most(most, film::positions(path, &found)?)
 }
 
@@ -90,11 +103,22 @@ pub fn ending(out: &Path, endings: &[&str]) -> Result<()> {
     Err(Error::Setting { name: "--out", expected, found }.into())
 }
 
-/// The SHA-256 of a file's bytes, in hexadecimal.
+/// The SHA-256 of a file's bytes, in hexadecimal; of a folder of frames, that of all their bytes.
 pub fn hash(path: &Path) -> Result<String> {
+    let mut hasher = Sha256::new();
+    if path.is_dir() {
+        for picture in film::pictures(path).map_err(|source| Error::io(path, "reading", source))? {
+            digest(&picture, &mut hasher)?;
+        }
+    } else {
+        digest(path, &mut hasher)?;
+    }
+    Ok(hex(&hasher.finalize()))
+}
+
+fn digest(path: &Path, hasher: &mut Sha256) -> Result<()> {
     let failed = |source| Error::io(path, "reading", source);
     let mut file = open(path)?;
-    let mut hasher = Sha256::new();
     let mut buffer = vec![0; 1 << 16];
     loop {
         let count = file.read(&mut buffer).map_err(failed)?;
@@ -103,7 +127,7 @@ pub fn hash(path: &Path) -> Result<String> {
         }
         hasher.update(&buffer[..count]);
     }
-    Ok(hex(&hasher.finalize()))
+    Ok(())
 }
 
 /// Bytes in hexadecimal.

@@ -36,6 +36,7 @@ pub fn run(options: &Track) -> Result<Exit> {
     let asked = Asked::default()
         .with("--color", options.color.as_ref())
         .with("--topic", options.topic.as_ref())
+        .with("--camera-rate", options.camera_rate.map(|r| r.to_string()))
         .with("--rate", options.rate.map(|r| r.to_string()))
         .with("--frames", options.frames.map(|n| n.to_string()))
         .with("--radius", options.radius.map(|r| r.to_string()))
@@ -45,7 +46,7 @@ pub fn run(options: &Track) -> Result<Exit> {
     let found = match asked.track(&options.video) {
         Ok(found) => found,
         Err(error) => match error.downcast::<Unseen>() {
-            Ok(unseen) => return Ok(no(options, &unseen)),
+            Ok(unseen) => return no(options, &unseen),
             Err(other) => return Err(other),
         },
     };
@@ -72,7 +73,7 @@ fn object(options: &Track, found: &Value) -> Value {
     object
 }
 
-fn no(options: &Track, unseen: &Unseen) -> Exit {
+fn no(options: &Track, unseen: &Unseen) -> Result<Exit> {
     let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
     let word = unseen.object["verdict"].as_str().unwrap_or_default().replace('_', " ").to_uppercase();
     anstream::eprintln!("{bold}{word}  {}{reset}", sentence(&anyhow::anyhow!("{unseen}")));
@@ -80,7 +81,11 @@ fn no(options: &Track, unseen: &Unseen) -> Exit {
     if options.common.json {
         print_json(&object(options, &unseen.object));
     }
-    Exit::Inconclusive
+    if let Some(path) = &options.report {
+        report::track::unseen(path, &load::name(&options.video), &unseen.object, &unseen.note)?;
+        stage("wrote", &load::name(path));
+    }
+    Ok(Exit::Inconclusive)
 }
 
 /// Writes the samples in metres, or in pixels where nothing says how large one is, or where that is wanted.

@@ -29,13 +29,30 @@ pub fn write(path: &Path, name: &str, found: &Value, notes: &[Note]) -> Result<(
         }
         section {
             h2 { "The track in the film" }
-            p.how { "The circle is where the ball was found, the line where it came from. Orange: the border cuts the ball, "
-                "and the frame is left out." }
+            p.how { "The circle is where the ball was found, the line where it came from. A thin circle: the border cuts the "
+                "ball, and the frame is left out." }
             div.grid { @for picture in found["pictures"].as_array().into_iter().flatten() { (frame(picture)) } }
         }
         section { h2 { "Over time" } (curves(found)) }
         section { h2 { "What to know" } (warnings(notes)) }
         section { h2 { "The film" } (facts(found)) }
+    };
+    page::write(path, &page::page("Track", name, &body))
+}
+
+/// Writes the page for the film `name`, in which no ball could be followed.
+pub fn unseen(path: &Path, name: &str, found: &Value, reason: &Note) -> Result<()> {
+    let word = found["verdict"].as_str().unwrap_or_default().replace('_', " ").to_uppercase();
+    let body = html! {
+        section.verdict.not {
+            div { p.word { (word) } p { (reason.text) "." } }
+        }
+        section { h2 { "What to do" } p { (reason.remedy) "." } }
+        section {
+            h2 { "The film" }
+            p.how { (shown(&found["frames"])) " frames decode. These are some of them, as they are." }
+            div.grid { @for picture in found["pictures"].as_array().into_iter().flatten() { (frame(picture)) } }
+        }
     };
     page::write(path, &page::page("Track", name, &body))
 }

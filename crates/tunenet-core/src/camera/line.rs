@@ -77,6 +77,12 @@ impl LineCamera {
         (self.a_px_m * z_m + self.b_px) / (self.c_1_m * z_m + 1.0)
     }
 
+    /// How far away a height is, over the distance of height 0: the scale of the picture is that much smaller there.
+    #[must_use]
+    pub fn depth(&self, z_m: f64) -> f64 {
+        self.c_1_m * z_m + 1.0
+    }
+
     /// The height that appears here, m.
     #[must_use]
     pub fn height(&self, v_px: f64) -> f64 {

@@ -3,20 +3,22 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Test;
-use super::columns::orthonormal;
 use super::evidence::{upper_chi_squared, upper_f};
-use super::joint::{Which, dot};
+use super::joint::dot;
+use super::scores::Score;
 use super::sets::Set;
 use super::study::{Model, Study};
 use crate::observation::Kind;
 use crate::tune::Adequacy;
 
 /// A test fails only below this probability ...
-const PROBABLE: f64 = 1e-4;
+const PROBABLE: f64 = 1e-3;
 /// ... and beyond these practical bounds, since enough real data fail every test.
 const PORTMANTEAU: f64 = 1.15;
 const BAND_RATIO: f64 = 1.25;
 const SCATTER: f64 = 1.3;
+/// The test of whether recordings agree on the free numbers.
+pub(super) const AGREEMENT: &str = "agreement between recordings";
 /// Lags of the portmanteau test, at most this share of a recording.
 const LAGS: usize = 15;
 const LAG_SHARE: usize = 5;
@@ -54,47 +56,24 @@ impl Study<'_> {
     /// Whether the recordings agree on the free numbers: how far each alone would move them, weighed by how well it knows
     /// them, after its own unknowns (a score test; χ² over the recordings).
     fn heterogeneity(&self, model: &Model) -> Option<Test> {
-        let joint = self.joint(&model.structure);
-        let residuals = &model.fit.residuals;
-        let columns = joint.columns(&model.fit.point, residuals, Which::ALL);
+        let scores = self.scores(model);
         let size = model.structure.globals.len();
-        let mut whole: DMatrix<f64> = DMatrix::zeros(size, size);
-        let mut parts = Vec::new();
-        for (one, residual) in columns.iter().zip(residuals) {
-            let own = orthonormal(one.own.clone());
-            let reduced: Vec<Vec<f64>> = one
-                .shared
-                .iter()
-                .map(|column| {
-                    let mut column = column.clone();
-                    for direction in own.iter().chain(&own) {
-                        let part = dot(direction, &column);
-                        column.iter_mut().zip(direction).for_each(|(c, d)| *c -= part * d);
-                    }
-                    column
-                })
-                .collect();
-            let normal = DMatrix::from_fn(reduced.len(), reduced.len(), |i, j| dot(&reduced[i], &reduced[j]));
-            let right = DVector::from_fn(reduced.len(), |i, _| dot(&reduced[i], residual));
-            for (i, &row) in one.places.iter().enumerate() {
-                for (j, &column) in one.places.iter().enumerate() {
-                    whole[(row, column)] += normal[(i, j)];
-                }
-            }
-            parts.push((one.places.clone(), normal, right));
+        let mut whole = vec![0.0; size];
+        for score in &scores {
+            score.places.iter().enumerate().for_each(|(i, &place)| whole[place] += score.normal[(i, i)]);
         }
         let (mut chi, mut freedom) = (0.0, 0.0);
-        for (places, normal, right) in parts {
+        for Score { places, normal, pull, .. } in scores {
             // In units in which all recordings together know each number to 1.
-            let unit: Vec<f64> = places.iter().map(|&p| whole[(p, p)].max(f64::MIN_POSITIVE).sqrt()).collect();
+            let unit: Vec<f64> = places.iter().map(|&p| f64::max(whole[p], f64::MIN_POSITIVE).sqrt()).collect();
             let scaled = DMatrix::from_fn(places.len(), places.len(), |i, j| normal[(i, j)] / (unit[i] * unit[j]));
             if places.is_empty() || scaled.iter().any(|v| !v.is_finite()) {
                 continue;
             }
-            let right = DVector::from_fn(places.len(), |i, _| right[i] / unit[i]);
+            let pull = DVector::from_fn(places.len(), |i, _| pull[i] / unit[i]);
             let eigen = scaled.symmetric_eigen();
             for (k, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > 1e-6) {
-                chi += eigen.eigenvectors.column(k).dot(&right).powi(2) / value;
+                chi += eigen.eigenvectors.column(k).dot(&pull).powi(2) / value;
                 freedom += 1.0;
             }
         }
@@ -106,12 +85,7 @@ impl Study<'_> {
         }
         let chi = chi / variance;
         let passed = upper_chi_squared(chi, freedom) > PROBABLE || chi / freedom < SCATTER;
-        Some(Test {
-            name: "agreement between recordings",
-            value: chi / freedom,
-            threshold: limit(freedom, SCATTER),
-            passed,
-        })
+        Some(Test { name: AGREEMENT, value: chi / freedom, threshold: limit(freedom, SCATTER), passed })
     }
 }
 

@@ -4,25 +4,22 @@
 //! know nothing of it: what acts on them, and how they were seen, shows as clearly as if the contact were understood; and
 //! one recording brings several of them, so that one can be held out to judge by.
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::by_name::ByName;
 use super::catalogue::{Entry, catalogue};
-use super::search::{Found, Place};
+use super::decide::margin;
+use super::pieces::pieces;
+use super::practical::practically;
+use super::search::Found;
 use super::sets::Set;
 use super::stage::Trial;
 use super::structure::Given;
 use super::study::{Model, Study};
-use super::verdict::{margin, practically};
 use super::{Progress, Subject, Test};
 use crate::Result;
 use crate::simulator::{Phase, Preparation, Simulator};
 
-/// What is left out on either side of a contact, s and samples: it lasts, and a simulator may have found it late.
-const GUARD_S: f64 = 0.02;
-const GUARD: usize = 2;
-/// A shorter flight says nothing of its bend.
-const FEWEST: usize = 12;
 /// Of so many flights of an object one is held out: the second, so that others are faster, and others slower.
 const ENOUGH: usize = 3;
 const HELD_OUT: usize = 1;
@@ -33,8 +30,8 @@ const SMALL: f64 = 0.3;
 pub(super) struct Aloft {
     /// The effects that act on them, or on how they were seen, with the values found.
     pub given: Vec<Given>,
-    /// For each of them: its worth, and by name what could stand in its place.
-    pub places: Vec<(Place, Vec<(&'static str, f64)>)>,
+    /// For each of them: its worth, and what could stand in its place.
+    pub places: Vec<ByName>,
     /// How far behind an explanation is left.
     pub margin: f64,
     pub tests: Vec<Test>,
@@ -131,12 +128,9 @@ impl<'a> Study<'a> {
             })
             .collect()
         };
-        let name = |place: &Place| -> Vec<(&'static str, f64)> {
-            place.others.iter().map(|(other, gap)| (self.catalogue[*other].name, *gap)).collect()
-        };
         let ordered = found.best.iter().flat_map(|model| &model.structure.effects);
         let place = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
-        let places = ordered.filter_map(place).map(|p| (p.clone(), name(p))).collect();
+        let places = ordered.filter_map(place).map(|place| ByName::of(self, place)).collect();
         Aloft {
             given: found.best.as_ref().map_or_else(Vec::new, given),
             places,
@@ -163,10 +157,13 @@ fn values(model: &Model, position: usize, entry: &Entry, object: usize) -> Vec<f
 fn flights(subjects: &[Subject], sets: &[Set]) -> Result<(Vec<Set>, Vec<Set>)> {
     let mut all: Vec<Set> = Vec::new();
     for set in sets {
-        for range in pieces(set.clock(), &set.contacts) {
+        // What follows the last contact may hold more of them, too small to be found.
+        let flights = pieces(set.clock(), &set.contacts).into_iter().take(set.contacts.len().max(1));
+        for range in flights.flatten() {
             let Ok(seen) = set.prepared.seen.slice(range.clone()) else { continue };
             if let Preparation::Usable(prepared) = subjects[set.object].simulator.prepare(&seen)? {
-                all.push(set.piece(range, *prepared));
+                // Flights of one recording differ as throws do: the first are fast, the last are slow.
+                all.push(Set { throw: all.len(), ..set.piece(range, *prepared) });
             }
         }
     }
@@ -177,39 +174,4 @@ fn flights(subjects: &[Subject], sets: &[Set]) -> Result<(Vec<Set>, Vec<Set>)> {
         }
     }
     Ok(all.into_iter().partition(|s| s.held_out))
-}
-
-/// The samples of each flight. What follows the last contact may hold more of them, too small to be found, and is left out.
-fn pieces(clock: &[f64], contacts: &[f64]) -> Vec<Range<usize>> {
-    if contacts.is_empty() {
-        return std::iter::once(0..clock.len()).filter(|r| r.len() >= FEWEST).collect();
-    }
-    let mut pieces = Vec::new();
-    let mut begin = 0;
-    for contact in contacts {
-        let (first, after) = (clock.partition_point(|t| t < contact), clock.partition_point(|t| t <= contact));
-        let early = clock.partition_point(|t| *t < contact - GUARD_S);
-        let end = early.min(first.saturating_sub(GUARD));
-        if end >= begin + FEWEST {
-            pieces.push(begin..end);
-        }
-        begin = clock.partition_point(|t| *t <= contact + GUARD_S).max(after + GUARD);
-    }
-    pieces
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn flights_keep_away_from_contacts() {
-        let clock: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
-        assert_eq!(pieces(&clock, &[]), vec![0..200; 1]);
-        let contacts = [0.495, 1.205, 1.255];
-        let found = pieces(&clock, &contacts);
-        assert_eq!(found, [0..48, 52..119]);
-        let far = |t: f64| contacts.iter().all(|c| (t - c).abs() >= GUARD_S);
-        assert!(found.into_iter().flatten().all(|i| far(clock[i])));
-    }
 }

@@ -64,7 +64,8 @@ pub struct NamedEffect {
     pub coefficients: Vec<Fitted>,
     /// Why it is believed.
     pub evidence: Evidence,
-    /// Other effects that explain the recordings as well in its place, best first.
+    /// Other effects that could be in its place, best first: they explain the recordings as well, or the recordings show a
+    /// single throw, of which the next best is left whatever its distance.
     pub alternatives: Vec<&'static str>,
 }
 
@@ -100,6 +101,9 @@ pub struct Change {
 pub struct Gap {
     /// The unit of all.
     pub unit: String,
+    /// Whether the recordings were cut at their contacts, each flight with a start of its own: then all these are of the
+    /// flights, and say nothing of how far a whole recording is predicted.
+    pub of_flights: bool,
     /// On the recordings that were fitted: the simulation as it was, its own parameters tuned anew.
     pub before: f64,
     /// With the named effects.
@@ -162,6 +166,8 @@ pub struct Explained {
     pub recording: usize,
     /// Its name.
     pub name: String,
+    /// Which of its flights this is, from 1, where they were cut apart.
+    pub flight: Option<usize>,
     /// Whether it was kept out of the fit.
     pub held_out: bool,
     /// What was used of it.
@@ -210,8 +216,11 @@ pub struct Diagnosis {
     pub adequacy: Vec<Test>,
     /// What would separate or show what these recordings cannot.
     pub next_experiment: Option<NextExperiment>,
-    /// How far behind the best an explanation is still left; more of a single recording.
+    /// How far behind the best an explanation is still left; more of a single throw, less in the place of what has to be
+    /// there anyhow.
     pub margin: f64,
+    /// How much the information criterion has to gain for an effect to be there at all.
+    pub least_gain: f64,
     /// Where verdict is `Unknown`: what is left, in words.
     pub description: Option<String>,
     /// Where it acts, as far as that shows.

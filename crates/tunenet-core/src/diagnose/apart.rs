@@ -7,6 +7,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::aloft::{Aloft, Alone};
+use super::by_name::ByName;
 use super::catalogue::catalogue;
 use super::joint::Point;
 use super::practical::{CONFIRMED, CONTROL, LEFT_SHARE};
@@ -38,7 +39,7 @@ struct Contacts {
     names: Vec<&'static str>,
     /// Free numbers: object, name, value.
     values: Vec<(Option<usize>, String, f64)>,
-    places: Vec<(Place, Vec<(&'static str, f64)>)>,
+    places: Vec<ByName>,
     tests: Vec<Test>,
     confirmed: bool,
     alone: Vec<Alone>,
@@ -79,28 +80,13 @@ impl<'a> Study<'a> {
         });
         let point = Point { globals: globals.collect(), own: contacts.point.own };
         let fit = self.joint(&structure).stand(point)?;
-        let place = |(mut place, others): (Place, Vec<(&'static str, f64)>), name: &str| -> Option<Place> {
-            place.entry = entry(name)?;
-            place.others = others.into_iter().filter_map(|(other, gap)| Some((entry(other)?, gap))).collect();
-            Some(place)
-        };
         // What flights alone tell apart is told apart.
-        let clear = |(place, mut others): (Place, Vec<(&'static str, f64)>)| {
-            others.retain(|(_, gap)| *gap < aloft.margin);
-            (place, others)
-        };
-        let mut places: Vec<Place> = aloft
-            .places
-            .into_iter()
-            .zip(&aloft.given)
-            .filter_map(|(found, given)| place(clear(found), given.entry.name))
-            .collect();
+        let flying = aloft.places.into_iter().map(|place| place.within(aloft.margin));
+        let mut places: Vec<Place> = flying.filter_map(|place| place.place(&self.catalogue)).collect();
         let mut tests = aloft.tests;
         if contacts.confirmed {
             tests.extend(contacts.tests);
-            places.extend(
-                contacts.places.into_iter().zip(&contacts.names).filter_map(|(found, name)| place(found, name)),
-            );
+            places.extend(contacts.places.iter().filter_map(|place| place.place(&self.catalogue)));
         }
         let best = Some(Model { structure, fit });
         Ok(Some(Apart { best, places, alone, tests, open: !contacts.confirmed }))
@@ -134,9 +120,8 @@ impl<'a> Study<'a> {
         let (tests, confirmed) = self.confirmed(&found)?;
         let best = found.best.as_ref().filter(|_| confirmed).unwrap_or(&found.base);
         let globals = best.structure.globals.iter().zip(&best.fit.point.globals);
-        let name = |place: &Place| place.others.iter().map(|(e, gap)| (self.catalogue[*e].name, *gap)).collect();
         let of = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
-        let places = best.structure.effects.iter().filter_map(of).map(|p| (p.clone(), name(p)));
+        let places = best.structure.effects.iter().filter_map(of).map(|place| ByName::of(self, place));
         Ok(Contacts {
             point: best.fit.point.clone(),
             names: best.structure.effects.iter().map(|&e| self.catalogue[e].name).collect(),

@@ -6,28 +6,23 @@ use super::answer::{
     Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use,
     Value, Verdict,
 };
+use super::decide::Decision;
 use super::held_out::{HeldOut, rmse};
+use super::intervals::{Intervals, NORMAL_95};
 use super::search::{Found, Place};
 use super::sets::Set;
 use super::study::{Model, Study};
 use super::unknown::describe;
-use super::verdict::in_place_of;
 use super::{Recording, experiment};
 use crate::Result;
 use crate::observation::Note;
 use crate::simulator::Phase;
 
-/// 95 % of a normal distribution lies within so many standard deviations.
-pub(super) const NORMAL_95: f64 = 1.959_963_984_540_054;
-
 /// Everything judged, to be put together.
 pub(super) struct Judged<'a> {
     /// Of the best candidates: the held-out residual of each alone over that without it.
     pub ratios: Vec<(usize, f64)>,
-    pub verdict: Verdict,
-    pub names: Vec<&'static str>,
-    /// How far behind the best an explanation is still left.
-    pub margin: f64,
+    pub decision: Decision,
     /// The mean square that noise alone leaves.
     pub floor: f64,
     pub found: Found<'a>,
@@ -40,21 +35,31 @@ pub(super) struct Judged<'a> {
     pub notes: Vec<Note>,
     /// Whether flights are explained, and contacts are not.
     pub open: bool,
+    /// Whether recordings differ among themselves by more than their noise.
+    pub differ: bool,
 }
 
 /// The answer.
-pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) -> Result<Diagnosis> {
+pub(super) fn assemble(study: &Study, mut judged: Judged, recordings: &[Recording]) -> Result<Diagnosis> {
+    let told = judged.told();
     let found = &judged.found;
-    let told = matches!(judged.verdict, Verdict::Named | Verdict::OneOf);
     let last = if told { found.best.as_ref().unwrap_or(&found.base) } else { &found.base };
+    let intervals = Intervals::new(study, last, judged.differ);
+    if intervals.widened {
+        judged.notes.push(Note::new(
+            "intervals.widened",
+            "the recordings differ among themselves by more than their noise; intervals are as wide as that scatter makes them",
+            "",
+        ));
+    }
     let effects = if told {
-        let model = last;
-        found.places.iter().map(|place| named(study, model, place, judged.margin)).collect()
+        let places = found.places.iter().zip(&judged.decision.alternatives);
+        places.map(|(place, alternatives)| named(study, last, &intervals, place, alternatives)).collect()
     } else {
         Vec::new()
     };
     let gap = gap(study, &judged, last)?;
-    let (description, remains) = match judged.verdict {
+    let (description, remains) = match judged.decision.verdict {
         Verdict::Unknown => {
             let (text, phase) = describe(study, found.best.as_ref().unwrap_or(&found.base))?;
             (Some(text), if judged.open { Some(Phase::Contact) } else { phase })
@@ -62,17 +67,18 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
         _ => (None, None),
     };
     Ok(Diagnosis {
-        verdict: judged.verdict,
+        verdict: judged.decision.verdict,
         effects,
         candidates: candidates(study, found, &judged.ratios),
         gap: Some(gap),
         next_experiment: next(study, &judged)?,
-        margin: judged.margin,
+        margin: judged.decision.margin,
+        least_gain: study.settings.margin,
         description,
         remains,
-        parameters: parameters(study, found, last),
+        parameters: parameters(study, found, last, &intervals),
         explained: explained(study, &judged, last, recordings)?,
-        names: judged.names,
+        names: judged.decision.names,
         adequacy: judged.tests,
         uses: judged.uses,
         notes: judged.notes,
@@ -80,11 +86,18 @@ pub(super) fn assemble(study: &Study, judged: Judged, recordings: &[Recording]) 
     })
 }
 
+impl Judged<'_> {
+    /// Whether effects are told, be it with others in their place.
+    fn told(&self) -> bool {
+        matches!(self.decision.verdict, Verdict::Named | Verdict::OneOf)
+    }
+}
+
 /// What to measure next.
 fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
     let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
-    Ok(match judged.verdict {
-        Verdict::OneOf => experiment::next(study, &judged.found, judged.margin)?
+    Ok(match judged.decision.verdict {
+        Verdict::OneOf => experiment::next(study, &judged.found, &judged.decision.alternatives)?
             .or_else(|| plain("add recordings of the same ball from other heights and in other directions")),
         Verdict::Unknown => plain(
             "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
@@ -93,20 +106,7 @@ fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
     })
 }
 
-/// Standard deviation of a free number, the noise's size taken from what is left.
-fn sd(study: &Study, model: &Model, global: usize) -> f64 {
-    let freedom = study.count() as f64 - model.structure.globals.len() as f64;
-    let variance = model.deviance(model.scale()) / freedom.max(1.0);
-    (variance * model.fit.covariance[(global, global)].max(0.0)).sqrt()
-}
-
-fn interval(study: &Study, model: &Model, global: usize) -> (f64, f64) {
-    let (p, value) = (&model.structure.globals[global].parameter, model.fit.point.globals[global]);
-    let reach = NORMAL_95 * sd(study, model, global);
-    ((value - reach).max(p.min), (value + reach).min(p.max))
-}
-
-fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffect {
+fn named(study: &Study, model: &Model, intervals: &Intervals, place: &Place, alternatives: &[usize]) -> NamedEffect {
     let entry = &study.catalogue[place.entry];
     let position = model.structure.effects.iter().position(|&e| e == place.entry);
     let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
@@ -119,7 +119,7 @@ fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffec
         let values = places.map(|g| Value {
             object: globals[g].object,
             value: model.fit.point.globals[g],
-            interval95: interval(study, model, g),
+            interval95: intervals.of(g),
         });
         let values = match &found_chance {
             Some((sd, count)) if entry.chance() => {
@@ -134,7 +134,6 @@ fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffec
     // What acts along an axis that was not measured has no value.
     let coefficients = coefficients.filter(|fitted| !fitted.values.is_empty());
     let next = place.others.first();
-    let alternatives = in_place_of(study, place, margin);
     NamedEffect {
         effect: entry.of[0].clone(),
         coefficients: coefficients.collect(),
@@ -144,7 +143,7 @@ fn named(study: &Study, model: &Model, place: &Place, margin: f64) -> NamedEffec
             runner_up_bic_gap: next.map_or(f64::INFINITY, |(_, gap)| *gap),
             p_value: place.p_value,
         },
-        alternatives: alternatives.into_iter().map(|other| study.catalogue[other].name).collect(),
+        alternatives: alternatives.iter().map(|&other| study.catalogue[other].name).collect(),
     }
 }
 
@@ -174,6 +173,7 @@ fn gap(study: &Study, judged: &Judged, last: &Model) -> Result<Gap> {
     };
     Ok(Gap {
         unit: study.subjects[0].simulator.channels()[0].unit.clone(),
+        of_flights: false,
         before: error(&found.base)?,
         after: error(last)?,
         noise_floor: judged.floor.sqrt(),
@@ -183,7 +183,7 @@ fn gap(study: &Study, judged: &Judged, last: &Model) -> Result<Gap> {
     })
 }
 
-fn parameters(study: &Study, found: &Found, last: &Model) -> Vec<Tuned> {
+fn parameters(study: &Study, found: &Found, last: &Model, intervals: &Intervals) -> Vec<Tuned> {
     let own = last.structure.globals.iter().enumerate().filter(|(_, g)| g.effect.is_none());
     own.map(|(g, global)| {
         let object = global.object.unwrap_or(0);
@@ -195,17 +195,18 @@ fn parameters(study: &Study, found: &Found, last: &Model) -> Vec<Tuned> {
             given: given.map_or(global.parameter.value, |p| p.value),
             before: found.base.fit.point.globals[g],
             value: last.fit.point.globals[g],
-            interval95: interval(study, last, g),
+            interval95: intervals.of(g),
         }
     })
     .collect()
 }
 
 fn explained(study: &Study, judged: &Judged, last: &Model, recordings: &[Recording]) -> Result<Vec<Explained>> {
-    let told = matches!(judged.verdict, Verdict::Named | Verdict::OneOf);
+    let told = judged.told();
     let one = |set: &Set, before: &[f64], after: &[f64], own: &[f64]| Explained {
         recording: set.recording,
         name: recordings[set.recording].name.clone(),
+        flight: None,
         held_out: set.held_out,
         seen: set.prepared.seen.clone(),
         kept: set.keep.clone(),

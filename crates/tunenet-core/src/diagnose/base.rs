@@ -1,6 +1,7 @@
 //! The tuned simulation without any effect: where every diagnosis begins.
 
-use super::joint::{Effort, Joint, Point, spread};
+use super::fit::Effort;
+use super::joint::{Joint, Point, spread};
 use super::structure::Structure;
 use super::study::{FULL, Model, Study};
 use crate::Result;

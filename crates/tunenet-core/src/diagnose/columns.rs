@@ -1,6 +1,7 @@
 //! Columns of effects, less what start states and parameters can do in their stead.
 
-use super::joint::{Columns, dot};
+use super::derivatives::Columns;
+use super::joint::dot;
 
 /// A direction whose projection keeps less than this share of its square is taken for dependent.
 const DEPENDENT: f64 = 1e-9;

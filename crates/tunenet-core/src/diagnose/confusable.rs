@@ -20,15 +20,22 @@ pub(super) fn canonical_correlation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     products.singular_values().max().powi(2).min(1.0)
 }
 
-/// What could stand in the place of `entry` in `model`, with how far it falls behind, nearest first. `trials` are the
-/// candidates beside the model without `entry`.
-pub(super) fn others(study: &Study, model: &Model, entry: usize, trials: &[Trial]) -> Vec<(usize, f64)> {
+/// What could stand in the place of `entry` in `model`, with how far it falls behind, nearest first. `without` is the model
+/// without `entry`, and `trials` are the candidates beside it.
+pub(super) fn others(
+    study: &Study,
+    without: &Model,
+    model: &Model,
+    entry: usize,
+    trials: &[Trial],
+) -> Vec<(usize, f64)> {
     let scale = model.scale();
+    let best = study.gain(without, model, scale);
     let own = trials.iter().find(|t| t.entry == entry).map_or(&[][..], |t| t.span.as_slice());
     let each = trials.iter().filter(|t| t.entry != entry && t.excluded.is_none());
     let gap = |t: &Trial| {
         let twin = t.span.len() == own.len() && canonical_correlation(own, &t.span) > TWINS;
-        let gap = t.model.as_ref().map(|other| -study.gain(model, other, scale));
+        let gap = t.model.as_ref().map(|other| best - study.gain(without, other, scale));
         match gap {
             Some(gap) => Some((t.entry, gap)),
             None if twin => Some((t.entry, 0.0)),

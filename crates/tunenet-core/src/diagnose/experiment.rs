@@ -3,18 +3,19 @@
 use super::answer::NextExperiment;
 use super::colour::Filter;
 use super::columns::{Projector, orthonormal, stack};
-use super::joint::{Columns, Joint, Point, Which, dot};
+use super::decide::unique;
+use super::derivatives::{Columns, Which};
+use super::joint::{Joint, Point, dot};
 use super::search::Found;
 use super::sets::Set;
 use super::study::{Model, Study};
-use super::verdict::{in_place_of, unique};
 use crate::Result;
 use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, rollout};
 
 /// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
 const HEIGHTS_M: [f64; 3] = [0.5, 1.0, 2.0];
-const SPEEDS_M_S: [[f64; 3]; 7] = [
+const SPEEDS_M_S: [[f64; 3]; 9] = [
     [0.0, 0.0, 0.0],
     [2.0, 0.0, 0.0],
     [0.0, 2.0, 0.0],
@@ -22,6 +23,8 @@ const SPEEDS_M_S: [[f64; 3]; 7] = [
     [0.0, 4.0, 0.0],
     [3.0, 3.0, 2.0],
     [2.0, -2.0, 4.0],
+    [2.0, 0.0, 4.0],
+    [0.0, 2.0, 4.0],
 ];
 /// Two explanations whose expected logarithmic likelihoods differ by less than this stay together: the usual margin of 6
 /// in the information criterion.
@@ -29,18 +32,22 @@ const SEPARATED: f64 = 3.0;
 /// Names of own unknowns that a person can choose.
 const START: &str = "release.";
 
-/// The experiment that separates what the search left together; `margin` as it was applied.
-pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<NextExperiment>> {
+/// The experiment that separates what is left together: for each effect of the best structure, `alternatives` are what
+/// could be in its place.
+pub(super) fn next(study: &Study, found: &Found, alternatives: &[Vec<usize>]) -> Result<Option<NextExperiment>> {
     let Some(best) = &found.best else { return Ok(None) };
-    let near = found.places.iter().find(|p| !in_place_of(study, p, margin).is_empty());
-    let Some(place) = near.or(found.places.iter().find(|p| !p.others.is_empty())) else { return Ok(None) };
-    let mut others = in_place_of(study, place, margin);
-    if others.is_empty() {
-        others.extend(place.others.first().map(|(entry, _)| *entry));
-    }
+    let open = found.places.iter().zip(alternatives).find(|(_, others)| !others.is_empty());
+    let Some((place, others)) = open else { return Ok(None) };
     let name = |entry: usize| study.catalogue[entry].name;
     let designs = designs(study, best)?;
-    let gaps = gaps(study, best, place.entry, &others, &designs)?;
+    let chance = |entry: usize| study.catalogue[entry].chance();
+    let gaps = if chance(place.entry) || others.iter().any(|&other| chance(other)) {
+        // Chance turns every bounce anew, whatever the throw: what is steady is not, so the more bounces along a new
+        // direction the better.
+        designs.iter().map(|design| vec![across(design); others.len()]).collect()
+    } else {
+        gaps(study, best, place.entry, others, &designs)?
+    };
     // What some motion separates at all; the rest are twins in any of them.
     let separable: Vec<usize> =
         (0..others.len()).filter(|&b| gaps.iter().any(|design| design[b] > SEPARATED)).collect();
@@ -58,7 +65,9 @@ pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<N
         let how = if (x, y, z) == (0.0, 0.0, 0.0) {
             format!("drop it from {height:.2} m")
         } else {
-            format!("throw it from {height:.2} m with {x:.1} m/s along x, {y:.1} along y and {z:.1} upwards")
+            let along = [("x", x), ("y", y)].into_iter().filter(|(_, speed)| *speed != 0.0);
+            let along: Vec<String> = along.map(|(axis, speed)| format!("{speed:.1} m/s along {axis}")).collect();
+            format!("throw it from {height:.2} m with {} and {z:.1} m/s upwards", along.join(", "))
         };
         let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
         text = format!(
@@ -77,6 +86,15 @@ pub(super) fn next(study: &Study, found: &Found, margin: f64) -> Result<Option<N
         text = format!("{text}{also} {} from {rest}: {}", name(place.entry), unique.join(", or "));
     }
     Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
+}
+
+/// The speed along the surface with which a design starts, in units in which 1 m/s separates.
+fn across(design: &Set) -> f64 {
+    let speed = |axis: &str| {
+        let own = design.prepared.own.iter().find(|p| p.name == format!("{START}velocity_{axis}"));
+        own.map_or(0.0, |p| p.value)
+    };
+    SEPARATED * speed("x").hypot(speed("y"))
 }
 
 /// What a person can find out beside any motion that settles whether an effect is there.
@@ -112,8 +130,11 @@ fn designs(study: &Study, best: &Model) -> Result<Vec<Set>> {
     let (simulator, parameters) =
         (best.structure.simulator(set.object), best.structure.parameters(set.object, &best.fit.point.globals));
     let mut all = Vec::new();
+    // An axis that was not measured will not be next time either.
+    let unmeasured = set.unmeasured();
+    let across = |velocity: &[f64; 3]| unmeasured.iter().any(|&axis| velocity[axis] != 0.0);
     for height in HEIGHTS_M {
-        for velocity in SPEEDS_M_S {
+        for velocity in SPEEDS_M_S.into_iter().filter(|velocity| !across(velocity)) {
             let mut start = own.clone();
             let wanted =
                 [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", velocity[0]), ("velocity_y", velocity[1])];
@@ -130,13 +151,14 @@ fn designs(study: &Study, best: &Model) -> Result<Vec<Set>> {
                 Parameter { value: *value, min: value - reach, max: value + reach, ..p.clone() }
             };
             let own: Vec<Parameter> = set.prepared.own.iter().zip(&start).map(free).collect();
-            let keep = vec![true; seen.values().len()];
+            let keep: Vec<bool> = (0..seen.values().len()).map(|i| !unmeasured.contains(&(i % set.width()))).collect();
             let filter = Filter::new(seen.clock(), &set.noise, &keep, 0.0);
             let mut prepared = Prepared::whole(seen, parameters.len());
             prepared.own = own;
             all.push(Set {
                 recording: 0,
                 object: set.object,
+                throw: 0,
                 held_out: false,
                 pull: set.pull.clone(),
                 prepared,
@@ -213,6 +235,7 @@ fn gaps(study: &Study, best: &Model, entry: usize, others: &[usize], designs: &[
     }
     Ok(all)
 }
+
 /// Beyond this, a greater gain says nothing more.
 const CLEAR_GAIN: f64 = 1000.0;
 

@@ -2,15 +2,14 @@
 //! contacts still says what acts in flight, from a start and with a spin of its own.
 
 use super::answer::{Diagnosis, NextExperiment, Tuned, Verdict};
-use super::assemble::NORMAL_95;
+use super::intervals::NORMAL_95;
+use super::pieces::pieces;
 use super::sets::Set;
 use super::{Answered, Asked, Settings, Subject};
 use crate::Result;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Simulator};
 
-/// A flight of fewer samples says next to nothing beyond its start.
-const FEWEST: usize = 14;
 /// What has to be free for a flight to begin anywhere.
 const START: [&str; 6] =
     ["release.x", "release.y", "release.z", "release.velocity_x", "release.velocity_y", "release.velocity_z"];
@@ -34,20 +33,21 @@ impl Asked<'_> {
         for (subject, simulator) in self.subjects.iter().zip(&spinning) {
             subjects.push(Subject { name: subject.name.clone(), simulator: simulator.as_ref() });
         }
-        let mut pieces = Vec::new();
+        let mut flights = Vec::new();
         for set in sets {
-            for flight in flights(set) {
-                pieces.extend(piece(&subjects, set, &flight)?);
+            for range in pieces(set.clock(), &set.contacts).into_iter().flatten() {
+                let Ok(flight) = set.prepared.seen.slice(range) else { continue };
+                flights.extend(piece(&subjects, set, &flight)?);
             }
         }
-        let mut used: Vec<usize> = pieces.iter().filter(|p| !p.held_out).map(|p| p.recording).collect();
+        let mut used: Vec<usize> = flights.iter().filter(|p: &&Set| !p.held_out).map(|p| p.recording).collect();
         used.dedup();
         if used.is_empty() {
             return Ok(None);
         }
         let settings = Settings { most_effects: 1, ..self.settings.clone() };
         let asked = Asked { subjects: &subjects, settings: &settings, ..*self };
-        let Ok(mut answer) = asked.judge(pieces, known.clone()) else { return Ok(None) };
+        let Ok(mut answer) = asked.judge(flights, known.clone()) else { return Ok(None) };
         let told = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
         if !told || !answer.effects.iter().all(|named| named.effect.certain()) {
             return Ok(None);
@@ -56,6 +56,12 @@ impl Asked<'_> {
             self.leave_open(&mut answer);
         }
         answer.rollouts += whole.rollouts;
+        answer.gap.iter_mut().for_each(|gap| gap.of_flights = true);
+        for i in 0..answer.explained.len() {
+            let recording = answer.explained[i].recording;
+            let before = answer.explained[..i].iter().filter(|other| other.recording == recording).count();
+            answer.explained[i].flight = Some(before + 1);
+        }
         answer.parameters = whole.parameters.iter().map(|tuned| beside_contacts(tuned, sets, self)).collect();
         answer.notes.push(Note::new(
             "flights.alone",
@@ -86,26 +92,13 @@ fn piece(subjects: &[Subject], set: &Set, flight: &Observation) -> Result<Option
         return Ok(None);
     };
     let free = |name: &str| prepared.own.iter().any(|own| own.name == name);
-    if !prepared.events.is_empty() || !START.iter().all(|name| free(name)) || prepared.seen.len() < FEWEST {
+    if !prepared.events.is_empty() || !START.iter().all(|name| free(name)) {
         return Ok(None);
     }
     for own in prepared.own.iter_mut().filter(|own| own.name == SURFACE) {
         own.value = 0.5 * (own.min + own.value);
     }
-    Ok(Some(Set::new(set.recording, set.object, set.held_out, *prepared)))
-}
-
-/// The stretches between contacts; the samples next to one may belong to either side.
-fn flights(set: &Set) -> Vec<Observation> {
-    let (clock, seen) = (set.clock(), &set.prepared.seen);
-    let mut edges = vec![(0, 0)];
-    edges.extend(
-        set.contacts.iter().map(|at| (clock.partition_point(|t| t < at), clock.partition_point(|t| t <= at) + 1)),
-    );
-    edges.push((clock.len() + 1, 0));
-    let stretch = |pair: &[(usize, usize)]| (pair[0].1, pair[1].0.saturating_sub(1).min(clock.len()));
-    let long = edges.windows(2).map(stretch).filter(|(begin, end)| *end >= begin + FEWEST);
-    long.filter_map(|(begin, end)| seen.slice(begin..end).ok()).collect()
+    Ok(Some(Set { throw: set.throw, ..Set::new(set.recording, set.object, set.held_out, *prepared) }))
 }
 
 /// A parameter as the samples beside the contacts alone have it, where they do.
@@ -126,25 +119,4 @@ fn beside_contacts(tuned: &Tuned, sets: &[Set], asked: &Asked) -> Tuned {
     let p = &parameters[i];
     let interval95 = ((value - reach).max(p.min), (value + reach).min(p.max));
     Tuned { value: value.clamp(p.min, p.max), interval95, ..tuned.clone() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::simulator::Prepared;
-
-    /// 50 samples with contacts at sample 20 and between samples 30 and 31: the last stretch has 18 samples, the middle one
-    /// too few.
-    #[test]
-    fn flights_keep_off_the_contacts() {
-        let clock: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.01).collect();
-        let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.0, 1.0 - 4.905 * t * t]).collect();
-        let seen = Observation::positions(clock, &rows).unwrap();
-        let mut set = Set::new(0, 0, false, Prepared::whole(seen, 1));
-        set.contacts = vec![0.2, 0.305];
-        let starts: Vec<(f64, usize)> = flights(&set).iter().map(|f| (f.clock()[0], f.len())).collect();
-        assert_eq!(starts.len(), 2, "{starts:?}");
-        assert!((starts[0].0 - 0.0).abs() < 1e-12 && starts[0].1 == 19, "{starts:?}");
-        assert!((starts[1].0 - 0.32).abs() < 1e-12 && starts[1].1 == 18, "{starts:?}");
-    }
 }

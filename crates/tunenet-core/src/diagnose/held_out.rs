@@ -1,6 +1,7 @@
 //! Recordings that were not fitted: only their start states are, and then their later part is predicted.
 
-use super::joint::{Effort, Joint, Point};
+use super::fit::Effort;
+use super::joint::{Joint, Point};
 use super::sets::Set;
 use super::study::{FULL, Model, Study};
 use crate::Result;

@@ -1,8 +1,8 @@
 //! What is known of effects before anything is measured.
 
+use super::decide::in_place_of;
 use super::search::Found;
 use super::study::Study;
-use super::verdict::in_place_of;
 use crate::observation::Note;
 
 impl Study<'_> {

@@ -14,28 +14,42 @@ mod answer;
 mod apart;
 mod assemble;
 mod base;
+mod between;
+mod by_name;
 mod catalogue;
+mod chance;
 mod colour;
 mod columns;
 mod confusable;
+mod control;
+mod decide;
+mod derivatives;
+mod equations;
 mod evidence;
 mod experiment;
+mod fit;
 mod flights;
 mod held_out;
 mod hidden;
 mod input;
+mod insufficient;
+mod intervals;
 mod joint;
 mod likely;
+mod outliers;
+mod pieces;
 mod practical;
 mod prune;
 mod rest;
 mod scatter;
+mod scores;
 mod search;
 mod sets;
 mod stage;
 mod steady;
 mod structure;
 mod study;
+mod throws;
 mod unknown;
 mod unmeasured;
 mod verdict;
@@ -94,6 +108,7 @@ pub fn diagnose(
         }
         uses.push(one);
     }
+    throws::label(&mut sets);
     let mut notes = Vec::new();
     if settings.set_aside && !sets.iter().any(|s| s.held_out) {
         let objects: Vec<usize> = sets.iter().map(|s| s.object).collect();
@@ -110,7 +125,10 @@ pub fn diagnose(
     let known = Answered { uses, notes };
     let whole = asked.judge(sets.clone(), known.clone())?;
     let open = whole.notes.iter().any(|note| note.code == verdict::CONTACT_OPEN);
-    if (whole.verdict == Verdict::Unknown || open)
+    // Where several effects together are but a guess, as of one throw with a contact, fewer of the flights are better.
+    let crowded = whole.verdict == Verdict::OneOf && whole.effects.len() > 1;
+    let crowded = crowded && sets.iter().any(|set| !set.contacts.is_empty());
+    if (whole.verdict == Verdict::Unknown || open || crowded)
         && let Some(flights) = asked.flights_alone(&sets, &known, &whole)?
     {
         return Ok(flights);

@@ -3,6 +3,7 @@
 //! Whatever the best model leaves is taken for noise that remembers: the residual's own spread, and only as many independent
 //! values as its correlation leaves. What then still stands out has to take most of the gap away.
 
+use super::control::{control, unseen};
 use super::held_out::HeldOut;
 use super::search::Found;
 use super::sets::Set;
@@ -25,6 +26,31 @@ const UNSTEADY: f64 = 0.15;
 pub(super) const WORTH: f64 = 1.3;
 /// Correlations above this would leave next to no independent value.
 const GREATEST: f64 = 0.97;
+
+/// A second look, with what the first leaves taken for noise.
+pub(super) struct Second<'a> {
+    pub found: Found<'a>,
+    pub before: Option<HeldOut>,
+    pub tests: Vec<Test>,
+}
+
+pub(super) fn practically<'a>(
+    study: &mut Study<'a>,
+    first: &Found<'a>,
+    held_out: &mut [Set],
+    floor: f64,
+    progress: &dyn Fn(Progress),
+) -> Result<Second<'a>> {
+    let mut found = study.search_practically(first, held_out, progress)?;
+    let before = unseen(study, &found.base, held_out)?;
+    let after = found.best.as_ref().map_or(Ok(None), |best| unseen(study, best, held_out))?;
+    if let (Some(before), Some(after)) = (&before, &after) {
+        study.admit_equals(&mut found, held_out, before.rmse, after.rmse)?;
+    }
+    let control = control(study, &found, held_out)?.map(|c| c.1);
+    let tests = study.practical_tests(&found, floor, before.as_ref().zip(after.as_ref()), control)?;
+    Ok(Second { found, before, tests })
+}
 
 impl<'a> Study<'a> {
     /// Takes what `model` leaves for noise.
@@ -86,8 +112,7 @@ impl<'a> Study<'a> {
             let Some(model) = &trial.model else { continue };
             let reached = self.held_out(model, held_out)?.rmse;
             if reached <= CONFIRMED * before && reached < CONTROL * after {
-                place.others.retain(|(entry, _)| *entry != trial.entry);
-                place.others.insert(0, (trial.entry, 0.0));
+                place.equals.push(trial.entry);
             }
         }
         Ok(())

@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::catalogue::carrier;
 use super::columns::Projector;
+use super::derivatives::Which;
 use super::evidence::p_value;
-use super::joint::{Which, dot};
+use super::joint::dot;
 use super::sets::Set;
 use super::study::{Model, Study};
 use crate::Result;

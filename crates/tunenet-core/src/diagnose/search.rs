@@ -1,10 +1,10 @@
 //! The search for the missing effects: forward, swap, backward, and what else explains as much.
 
+use super::decide::margin;
 use super::evidence::p_value;
 use super::practical::WORTH;
 use super::stage::Trial;
 use super::study::{Model, Study};
-use super::verdict::margin;
 use super::{Progress, confusable};
 use crate::Result;
 
@@ -33,7 +33,7 @@ enum Judged<'a> {
 
 /// An effect whose worth was not looked at: it has none.
 fn unjudged(entry: usize) -> Place {
-    Place { entry, gain: 0.0, p_value: 1.0, others: Vec::new() }
+    Place { entry, gain: 0.0, p_value: 1.0, others: Vec::new(), equals: Vec::new() }
 }
 
 /// One effect of the best structure.
@@ -47,16 +47,18 @@ pub(super) struct Place {
     pub p_value: f64,
     /// Others in its place with how far they fall behind, nearest first; exact twins included.
     pub others: Vec<(usize, f64)>,
+    /// Those among them that do as well on recordings that were not fitted, whatever their distance.
+    pub equals: Vec<usize>,
 }
 
 impl<'a> Study<'a> {
     /// Searches from the tuned simulation.
     pub fn search(&self, base: Model<'a>, progress: &dyn Fn(Progress)) -> Result<Found<'a>> {
         progress(Progress::Scoring { candidates: self.catalogue.len(), effects: 0 });
-        let alone = self.stage(&base);
+        let mut alone = self.stage(&base);
         let mut best = self.accepted(&base, &alone)?;
         while let Some(model) = &best
-            && model.structure.effects.len() < self.settings.most_effects
+            && model.structure.effects.len() < self.most_effects(model)
         {
             let effects = model.structure.effects.len();
             progress(Progress::Scoring { candidates: self.catalogue.len() - effects, effects });
@@ -84,20 +86,44 @@ impl<'a> Study<'a> {
         if let (Some(model), true) = (&best, places.is_empty()) {
             places = model.structure.effects.iter().map(|&e| unjudged(e)).collect();
         }
+        if let Some(model) = &best {
+            self.measure(&mut alone, &base, model.scale());
+        }
         Ok(Found { base, alone, best, places })
+    }
+
+    /// How many effects a structure like `model` may have. A single throw shows one at most beside what has to be there
+    /// anyhow: more would fit whatever it holds.
+    fn most_effects(&self, model: &Model) -> usize {
+        let certain = model.structure.effects.iter().filter(|&&entry| self.certain(entry)).count();
+        let most = if self.single() { certain + 1 } else { self.settings.most_effects };
+        most.min(self.settings.most_effects)
+    }
+
+    /// Gains of candidates beside the simulation without any, all measured as that of the best structure is.
+    fn measure(&self, alone: &mut [Trial<'a>], base: &Model<'a>, scale: f64) {
+        for trial in alone.iter_mut() {
+            if let Some(model) = &trial.model {
+                trial.gain = self.gain(base, model, scale);
+            }
+        }
+        alone.sort_by(Trial::order);
     }
 
     /// The best trial of a stage as a model of its own, where it earns its place.
     fn accepted(&self, before: &Model<'a>, trials: &[Trial<'a>]) -> Result<Option<Model<'a>>> {
-        let Some(trial) = trials.iter().find(|t| t.excluded.is_none() && t.model.is_some()) else { return Ok(None) };
-        let Some(model) = &trial.model else { return Ok(None) };
-        let (_, p) = self.worth(before, model);
         let least = if before.structure.effects.is_empty() { self.settings.margin } else { margin(self) };
-        if trial.gain > least && p < self.settings.significance && self.matters(before, model) {
-            let structure = self.structure(&model.structure.effects)?;
-            return Ok(Some(Model { structure, fit: model.fit.clone() }));
-        }
-        Ok(None)
+        let fitted = || trials.iter().filter(|t| t.excluded.is_none()).filter_map(|t| Some((t, t.model.as_ref()?)));
+        let earns = |(trial, model): &(&Trial<'a>, &Model<'a>)| {
+            trial.gain > least
+                && self.worth(before, model).1 < self.settings.significance
+                && self.matters(before, model)
+        };
+        // What has to be there anyhow comes first, so that nothing else is taken for it.
+        let certain = fitted().filter(|(trial, _)| self.certain(trial.entry)).find(earns);
+        let Some((_, model)) = certain.or_else(|| fitted().next().filter(earns)) else { return Ok(None) };
+        let structure = self.structure(&model.structure.effects)?;
+        Ok(Some(Model { structure, fit: model.fit.clone() }))
     }
 
     /// Whether an effect takes away enough to be worth a name where all that is left counts as noise.
@@ -137,8 +163,9 @@ impl<'a> Study<'a> {
                 let fitted = if others.is_empty() { None } else { Some(self.fit_near(&others, model)?) };
                 return Ok(Judged::Yields(fitted.map(Box::new)));
             }
-            let others = confusable::others(self, model, entry, trials);
-            if let Some(better) = others.iter().find(|(_, gap)| *gap < -1.0)
+            let others = confusable::others(self, without, model, entry, trials);
+            let firm = |other: usize| self.certain(entry) && !self.certain(other);
+            if let Some(better) = others.iter().find(|(other, gap)| *gap < -1.0 && !firm(*other))
                 && effects.len() > 1
             {
                 let found = trials.iter().find(|t| t.entry == better.0).and_then(|t| t.model.as_ref());
@@ -147,7 +174,7 @@ impl<'a> Study<'a> {
                     return Ok(Judged::Yields(Some(Box::new(Model { structure, fit: found.fit.clone() }))));
                 }
             }
-            places.push(Place { entry, gain, p_value, others });
+            places.push(Place { entry, gain, p_value, others, equals: Vec::new() });
         }
         Ok(Judged::Stands(places))
     }

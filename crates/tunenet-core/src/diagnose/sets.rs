@@ -15,10 +15,6 @@ const PRACTICAL_SHARE: f64 = 1e-5;
 const STILL_SHARE: f64 = 1e-7;
 /// A clock whose steps stray farther than this from their median is uneven.
 const UNEVEN: f64 = 0.2;
-/// A sample is set aside where it leaves the median of its neighbours' residuals by this many robust standard deviations.
-const OUTLYING: f64 = 6.0;
-/// More than this share of outlying samples is no accident, and they stay.
-const MOST_OUTLYING: f64 = 0.05;
 /// Near enough for marking contacts; nothing is fitted with it.
 const GRAVITY_M_S2: f64 = 9.81;
 
@@ -28,6 +24,8 @@ pub(super) struct Set {
     /// Its position among the recordings given.
     pub recording: usize,
     pub object: usize,
+    /// The first recording that shows the same throw, often itself.
+    pub throw: usize,
     pub held_out: bool,
     pub prepared: Prepared,
     /// How strongly each own unknown is drawn to its guess: a standard deviation.
@@ -64,7 +62,19 @@ impl Set {
         };
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
         let pull = prepared.own.iter().map(Parameter::span).collect();
-        Self { recording, object, held_out, prepared, pull, noise, keep, filter, contacts, held_still: false }
+        Self {
+            recording,
+            object,
+            throw: recording,
+            held_out,
+            prepared,
+            pull,
+            noise,
+            keep,
+            filter,
+            contacts,
+            held_still: false,
+        }
     }
 
     /// A piece of this recording as one of its own, with what is known of its noise.
@@ -105,35 +115,6 @@ impl Set {
     /// How many values count.
     pub fn count(&self) -> usize {
         self.keep.iter().filter(|keep| **keep).count()
-    }
-
-    /// Sets single samples aside that leave their neighbours, by residuals in units of the noise; returns how many.
-    /// A misfit is smooth between contacts, so it moves neighbours together.
-    pub fn set_outliers_aside(&mut self, residuals: &[f64]) -> usize {
-        let width = self.width();
-        let mut set_aside = 0;
-        for channel in 0..width {
-            let places: Vec<usize> = (channel..residuals.len()).step_by(width).filter(|&i| self.keep[i]).collect();
-            if places.len() < 12 {
-                continue;
-            }
-            let off: Vec<f64> = (0..places.len())
-                .map(|k| {
-                    let (low, high) = (k.saturating_sub(3), (k + 4).min(places.len()));
-                    let near = (low..high).filter(|&j| j != k).map(|j| residuals[places[j]]).collect();
-                    residuals[places[k]] - median(near)
-                })
-                .collect();
-            let spread = (1.4826 * median(off.iter().map(|v| v.abs()).collect())).max(0.5);
-            let outlying: Vec<usize> = (0..off.len()).filter(|&k| off[k].abs() > OUTLYING * spread).collect();
-            if (outlying.len() as f64) < MOST_OUTLYING * places.len() as f64 {
-                for k in &outlying {
-                    self.keep[places[*k]] = false;
-                }
-                set_aside += outlying.len();
-            }
-        }
-        set_aside
     }
 
     /// Takes this lag-one correlation of the noise for given.

@@ -1,10 +1,14 @@
 //! One stage of the search: every candidate beside a model, scored by its projected columns, the best fitted jointly.
 
+use std::cmp::Ordering;
+
 use rayon::prelude::*;
 
 use super::columns::{Projector, orthonormal, stack};
 use super::confusable::canonical_correlation;
-use super::joint::{Columns, Effort, Point, Which, dot};
+use super::derivatives::{Columns, Which};
+use super::fit::Effort;
+use super::joint::{Point, dot};
 use super::study::{FULL, Model, Study};
 use crate::Result;
 
@@ -50,6 +54,11 @@ impl Trial<'_> {
     pub fn unfitted(entry: usize, gain: f64) -> Self {
         Self { entry, gain, predicted: gain, model: None, excluded: None, span: Vec::new() }
     }
+
+    /// Best first, the excluded last.
+    pub fn order(a: &Self, b: &Self) -> Ordering {
+        a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)).then(a.entry.cmp(&b.entry))
+    }
 }
 
 /// A candidate's columns.
@@ -93,9 +102,7 @@ impl<'a> Study<'a> {
             })
             .collect();
         self.fit_best(&mut trials, model);
-        trials.sort_by(|a, b| {
-            a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)).then(a.entry.cmp(&b.entry))
-        });
+        trials.sort_by(Trial::order);
         trials
     }
 

@@ -2,8 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::columns::orthonormal;
-use super::joint::{Which, dot};
+use super::scores::Score;
 use super::study::{Model, Study};
 
 /// A share of the information below which a direction of the coefficients says nothing.
@@ -14,38 +13,56 @@ impl Study<'_> {
     /// (root of the weighted mean square, what noise alone moves taken off). Something that is only like the effect, a fan
     /// like a wind, is stronger here and weaker there.
     pub fn unsteadiness(&self, model: &Model) -> f64 {
-        let residuals = &model.fit.residuals;
-        let columns = self.joint(&model.structure).columns(&model.fit.point, residuals, Which::ALL);
-        let (mut moved, mut whole) = (0.0, 0.0);
-        for (one, residual) in columns.iter().zip(residuals) {
-            let own = orthonormal(one.own.clone());
-            let globals = &model.structure.globals;
-            let mine: Vec<usize> = (0..one.places.len()).filter(|&i| globals[one.places[i]].effect.is_some()).collect();
-            let reduced: Vec<Vec<f64>> = mine
-                .iter()
-                .map(|&i| {
-                    let mut column = one.shared[i].clone();
-                    for direction in own.iter().chain(&own) {
-                        let part = dot(direction, &column);
-                        column.iter_mut().zip(direction).for_each(|(c, d)| *c -= part * d);
-                    }
-                    column
-                })
-                .collect();
-            let normal = DMatrix::from_fn(mine.len(), mine.len(), |i, j| dot(&reduced[i], &reduced[j]));
-            let right = DVector::from_fn(mine.len(), |i, _| -dot(&reduced[i], residual));
-            let size = DVector::from_fn(mine.len(), |i, _| {
-                let place = one.places[mine[i]];
-                model.fit.point.globals[place] - globals[place].absent.map_or(0.0, |a| a.0)
-            });
-            whole += size.dot(&(&normal * &size));
-            let eigen = normal.symmetric_eigen();
-            let largest = eigen.eigenvalues.max().max(0.0);
-            for (k, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, v)| **v > SILENT * largest) {
-                let by_noise = self.independent.recip();
-                moved += eigen.eigenvectors.column(k).dot(&right).powi(2) / value - by_noise;
-            }
+        let globals = &model.structure.globals;
+        let size = |place: usize| {
+            let coefficient = globals[place].effect.is_some();
+            coefficient.then(|| model.fit.point.globals[place] - globals[place].absent.map_or(0.0, |a| a.0))
+        };
+        share_moved(&self.scores(model), &size, self.independent.recip())
+    }
+}
+
+/// `size` of a free number, `None` where it does not count; `by_noise` is what noise alone moves along each direction.
+fn share_moved(scores: &[Score], size: &dyn Fn(usize) -> Option<f64>, by_noise: f64) -> f64 {
+    let (mut moved, mut whole) = (0.0, 0.0);
+    for score in scores {
+        let (mine, sizes): (Vec<usize>, Vec<f64>) =
+            score.places.iter().enumerate().filter_map(|(i, &place)| Some((i, size(place)?))).unzip();
+        if mine.is_empty() {
+            continue;
         }
-        if whole > 0.0 { (moved.max(0.0) / whole).sqrt() } else { 0.0 }
+        let normal = DMatrix::from_fn(mine.len(), mine.len(), |i, j| score.normal[(mine[i], mine[j])]);
+        let pull = DVector::from_fn(mine.len(), |i, _| score.pull[mine[i]]);
+        let sizes = DVector::from_vec(sizes);
+        whole += sizes.dot(&(&normal * &sizes));
+        let eigen = normal.symmetric_eigen();
+        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+        for (k, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, v)| **v > SILENT * largest) {
+            moved += eigen.eigenvectors.column(k).dot(&pull).powi(2) / value - by_noise;
+        }
+    }
+    if whole > 0.0 { (moved.max(0.0) / whole).sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two recordings that know a coefficient of 2 to 1/√400 each; one asks for 0.2 more, the other for 0.2 less.
+    #[test]
+    fn the_share_is_the_scatter_over_the_size() {
+        let score = |recording: usize, by: f64| Score {
+            recording,
+            places: vec![7, 3],
+            normal: DMatrix::from_row_slice(2, 2, &[400.0, 0.0, 0.0, 1.0]),
+            pull: DVector::from_row_slice(&[400.0 * by, 50.0]),
+        };
+        let scores = [score(0, 0.2), score(1, -0.2)];
+        let size = |place: usize| (place == 7).then_some(2.0);
+        assert!((share_moved(&scores, &size, 0.0) - 0.1).abs() < 1e-12);
+        // What noise moves is taken off: 1 of the 16 of each.
+        assert!((share_moved(&scores, &size, 1.0) - 0.1 * (15.0f64 / 16.0).sqrt()).abs() < 1e-12);
+        assert_eq!(share_moved(&[score(0, 0.05)], &size, 1.0), 0.0);
+        assert_eq!(share_moved(&scores, &|_| None, 1.0), 0.0);
     }
 }

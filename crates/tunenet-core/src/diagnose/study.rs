@@ -5,7 +5,9 @@ use std::sync::atomic::AtomicUsize;
 use super::catalogue::{Entry, SCATTER};
 use super::colour;
 use super::evidence::{bic_gain, likelihood_gain};
-use super::joint::{Effort, Joint, Outcome, Point, spread};
+use super::fit::Effort;
+use super::joint::{Joint, Outcome, Point, spread};
+use super::outliers;
 use super::sets::Set;
 use super::structure::{Given, Structure};
 use super::{Settings, Subject};
@@ -69,9 +71,15 @@ impl<'a> Study<'a> {
         self.catalogue.iter().find(|e| e.name == SCATTER)
     }
 
-    /// Whether all that is fitted comes from one recording.
+    /// Whether all that is fitted shows one throw, however often.
     pub fn single(&self) -> bool {
-        self.sets.iter().all(|set| set.recording == self.sets[0].recording)
+        self.sets.iter().all(|set| set.throw == self.sets[0].throw)
+    }
+
+    /// Whether no object shows a second throw, against which the numbers of its own could be held.
+    pub fn thin(&self) -> bool {
+        let one = |a: &Set| self.sets.iter().all(|b| a.object != b.object || a.throw == b.throw);
+        self.sets.iter().all(one)
     }
 
     /// How many values count.
@@ -115,14 +123,12 @@ impl<'a> Study<'a> {
     /// Takes single wild samples and the noise's colour from what `model` leaves. True where anything changed, so that
     /// fits have to be made again.
     pub fn learn_noise(&mut self, model: &Model, before: &mut f64) -> Result<bool> {
-        let plain = self.joint(&model.structure).plain_residuals(&model.fit.point)?;
-        let mut weighted = plain;
-        let mut set_aside = 0;
-        for (set, values) in self.sets.iter_mut().zip(&mut weighted) {
+        let mut weighted = self.joint(&model.structure).plain_residuals(&model.fit.point)?;
+        for (set, values) in self.sets.iter().zip(&mut weighted) {
             let width = set.width();
             values.iter_mut().enumerate().for_each(|(i, v)| *v /= set.noise[i % width]);
-            set_aside += set.set_outliers_aside(values);
         }
+        let set_aside = outliers::set_aside(&mut self.sets, &weighted);
         let rho = colour::correlation(&self.sets, &weighted);
         let changed = set_aside > 0 || (rho - *before).abs() > COLOUR_CHANGE;
         if changed {

@@ -8,6 +8,15 @@ use super::noise_sd;
 const RELEASE_EVIDENCE: f64 = 20.0;
 /// Most instants of release tried before the neighbourhood of the best is looked at sample by sample.
 const MOST_RELEASES: usize = 200;
+/// A held ball stays within so many standard deviations of the noise, or this share of its fall.
+const HELD_NOISE: f64 = 10.0;
+const HELD_SHARE: f64 = 0.02;
+/// Samples before and after fall alike where their accelerations have this ratio, known to this share ...
+const ALIKE: std::ops::Range<f64> = 0.7..1.4;
+const ALIKE_SD: f64 = 0.1;
+/// ... from at least so many samples each.
+const FEWEST_ALIKE: usize = 4;
+
 /// The first sample of free flight: the flight before the first impact is followed backwards for as long as one parabola
 /// (its acceleration free, so that drag is no release) explains it.
 pub(super) fn release(clock: &[f64], heights: &[f64], from: usize, impact: usize) -> usize {
@@ -16,7 +25,12 @@ pub(super) fn release(clock: &[f64], heights: &[f64], from: usize, impact: usize
     if impact < from + seed + 2 {
         return from;
     }
-    if let Some(held) = held_until(&clock[from..impact], &heights[from..impact]) {
+    let held = held_until(&clock[from..impact], &heights[from..impact]);
+    // The top of a throw is level too, but not for long.
+    let level = |held: &usize| {
+        span(&heights[from..=from + held]) < (HELD_NOISE * sd).max(HELD_SHARE * span(&heights[from..impact]))
+    };
+    if let Some(held) = held.filter(level) {
         return (from + held + 1).min(impact - 2);
     }
     let mut begin = impact - seed;
@@ -28,11 +42,35 @@ pub(super) fn release(clock: &[f64], heights: &[f64], from: usize, impact: usize
         let limit = 6.0 * sd.max(fit.residual_sd) + 1e-3 * span(&heights[from..impact]);
         // Two misfits in a row end the flight; one is an outlier.
         if misfit(begin - 1) > limit && (begin < from + 2 || misfit(begin - 2) > limit) {
+            if falls_alike(&clock[from..impact], &heights[from..impact], begin - from, sd) {
+                return from;
+            }
             return (begin + 1).min(impact - 2);
         }
         begin -= 1;
     }
     from
+}
+
+/// Whether the first `count` samples fall as the rest does, though one parabola does not hold both: a camera that looks up
+/// or down sees gravity change along the way. A hand lets nothing fall like that. `false` where noise hides it.
+fn falls_alike(clock: &[f64], heights: &[f64], count: usize, noise_sd: f64) -> bool {
+    let first = count.max(FEWEST_ALIKE);
+    if clock.len() < first + FEWEST_ALIKE {
+        return false;
+    }
+    let acceleration = |range: std::ops::Range<usize>| {
+        let (t, z) = (&clock[range.clone()], &heights[range]);
+        let fit = Polynomial::fit(t, z, t[0], None)?;
+        // The acceleration of a parabola through n even samples over T has standard deviation sd·√720 / (√n T²).
+        let duration = t[t.len() - 1] - t[0];
+        let sd = fit.residual_sd.max(noise_sd) * (720.0 / t.len() as f64).sqrt() / (duration * duration);
+        Some((2.0 * fit.coefficients[2], sd))
+    };
+    let (Some((before, sd)), Some((after, _))) = (acceleration(0..first), acceleration(first..clock.len())) else {
+        return false;
+    };
+    sd < ALIKE_SD * after.abs() && ALIKE.contains(&(before / after))
 }
 
 /// The last held sample of a flight that begins with the ball held still and let go: a level line, then a parabola from
@@ -99,6 +137,21 @@ mod tests {
             // 2 mm of noise hide the first 20 ms of the fall.
             assert!(found + 3 >= held && found <= held + 8, "{held}: {found}");
         }
+    }
+
+    #[test]
+    fn a_throw_seen_by_a_camera_that_looks_down_keeps_all_its_samples() {
+        // Lengths shrink by a third per metre of height, which no parabola follows.
+        let clock: Vec<f64> = (0..24).map(|i| f64::from(i) / 30.0).collect();
+        let heights: Vec<f64> =
+            clock.iter().map(|t| 0.3 + 3.5 * t - 4.905 * t * t).map(|z| z / (1.0 + 0.2 * z)).collect();
+        assert_eq!(release(&clock, &heights, 0, clock.len()), 0);
+        // The same throw from a hand that brings the ball there at an even speed.
+        let mut thrown: Vec<f64> = (0..10).map(|i| heights[0] - 0.01 * f64::from(10 - i)).collect();
+        thrown.extend(&heights);
+        let clock: Vec<f64> = (0..34).map(|i| f64::from(i) / 30.0).collect();
+        let found = release(&clock, &thrown, 0, clock.len());
+        assert!((9..=12).contains(&found), "{found}");
     }
 
     #[test]

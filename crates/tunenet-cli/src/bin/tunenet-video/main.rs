@@ -5,6 +5,7 @@
 //! error and exits 1; wrong usage exits 2. What `track` cannot do is told on standard output as well, for the parent to say.
 
 mod rehearse;
+mod speed;
 mod track;
 
 use std::io::Write;
@@ -38,6 +39,20 @@ enum Command {
     /// Render and track the films that standard input asks for; print the tracks as a JSON array
     #[command(hide = true)]
     Film,
+    /// Measure how fast pictures are made, decoded and tracked
+    #[command(hide = true)]
+    Speed {
+        /// Folder for the films that this takes
+        folder: PathBuf,
+    },
+    /// Write a film of 4K frames
+    #[command(hide = true)]
+    LongFilm {
+        /// Where to
+        path: PathBuf,
+        /// How many
+        frames: usize,
+    },
 }
 
 fn main() -> ExitCode {
@@ -45,6 +60,8 @@ fn main() -> ExitCode {
     let done = match command {
         Command::Inspect { file } => inspect(&file),
         Command::Film => rehearse::run(),
+        Command::Speed { folder } => speed::run(&folder),
+        Command::LongFilm { path, frames } => speed::long_film(&path, frames),
         Command::Track(options) => track::run(&options),
     };
     match done.and_then(|object| print(&object)) {

@@ -17,15 +17,15 @@ struct Order {
     films: Vec<Take>,
 }
 
-/// The tracks of rendered films, in the order asked for.
+/// The tracks of rendered films, in the order asked for; the reason in place of one where no ball is found.
 pub fn run() -> Result<Value> {
     let order: Order = serde_json::from_reader(std::io::stdin().lock()).context("the order")?;
     let one = |(i, take): (usize, &Take)| -> Result<Value> {
         let seed = order.seed.wrapping_mul(0x9E37_79B9).wrapping_add(i as u64);
-        match rehearsal::rehearse(take, order.radius_m, &order.spoilt, seed)? {
-            Ok(track) => Ok(serde_json::to_value(track)?),
-            Err(reason) => anyhow::bail!("film {}: {}", i + 1, reason.verdict()),
-        }
+        Ok(match rehearsal::rehearse(take, order.radius_m, &order.spoilt, seed)? {
+            Ok(track) => serde_json::to_value(track)?,
+            Err(reason) => reason.verdict().into(),
+        })
     };
     let tracks = order.films.par_iter().enumerate().map(one).collect::<Result<Vec<_>>>()?;
     Ok(tracks.into())

@@ -9,14 +9,17 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use tunenet_core::Error;
 use tunenet_core::observation::preflight::Expected;
+use tunenet_core::observation::{Channel, Kind, Observation, resample};
 use tunenet_track::colour::Window;
-use tunenet_track::overlay::{Drawn, overlay};
+use tunenet_track::overlay::{Drawn, overlay, plain};
 use tunenet_track::scale::{Known, Metric};
 use tunenet_track::track::Settings;
 use tunenet_track::{Answer, Source, Track, track};
 
 /// Half a 95 % interval, in standard deviations.
 const INTERVAL: f64 = 1.96;
+/// Samples beyond this are no film's.
+const MOST_RESAMPLED: f64 = 1e7;
 
 #[derive(Debug, Args)]
 pub struct Options {
@@ -30,8 +33,11 @@ pub struct Options {
     topic: Option<String>,
     /// The camera's true frames per second
     #[arg(long)]
+    camera_rate: Option<f64>,
+    /// Samples per second that are told
+    #[arg(long)]
     rate: Option<f64>,
-    /// Most frames
+    /// Samples that are told with a rate, else most frames
     #[arg(long)]
     frames: Option<usize>,
     /// The ball's radius, m
@@ -70,16 +76,22 @@ pub fn run(options: &Options) -> Result<Value> {
 }
 
 fn found(options: &Options) -> tunenet_core::Result<Value> {
-    let source = Source::new(&options.file, options.topic.as_deref());
+    let source = Source::new(&options.file, options.topic.as_deref()).at_rate(options.camera_rate.or(options.rate));
     let colour = options.color.as_deref().map(Window::parse).transpose()?;
-    let settings = Settings { colour, rate_hz: options.rate, most_frames: options.frames };
+    let settings = Settings {
+        colour,
+        rate_hz: options.camera_rate,
+        most_frames: options.frames.filter(|_| options.rate.is_none()),
+    };
     let bar = progress();
     let answer = track(&source, &settings, &mut |done, promised| advance(&bar, "track", done, promised));
     let track = match answer? {
         Answer::Tracked(track) => track,
         Answer::Unseen { reason, frames, note } => {
+            let pictures = if options.sheet > 0 { plain(&source, frames, options.sheet)? } else { Vec::new() };
             return Ok(json!({
                 "verdict": reason.verdict(), "frames": frames, "seen": 0, "reason": note, "warnings": [note],
+                "pictures": sheet(&pictures),
             }));
         }
     };
@@ -170,6 +182,8 @@ fn told(options: &Options, track: &Track, drawn: &[Drawn]) -> tunenet_core::Resu
         samples["x_m"] = json!(seen.column(0).collect::<Vec<f64>>());
         samples["z_m"] = json!(seen.column(2).collect::<Vec<f64>>());
         object["scale"] = json!({ "m_per_px": metric.metres_per_px, "by": metric.by, "words": metric.by.name() });
+        // How much farther away a metre of height is, where the camera does not look from the side.
+        object["scale"]["depth_1_m"] = json!(metric.camera.map_or(0.0, |camera| camera.depth(1.0) - 1.0));
         object["preflight"] = json!(metric.preflight.checks);
         if let Some(arcs) = &metric.preflight.arcs {
             object["bounces_s"] = json!(arcs.contacts.iter().map(|c| c.time_s).collect::<Vec<_>>());
@@ -179,17 +193,52 @@ fn told(options: &Options, track: &Track, drawn: &[Drawn]) -> tunenet_core::Resu
         }
     }
     object["warnings"] = json!(warnings);
+    if let Some(rate_hz) = options.rate {
+        samples = resampled(&samples, released_s(metric.as_ref()), rate_hz, options.frames)?;
+    }
     object["samples"] = samples;
-    object["pictures"] = drawn
-        .iter()
-        .map(|d| {
-            json!({
-                "frame": d.frame, "time_s": d.time_s, "width": d.size_px.0, "height": d.size_px.1,
-                "jpeg": base64::encode(&d.jpeg),
-            })
-        })
-        .collect();
+    object["pictures"] = sheet(drawn);
     Ok(object)
+}
+
+fn sheet(drawn: &[Drawn]) -> Value {
+    let one = |d: &Drawn| {
+        json!({
+            "frame": d.frame, "time_s": d.time_s, "width": d.size_px.0, "height": d.size_px.1,
+            "jpeg": base64::encode(&d.jpeg),
+        })
+    };
+    drawn.iter().map(one).collect()
+}
+
+/// When the ball is let go, s, where that is seen.
+fn released_s(metric: Option<&Metric>) -> Option<f64> {
+    let preflight = &metric?.preflight;
+    let (kept, arcs) = (preflight.kept.as_ref()?, preflight.arcs.as_ref()?);
+    kept.clock().get(arcs.usable.start).copied()
+}
+
+/// The samples on an even clock from `from_s` on, as far as they reach or `count` of them, the last one held.
+fn resampled(samples: &Value, from_s: Option<f64>, rate_hz: f64, count: Option<usize>) -> tunenet_core::Result<Value> {
+    let column =
+        |name: &str| -> Vec<f64> { samples[name].as_array().into_iter().flatten().filter_map(Value::as_f64).collect() };
+    let names: Vec<&str> =
+        samples.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).filter(|n| *n != "t_s").collect();
+    let times = column("t_s");
+    let columns: Vec<Vec<f64>> = names.iter().map(|name| column(name)).collect();
+    let rows = (0..times.len()).flat_map(|i| columns.iter().map(move |c| c[i])).collect();
+    let channels = names.iter().map(|name| Channel::new(*name, "1")).collect();
+    let (first, last) = (times[0], times[times.len() - 1]);
+    let from = from_s.unwrap_or(first);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a length of time, clamped")]
+    let count = count.unwrap_or_else(|| ((last - from) * rate_hz + 1e-6).clamp(2.0, MOST_RESAMPLED) as usize + 1);
+    let clock: Vec<f64> = (0..count).map(|k| from + k as f64 / rate_hz).collect();
+    let even = resample(&Observation::new(Kind::Other, channels, times, rows)?, &clock)?;
+    let mut out = json!({ "t_s": clock });
+    for (i, name) in names.iter().enumerate() {
+        out[*name] = even.column(i).collect::<Vec<f64>>().into();
+    }
+    Ok(out)
 }
 
 /// Invisible where standard error is no terminal.

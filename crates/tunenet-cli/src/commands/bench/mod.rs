@@ -1,6 +1,7 @@
 //! `tunenet bench`: every figure that is claimed, measured here.
 
 mod diagnose;
+mod film_speed;
 mod intervals;
 mod paper;
 mod preflight;

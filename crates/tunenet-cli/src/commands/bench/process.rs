@@ -1,5 +1,6 @@
 //! Whole processes of this very executable, timed and weighed from outside.
 
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -19,7 +20,11 @@ pub struct Cost {
 
 /// Runs this executable with `arguments`.
 pub fn run(arguments: &[&str]) -> Result<Cost> {
-    let program = std::env::current_exe().context("this program's own path")?;
+    run_program(&std::env::current_exe().context("this program's own path")?, arguments)
+}
+
+/// Runs `program` with `arguments`.
+pub fn run_program(program: &Path, arguments: &[&str]) -> Result<Cost> {
     let began = Instant::now();
     let mut child = Command::new(program)
         .args(arguments)
@@ -27,7 +32,7 @@ pub fn run(arguments: &[&str]) -> Result<Cost> {
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
-        .context("starting this program again")?;
+        .with_context(|| format!("starting {}", program.display()))?;
     let mut peak_bytes = None;
     let status = loop {
         if let Some(status) = child.try_wait()? {
@@ -44,7 +49,8 @@ pub fn run(arguments: &[&str]) -> Result<Cost> {
         if let Some(mut stderr) = child.stderr.take() {
             std::io::Read::read_to_string(&mut stderr, &mut text)?;
         }
-        bail!("`tunenet {}` failed: {}", arguments.join(" "), text.trim());
+        let name = program.file_stem().unwrap_or_default().to_string_lossy();
+        bail!("`{name} {}` failed: {}", arguments.join(" "), text.trim());
     }
     Ok(Cost { seconds, peak_bytes })
 }

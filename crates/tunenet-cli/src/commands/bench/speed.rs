@@ -9,6 +9,7 @@ use serde_json::json;
 use tunenet_core::network::{Preset, TrainOptions, train};
 use tunenet_sim::ball::{Scene, State, positions};
 
+use super::film_speed::Films;
 use super::process;
 use crate::cli::BenchSpeed;
 use crate::commands::print_json;
@@ -58,8 +59,11 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
     let many = process::run(&["gen", "ball", "--preset", "easy", "--pairs", MANY_PAIRS, "--out", &many])?;
     let peak = many.peak_bytes.map_or_else(|| "not known here".into(), |b| format!("{:.0} MB", b as f64 / 1e6));
 
+    stage("filming", "160 × 120 px in memory, a film of 1080p, two of 4K");
+    let films = Films::measure(folder.path())?;
+
     let row = |what: &str, value: String| vec![what.to_string(), value];
-    let rows = [
+    let mut rows = vec![
         row(
             "ball, 400 frames at 60 Hz, one core, mean over restitution 0 to 1",
             format!("{:.2} M frames/s", mean / 1e6),
@@ -74,6 +78,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row("gen, 100,000 pairs, all cores", format!("{:.1} s", many.seconds)),
         row("its greatest memory", peak),
     ];
+    rows.extend(films.rows());
     anstream::eprintln!("{}", table(&rows));
     if options.common.json {
         print_json(&json!({
@@ -82,6 +87,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
             "train": { "preset": "paper", "pairs": 800, "epochs": 200, "seconds": training_s },
             "tune": { "iterations": 5, "process_seconds": tuning_s, "start_seconds": starting_s },
             "gen": { "pairs": 100_000, "seconds": many.seconds, "peak_bytes": many.peak_bytes },
+            "film": films.as_json(),
             "warnings": [],
         }));
     }

@@ -26,6 +26,18 @@ impl Answer<'_> {
         }
     }
 
+    /// Of an ambiguous answer: for each effect that it holds, that effect and whatever could be in its place. Those that are
+    /// alone in theirs are certain beside the others.
+    pub fn choices(&self) -> Vec<Vec<&'static str>> {
+        let one = |e: &NamedEffect| std::iter::once(e.effect.name).chain(e.alternatives.iter().copied()).collect();
+        self.diagnosis.effects.iter().map(one).collect()
+    }
+
+    /// The effects that the improved file holds where several could be in their place.
+    pub fn chosen(&self) -> Vec<&'static str> {
+        self.diagnosis.effects.iter().map(|e| e.effect.name).collect()
+    }
+
     /// The drag coefficient of an object: the force over that of the pressure ρv²/2 on the ball's section. None where its
     /// mass is not known.
     pub fn drag_coefficient(&self, effect: &NamedEffect, value: &Value) -> Option<Value> {
@@ -44,9 +56,15 @@ impl Answer<'_> {
         effect.plausible.get(i).copied().unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
     }
 
-    /// Everything that a person should know, of reading and of judging.
+    /// Everything that a person should know, of reading, of each recording, and of judging.
     pub fn notes(&self) -> Vec<Note> {
-        self.loaded.notes.iter().chain(&self.diagnosis.notes).cloned().collect()
+        let several = self.diagnosis.uses.len() > 1;
+        let of_each = self.diagnosis.uses.iter().flat_map(|one| one.notes.iter().map(move |note| (one, note)));
+        let named = of_each.map(|(one, note)| {
+            let name = if several { format!("{}: ", one.name) } else { String::new() };
+            Note { text: format!("{name}{}", note.text), ..note.clone() }
+        });
+        self.loaded.notes.iter().cloned().chain(named).chain(self.diagnosis.notes.iter().cloned()).collect()
     }
 
     /// Why recordings do not suffice: what is said of all, then of each that cannot be used.

@@ -11,6 +11,7 @@ use tunenet_core::observation::recording::write_atomically;
 use tunenet_sim::SimulationFile;
 
 use super::answer::Answer;
+use super::json::gap_of;
 use super::load::Object;
 use super::manifest::Source;
 use crate::cli::Diagnose;
@@ -191,9 +192,12 @@ fn provenance(options: &Diagnose, answer: &Answer, gap: &Gap, object: usize) -> 
     ];
     if diagnosis.verdict == Verdict::OneOf {
         entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
+        // Of what cannot be told apart only one is written, never all together.
+        entries.push(("chosen", answer.chosen().into_iter().collect::<Array>().into()));
     }
     entries.extend([
-        ("gap_unit", Toml::from(gap.unit.as_str())),
+        ("gap_of", Toml::from(gap_of(gap))),
+        ("gap_unit", gap.unit.as_str().into()),
         ("gap_before", gap.before.into()),
         ("gap_after", gap.after.into()),
         ("gap_noise_floor", gap.noise_floor.into()),

@@ -8,7 +8,7 @@ use crate::commands::tune::warning;
 
 pub fn object(answer: &Answer) -> Json {
     let diagnosis = answer.diagnosis;
-    let warnings: Vec<Json> = answer.loaded.notes.iter().chain(&diagnosis.notes).map(warning).collect();
+    let warnings: Vec<Json> = answer.notes().iter().map(warning).collect();
     json!({
         "schema": "tunenet.diagnose/1",
         "verdict": diagnosis.verdict,
@@ -16,6 +16,7 @@ pub fn object(answer: &Answer) -> Json {
         "candidates": answer.candidates(),
         "scores": diagnosis.candidates.iter().map(score).collect::<Vec<_>>(),
         "gap": diagnosis.gap.as_ref().map(gap),
+        "margin": diagnosis.margin,
         "adequacy": diagnosis.adequacy.iter().map(test).collect::<Vec<_>>(),
         "description": diagnosis.description,
         "next_experiment": diagnosis.next_experiment.as_ref().map(|next| {
@@ -89,6 +90,7 @@ fn change(change: &Change) -> Json {
 fn gap(gap: &Gap) -> Json {
     json!({
         "unit": gap.unit,
+        "of": gap_of(gap),
         "before": gap.before,
         "after": gap.after,
         "noise_floor": gap.noise_floor,
@@ -96,6 +98,11 @@ fn gap(gap: &Gap) -> Json {
         "forecast": gap.forecast.as_ref().map(change),
         "control": gap.control.map(|(name, after)| json!({ "name": name, "after": after })),
     })
+}
+
+/// What the gap was measured on.
+pub fn gap_of(gap: &Gap) -> &'static str {
+    if gap.of_flights { "flights" } else { "recordings" }
 }
 
 fn test(test: &Test) -> Json {
@@ -119,5 +126,5 @@ fn used(one: &Use) -> Json {
 
 fn estimated(one: &Explained) -> Json {
     let own = one.own.iter().map(|(name, value, unit)| json!({ "name": name, "value": value, "unit": unit }));
-    json!({ "file": one.name, "own": own.collect::<Vec<_>>() })
+    json!({ "file": one.name, "flight": one.flight, "own": own.collect::<Vec<_>>() })
 }

@@ -57,7 +57,9 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let file = load::simulation(&options.simulation)?;
     for source in sources {
         let name = load::name(&source.path);
-        let recording = load::recording_of(&file, &source.path, &options.reading, MOST_SAMPLES)?;
+        // A film's scale goes by what its own entry says of the ball.
+        let scene = in_scene(options, source, &file)?;
+        let recording = load::recording_of(&scene, &source.path, &options.reading, MOST_SAMPLES)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
@@ -87,8 +89,9 @@ fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
     Err(Error::file(&sources[other].path, message, "diagnose recordings of each kind alone").into())
 }
 
-fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
-    let mut file = load::simulation(&options.simulation)?;
+/// The simulation file with what a manifest entry says of the scene.
+fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Result<SimulationFile> {
+    let mut file = file.clone();
     for (key, value) in &source.scene {
         file.set(&format!("{key}={value}")).map_err(|e| match e {
             // Not the command line's fault.
@@ -99,6 +102,11 @@ fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
             other => other,
         })?;
     }
+    Ok(file)
+}
+
+fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
+    let file = in_scene(options, source, &load::simulation(&options.simulation)?)?;
     let mut simulator = simulator(&file, kind).with_context(|| load::name(&source.path))?;
     // A coefficient that stands there may be wrong, and is tuned with the parameters; else it looks like something missing.
     let present = file.effects();

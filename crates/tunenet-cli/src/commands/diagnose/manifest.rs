@@ -12,6 +12,9 @@ use crate::commands::load::distinct;
 /// The object of files that no manifest groups.
 pub const ONLY: &str = "ball";
 
+/// What an entry may say beside keys of the scene.
+const KEYS: &str = "`file`, `object`, `held_out`";
+
 /// One file, and what is said of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
@@ -37,7 +40,11 @@ pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {
     distinct(sources.iter().map(|s| s.path.as_path()))?;
     if let Some(first) = sources.first().filter(|_| sources.iter().all(|s| s.held_out)) {
         let message = "expected at least one recording to fit to, found only held-out ones";
-        return Err(Error::file(&first.path, message, "give one with --observation").into());
+        let (place, hint) = match &options.manifest {
+            Some(manifest) => (manifest, "leave `held_out = true` out of those that are to be fitted"),
+            None => (&first.path, "give one with --observation"),
+        };
+        return Err(Error::file(place, message, hint).into());
     }
     Ok(sources)
 }
@@ -45,8 +52,14 @@ pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {
 fn read(path: &Path) -> Result<Vec<Source>> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
     let document = Document::parse(text.as_str()).map_err(|e| {
-        let line = e.span().map_or(1, |span| text[..span.start].lines().count().max(1));
-        Error::file(path, format!("line {line}: {}", e.message()), "a manifest is TOML: [[observation]] tables")
+        let start = e.span().map_or(0, |span| span.start);
+        let line = text[..start].lines().count().max(1);
+        let written = text.lines().nth(line - 1).unwrap_or_default().trim();
+        let hint = match written.split_once('=').map(|(_, value)| value.trim().trim_start_matches(['+', '-'])) {
+            Some(value) if value.starts_with('.') => format!("TOML wants a digit before the point: write 0{value}"),
+            _ => "a manifest is TOML: [[observation]] tables".into(),
+        };
+        Error::file(path, format!("line {line}, `{written}`: {}", e.message()), hint)
     })?;
     let mut entries = None;
     for (key, item) in document.as_table() {
@@ -88,6 +101,10 @@ fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) 
             }
             "reference" => {
                 return Err(place("expected no `reference`, which a ball's recordings have no use for").into());
+            }
+            // A scene's key has a table before its name.
+            _ if item.as_table_like().is_none() && !key.contains('.') => {
+                return Err(place(&format!("expected {KEYS} or a key of the scene, found `{key}`")).into());
             }
             _ => keys(key, item, &mut scene),
         }
@@ -135,6 +152,8 @@ mod tests {
             ("[[observation]]\nfile = 3\n", "a name in quotes for `file`"),
             ("[[observation]]\nfile = \"a.csv\"\nheld_out = 1\n", "true or false"),
             ("[[observation]\n", "line 1"),
+            ("[[observation]]\nfile = \"a.csv\"\nball.radius_m = .0155\n", "line 3, `ball.radius_m = .0155`"),
+            ("[[observation]]\nfile = \"a.csv\"\nheldout = true\n", "found `heldout`"),
         ] {
             let message = manifest(text).unwrap_err().to_string();
             assert!(message.contains(expected), "{text}: {message}");

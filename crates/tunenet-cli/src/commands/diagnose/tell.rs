@@ -1,7 +1,10 @@
 //! The answer for people, on standard error.
 
+use std::cmp::Ordering;
+
 use indicatif::ProgressBar;
 use tunenet_core::diagnose::{Candidate, Change, Diagnosis, NamedEffect, Progress, Value, Verdict};
+use tunenet_core::observation::Note;
 
 use super::answer::Answer;
 use super::improve::Written;
@@ -11,6 +14,8 @@ use crate::terminal::{in_words, rounded, stage, table, warn};
 
 /// Candidates that are shown; the JSON has all of them.
 const SHOWN: usize = 6;
+/// Warnings of one kind that are shown in full.
+const MOST_ALIKE: usize = 3;
 
 /// Says what was read.
 pub fn read(loaded: &Loaded) {
@@ -74,12 +79,18 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
         anstream::eprintln!("  next: {}", next.text);
     }
     anstream::eprintln!();
-    answer.loaded.notes.iter().chain(&diagnosis.notes).for_each(warn);
+    warnings(&answer.notes());
     let wrote = match written {
         Written::NotAsked => String::new(),
         Written::Files(files) => {
             let paths: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
-            format!("wrote {}, ", paths.join(", "))
+            let several = diagnosis.verdict == Verdict::OneOf;
+            let with = if several {
+                format!(" with {}, the best of them", answer.chosen().join(" and "))
+            } else {
+                String::new()
+            };
+            format!("wrote {}{with}; ", paths.join(", "))
         }
         Written::Not(why) => {
             let out = options.out.as_deref().map(|out| out.display().to_string()).unwrap_or_default();
@@ -88,6 +99,22 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
     };
     let (rollouts, seed) = (diagnosis.rollouts, options.common.seed);
     anstream::eprintln!("{wrote}{rollouts} rollouts, {:.1} s, seed {seed}", answer.seconds);
+}
+
+/// Of many recordings with the same to say, the first few.
+fn warnings(notes: &[Note]) {
+    for (i, note) in notes.iter().enumerate() {
+        let before = notes[..i].iter().filter(|other| other.code == note.code).count();
+        match before.cmp(&MOST_ALIKE) {
+            Ordering::Less => warn(note),
+            Ordering::Equal => {
+                let more = notes[i..].iter().filter(|other| other.code == note.code).count();
+                let text = format!("{more} more of this kind; `--json` has all");
+                warn(&Note::new(note.code, text, ""));
+            }
+            Ordering::Greater => {}
+        }
+    }
 }
 
 fn given_as_held_out(answer: &Answer, name: &str) -> bool {
@@ -100,13 +127,22 @@ fn sentence(answer: &Answer) -> String {
     match diagnosis.verdict {
         Verdict::None => "NONE  nothing is missing that these recordings could show".into(),
         Verdict::Named => format!("NAMED  {}", diagnosis.effects.iter().map(lone).collect::<Vec<_>>().join(" and ")),
-        Verdict::OneOf => format!("ONE OF  {}: these recordings cannot tell", answer.candidates().join(", ")),
+        Verdict::OneOf => format!("ONE OF  {}: these recordings cannot tell", choices(answer)),
         Verdict::Unknown => {
             let nearest = answer.candidates().first().map(|n| format!(" (nearest: {n})")).unwrap_or_default();
             format!("UNKNOWN  something is missing, and no known effect explains it{nearest}")
         }
         Verdict::Insufficient => "INSUFFICIENT  these recordings do not suffice for an answer".into(),
     }
+}
+
+/// What is left to choose from, place by place: `wind, magnus; beside quadratic_drag`.
+fn choices(answer: &Answer) -> String {
+    let (open, firm): (Vec<_>, Vec<_>) = answer.choices().into_iter().partition(|names| names.len() > 1);
+    let open: Vec<String> = open.iter().map(|names| names.join(", ")).collect();
+    let firm: Vec<&str> = firm.into_iter().flatten().collect();
+    let beside = if firm.is_empty() { String::new() } else { format!("; beside {}", firm.join(" and ")) };
+    format!("{}{beside}", open.join("; and one of "))
 }
 
 fn lone(named: &NamedEffect) -> String {
@@ -140,7 +176,8 @@ fn details(answer: &Answer) -> Vec<String> {
         let words = |value: f64| in_words(value, &gap.unit);
         if !diagnosis.effects.is_empty() {
             let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
-            let mut line = format!("gap {} → {}", words(gap.before), words(gap.after));
+            let of = if gap.of_flights { " of the flights alone" } else { "" };
+            let mut line = format!("gap{of} {} → {}", words(gap.before), words(gap.after));
             if let Some(change) = &gap.held_out {
                 line = format!("{line}, held out {}", to(change));
             }
@@ -172,7 +209,9 @@ fn candidates(diagnosis: &Diagnosis) -> String {
         let ratio = c.held_out_ratio.map_or("-".into(), |r| format!("×{r:.3}"));
         vec![c.name.to_owned(), format!("{about}{}", whole(c.bic_gain)), format!("{about}{}", whole(c.delta)), ratio]
     };
-    rows.extend(diagnosis.candidates.iter().filter(|c| c.excluded.is_none()).take(SHOWN).map(row));
+    let shown = |(i, c): &(usize, &Candidate)| *i < SHOWN || diagnosis.names.contains(&c.name);
+    let left = diagnosis.candidates.iter().filter(|c| c.excluded.is_none()).enumerate().filter(shown);
+    rows.extend(left.map(|(_, c)| row(c)));
     rows.push(vec!["none".into(), "0".into(), "-".into(), "×1".into()]);
     table(&rows)
 }
@@ -193,9 +232,10 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
     if !failed.is_empty() {
         line = format!("{line} (failed: {})", failed.join(", "));
     }
-    let margin = diagnosis.effects.iter().map(|e| e.evidence.runner_up_bic_gap).reduce(f64::min);
-    if let Some(margin) = margin.filter(|m| m.is_finite()) {
-        line = format!("margin {margin:.0}, {line}");
+    let runners_up =
+        diagnosis.effects.iter().filter_map(|e| Some((e.evidence.runner_up?, e.evidence.runner_up_bic_gap)));
+    if let Some((name, gap)) = runners_up.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        line = format!("{name} is {} behind, and what is within {:.0} is left; {line}", whole(gap), diagnosis.margin);
     }
     Some(line)
 }

@@ -9,8 +9,9 @@ use crate::commands::film::{Asked, Unseen, note};
 use crate::terminal::{stage, warn};
 
 /// What is in the film at `path`, and whether it can be used.
-pub fn look(path: &Path) -> Result<(Value, bool)> {
-    let found = match Asked::default().track(path) {
+pub fn look(path: &Path, camera_rate: Option<f64>) -> Result<(Value, bool)> {
+    let asked = Asked::default().with("--camera-rate", camera_rate.map(|r| r.to_string()));
+    let found = match asked.track(path) {
         Ok(found) => found,
         Err(error) => {
             let unseen = error.downcast::<Unseen>()?;
@@ -38,7 +39,8 @@ pub fn look(path: &Path) -> Result<(Value, bool)> {
     stage("ball", &format!("seen in {} frames, {bounces} bounces", number("seen")));
     found["warnings"].as_array().into_iter().flatten().map(note).for_each(|n| warn(&n));
     let failed = found["preflight"].as_array().into_iter().flatten().find(|c| c["state"] == "failed");
-    let reason = match (failed, found["scale"].is_null()) {
+    let rolls = found["warnings"].as_array().into_iter().flatten().find(|w| w["code"] == "ball.rolls");
+    let reason = match (failed.or(rolls), found["scale"].is_null()) {
         (Some(check), _) => check["text"].as_str().unwrap_or_default().to_owned(),
         (None, true) => "the ball does not fly freely, so nothing says how large a pixel is".to_owned(),
         (None, false) => String::new(),

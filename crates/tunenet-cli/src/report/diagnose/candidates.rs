@@ -35,10 +35,11 @@ pub fn confusable(diagnosis: &Diagnosis) -> Vec<&'static str> {
 
 /// Bars of the gain, with the line that an explanation has to reach to be left.
 pub fn gains(diagnosis: &Diagnosis) -> Markup {
-    let shown: Vec<&Candidate> = left(diagnosis).take(MOST).collect();
+    let told = |(i, c): &(usize, &Candidate)| *i < MOST || diagnosis.names.contains(&c.name);
+    let shown: Vec<&Candidate> = left(diagnosis).enumerate().filter(told).map(|(_, c)| c).collect();
     let width = Size::Narrow.width();
     let best = shown.iter().map(|c| c.bic_gain).fold(0.0, f64::max);
-    let needed = (best - diagnosis.margin).max(diagnosis.margin);
+    let needed = (best - diagnosis.margin).max(diagnosis.least_gain);
     let right = width - 30.0;
     let x = Axis::new((0.0, 1.05 * best.max(needed)), (1.0, right));
     let bottom = 8.0 + ROW * shown.len() as f64;
@@ -88,7 +89,7 @@ pub fn table(answer: &Answer) -> Markup {
         _ => None,
     };
     let (kept, idle): (Vec<&Candidate>, Vec<&Candidate>) =
-        left(diagnosis).partition(|c| c.bic_gain > 0.0 || ratio(c).is_some());
+        left(diagnosis).partition(|c| c.bic_gain > 0.0 || ratio(c).is_some() || diagnosis.names.contains(&c.name));
     html! {
         table {
             thead { tr { th { "effect" } th { "acts" } th { "gain" } th { "behind the best" } th { "held-out error" } th { "" } } }

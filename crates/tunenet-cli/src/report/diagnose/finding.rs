@@ -68,9 +68,14 @@ pub fn sentence(answer: &Answer) -> String {
             format!("{} {verb} missing.", capital(&joined(&each, "and")))
         }
         Verdict::OneOf => {
-            let names: Vec<String> = answer.candidates().iter().map(|name| plain(name)).collect();
+            let (open, firm): (Vec<_>, Vec<_>) = answer.choices().into_iter().partition(|names| names.len() > 1);
+            let words = |names: &[&str]| names.iter().map(|name| plain(name)).collect::<Vec<_>>();
+            let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
             let place = common_place(answer).map(|p| format!(" {}", p.name())).unwrap_or_default();
-            format!("{}{place}: these recordings cannot tell.", capital(&joined(&names, "or")))
+            let firm: Vec<&str> = firm.into_iter().flatten().collect();
+            let beside =
+                if firm.is_empty() { String::new() } else { format!(", beside {}", joined(&words(&firm), "and")) };
+            format!("{}{place}{beside}: these recordings cannot tell.", capital(&open.join("; and ")))
         }
         Verdict::Unknown => {
             let place = diagnosis.remains.map(|p| format!(" {}", p.name())).unwrap_or_default();
@@ -91,6 +96,7 @@ fn common_place(answer: &Answer) -> Option<Phase> {
 fn gap(answer: &Answer) -> Option<String> {
     let gap = answer.diagnosis.gap.as_ref()?;
     let words = |value: f64| quantity(value, &gap.unit);
+    let of = if gap.of_flights { " of the flights alone, cut at the contacts," } else { "" };
     if answer.diagnosis.effects.is_empty() {
         return Some(format!(
             "Tuned, the simulation stays {} away; noise alone leaves {}.",
@@ -105,12 +111,13 @@ fn gap(answer: &Answer) -> Option<String> {
         None => String::new(),
     };
     let which = if answer.diagnosis.verdict == Verdict::OneOf {
-        format!("With {}, the best of them,", plain(answer.diagnosis.effects[0].effect.name))
+        let chosen: Vec<String> = answer.chosen().into_iter().map(plain).collect();
+        format!("With {}, the best of them,", joined(&chosen, "and"))
     } else {
         "With it".into()
     };
     Some(format!(
-        "{which} the gap falls from {} to {}; noise alone leaves {}.{unseen}",
+        "{which} the gap{of} falls from {} to {}; noise alone leaves {}.{unseen}",
         words(gap.before),
         words(gap.after),
         words(gap.noise_floor)

@@ -44,8 +44,13 @@ fn channels(one: &Explained) -> Vec<usize> {
     (0..width).filter(|&c| one.kept.iter().skip(c).step_by(width).any(|kept| *kept)).collect()
 }
 
+/// Its name, and which of its flights it is where they were cut apart.
+pub fn label(one: &Explained) -> String {
+    one.flight.map_or_else(|| one.name.clone(), |flight| format!("{}, flight {flight}", one.name))
+}
+
 fn title(one: &Explained) -> String {
-    format!("{}{}", one.name, if one.held_out { ", held out" } else { "" })
+    format!("{}{}", label(one), if one.held_out { ", held out" } else { "" })
 }
 
 /// Each recording beside the simulation, in the channel where they disagree most; `both` where before differs from after.

@@ -129,12 +129,12 @@ fn evidence(answer: &Answer) -> Markup {
                     (candidates::gains(diagnosis))
                 }
                 p.how {
-                    "How much each effect, alone in the simulation, lowers the information criterion. The answer needs "
-                    (format!("{:.0}", diagnosis.margin)) " over the simulation without it, and whatever comes within "
-                    (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well"
+                    "How much each effect, alone in the simulation, lowers the information criterion. An effect has to gain "
+                    (format!("{:.0}", diagnosis.least_gain)) ", and whatever comes within "
+                    (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well, unless a warning says why not"
                     @if diagnosis.verdict == Verdict::OneOf { "; the bracket holds what these recordings cannot tell apart" }
                     "."
-                    @if single && diagnosis.verdict == Verdict::OneOf { " One recording earns no lone name, so the next best is left beside the best, whatever its distance." }
+                    @if single && diagnosis.verdict == Verdict::OneOf { " One throw earns no lone name, so the next best is left beside the best, whatever its distance." }
                 }
             }
             (candidates::table(answer))
@@ -148,7 +148,10 @@ fn evidence(answer: &Answer) -> Markup {
                     figure { figcaption.above { "Held out, one by one" } (pairs(&unseen, Some((gap.noise_floor, "noise alone")), "held-out gap of each recording")) }
                 }
                 p.how {
-                    "Root mean square of measured \u{2212} simulated, all channels as one distance. "
+                    "Root mean square of measured \u{2212} simulated, all channels as one distance"
+                    @if gap.of_flights { ", of flights that were cut at the contacts: each has a start and a spin of its own, so this says "
+                        "nothing of how well a whole recording is predicted" }
+                    ". "
                     @if !diagnosis.effects.is_empty() {
                         "The dashed mark is the old simulation with its parameters tuned anew, the dot the new one. "
                     }
@@ -182,7 +185,7 @@ fn held_out(diagnosis: &Diagnosis) -> Vec<Pair> {
     unseen
         .map(|one| {
             let before = told.then(|| distance(one, &one.before));
-            pair(&one.name, before, distance(one, &one.after), |v| quantity(v, unit))
+            pair(&left_over::label(one), before, distance(one, &one.after), |v| quantity(v, unit))
         })
         .collect()
 }

@@ -34,7 +34,6 @@ struct Row<'a> {
     named: &'a NamedEffect,
     key: &'static str,
     unit: &'static str,
-    object: Option<&'a str>,
     value: &'a Value,
     believed: (f64, f64),
 }
@@ -49,7 +48,6 @@ fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
                 named,
                 key: fitted.key,
                 unit: fitted.unit,
-                object: answer.object(value).filter(|_| answer.loaded.objects.len() > 1),
                 value,
                 believed: answer.believed(named, i, value),
             })
@@ -57,21 +55,33 @@ fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
         .collect()
 }
 
+/// The heads of a table's columns; the object is told where there are several.
+fn heads(answer: &Answer, first: &str, others: &[&str]) -> Markup {
+    html! {
+        thead { tr {
+            th { (first) }
+            @if answer.loaded.objects.len() > 1 { th { "object" } }
+            @for other in others { th { (other) } }
+        } }
+    }
+}
+
+/// The cell of a row's object, where there are several; `None` is what all share.
+fn of_object(answer: &Answer, object: Option<usize>) -> Markup {
+    let name = object.and_then(|object| answer.loaded.objects.get(object)).map_or("all", |o| o.name.as_str());
+    html! { @if answer.loaded.objects.len() > 1 { td.object data-name="object" { (name) } } }
+}
+
 pub fn coefficients(answer: &Answer) -> Markup {
-    let several = answer.loaded.objects.len() > 1;
     html! {
         table {
-            thead { tr {
-                th { "effect" }
-                @if several { th { "object" } }
-                th { "value" } th { "95 % interval" } th { "believed" } th { "in other words" }
-            } }
+            (heads(answer, "effect", &["value", "95 % interval", "believed", "in other words"]))
             tbody {
                 @for row in rows(answer) {
                     @let (value, interval) = told(row.value);
                     tr {
                         th scope="row" { code { (row.named.effect.name) } br; code.key { (row.key) } }
-                        @if several { td.object data-name="object" { (row.object.unwrap_or("all")) } }
+                        (of_object(answer, row.value.object))
                         td data-name="value" { span.value { (value) (unit(row.unit)) } }
                         td data-name="95 % interval" { (interval) }
                         td data-name="believed" { (short(row.believed.0)) " to " (short(row.believed.1)) (unit(row.unit)) }
@@ -106,22 +116,17 @@ fn chance(probability: f64) -> String {
 }
 
 pub fn parameters(answer: &Answer) -> Markup {
-    let several = answer.loaded.objects.len() > 1;
     let own: Vec<_> = answer.diagnosis.parameters.iter().filter(|p| !p.name.contains('.')).collect();
     html! {
         @if !own.is_empty() {
             table {
-                thead { tr {
-                    th { "parameter" }
-                    @if several { th { "object" } }
-                    th { "given" } th { "tuned without effects" } th { "now" } th { "95 % interval" }
-                } }
+                (heads(answer, "parameter", &["given", "tuned without effects", "now", "95 % interval"]))
                 tbody {
                     @for p in own {
                         @let of = |v: f64| told(&Value { object: None, value: v, interval95: p.interval95 });
                         tr {
                             th scope="row" { (p.name) }
-                            @if several { td.object data-name="object" { (answer.loaded.objects.get(p.object).map_or("", |o| &o.name)) } }
+                            (of_object(answer, Some(p.object)))
                             td data-name="given" { (number(p.given)) }
                             td data-name="tuned without effects" { (of(p.before).0) }
                             td data-name="now" { span.value { (of(p.value).0) (unit(&p.unit)) } }

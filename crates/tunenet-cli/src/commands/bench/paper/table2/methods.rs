@@ -6,7 +6,7 @@ use tunenet_core::network::Model;
 use super::super::super::tuning::ours;
 use super::super::super::tuning::rivals::{self, Course, Stored};
 use super::super::super::tuning::targets::{Simulation, Target};
-use super::super::direct::Direct;
+use super::direct::Direct;
 use super::{BUDGETS, entropy_search, evolution, gauss_newton};
 
 /// One row of the table.
@@ -63,7 +63,7 @@ impl Method {
             Self::Default => "TuneNet, preset `default`",
             Self::Paper => "TuneNet, preset `paper`",
             Self::Mean => "the mean of the training range",
-            Self::Direct => "direct prediction by a network with one branch",
+            Self::Direct => "direct prediction, the paper's network",
             Self::EntropySearch => "greedy entropy search",
             Self::Evolution => "CMA-ES in one dimension",
             Self::EvolutionInTwo => "CMA-ES in two, the second idle",
@@ -114,7 +114,7 @@ impl Tuner<'_> {
             Method::Default => ours::course(simulation, self.default, target, most),
             Method::Paper => ours::course(simulation, self.paper, target, most),
             Method::Mean => Ok(vec![0.5; most + 1]),
-            Method::Direct => Ok(vec![self.direct.estimate(&target.heights_m)?; most + 1]),
+            Method::Direct => Ok(vec![self.direct.estimate(target)?; most + 1]),
             Method::EntropySearch => entropy_search::search(simulation, target, most, seed),
             Method::Evolution => evolution::search(simulation, target, most, seed, 1),
             Method::EvolutionInTwo => evolution::search(simulation, target, most, seed, 2),

@@ -5,6 +5,7 @@
 //! targets (closed form, of the tuning bench) → methods → results → write, figure
 //! ```
 
+mod direct;
 mod entropy_search;
 mod evolution;
 mod figure;
@@ -17,6 +18,7 @@ use anyhow::Result;
 use rayon::prelude::*;
 use tunenet_core::network::Preset;
 
+use self::direct::Direct;
 use self::methods::{Method, Tuner};
 pub use self::results::Results;
 use self::results::{Accuracy, Cell};
@@ -26,7 +28,6 @@ use super::super::tuning::ours;
 use super::super::tuning::rivals::Stored;
 use super::super::tuning::rows::Conditions;
 use super::super::tuning::targets::{Simulation, Target};
-use super::direct::{Direct, Example};
 use crate::terminal::progress;
 
 /// Rollouts after which the estimates are compared.
@@ -43,11 +44,6 @@ pub const SETS: [(&str, Conditions); 4] = [
     ("easy_2cm", Conditions { restitution: (0.3, 0.7), noise_m: 0.02 }),
     ("hard_2cm", Conditions { restitution: (0.0, 1.0), noise_m: 0.02 }),
 ];
-/// What direct prediction learns from: as many drops as the paper's pairs.
-const LESSONS: u64 = 800;
-const LESSONS_STREAM: u64 = 0x2ff;
-const EPOCHS: usize = 400;
-const QUICK_EPOCHS: usize = 100;
 /// Rows of the tuning bench end below; its targets are never these.
 const FIRST_STREAM: u64 = 0x200;
 
@@ -63,7 +59,7 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
         bar.inc(1);
         let paper = ours::trained(store, &Preset::paper(), own, quick)?.0;
         bar.inc(1);
-        let direct = taught(&simulation, own, quick)?;
+        let direct = Direct::train(&simulation, own, quick)?;
         for (place, (set, conditions)) in SETS.into_iter().enumerate() {
             let draw = |i| simulation.target(conditions, own, FIRST_STREAM + place as u64, i);
             let targets: Vec<Target> = (0..count).into_par_iter().map(draw).collect::<Result<_>>()?;
@@ -83,15 +79,4 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
     }
     bar.finish_and_clear();
     Ok(Results { seed, seeds, targets: count, quick, cells })
-}
-
-/// A network with one branch that learned from as many targets as the paper's had, of its training range and its height.
-fn taught(simulation: &Simulation, seed: u64, quick: bool) -> Result<Direct> {
-    let conditions = Conditions { restitution: (0.3, 0.7), noise_m: 0.0 };
-    let example = |i| {
-        let target = simulation.target(conditions, seed, LESSONS_STREAM, i)?;
-        Ok(Example { seen: target.heights_m, parameter: target.restitution })
-    };
-    let examples = (0..LESSONS).into_par_iter().map(example).collect::<Result<Vec<_>>>()?;
-    Direct::train(&examples, if quick { QUICK_EPOCHS } else { EPOCHS }, seed)
 }

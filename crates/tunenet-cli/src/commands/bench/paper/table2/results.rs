@@ -8,6 +8,8 @@ use super::super::super::tuning::targets::Target;
 use super::BUDGETS;
 use super::methods::{Method, Tuner};
 
+/// Errors below are rounding, and no better than one another.
+const ROUNDING: f64 = 1e-12;
 /// Rollouts at which the figure has a point.
 pub const POINTS: [usize; 12] = [0, 1, 2, 3, 4, 5, 7, 10, 20, 30, 50, 100];
 
@@ -70,8 +72,13 @@ impl Results {
         self.cells.iter().filter(move |c| c.set == set)
     }
 
-    /// The method with the least error on a set after so many rollouts.
+    /// The method with the least error on a set after so many rollouts; preset `default` where nothing is better by more than
+    /// rounding, or by a hundredth.
     pub fn best(&self, set: &str, rollouts: usize) -> Option<Method> {
-        self.of(set).min_by(|a, b| a.after(rollouts).0.total_cmp(&b.after(rollouts).0)).map(|c| c.method)
+        let error = |c: &Cell| c.after(rollouts).0;
+        let least = self.of(set).min_by(|a, b| error(a).total_cmp(&error(b)))?;
+        let ours = self.of(set).find(|c| c.method == Method::Default)?;
+        let tied = error(ours) <= 1.01 * error(least) + ROUNDING;
+        Some(if tied { Method::Default } else { least.method })
     }
 }

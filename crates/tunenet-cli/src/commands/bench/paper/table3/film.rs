@@ -9,6 +9,16 @@ use serde_json::json;
 
 use super::drops::Drop;
 
+/// What became of a film.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Film {
+    /// Where the ball was seen in every frame.
+    Tracked(Track),
+    /// Why it was refused.
+    Refused(String),
+}
+
 /// Where a ball was seen in every frame.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Track {
@@ -20,7 +30,7 @@ pub struct Track {
 pub const SPOILT: (f64, f64, i32) = (6.0, 0.25, 75);
 
 /// Renders and tracks all drops; the paper's ball is .5 m in radius.
-pub fn tracks(drops: &[Drop], seed: u64, spoilt: bool) -> Result<Vec<Track>> {
+pub fn tracks(drops: &[Drop], seed: u64, spoilt: bool) -> Result<Vec<Film>> {
     let films: Vec<_> = drops.iter().map(|d| json!({ "camera": d.camera, "heights_m": d.heights_m })).collect();
     let (noise, exposure, quality) = SPOILT;
     let spoilt = spoilt.then(|| json!({ "noise": noise, "exposure": exposure, "jpeg_quality": quality }));
@@ -41,7 +51,7 @@ pub fn tracks(drops: &[Drop], seed: u64, spoilt: bool) -> Result<Vec<Track>> {
     if !done.status.success() {
         bail!("rendering and tracking failed: {}", String::from_utf8_lossy(&done.stderr).trim());
     }
-    let tracks: Vec<Track> = serde_json::from_slice(&done.stdout).context("what tunenet-video answered")?;
+    let tracks: Vec<Film> = serde_json::from_slice(&done.stdout).context("what tunenet-video answered")?;
     if tracks.len() != drops.len() {
         bail!("expected {} tracks, found {}", drops.len(), tracks.len());
     }

@@ -13,9 +13,10 @@ use anyhow::Result;
 use rayon::prelude::*;
 
 use self::drops::Drops;
+use self::film::Film;
 use self::results::{Error, Row};
 pub use self::results::{Results, as_json, markdown, write};
-use self::tuners::Tuners;
+use self::tuners::{Estimate, Tuners};
 use super::super::resume::Store;
 use crate::terminal::progress;
 
@@ -40,12 +41,15 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
         let tuners = Tuners::make(store, own, quick)?;
         bar.inc(2);
         for row in &mut rows {
-            let one = |(drop, track): (&drops::Drop, &film::Track)| -> Result<Error> {
-                let Some(e) = tuners.estimate(row.key, &drops, drop, track)? else {
-                    return Ok(Error::of_nothing(&drop.heights_m));
-                };
-                let rolled = drops.roll(e, drop.top_m)?;
-                Ok(Error::new(&drop.heights_m, &rolled, e - drop.restitution))
+            let one = |(drop, film): (&drops::Drop, &Film)| -> Result<Option<Error>> {
+                Ok(match tuners.estimate(row.key, &drops, drop, film)? {
+                    Estimate::Restitution(e) => {
+                        let rolled = drops.roll(e, drop.top_m)?;
+                        Some(Error::new(&drop.heights_m, &rolled, e - drop.restitution))
+                    }
+                    Estimate::Nothing => Some(Error::of_nothing(&drop.heights_m)),
+                    Estimate::Refused => None,
+                })
             };
             let make = || {
                 test.par_iter()

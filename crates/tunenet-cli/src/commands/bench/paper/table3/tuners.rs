@@ -9,7 +9,7 @@ use super::super::super::process;
 use super::super::super::resume::Store;
 use super::super::super::tuning::apex;
 use super::drops::{Drop, Drops};
-use super::film::Track;
+use super::film::{Film, Track};
 
 /// Rollouts that each may spend.
 const ROLLOUTS: usize = 5;
@@ -29,6 +29,16 @@ pub struct Title {
 
 const fn row(key: &'static str, words: &'static str) -> Title {
     Title { key, words, spoilt: false, published: None, goal: None }
+}
+
+/// What a tuner says of a drop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Estimate {
+    Restitution(f64),
+    /// Nothing is simulated at all.
+    Nothing,
+    /// No ball was found in the film, or no fall.
+    Refused,
 }
 
 /// The networks of one seed.
@@ -79,39 +89,50 @@ impl Tuners {
         })
     }
 
-    /// The restitution, after at most [`ROLLOUTS`]; `None` where nothing is simulated at all.
-    pub fn estimate(&self, key: &str, drops: &Drops, drop: &Drop, track: &Track) -> Result<Option<f64>> {
+    /// The restitution, after at most [`ROLLOUTS`].
+    pub fn estimate(&self, key: &str, drops: &Drops, drop: &Drop, film: &Film) -> Result<Estimate> {
         let whole = Loop { iterations: ROLLOUTS, clamp: true, secant: true, best: true, library: true };
         let alone = Loop { secant: false, best: false, library: false, ..whole };
-        let along = |model: &Model, seen: Prepared, how: Loop| -> Result<Option<f64>> {
-            let walk = walk(drops.filmed.ball(), &seen, model, drops.start(drop, &seen), how)?;
-            Ok(Some(walk.point.parameters[0]))
-        };
-        let fall_m = drop.top_m - drops.filmed.radius_m();
-        let clock = drops.filmed.clock();
+        match key {
+            "zero" => return Ok(Estimate::Nothing),
+            "untuned" => return Ok(Estimate::Restitution(drop.proposed)),
+            "gt_paper" => return along(drops, drop, &self.gt_paper, &drops.positions(drop)?, alone),
+            "gt_default" => return along(drops, drop, &self.gt_default, &drops.positions(drop)?, whole),
+            _ => {}
+        }
+        let Film::Tracked(track) = film else { return Ok(Estimate::Refused) };
+        if key.starts_with("apex_pixels") {
+            return Ok(Estimate::Restitution(apex_of_pixels(drops, drop, track)));
+        }
+        // A track in which no camera could see the fall is refused as a film without a ball is.
+        let Ok(seen) = drops.film(drop, track) else { return Ok(Estimate::Refused) };
         match key.trim_end_matches("_spoilt") {
-            "zero" => Ok(None),
-            "untuned" => Ok(Some(drop.proposed)),
-            "gt_paper" => along(&self.gt_paper, drops.positions(drop)?, alone),
-            "gt_default" => along(&self.gt_default, drops.positions(drop)?, whole),
-            "obs_paper" => along(&self.obs_paper, drops.film(drop, track)?, alone),
-            "obs_network" => along(&self.obs_default, drops.film(drop, track)?, alone),
-            "obs_default" => along(&self.obs_default, drops.film(drop, track)?, whole),
-            "apex_pixels" => {
-                // The deepest place seen is the floor, the first the top.
-                let floor = track.v_px.iter().copied().fold(f64::MIN, f64::max);
-                let unit = fall_m / (floor - track.v_px[0]);
-                let heights: Vec<f64> = track.v_px.iter().map(|v| (floor - v) * unit).collect();
-                Ok(Some(apex(fall_m, clock, &heights)))
-            }
+            "obs_paper" => along(drops, drop, &self.obs_paper, &seen, alone),
+            "obs_network" => along(drops, drop, &self.obs_default, &seen, alone),
+            "obs_default" => along(drops, drop, &self.obs_default, &seen, whole),
             "apex_camera" => {
-                let seen = drops.film(drop, track)?;
-                let heights: Vec<f64> = seen.seen.column(2).map(|z| z - drops.filmed.radius_m()).collect();
-                Ok(Some(apex(fall_m, clock, &heights)))
+                let radius_m = drops.filmed.radius_m();
+                let heights: Vec<f64> = seen.seen.column(2).map(|z| z - radius_m).collect();
+                Ok(Estimate::Restitution(apex(drop.top_m - radius_m, drops.filmed.clock(), &heights)))
             }
             other => anyhow::bail!("`{other}` is no row of this table"),
         }
     }
+}
+
+/// Where a network's loop ends.
+fn along(drops: &Drops, drop: &Drop, model: &Model, seen: &Prepared, how: Loop) -> Result<Estimate> {
+    let walk = walk(drops.filmed.ball(), seen, model, drops.start(drop, seen), how)?;
+    Ok(Estimate::Restitution(walk.point.parameters[0]))
+}
+
+/// The apex rule as if pixels were heights: the deepest place seen is the floor, the first the top.
+fn apex_of_pixels(drops: &Drops, drop: &Drop, track: &Track) -> f64 {
+    let fall_m = drop.top_m - drops.filmed.radius_m();
+    let floor = track.v_px.iter().copied().fold(f64::MIN, f64::max);
+    let unit = fall_m / (floor - track.v_px[0]);
+    let heights: Vec<f64> = track.v_px.iter().map(|v| (floor - v) * unit).collect();
+    apex(fall_m, drops.filmed.clock(), &heights)
 }
 
 /// A model of a seed, from disk where it has been trained already.

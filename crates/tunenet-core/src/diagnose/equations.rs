@@ -1,0 +1,71 @@
+//! The normal equations of the joint fit.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::derivatives::Columns;
+use super::joint::{Joint, Part, Point, dot};
+use crate::tune::arrow::{Arrow, Block};
+use crate::tune::huber_weight;
+
+impl Joint<'_> {
+    /// The normal equations of a part, its free numbers counted from 0.
+    pub fn equations(
+        &self,
+        part: &Part,
+        columns: &[Columns],
+        residuals: &[Vec<f64>],
+        point: &Point,
+        scale: f64,
+    ) -> Arrow {
+        let mut arrow = Arrow::new(part.places.len(), columns.len());
+        for ((&d, one), left) in part.sets.iter().zip(columns).zip(residuals) {
+            let weights: Vec<f64> = left.iter().map(|r| huber_weight(*r, scale)).collect();
+            let all: Vec<&Vec<f64>> = one.shared.iter().chain(&one.own).collect();
+            let (shared, own) = (one.shared.len(), one.own.len());
+            let mut normal = DMatrix::zeros(all.len(), all.len());
+            let mut right = DVector::zeros(all.len());
+            let mut weighted = vec![0.0; weights.len()];
+            for i in 0..all.len() {
+                weighted.iter_mut().zip(all[i].iter().zip(&weights)).for_each(|(w, (a, b))| *w = a * b);
+                for j in 0..=i {
+                    let product = dot(&weighted, all[j]);
+                    normal[(i, j)] = product;
+                    normal[(j, i)] = product;
+                }
+                right[i] = -dot(&weighted, left);
+            }
+            let within = |place: &usize| part.places.iter().position(|p| p == place);
+            let places: Vec<usize> = one.places.iter().filter_map(within).collect();
+            for (i, &row) in places.iter().enumerate() {
+                arrow.right[row] += right[i];
+                for (j, &column) in places.iter().enumerate() {
+                    arrow.shared[(row, column)] += normal[(i, j)];
+                }
+            }
+            let mut own_normal = normal.view((shared, shared), (own, own)).into_owned();
+            let mut own_right = right.rows(shared, own).into_owned();
+            let set = &self.sets[d];
+            for (i, (p, pull)) in set.prepared.own.iter().zip(&set.pull).enumerate() {
+                own_normal[(i, i)] += pull.powi(-2);
+                own_right[i] -= (point.own[d][i] - p.value) / pull.powi(2);
+            }
+            let coupling = normal.view((0, shared), (shared, own)).into_owned();
+            arrow.blocks.push(Block { places, coupling, own: own_normal, own_right });
+        }
+        // A coefficient on which the data are silent stays put.
+        for (i, &place) in part.places.iter().enumerate() {
+            let global = &self.structure.globals[place];
+            if global.effect.is_some() {
+                arrow.shared[(i, i)] += global.parameter.span().powi(-2);
+            }
+        }
+        // A number on a bound that wants to leave it is held there.
+        for (i, &place) in part.places.iter().enumerate() {
+            let (p, value) = (&self.structure.globals[place].parameter, point.globals[place]);
+            if arrow.right[i] < 0.0 && value <= p.min || arrow.right[i] > 0.0 && value >= p.max {
+                arrow.hold(i);
+            }
+        }
+        arrow
+    }
+}

@@ -1,0 +1,40 @@
+//! 95 % intervals of free numbers.
+
+use super::study::{Model, Study};
+
+/// 95 % of a normal distribution lies within so many standard deviations.
+pub(super) const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// The intervals of a model's free numbers.
+pub(super) struct Intervals<'a> {
+    model: &'a Model<'a>,
+    half: Vec<f64>,
+    /// Whether the scatter between recordings made any of them wider.
+    pub widened: bool,
+}
+
+impl<'a> Intervals<'a> {
+    /// By the curvature of the fit, the noise's size taken from what is left; where recordings `differ` among themselves, at
+    /// least as wide as their scatter.
+    pub fn new(study: &Study, model: &'a Model<'a>, differ: bool) -> Self {
+        let size = model.structure.globals.len();
+        let freedom = study.count() as f64 - size as f64;
+        let variance = model.deviance(model.scale()) / freedom.max(1.0) / study.independent;
+        let mut half: Vec<f64> =
+            (0..size).map(|g| NORMAL_95 * (variance * model.fit.covariance[(g, g)].max(0.0)).sqrt()).collect();
+        let between = if differ { study.scatter_between(model) } else { Vec::new() };
+        let mut widened = false;
+        for (half, between) in half.iter_mut().zip(&between) {
+            if let Some(between) = between.filter(|between| between > half) {
+                (*half, widened) = (between, true);
+            }
+        }
+        Self { model, half, widened }
+    }
+
+    /// That of free number `g`, within the bounds of what can be simulated.
+    pub fn of(&self, g: usize) -> (f64, f64) {
+        let (p, value) = (&self.model.structure.globals[g].parameter, self.model.fit.point.globals[g]);
+        ((value - self.half[g]).max(p.min), (value + self.half[g]).min(p.max))
+    }
+}

@@ -1,0 +1,152 @@
+//! Small pictures of a film, mostly of the part in which something happens: what the scout looks at.
+
+use opencv::core::{Mat, MatTraitConst, Size};
+use opencv::imgproc::{INTER_LINEAR, resize};
+
+use super::view::View;
+
+/// The longer side of the small pictures that are kept, px.
+const SMALL_PX: i32 = 400;
+/// Pictures that are kept of what changes ...
+const MOST_CHANGING: usize = 48;
+/// ... and evenly over the film.
+const MOST_EVEN: usize = 24;
+/// Fewer pictures that show something new do not tell what moves.
+const FEWEST_CHANGING: usize = 8;
+/// So many pictures of a film are looked at for changes.
+const LOOKED_AT: usize = 400;
+/// Points that are compared, along the longer side; each is the mean of four pixels.
+const POINTS: usize = 128;
+/// How far a point has to change to show something new, in grey levels of any channel ...
+const CHANGED: u8 = 16;
+/// ... and in medians of what noise changes in all points.
+const CHANGED_NOISE: f64 = 5.0;
+/// Fewer points than this share are noise.
+const CHANGED_SHARE: f64 = 3e-4;
+
+/// Reduces `frame` so that its longer side has at most [`SMALL_PX`].
+pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
+    let longer = frame.cols().max(frame.rows());
+    if longer <= SMALL_PX {
+        return frame.try_clone();
+    }
+    let factor = f64::from(SMALL_PX) / f64::from(longer);
+    let mut small = Mat::default();
+    resize(frame, &mut small, Size::default(), factor, factor, INTER_LINEAR)?;
+    Ok(small)
+}
+
+/// Small pictures of a film, however long it is. A ball that lies still for most of it is in few of them, so that it is not
+/// taken for background.
+#[derive(Default)]
+pub(crate) struct Samples {
+    changing: Thinned,
+    even: Thinned,
+    /// What the last picture among the changing ones shows.
+    last: Vec<[u8; 3]>,
+}
+
+impl Samples {
+    /// Takes in picture `index`, where it is needed; `promised` pictures are to come in all.
+    pub fn push(&mut self, index: usize, image: &Mat, promised: Option<usize>) -> opencv::Result<()> {
+        let all = promised.unwrap_or(1);
+        self.even.stride = self.even.stride.max(all.div_ceil(MOST_EVEN));
+        let even = index.is_multiple_of(self.even.stride);
+        let new = index.is_multiple_of((all / LOOKED_AT).max(1)) && self.shows_something_new(image)?;
+        let new = new && self.changing.wants_next();
+        if even || new {
+            let small = reduced(image)?;
+            if even {
+                self.even.keep(small.clone(), MOST_EVEN);
+            }
+            if new {
+                self.changing.keep(small, MOST_CHANGING);
+            }
+        }
+        Ok(())
+    }
+
+    /// Those that tell most: where something changes, or all where that is hardly anywhere.
+    pub fn telling(&self) -> &[Mat] {
+        if self.changing.kept.len() < FEWEST_CHANGING { &self.even.kept } else { &self.changing.kept }
+    }
+
+    /// Whether `image` differs from the last one that did.
+    fn shows_something_new(&mut self, image: &Mat) -> opencv::Result<bool> {
+        let now = points(&View::of(image)?);
+        let new = now.len() != self.last.len() || changed(&now, &self.last);
+        if new {
+            self.last = now;
+        }
+        Ok(new)
+    }
+}
+
+/// Pictures of which every second goes when they are too many.
+#[derive(Default)]
+struct Thinned {
+    kept: Vec<Mat>,
+    stride: usize,
+    passed: usize,
+}
+
+impl Thinned {
+    /// Whether the picture that is offered now is one that is kept: every `stride`-th.
+    fn wants_next(&mut self) -> bool {
+        self.stride = self.stride.max(1);
+        let wanted = self.passed.is_multiple_of(self.stride);
+        self.passed += 1;
+        wanted
+    }
+
+    fn keep(&mut self, small: Mat, most: usize) {
+        self.kept.push(small);
+        if self.kept.len() > most {
+            self.halve();
+        }
+    }
+
+    fn halve(&mut self) {
+        let mut place = 0;
+        self.kept.retain(|_| {
+            place += 1;
+            place % 2 == 1
+        });
+        self.stride *= 2;
+    }
+}
+
+/// Means of four pixels each, on a grid over the picture.
+fn points(view: &View<'_>) -> Vec<[u8; 3]> {
+    let every = view.columns().max(view.rows()).div_ceil(POINTS).max(2);
+    let mean = |column: usize, row: usize| {
+        let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| view.pixel(column + right, row + down));
+        std::array::from_fn(|c| {
+            let sum: u16 = four.iter().map(|pixel| u16::from(pixel[c])).sum();
+            u8::try_from((sum + 2) / 4).unwrap_or(u8::MAX)
+        })
+    };
+    let (columns, rows) = (view.columns().saturating_sub(1), view.rows().saturating_sub(1));
+    (0..rows)
+        .step_by(every)
+        .flat_map(|row| (0..columns).step_by(every).map(move |column| (column, row)))
+        .map(|(c, r)| mean(c, r))
+        .collect()
+}
+
+/// Whether more differs than noise does.
+fn changed(now: &[[u8; 3]], before: &[[u8; 3]]) -> bool {
+    let mut counts = [0usize; 256];
+    for (a, b) in now.iter().zip(before) {
+        let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+        counts[usize::from(most)] += 1;
+    }
+    let mut below = 0;
+    let median = counts.iter().position(|count| {
+        below += count;
+        2 * below >= now.len()
+    });
+    let limit = f64::from(CHANGED).max(CHANGED_NOISE * median.unwrap_or(0) as f64);
+    let beyond: usize = counts.iter().enumerate().filter(|(level, _)| *level as f64 > limit).map(|(_, n)| n).sum();
+    beyond as f64 > CHANGED_SHARE * now.len() as f64
+}
