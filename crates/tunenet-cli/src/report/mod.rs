@@ -26,7 +26,7 @@ mod parameters;
 mod provenance;
 mod series;
 pub mod shot;
-mod svg;
+pub mod svg;
 pub mod track;
 pub mod tune;
 mod verdict;

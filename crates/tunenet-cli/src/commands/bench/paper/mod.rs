@@ -1,6 +1,7 @@
 //! `tunenet bench paper`: the published tables, beside what this program and its rivals reach.
 
 mod table1;
+mod table2;
 mod table3;
 
 use anyhow::{Context, Result};
@@ -20,22 +21,26 @@ pub fn run(options: &BenchPaper) -> Result<Exit> {
     let store = Store::open(&options.out, key)?;
     let mut all = Map::from_iter([("schema".into(), json!("tunenet.bench.paper/1"))]);
     for table in if options.only.is_empty() { &PaperTable::ALL[..] } else { &options.only } {
-        match table {
+        let (name, text, value) = match table {
             PaperTable::Table1 => {
                 let results = table1::run(&store, seed, options.quick)?;
                 table1::write(&options.out, &results)?;
-                anstream::eprintln!("{}", table1::markdown(&results));
-                stage("wrote", &options.out.join("table1.md").display().to_string());
-                all.insert("table1".into(), table1::as_json(&results));
+                ("table1", table1::markdown(&results), table1::as_json(&results))
+            }
+            PaperTable::Table2 => {
+                let results = table2::run(&store, seed, options.quick)?;
+                table2::write(&options.out, &results)?;
+                ("table2", table2::markdown(&results), table2::as_json(&results))
             }
             PaperTable::Table3 => {
                 let results = table3::run(&store, seed, options.quick)?;
                 table3::write(&options.out, &results)?;
-                anstream::eprintln!("{}", table3::markdown(&results));
-                stage("wrote", &options.out.join("table3.md").display().to_string());
-                all.insert("table3".into(), table3::as_json(&results));
+                ("table3", table3::markdown(&results), table3::as_json(&results))
             }
-        }
+        };
+        anstream::eprintln!("{text}");
+        stage("wrote", &options.out.join(format!("{name}.md")).display().to_string());
+        all.insert(name.into(), value);
     }
     if options.common.json {
         print_json(&all.into());

@@ -8,7 +8,7 @@ use tunenet_core::network::Model;
 use super::likelihood;
 use super::ours;
 use super::rivals::{self, Course, Stored};
-use super::rows::{BUDGETS, Conditions};
+use super::rows::{BUDGETS, Conditions, MOST};
 use super::targets::{Simulation, Target, mean_distance};
 
 /// A way of tuning that has no training.
@@ -65,10 +65,10 @@ pub struct Reference {
 
 pub fn courses(simulation: &Simulation, tuner: &Tuner, targets: &[Target]) -> Result<Vec<Course>> {
     let one = |target: &Target| match tuner {
-        Tuner::Network(model) => ours::course(simulation, model, target),
-        Tuner::Rival(Rival::Apex, _) => rivals::apex_loop(simulation, target),
-        Tuner::Rival(Rival::Nearest, stored) => rivals::nearest_stored(simulation, stored, target),
-        Tuner::Rival(Rival::Brent, _) => rivals::brent(simulation, target),
+        Tuner::Network(model) => ours::course(simulation, model, target, MOST),
+        Tuner::Rival(Rival::Apex, _) => rivals::apex_loop(simulation, target, MOST),
+        Tuner::Rival(Rival::Nearest, stored) => rivals::nearest_stored(simulation, stored, target, MOST),
+        Tuner::Rival(Rival::Brent, _) => rivals::brent(simulation, target, MOST),
     };
     targets.par_iter().map(one).collect()
 }

@@ -13,11 +13,11 @@ mod general;
 mod information;
 mod likelihood;
 mod measure;
-mod ours;
+pub(super) mod ours;
 mod results;
-mod rivals;
-mod rows;
-mod targets;
+pub(super) mod rivals;
+pub(super) mod rows;
+pub(super) mod targets;
 mod write;
 
 pub(super) use self::rivals::apex;

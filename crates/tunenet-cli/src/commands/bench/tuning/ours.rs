@@ -9,7 +9,6 @@ use tunenet_core::tune::{Loop, walk};
 
 use super::super::process;
 use super::rivals::Course;
-use super::rows::MOST;
 use super::targets::{Simulation, Target};
 use crate::commands::bench::resume::Store;
 
@@ -64,10 +63,10 @@ pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result
 }
 
 /// The estimate after every rollout; the one that only judges the last iterate moves nothing.
-pub fn course(simulation: &Simulation, model: &Model, target: &Target) -> Result<Course> {
+pub fn course(simulation: &Simulation, model: &Model, target: &Target, most: usize) -> Result<Course> {
     // As `tune` asks for the two: the paper's loop is the bare one. Values without a rollout are none, so both are clamped.
     let own = model.preset().name != "paper";
-    let how = Loop { iterations: MOST, clamp: true, secant: own, best: own, library: own };
+    let how = Loop { iterations: most, clamp: true, secant: own, best: own, library: own };
     let walk = walk(&simulation.ball, &target.prepared, model, simulation.start(target), how)?;
     Ok(walk.iterations.iter().map(|i| i.parameters[0]).collect())
 }

@@ -3,7 +3,6 @@
 use anyhow::Result;
 
 use super::closed_form::GRAVITY_M_S2;
-use super::rows::MOST;
 use super::targets::{Simulation, Target};
 
 /// Rollouts stored for [`nearest_stored`], evenly over the restitutions.
@@ -16,16 +15,16 @@ const STORED_FRAMES: u32 = 13_800;
 /// A secant step reaches no farther, lest a slope that is hardly there throws the estimate away.
 const FARTHEST_STEP: f64 = 0.03;
 
-/// Estimates after 0, 1, … [`MOST`] rollouts.
+/// Estimates after 0, 1, … rollouts.
 pub type Course = Vec<f64>;
 
 /// The rule `e = √(first rebound / fall)` inside the paper's own loop, `c ← c + rule(target) − rule(rollout(c))`, started
 /// at the rule itself.
-pub fn apex_loop(simulation: &Simulation, target: &Target) -> Result<Course> {
+pub fn apex_loop(simulation: &Simulation, target: &Target, most: usize) -> Result<Course> {
     let rule = |heights: &[f64]| apex(target.fall_m, &simulation.clock, heights);
     let wanted = rule(&target.heights_m);
     let mut course = vec![wanted.clamp(0.0, 1.0)];
-    for k in 0..MOST {
+    for k in 0..most {
         let seen = rule(&simulation.roll(target, course[k])?);
         course.push((course[k] + wanted - seen).clamp(0.0, 1.0));
     }
@@ -96,7 +95,7 @@ impl Stored {
 
 /// Starts at the stored rollout that lies nearest, then Gauss–Newton with the slope to the nearest rollout known, stored
 /// or made.
-pub fn nearest_stored(simulation: &Simulation, stored: &Stored, target: &Target) -> Result<Course> {
+pub fn nearest_stored(simulation: &Simulation, stored: &Stored, target: &Target, most: usize) -> Result<Course> {
     let all: Vec<(f64, Vec<f64>)> = (0..stored.restitutions.len())
         .map(|i| (stored.restitutions[i], stored.seen(i, target.fall_m, &simulation.clock)))
         .collect();
@@ -104,7 +103,7 @@ pub fn nearest_stored(simulation: &Simulation, stored: &Stored, target: &Target)
     let nearest = all.iter().map(|(e, heights)| (*e, off(heights))).min_by(|a, b| a.1.total_cmp(&b.1));
     let mut known = all;
     let mut course = vec![nearest.map_or(target.proposed, |(e, _)| e)];
-    for k in 0..MOST {
+    for k in 0..most {
         let (here, heights) = (course[k], simulation.roll(target, course[k])?);
         let others = known.iter().filter(|(e, _)| (e - here).abs() > 1e-9);
         let other = others.min_by(|a, b| (a.0 - here).abs().total_cmp(&(b.0 - here).abs()));
@@ -124,7 +123,7 @@ pub fn nearest_stored(simulation: &Simulation, stored: &Stored, target: &Target)
 }
 
 /// Brent's bounded search (1973) on the sum of squares, told the range that the target was drawn from; the best so far.
-pub fn brent(simulation: &Simulation, target: &Target) -> Result<Course> {
+pub fn brent(simulation: &Simulation, target: &Target, most: usize) -> Result<Course> {
     let cost = |e: f64| -> Result<f64> {
         let heights = simulation.roll(target, e)?;
         Ok(heights.iter().zip(&target.heights_m).map(|(a, b)| (a - b).powi(2)).sum())
@@ -137,7 +136,7 @@ pub fn brent(simulation: &Simulation, target: &Target) -> Result<Course> {
     // The second and third best, and the last two steps.
     let ((mut w, mut at_w), (mut v, mut at_v)) = ((x, at_x), (x, at_x));
     let (mut step, mut before) = (0.0_f64, 0.0_f64);
-    while course.len() <= MOST {
+    while course.len() <= most {
         let middle = 0.5 * (low + high);
         let tolerance = 1e-8 * x.abs() + 1e-10;
         let r = (x - w) * (at_x - at_v);

@@ -1,0 +1,111 @@
+//! The table as Markdown for people, CSV for plots and JSON for programs, and its figure.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::Result;
+use serde_json::{Map, Value, json};
+use tunenet_core::observation::recording::write_atomically;
+
+use super::methods::Method;
+use super::results::{POINTS, Results};
+use super::{BUDGETS, SETS, figure};
+
+/// `table2.default.easy.k5`, and what the paper reports beside it.
+pub fn as_json(results: &Results) -> Value {
+    let mut all = Map::new();
+    for method in Method::ALL {
+        let mut sets = Map::new();
+        for (set, _) in SETS {
+            let Some(cell) = results.of(set).find(|c| c.method == method) else { continue };
+            let mut row = Map::new();
+            for k in BUDGETS {
+                let (mean, spread) = cell.after(k);
+                row.insert(format!("k{k}"), json!(mean));
+                row.insert(format!("k{k}_spread"), json!(spread));
+                if let Some(published) = method.published(set, k) {
+                    row.insert(format!("k{k}_published"), json!(published));
+                }
+            }
+            sets.insert(set.into(), row.into());
+        }
+        all.insert(method.key().into(), sets.into());
+    }
+    all.insert("seeds".into(), json!(results.seeds));
+    all.insert("targets".into(), json!(results.targets));
+    all.into()
+}
+
+/// The table for people. Writing to a string cannot fail, so its results are dropped.
+pub fn markdown(results: &Results) -> String {
+    let mut out = String::new();
+    let quick = if results.quick { " --quick" } else { "" };
+    let _ = writeln!(out, "# Table 2: error of the restitution\n");
+    let _ = writeln!(out, "    tunenet bench paper --only table2{quick} --seed {}\n", results.seed);
+    let _ = writeln!(
+        out,
+        "Mean absolute error after K rollouts on a target; {} seeds of {} targets and one training each, ± the spread over \
+         the seeds. Targets are a closed form's drops. In brackets what the paper reports of its own method on its own \
+         simulator (arXiv 1907.11200). The least error of a column is bold.\n",
+        results.seeds, results.targets
+    );
+    for (set, conditions) in SETS {
+        let (low, high) = conditions.restitution;
+        let noise = match conditions.noise_m {
+            0.0 => "no noise".to_owned(),
+            sd => format!("noise of {} cm", 100.0 * sd),
+        };
+        let _ = writeln!(out, "## {set}: restitution {low} to {high}, {noise}\n");
+        let heads = BUDGETS.map(|k| format!(" K = {k} |")).concat();
+        let _ = writeln!(out, "| method |{heads}\n|---|{}", "---|".repeat(BUDGETS.len()));
+        for cell in results.of(set) {
+            let mut row = format!("| {} |", cell.method.title());
+            for k in BUDGETS {
+                let (mean, spread) = cell.after(k);
+                let best = results.best(set, k) == Some(cell.method);
+                let value = format!("{mean:.1e} ± {spread:.0e}");
+                let value = if best { format!("**{value}**") } else { value };
+                let published = cell.method.published(set, k).map_or(String::new(), |p| format!(" ({p})"));
+                let _ = write!(row, " {value}{published} |");
+            }
+            let _ = writeln!(out, "{row}");
+        }
+        let lost: Vec<String> = BUDGETS
+            .into_iter()
+            .filter_map(|k| Some((k, results.best(set, k).filter(|best| *best != Method::Default)?)))
+            .map(|(k, best)| format!("K = {k} to {}", best.title()))
+            .collect();
+        let verdict = if lost.is_empty() {
+            "Preset `default` has the least error of every column.".into()
+        } else {
+            format!("Preset `default` loses {}.", lost.join("; "))
+        };
+        let _ = writeln!(out, "\n{verdict}\n");
+    }
+    let idle: Vec<&str> = Method::ALL.into_iter().filter(|m| !m.rolls_out()).map(Method::title).collect();
+    let _ = writeln!(out, "No rollouts are spent on a target by: {}.", idle.join("; "));
+    out
+}
+
+/// Writes `table2.md`, `table2.csv`, `table2.json` and `figure2.svg`; none is ever half written.
+pub fn write(folder: &Path, results: &Results) -> Result<()> {
+    let mut csv = "set,method,seed,rollouts,error\n".to_owned();
+    for cell in &results.cells {
+        for (seed, accuracy) in cell.seeds.iter().enumerate() {
+            for (k, error) in POINTS.iter().zip(&accuracy.mean) {
+                let _ = writeln!(csv, "{},{},{seed},{k},{error}", cell.set, cell.method.key());
+            }
+        }
+    }
+    let json = format!("{:#}\n", as_json(results));
+    let files = [
+        ("table2.md", markdown(results)),
+        ("table2.csv", csv),
+        ("table2.json", json),
+        ("figure2.svg", figure::draw(results)),
+    ];
+    for (name, text) in files {
+        write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
+    }
+    Ok(())
+}
