@@ -3,7 +3,9 @@
 
 use anyhow::Result;
 use rayon::prelude::*;
-use tunenet_core::network::{Course, CoveredParameter, DatasetHeader, Model, Pair, Preset, Side, TrainOptions, train_on};
+use tunenet_core::network::{
+    Course, CoveredParameter, DatasetHeader, Model, Pair, Preset, Side, TrainOptions, train_on,
+};
 use tunenet_core::observation::{Channel, Observation};
 use tunenet_core::simulator::Simulator;
 
@@ -38,9 +40,8 @@ impl Direct {
             max: CONDITIONS.restitution.1,
             tuned: p.tune,
         };
-        let parameters = |restitution: f64| -> Vec<f64> {
-            all.iter().map(|p| if p.tune { restitution } else { p.value }).collect()
-        };
+        let parameters =
+            |restitution: f64| -> Vec<f64> { all.iter().map(|p| if p.tune { restitution } else { p.value }).collect() };
         let header = DatasetHeader {
             preset: "direct".into(),
             seed,
@@ -74,7 +75,8 @@ impl Direct {
 
     /// The restitution of `target`.
     pub fn estimate(&self, target: &Target) -> Result<f64> {
-        let [proposed, target] = [&self.proposed, &target.prepared.seen].map(|observation| Side { observation, scale: None });
+        let [proposed, target] =
+            [&self.proposed, &target.prepared.seen].map(|observation| Side { observation, scale: None });
         Ok(PROPOSED + self.model.estimate_batch(&[(proposed, target)])?[0][0])
     }
 }

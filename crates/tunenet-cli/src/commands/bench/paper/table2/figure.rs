@@ -51,8 +51,9 @@ pub fn draw(results: &Results) -> String {
         let name = if matches!(method, Method::Default | Method::Paper) { method.title() } else { short };
         svg.text("s", (at.0 + 28.0, at.1), Anchor::Start, name);
     }
-    let colours: String =
-        DRAWN.iter().map(|(m, c)| format!(".{}{{stroke:{c};stroke-width:2;fill:none}}", m.key())).collect();
+    let colour =
+        |(method, colour): &(Method, &str)| format!(".{}{{stroke:{colour};stroke-width:2;fill:none}}", method.key());
+    let colours = DRAWN.iter().map(colour).collect::<Vec<_>>().concat();
     let style = format!(
         "<style>text{{font-family:sans-serif;fill:#222}}.t{{font-size:14px;font-weight:bold}}.s{{font-size:12px}}\
          .g{{stroke:#ddd;fill:none}}.f{{stroke:#888;fill:none}}svg{{background:#fff}}{colours}</style>"
