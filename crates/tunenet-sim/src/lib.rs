@@ -3,6 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`simulation_file`] | the one file that describes a simulation |
+//! | [`arm`] | arms read from a URDF: kinematics, inverse dynamics, motions |
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
@@ -11,6 +12,7 @@
 //! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
+pub mod arm;
 pub mod ball;
 pub mod built_in;
 pub mod drawn;
