@@ -141,6 +141,9 @@ pub struct Reading {
     /// Which topic of an MCAP log
     #[arg(long)]
     pub topic: Option<String>,
+    /// Leave out the lines of a CSV file that cannot be used, where they are few, and say which
+    #[arg(long)]
+    pub skip_broken: bool,
 }
 
 /// What every command takes.

@@ -58,7 +58,12 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
 
 /// The command line's say in how files are read.
 pub fn reading(reading: &Reading) -> ReadOptions {
-    ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() }
+    ReadOptions {
+        columns: reading.columns.clone(),
+        topic: reading.topic.clone(),
+        skip_broken: reading.skip_broken,
+        joints: Vec::new(),
+    }
 }
 
 /// Refuses a recording that is given twice, whatever it is called: the same evidence counted twice looks like twice as much.

@@ -18,6 +18,7 @@ mod catalogue;
 mod colour;
 mod columns;
 mod confusable;
+mod driven;
 mod evidence;
 mod experiment;
 mod flights;
@@ -51,7 +52,7 @@ pub use input::{Progress, Recording, Settings, Subject};
 
 use std::sync::atomic::AtomicUsize;
 
-use crate::observation::Note;
+use crate::observation::{Kind, Note};
 use crate::simulator::Preparation;
 use crate::{Error, Result};
 use sets::Set;
@@ -76,6 +77,9 @@ pub fn diagnose(
         let (expected, found) =
             (format!("one of {} subjects", subjects.len()), format!("{} of {}", lost.object, lost.name));
         return Err(Error::Setting { name: "object", expected, found });
+    }
+    if !subjects.is_empty() && subjects.iter().all(|s| s.simulator.kind() == Kind::Joints) {
+        return driven::diagnose(subjects, recordings, settings, progress);
     }
     let mut uses = Vec::new();
     let mut sets = Vec::new();

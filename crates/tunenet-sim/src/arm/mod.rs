@@ -7,6 +7,7 @@
 //! | [`Recursion`] | inverse dynamics by Newton and Euler, and what a payload adds to the torques |
 //! | [`Kinematics`] | where everything is, and how it moves with the joints |
 //! | [`reach`] | inverse kinematics |
+//! | [`effects`] | what torques hold beyond those of rigid bodies |
 //! | [`Motion`] | the circle of the tool as smooth joint positions |
 //!
 //! Everything is in f64 and SI units; world axes, z up, the base at the origin. A vector of joint positions `q` has one
@@ -14,6 +15,7 @@
 
 mod chebyshev;
 mod dynamics;
+pub mod effects;
 mod inertia;
 mod kinematics;
 mod model;
