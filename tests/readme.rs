@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use tunenet_sim::simulation_file::ARM_KEYS;
 use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
 
 /// Commands that are shown but not run here, and why.
@@ -167,7 +168,8 @@ fn rows(keys: &[Key]) -> String {
 #[test]
 fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     let page = text("docs/files.md");
-    for (name, keys) in [("keys", BALL_KEYS), ("effects", &EFFECT_KEYS), ("parameters", PARAMETER_KEYS)] {
+    let all = [("keys", BALL_KEYS), ("arm", ARM_KEYS), ("effects", &EFFECT_KEYS), ("parameters", PARAMETER_KEYS)];
+    for (name, keys) in all {
         let (begin, end) = (format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->"));
         let found = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end));
         let found = found.unwrap_or_else(|| panic!("docs/files.md lacks its mark `{name}`")).0;
@@ -190,7 +192,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let page = ["tune", "preflight", "diagnose", "track"].map(|page| text(format!("docs/{page}.md"))).concat();
+    let page = ["tune", "preflight", "diagnose", "track", "arm"].map(|page| text(format!("docs/{page}.md"))).concat();
     let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {
@@ -200,7 +202,7 @@ fn every_warning_has_its_remedy_in_the_docs() {
             };
             assert!(
                 page.contains(&format!("| `{code}` |")),
-                "none of docs/tune.md, docs/preflight.md, docs/diagnose.md and docs/track.md lists `{code}` of {}",
+                "none of docs/tune.md, docs/preflight.md, docs/diagnose.md, docs/track.md and docs/arm.md lists `{code}` of {}",
                 file.display()
             );
             codes += 1;

@@ -85,6 +85,7 @@ const INIT_EXAMPLES: &str = "\
 Examples:
   tunenet init ball
   tunenet init ball --out tennis.toml
+  tunenet init arm
 Without a word about the release or the surface's height, both are estimated from each recording.";
 
 const TUNE_EXAMPLES: &str = "\
@@ -115,6 +116,7 @@ const GEN_EXAMPLES: &str = "\
 Examples:
   tunenet gen ball --preset easy --pairs 800 --seed 0 --out train.mcap
   tunenet gen ball --preset wide --pairs 1000 --seed 1 --out wide.mcap
+  tunenet gen arm --sim assets/arm.toml --pairs 1000 --out payloads.mcap
 An interrupted run goes on where it stopped when the same command is given again.";
 const TRAIN_EXAMPLES: &str = "\
 Examples:
@@ -170,6 +172,8 @@ pub struct Writing {
 pub enum Scene {
     /// A ball that falls and bounces
     Ball,
+    /// An arm that moves a payload
+    Arm,
 }
 
 /// `tunenet init`.
@@ -177,9 +181,9 @@ pub enum Scene {
 pub struct Init {
     /// Of what
     pub scene: Scene,
-    /// Where to write
-    #[arg(long, value_name = "FILE.toml", default_value = "ball.toml")]
-    pub out: PathBuf,
+    /// Where to write [default: ball.toml or arm.toml]
+    #[arg(long, value_name = "FILE.toml")]
+    pub out: Option<PathBuf>,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]
@@ -300,6 +304,8 @@ pub enum Domain {
     Ball,
     /// The same, its targets in the pixels of a camera that nobody knows
     BallVideo,
+    /// An arm that draws a circle with a payload, as in the paper
+    Arm,
 }
 
 /// Which parameters the pairs are drawn from.
@@ -307,12 +313,14 @@ pub enum Domain {
 pub enum Pairs {
     /// Restitution .3 to .7, both sides: the paper's training and Easy sets
     Easy,
-    /// Proposed .3 to .7, target 0 to 1: the paper's Hard set
+    /// Proposed .3 to .7, target 0 to 1: the paper's Hard set; of an arm, targets 1 kg heavier: its test set
     Hard,
-    /// 0 to 1, both sides: for preset `default`
+    /// 0 to 1, both sides: for preset `default`; of an arm, 0 to 2 kg
     Wide,
     /// Noisy recordings of drops from .3 to 10 m, release and floor unknown: for preset `general`
     General,
+    /// Of an arm: payload 0 to 1 kg, both sides: the paper's training set
+    Paper,
 }
 
 /// `tunenet gen`.
@@ -320,14 +328,14 @@ pub enum Pairs {
 pub struct Gen {
     /// Of what
     pub domain: Domain,
-    /// Distribution of the pairs
-    #[arg(long, value_enum, default_value = "easy")]
-    pub preset: Pairs,
+    /// Distribution of the pairs [default: easy; paper of an arm]
+    #[arg(long, value_enum)]
+    pub preset: Option<Pairs>,
     /// How many
     #[arg(long, default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
     pub pairs: u64,
-    /// Scene, instead of the paper's ball
-    #[arg(long = "sim", value_name = "FILE.toml")]
+    /// Scene, instead of the paper's
+    #[arg(long = "sim", value_name = "FILE.toml", required_if_eq("domain", "arm"))]
     pub sim: Option<PathBuf>,
     /// Override a key of the scene; may be repeated
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]

@@ -6,6 +6,7 @@
 //! | [`arm`] | arms read from a URDF: kinematics, inverse dynamics, motions |
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
+//! | [`observed_arm`] | an arm that follows a motion, as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
 //! | [`built_in`] | the network that comes with the tool |
@@ -20,6 +21,7 @@ pub mod drawn;
 pub mod filmed;
 pub mod filmed_ball;
 pub mod observed;
+pub mod observed_arm;
 pub mod observed_ball;
 pub mod replayed_arm;
 pub mod simulation_file;
@@ -27,6 +29,7 @@ pub mod simulation_file;
 pub use drawn::Drawn;
 pub use filmed_ball::FilmedBall;
 pub use observed::simulator;
+pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;
 pub use replayed_arm::ReplayedArm;
 pub use simulation_file::SimulationFile;

@@ -1,17 +1,32 @@
 //! From a simulation file to the simulator that it describes.
 
-use tunenet_core::Result;
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
+use tunenet_core::{Error, Result};
 
-use crate::{FilmedBall, ObservedBall, SimulationFile};
+use crate::simulation_file::Domain;
+use crate::{FilmedBall, ObservedArm, ObservedBall, SimulationFile};
 
 /// The simulator that `file` describes, observed as `kind`: its physical effects in the world, its effects of the
 /// measurement around it. Those that this kind of observation cannot show are passed over.
 ///
 /// # Errors
-/// As [`ObservedBall::new`].
+/// [`Error::File`] where what the file describes is not observed so; as [`ObservedBall::new`] and [`ObservedArm::new`].
 pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>> {
+    match (file.domain(), kind) {
+        (Domain::Arm, Kind::Joints) => return Ok(Box::new(ObservedArm::new(file)?)),
+        (Domain::Arm, _) | (Domain::Ball, Kind::Joints) => {
+            let (is, other) = match file.domain() {
+                Domain::Arm => ("an arm", "give recordings of its joints, or a ball's simulation file"),
+                Domain::Ball => {
+                    ("a ball", "give an arm's simulation file: `tunenet init arm` writes one to start from")
+                }
+            };
+            let message = format!("expected observations of {is}, which the file describes, found {}", kind.name());
+            return Err(Error::file(file.path(), message, other));
+        }
+        (Domain::Ball, _) => {}
+    }
     if kind == Kind::Pixels {
         return Ok(Box::new(FilmedBall::new(file)?));
     }

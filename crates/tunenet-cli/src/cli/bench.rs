@@ -44,12 +44,14 @@ pub enum Measured {
 /// A table or figure of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PaperTable {
+    /// How far a tuned payload is from the real one
+    Table1,
     /// How far a tuned ball is from the real one
     Table3,
 }
 
 impl PaperTable {
-    pub const ALL: [Self; 1] = [Self::Table3];
+    pub const ALL: [Self; 2] = [Self::Table1, Self::Table3];
 }
 
 /// `tunenet bench paper`.

@@ -35,7 +35,15 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let message = "expected a file to write to, found a device";
         return Err(Error::file(&options.out, message, "choose a name that ends in .mcap").into());
     }
-    let mut file = match (&options.sim, options.preset) {
+    if options.domain == Domain::Arm {
+        return super::gen_arm::run(options);
+    }
+    let preset = options.preset.unwrap_or(Pairs::Easy);
+    if preset == Pairs::Paper {
+        let (expected, found) = ("`easy`, `hard`, `wide` or `general` for a ball".into(), "`paper`".into());
+        return Err(Error::Setting { name: "--preset", expected, found }.into());
+    }
+    let mut file = match (&options.sim, preset) {
         (Some(path), _) => SimulationFile::read(path)?,
         (None, Pairs::General) => SimulationFile::parse(Path::new("ball.toml"), ANY_BALL)?,
         (None, _) => SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?,
@@ -43,12 +51,13 @@ pub fn run(options: &Gen) -> Result<Exit> {
     for assignment in &options.set {
         file.set(assignment)?;
     }
+    load::of_kind(&file, tunenet_sim::simulation_file::Domain::Ball)?;
     let bar = progress(options.pairs, "rollouts");
     let mut report = |done: u64, _: u64| {
         bar.set_position(done);
         true
     };
-    if options.preset == Pairs::General {
+    if preset == Pairs::General {
         if options.domain == Domain::BallVideo {
             let (expected, found) = ("`easy`, `hard` or `wide` for ball-video".into(), "`general`".into());
             return Err(Error::Setting { name: "--preset", expected, found }.into());
@@ -71,11 +80,11 @@ pub fn run(options: &Gen) -> Result<Exit> {
     let filmed = FilmedDrops::new(&file)?;
     let ball = filmed.ball();
     let floor = file.number("surface.height_m").unwrap_or(0.0);
-    let (proposed, target) = ranges(options.preset);
+    let (proposed, target) = ranges(preset);
     let pixels = options.domain == Domain::BallVideo;
     let covered = proposed.0.min(target.0)..proposed.1.max(target.1);
     let header = DatasetHeader {
-        preset: format!("{}/{:?}", if pixels { "ball-video" } else { "ball" }, options.preset).to_lowercase(),
+        preset: format!("{}/{:?}", if pixels { "ball-video" } else { "ball" }, preset).to_lowercase(),
         seed: options.common.seed,
         pairs: options.pairs,
         parameters: ball
@@ -115,7 +124,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
     Ok(tell(options, &header))
 }
 
-fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
+pub(super) fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
     stage(
         "wrote",
         &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), options.pairs, header.preset, header.seed),
@@ -135,6 +144,6 @@ pub fn ranges(pairs: Pairs) -> ((f64, f64), (f64, f64)) {
     match pairs {
         Pairs::Easy => ((0.3, 0.7), (0.3, 0.7)),
         Pairs::Hard => ((0.3, 0.7), (0.0, 1.0)),
-        Pairs::Wide | Pairs::General => ((0.0, 1.0), (0.0, 1.0)),
+        Pairs::Wide | Pairs::General | Pairs::Paper => ((0.0, 1.0), (0.0, 1.0)),
     }
 }

@@ -10,6 +10,7 @@ use tunenet_core::Error;
 use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
 use tunenet_sim::SimulationFile;
+use tunenet_sim::simulation_file::Domain;
 
 use super::film;
 use crate::cli::{Reading, Simulation};
@@ -21,6 +22,15 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
         file.set(assignment)?;
     }
     Ok(file)
+}
+
+/// Refuses a simulation file of another kind than a command needs.
+pub fn of_kind(file: &SimulationFile, needed: Domain) -> Result<()> {
+    if file.domain() == needed {
+        return Ok(());
+    }
+    let message = format!("expected `kind = \"{}\"` here, found \"{}\"", needed.name(), file.domain().name());
+    Err(Error::file(file.path(), message, format!("`tunenet init {}` writes one to start from", needed.name())).into())
 }
 
 /// Most samples of one recording that are looked at and fitted to; more would not sharpen the answer by as much as they

@@ -8,6 +8,7 @@ use tunenet_core::Error;
 use tunenet_core::observation::recording::{write_csv, write_mcap};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Measured, Simulator, rollout};
+use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, observed};
 
 use super::destination::{self, Output, Product};
@@ -17,12 +18,14 @@ use crate::failure::Exit;
 use crate::terminal::stage;
 
 pub fn run(options: &Simulate) -> Result<Exit> {
-    let extension = options.out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     load::ending(&options.out, &["csv", "mcap"])?;
     let output = Output::new(&options.out, "--out", Product::Unmarked);
     // What stands there may be the very same; that shows only when it is made.
     destination::check(std::slice::from_ref(&output), &[&options.simulation.sim], true)?;
     let mut file = load::simulation(&options.simulation)?;
+    if file.domain() == Domain::Arm {
+        return super::simulate_arm::run(options, &file, &output);
+    }
     let release = file.release();
     if release.height_m.is_none() && release.position_m.is_none() {
         let message = "expected where the ball starts, found neither `release.height_m` nor `release.position_m`";
@@ -54,20 +57,26 @@ pub fn run(options: &Simulate) -> Result<Exit> {
         let values = rollout(&seen, &parameters, &own, &clock)?;
         Observation::new(kind, ball.channels().to_vec(), clock, values)?
     };
-    let write = |to: &Path| if extension == "csv" { write_csv(&observation, to) } else { write_mcap(&observation, to) };
+    write(options, &output, &observation)
+}
+
+/// Writes what was simulated, and says so.
+pub(super) fn write(options: &Simulate, output: &Output, observation: &Observation) -> Result<Exit> {
+    let csv = options.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+    let write = |to: &Path| if csv { write_csv(observation, to) } else { write_mcap(observation, to) };
     if options.writing.overwrite || !destination::holds_something(&options.out) {
         write(&options.out)?;
     } else {
         let again = tempfile::NamedTempFile::new()?;
         write(again.path())?;
         if load::hash(again.path())? != load::hash(&options.out)? {
-            return Err(destination::taken(&output).into());
+            return Err(destination::taken(output).into());
         }
     }
     stage("wrote", &format!("{}, {} samples", options.out.display(), observation.len()));
     if options.common.json {
         print_json(&json!({
-            "schema": "tunenet.simulate/1", "file": load::name(&options.out), "kind": kind.name(),
+            "schema": "tunenet.simulate/1", "file": load::name(&options.out), "kind": observation.kind().name(),
             "samples": observation.len(), "warnings": [],
         }));
     }

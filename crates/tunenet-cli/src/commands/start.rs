@@ -18,7 +18,8 @@ pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
             return Err(Error::Setting { name: "--set", expected, found: format!("none after `{last}`") });
         }
         let message = "expected at least one parameter with `tune = true`, found none";
-        let hint = "write it under [parameters.restitution], or add `--set parameters.restitution.tune=true`";
+        let first = &parameters[0].name;
+        let hint = format!("write it under [parameters.{first}], or add `--set parameters.{first}.tune=true`");
         return Err(Error::file(file.path(), message, hint));
     }
     for (name, value) in &options.initial {

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::Error;
-use tunenet_core::network::{Preset, TrainOptions, train};
+use tunenet_core::network::{DatasetReader, Preset, TrainOptions, train};
 
 use super::destination::{self, Output, Product};
 use super::{load, print_json};
@@ -22,7 +22,8 @@ pub fn run(options: &Train) -> Result<Exit> {
     let mut checkpoint = options.out.clone().into_os_string();
     checkpoint.push(".checkpoint");
     let checkpoint = PathBuf::from(checkpoint);
-    let preset = Preset::named(options.preset.name())?;
+    let channels = DatasetReader::open(&options.data)?.header().channels.clone();
+    let preset = Preset::named_for(options.preset.name(), &channels)?;
     let settings = TrainOptions { preset, seed: options.common.seed, checkpoint: Some(checkpoint.clone()) };
     let bar = progress(0, "training");
     let mut last = None;

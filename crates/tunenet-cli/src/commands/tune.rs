@@ -12,6 +12,7 @@ use tunenet_core::observation::preflight::{Check, State};
 use tunenet_core::observation::recording::{Recording, write_atomically};
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
+use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
 use super::destination::{self, Output, Product};
@@ -158,8 +159,9 @@ fn tune_to(
             Error::file(&options.observation[other], message, "tune to each kind alone, or use `--each`").into()
         );
     }
+    let arm = file.domain() == Domain::Arm;
     let learned =
-        |model: &Model| kind == Kind::Positions || kind == Kind::Pixels && !model.target_channels().is_empty();
+        |model: &Model| arm || kind == Kind::Positions || kind == Kind::Pixels && !model.target_channels().is_empty();
     if !model.is_none_or(learned) {
         let why = if kind == Kind::Pixels { "this model does not see" } else { "need no model" };
         let (expected, found) = ("positions".into(), format!("{}, which {why}", kind.name()));
@@ -170,7 +172,11 @@ fn tune_to(
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
     let filmed = kind == Kind::Pixels;
-    let bare = if filmed { None } else { Some(ObservedBall::new(file, kind).with_context(|| names(options))?) };
+    let bare = if filmed || arm || kind == Kind::Joints {
+        None
+    } else {
+        Some(ObservedBall::new(file, kind).with_context(|| names(options))?)
+    };
     let bare = bare.map(|ball| ball.forced(options.force));
     let ball = match &bare {
         Some(bare) => observed::around(file, bare.clone())?,
@@ -180,7 +186,8 @@ fn tune_to(
     let settings = Settings {
         iterations: usize::from(options.iterations),
         initial: options.initial.clone(),
-        clamp: options.clamp || !paper,
+        // A payload below 0 cannot be simulated.
+        clamp: options.clamp || !paper || arm,
         finish: !paper,
         names: if options.each { Vec::new() } else { options.observation.iter().map(|p| load::name(p)).collect() },
     };
@@ -190,6 +197,9 @@ fn tune_to(
     let chosen = match (model, &bare) {
         (Some(model), _) => Chosen::given(model),
         (None, Some(bare)) => tune_model::choose(file, bare, recordings, seed, &cache),
+        (None, None) if arm => {
+            tune_model::none("not needed: torques all but follow a straight line in the payload".into())
+        }
         (None, None) => tune_model::none("none: give one that learned from `gen ball-video` with --model".into()),
     };
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);

@@ -23,6 +23,18 @@ pub enum Input {
         /// The greatest.
         high: f64,
     },
+    /// Every channel as recorded, sample after sample, `low` and `high` of all channels of the training set brought to 0
+    /// and 1.
+    Recorded {
+        /// How many channels.
+        channels: usize,
+        /// How many samples of each.
+        samples: usize,
+        /// The least value of the training set.
+        low: f64,
+        /// The greatest.
+        high: f64,
+    },
     /// One channel in units of the recording's own [`Scale`], its mean over each of `bins` equal intervals of
     /// `τ = (t − start) / time` in `[0, tau_max]`. Needs a scale.
     Dimensionless {
@@ -96,6 +108,7 @@ impl Input {
     pub fn width(&self) -> usize {
         match self {
             Self::Raw { samples, .. } => *samples,
+            Self::Recorded { channels, samples, .. } => channels * samples,
             Self::Dimensionless { bins, .. } | Self::Filmed { bins, .. } => *bins,
             Self::Scaled { bins, unit, .. } => bins * unit.len(),
             Self::Standardised { bins, mean, .. } => bins * mean.len(),
@@ -154,6 +167,18 @@ impl Input {
                 let factor = if span > 0.0 { 1.0 / span } else { 0.0 };
                 let values = values[channel..].iter().step_by(channels).map(|v| (v - low) * factor).collect();
                 Ok(Encoded { values, covered: 0..*samples })
+            }
+            Self::Recorded { channels: known, samples, low, high } => {
+                if channels != *known {
+                    return refuse("channels", known.to_string(), channels.to_string());
+                }
+                if clock.len() != *samples {
+                    return refuse("samples", samples.to_string(), clock.len().to_string());
+                }
+                let span = high - low;
+                let factor = if span > 0.0 { 1.0 / span } else { 0.0 };
+                let values: Vec<f64> = values.iter().map(|v| (v - low) * factor).collect();
+                Ok(Encoded { covered: 0..values.len(), values })
             }
             Self::Dimensionless { channel, bins, tau_max } => {
                 let scale = scale()?;
@@ -273,6 +298,14 @@ mod tests {
         let values = [9.0, 1.0, 9.0, 2.0, 9.0, 3.0, 9.0, 4.0, 9.0, 5.0];
         assert_eq!(input.encode(&CLOCK, &values, 2, None).unwrap().values, [0.0, 0.25, 0.5, 0.75, 1.0]);
         assert!(input.encode(&CLOCK[..4], &values[..8], 2, None).is_err());
+    }
+
+    #[test]
+    fn recorded_brings_all_channels_to_one_range() {
+        let input = Input::Recorded { channels: 2, samples: 2, low: -1.0, high: 3.0 };
+        assert_eq!(input.encode(&CLOCK[..2], &[-1.0, 3.0, 0.0, 1.0], 2, None).unwrap().values, [0.0, 1.0, 0.25, 0.5]);
+        assert!(input.encode(&CLOCK[..3], &[0.0; 6], 2, None).is_err());
+        assert!(input.encode(&CLOCK[..2], &[0.0; 6], 3, None).is_err());
     }
 
     #[test]

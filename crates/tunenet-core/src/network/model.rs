@@ -228,7 +228,7 @@ impl Model {
         }
         let channels = seen.channels().len();
         // Raw samples mean something only at the instants of the training set.
-        if matches!(input, Input::Raw { .. }) && seen.clock() != self.clock {
+        if matches!(input, Input::Raw { .. } | Input::Recorded { .. }) && seen.clock() != self.clock {
             let seen = resample(seen, &self.clock)?;
             return input.encode(seen.clock(), seen.values(), channels, side.scale);
         }

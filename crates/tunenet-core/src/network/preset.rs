@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::observation::Channel;
 use crate::{Error, Result};
 
 /// A training in full: what the network sees, its shape, and how it learns.
@@ -65,6 +66,14 @@ pub enum InputChoice {
     },
     /// All channels, standardised.
     Standardised {
+        /// How many intervals of each channel, at least 2.
+        bins: usize,
+    },
+    /// All channels as recorded, min-max normalised together over the training set: a channel that hardly changes is not
+    /// blown up to noise.
+    Recorded,
+    /// All channels less their means, divided by one standard deviation for all of them.
+    Balanced {
         /// How many intervals of each channel, at least 2.
         bins: usize,
     },
@@ -174,6 +183,45 @@ impl Preset {
         }
     }
 
+    /// The appendix of the paper for its arm: all torques, min-max normalised; residual over training span; SGD at 1e-2, times
+    /// 0.99 every 50 epochs; L2 1e-3; batches of 50; 1000 epochs; mean squared error.
+    #[must_use]
+    pub fn paper_arm() -> Self {
+        Self {
+            input: InputChoice::Recorded,
+            optimiser: Optimiser::Sgd { rate: 1e-2, decay: 0.99, decay_every: 50, l2: 1e-3 },
+            course: Course::Epochs { epochs: 1000 },
+            ..Self::paper()
+        }
+    }
+
+    /// For joint torques: this project's own.
+    #[must_use]
+    pub fn arm() -> Self {
+        Self {
+            input: InputChoice::Balanced { bins: 50 },
+            features: 32,
+            // In standard deviations of all torques; an arm's are several N·m.
+            course: Course::Remixed { steps: 4000, noise: 0.1, cut: 0.0 },
+            library: 101,
+            ..Self::default()
+        }
+    }
+
+    /// As [`named`](Self::named), for observations of these channels: joint torques have presets of their own.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for any other name, and for `general`, which is for balls, beside torques.
+    pub fn named_for(name: &str, channels: &[Channel]) -> Result<Self> {
+        let torques = !channels.is_empty() && channels.iter().all(|c| c.unit == "N·m");
+        match name {
+            "paper" if torques => Ok(Self::paper_arm()),
+            "default" if torques => Ok(Self::arm()),
+            other if torques => Err(setting("preset", "`paper` or `default` for joint torques", other)),
+            other => Self::named(other),
+        }
+    }
+
     /// For one scene, on the spot: a small network, few steps, all parameters and channels, looking as far as `tau_max`
     /// recording's times.
     #[must_use]
@@ -217,7 +265,11 @@ impl Preset {
             return Err(setting("held_back", "0 to 0.5", self.held_back));
         }
         match &self.input {
-            InputChoice::Dimensionless { bins, .. } | InputChoice::Standardised { bins } if *bins < 2 => {
+            InputChoice::Dimensionless { bins, .. }
+            | InputChoice::Standardised { bins }
+            | InputChoice::Balanced { bins }
+                if *bins < 2 =>
+            {
                 return Err(setting("bins", "at least 2", bins));
             }
             InputChoice::Dimensionless { tau_max, .. } if !(tau_max.is_finite() && *tau_max > 0.0) => {
@@ -276,7 +328,7 @@ mod tests {
 
     #[test]
     fn both_survive_their_file_form() {
-        for preset in [Preset::paper(), Preset::default()] {
+        for preset in [Preset::paper(), Preset::default(), Preset::paper_arm(), Preset::arm()] {
             preset.check().unwrap();
             let text = serde_json::to_string(&preset).unwrap();
             assert_eq!(serde_json::from_str::<Preset>(&text).unwrap(), preset);

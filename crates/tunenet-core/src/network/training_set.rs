@@ -192,7 +192,29 @@ fn fit_input(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset)
         }
         InputChoice::Scaled { bins, tau_max } => scaled(header, open, *bins, *tau_max),
         InputChoice::Standardised { bins } => standardised(header, open, *bins),
+        InputChoice::Recorded => {
+            if header.clocks_in_pairs() {
+                let text = "expected one clock for all pairs, found one in each: raw samples cannot be compared";
+                return Err(Error::file(path, text, "train with another preset"));
+            }
+            let (channels, samples) = (header.channels.len(), header.clock.len());
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            let sides: [fn(&Pair) -> &[f64]; 2] = [|pair| &pair.proposed, |pair| &pair.target];
+            for (channel, side) in (0..channels).flat_map(|c| sides.map(|side| (c, side))) {
+                let (least, most) = bounds(open, side, channel, channels)?;
+                (low, high) = (low.min(least), high.max(most));
+            }
+            Ok(Input::Recorded { channels, samples, low, high })
+        }
+        InputChoice::Balanced { bins } => balanced(header, open, *bins),
     }
+}
+
+/// Every channel less its mean, in units of one spread: the root mean square of those of all channels.
+fn balanced(header: &DatasetHeader, open: &Pairs, bins: usize) -> Result<Input> {
+    let Input::Standardised { bins, mean, sd } = standardised(header, open, bins)? else { unreachable!("as asked") };
+    let together = (sd.iter().map(|s| s * s).sum::<f64>() / sd.len() as f64).sqrt();
+    Ok(Input::Standardised { bins, mean, sd: vec![together; sd.len()] })
 }
 
 /// Every channel in the recording's own units, its root mean square over the training set brought to 1.

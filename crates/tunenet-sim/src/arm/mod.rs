@@ -9,26 +9,32 @@
 //! | [`reach`] | inverse kinematics |
 //! | [`effects`] | what torques hold beyond those of rigid bodies |
 //! | [`Motion`] | the circle of the tool as smooth joint positions |
+//! | [`Multibody`] | the arm as Rapier simulates it, driven by torques |
+//! | [`ComputedTorque`] | the controller, with what it believes of the arm |
 //!
 //! Everything is in f64 and SI units; world axes, z up, the base at the origin. A vector of joint positions `q` has one
 //! number for each joint that mimics none, in the order of the file ([`Model::joints`]).
 
 mod chebyshev;
+mod controller;
 mod dynamics;
 pub mod effects;
 mod inertia;
 mod kinematics;
 mod model;
 mod motion;
+mod multibody;
 mod payload;
 pub mod reach;
 pub mod urdf;
 
+pub use controller::ComputedTorque;
 pub use dynamics::Recursion;
 pub use inertia::Inertia;
 pub use kinematics::Kinematics;
 pub use model::{Body, Coordinate, Frame, Joint, JointKind, Limits, Model};
 pub use motion::{Circle, Motion};
+pub use multibody::Multibody;
 pub use payload::{PAYLOAD_NUMBERS, payload_numbers};
 
 /// A place and an orientation: from the coordinates of one frame to those of another.

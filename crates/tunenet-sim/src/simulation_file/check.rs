@@ -6,30 +6,28 @@ use std::path::Path;
 use toml_edit::{Item, Table, TableLike};
 use tunenet_core::{Error, Result};
 
-use super::schema::{BALL_KEYS, BALL_PARAMETERS, PARAMETER_KEYS, find, item_number, keys, siblings};
+use super::domain::Domain;
+use super::schema::{PARAMETER_KEYS, item_number};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing.
 pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
-    if root.get("kind").is_none() {
-        let message = "expected `kind = \"ball\"`, found no `kind`".to_string();
-        return Err(Error::file(path, message, "is this a simulation file? assets/ball.toml is one to start from"));
-    }
-    walk(path, text, root, "")?;
-    for key in BALL_KEYS.iter().filter(|k| k.required) {
+    let domain = domain(path, text, root)?;
+    walk(path, text, domain, root, "")?;
+    for key in domain.keys().filter(|k| k.required) {
         if lookup(root, &key.path).is_none() {
             let message = format!("expected `{}` ({}), found none", key.path, key.meaning);
             let (table, name) = key.path.split_once('.').unwrap_or(("", &key.path));
             return Err(Error::file(path, message, format!("add `{name} = …` under [{table}]")));
         }
     }
-    for name in BALL_PARAMETERS {
+    for name in domain.parameters().iter().map(|p| p.name) {
         let Some(table) = lookup(root, &format!("parameters.{name}")).and_then(Item::as_table_like) else { continue };
         if let Some(key) = PARAMETER_KEYS.iter().find(|k| k.required && table.get(&k.path).is_none()) {
             let message = format!("expected `{}` ({}) in [parameters.{name}], found none", key.path, key.meaning);
             return Err(Error::file(path, message, "a parameter needs value, min and max"));
         }
     }
-    if let Some((key, span, expected, found)) = parameters(root) {
+    if let Some((key, span, expected, found)) = parameters(domain, root) {
         return Err(located(
             path,
             text,
@@ -41,9 +39,26 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
     Ok(())
 }
 
+/// What the file describes.
+fn domain(path: &Path, text: &str, root: &Table) -> Result<Domain> {
+    let each: Vec<String> = Domain::ALL.iter().map(|d| format!("\"{}\"", d.name())).collect();
+    let expected = each.join(" or ");
+    let Some(kind) = root.get("kind") else {
+        let message = format!("expected `kind = {expected}`, found no `kind`");
+        let hint = "is this a simulation file? assets/ball.toml and assets/arm.toml are ones to start from";
+        return Err(Error::file(path, message, hint));
+    };
+    kind.as_str().and_then(Domain::named).ok_or_else(|| {
+        let found = kind.to_string();
+        let message = format!("`kind`: expected {expected}, found {}", found.trim());
+        located(path, text, kind.span().unwrap_or(0..0), message, "kind: what is simulated")
+    })
+}
+
 /// The first parameter whose bounds and value contradict each other: its path, place, what is expected and found.
-pub(super) fn parameters(root: &Table) -> Option<(String, Range<usize>, String, String)> {
-    for name in BALL_PARAMETERS {
+pub(super) fn parameters(domain: Domain, root: &Table) -> Option<(String, Range<usize>, String, String)> {
+    for known in domain.parameters() {
+        let name = known.name;
         let table = lookup(root, &format!("parameters.{name}")).and_then(Item::as_table_like);
         let Some(table) = table else { continue };
         let get =
@@ -63,15 +78,11 @@ pub(super) fn parameters(root: &Table) -> Option<(String, Range<usize>, String, 
         if !(min..=max).contains(&value) {
             return Some((format!("parameters.{name}.value"), span, format!("{min} to {max}"), value.to_string()));
         }
-        if min < 0.0 || *name == "restitution" && max > 1.0 {
-            let what = if min < 0.0 { ("min", min) } else { ("max", max) };
-            let expected = if *name == "restitution" {
-                "bounds within 0 to 1 (above 1 a bounce gains energy)"
-            } else {
-                "0 or more"
-            };
+        let (least, most) = known.bounds;
+        if min < least || max > most {
+            let what = if min < least { ("min", min) } else { ("max", max) };
             let span = get(what.0).map_or(0..0, |(_, span)| span);
-            return Some((format!("parameters.{name}.{}", what.0), span, expected.into(), what.1.to_string()));
+            return Some((format!("parameters.{name}.{}", what.0), span, known.within.into(), what.1.to_string()));
         }
     }
     None
@@ -86,7 +97,7 @@ fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
     Some(item)
 }
 
-fn walk(path: &Path, text: &str, table: &dyn TableLike, prefix: &str) -> Result<()> {
+fn walk(path: &Path, text: &str, domain: Domain, table: &dyn TableLike, prefix: &str) -> Result<()> {
     for (name, item) in table.iter() {
         let full = format!("{prefix}{name}");
         if full == "provenance" {
@@ -96,7 +107,7 @@ fn walk(path: &Path, text: &str, table: &dyn TableLike, prefix: &str) -> Result<
             || table.get_key_value(name).and_then(|(key, _)| key.span()).or_else(|| item.span()).unwrap_or(0..0);
         match item.as_value().filter(|v| !v.is_inline_table()) {
             Some(value) => {
-                let Some(key) = find(&full) else { return Err(unknown(path, text, key_span(), &full)) };
+                let Some(key) = domain.find(&full) else { return Err(unknown(path, text, domain, key_span(), &full)) };
                 if !key.shape.accepts(value) {
                     let found = value.to_string();
                     let message = format!("`{full}`: expected {}, found {}", key.shape.expected(), found.trim());
@@ -110,23 +121,30 @@ fn walk(path: &Path, text: &str, table: &dyn TableLike, prefix: &str) -> Result<
                 }
             }
             None => match item.as_table_like() {
-                Some(inner) if known_table(&full) => walk(path, text, inner, &format!("{full}."))?,
-                _ => return Err(unknown(path, text, key_span(), &full)),
+                Some(inner) if known_table(domain, &full) => walk(path, text, domain, inner, &format!("{full}."))?,
+                _ => return Err(unknown(path, text, domain, key_span(), &full)),
             },
         }
     }
     Ok(())
 }
 
-fn known_table(path: &str) -> bool {
+fn known_table(domain: Domain, path: &str) -> bool {
     let inside = format!("{path}.");
-    let parameter = path.strip_prefix("parameters.").is_some_and(|name| BALL_PARAMETERS.contains(&name));
-    path == "parameters" || parameter || keys().any(|k| k.path.starts_with(&inside))
+    let parameter = path.strip_prefix("parameters.").is_some_and(|name| domain.parameter(name).is_some());
+    path == "parameters" || parameter || domain.keys().any(|k| k.path.starts_with(&inside))
 }
 
-fn unknown(path: &Path, text: &str, span: Range<usize>, key: &str) -> Error {
-    let hint = format!("known here: {}", siblings(key).join(", "));
-    located(path, text, span, format!("expected a key of a simulation file, found `{key}`"), &hint)
+fn unknown(path: &Path, text: &str, domain: Domain, span: Range<usize>, key: &str) -> Error {
+    let hint = format!("known here: {}", domain.siblings(key).join(", "));
+    let other = Domain::ALL.into_iter().find(|other| other.find(key).is_some() || known_table(*other, key));
+    let message = match other {
+        Some(other) => {
+            format!("expected a key of `kind = \"{}\"`, found `{key}` of `kind = \"{}\"`", domain.name(), other.name())
+        }
+        None => format!("expected a key of a simulation file, found `{key}`"),
+    };
+    located(path, text, span, message, &hint)
 }
 
 /// An error at a place of the text.

@@ -5,7 +5,7 @@ use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Coefficient, measurement_effects};
 use tunenet_core::{Error, Result};
 
-use super::schema::{find, item_number, siblings};
+use super::schema::item_number;
 use super::{SimulationFile, table};
 use crate::ball::effects::BallEffect;
 
@@ -57,8 +57,8 @@ impl SimulationFile {
         for (key, value) in values {
             let path = format!("effects.{name}.{key}");
             let refuse = |expected: String, found: String| Err(Error::Setting { name: "effects", expected, found });
-            let Some(known) = find(&path) else {
-                return refuse(format!("one of {}", siblings(&path).join(", ")), format!("`{path}`"));
+            let Some(known) = self.domain().find(&path) else {
+                return refuse(format!("one of {}", self.domain().siblings(&path).join(", ")), format!("`{path}`"));
             };
             if !known.shape.accepts(&(*value).into()) {
                 return refuse(format!("{} for `{path}`", known.shape.expected()), value.to_string());

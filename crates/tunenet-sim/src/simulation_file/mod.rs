@@ -1,7 +1,9 @@
 //! The simulation file: one TOML file that describes a simulation completely, read, overridden, and written back with its
 //! comments and its order kept.
 
+mod arm_schema;
 mod check;
+mod domain;
 mod effects;
 pub mod schema;
 mod template;
@@ -13,10 +15,12 @@ use tunenet_core::observation::recording::read_text;
 use tunenet_core::simulator::Parameter;
 use tunenet_core::{Error, Result};
 
+pub use arm_schema::ARM_KEYS;
+pub use domain::{Definition, Domain};
 pub use effects::PresentEffect;
 pub use template::template;
 
-use schema::{find, item_number, siblings};
+use schema::item_number;
 
 /// How a ball's scene may start, record by record: what is `None` is estimated from the data.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -102,8 +106,9 @@ impl SimulationFile {
             return refuse("TABLE.KEY=VALUE".into(), format!("`{assignment}`"));
         };
         let (path, text) = (path.trim(), text.trim());
-        let Some(key) = find(path) else {
-            return refuse(format!("a key of a simulation file ({})", siblings(path).join(", ")), format!("`{path}`"));
+        let Some(key) = self.domain().find(path) else {
+            let known = self.domain().siblings(path).join(", ");
+            return refuse(format!("a key of a simulation file ({known})"), format!("`{path}`"));
         };
         let value: Value = text.parse().unwrap_or_else(|_| Value::from(text));
         if !key.shape.accepts(&value) {
@@ -119,7 +124,7 @@ impl SimulationFile {
             table = inner;
         }
         table[parts[parts.len() - 1]] = Item::Value(value);
-        check::parameters(self.document.as_table())
+        check::parameters(self.domain(), self.document.as_table())
             .map_or(Ok(()), |(path, _, expected, found)| refuse(format!("{expected} for `{path}`"), found))
     }
 
@@ -144,31 +149,37 @@ impl SimulationFile {
         self.document.to_string()
     }
 
-    /// The parameters, in the order restitution, friction; those left out stand at their default and are not tuned, but
-    /// for the restitution.
+    /// What the file describes.
+    #[must_use]
+    pub fn domain(&self) -> Domain {
+        // Checked where the file was read; `--set` cannot change it.
+        self.item("kind").and_then(Item::as_str).and_then(Domain::named).unwrap_or(Domain::Ball)
+    }
+
+    /// The parameters in the order of [`Domain::parameters`]; those left out stand at their default.
     ///
     /// # Errors
     /// [`Error::Parameter`] where bounds and value contradict each other.
     pub fn parameters(&self) -> Result<Vec<Parameter>> {
-        let defaults = [("restitution", 0.5, 1.0, true), ("friction", 0.0, 2.0, false)];
-        let each = defaults.into_iter().map(|(name, value, max, tune)| {
+        let each = self.domain().parameters().iter().map(|known| {
+            let (name, [value, min, max]) = (known.name, known.default);
             let Some(table) = self.item(&format!("parameters.{name}")).and_then(Item::as_table_like) else {
-                return Ok(Parameter { tune, ..Parameter::new(name, "1", value, 0.0, max)? });
+                return Ok(Parameter { tune: known.tune, ..Parameter::new(name, known.unit, value, min, max)? });
             };
             let number = |field: &str, default: f64| table.get(field).and_then(item_number).unwrap_or(default);
             let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(true);
-            let unit = table.get("unit").and_then(Item::as_str).unwrap_or("1");
-            let parameter = Parameter::new(name, unit, number("value", value), number("min", 0.0), number("max", max))?;
+            let unit = table.get("unit").and_then(Item::as_str).unwrap_or(known.unit);
+            let parameter = Parameter::new(name, unit, number("value", value), number("min", min), number("max", max))?;
             Ok(Parameter { tune, ..parameter })
         });
         each.collect()
     }
 
-    /// What determines how this file's balls move while they are tuned, in a fixed order: neither comments, nor what is
+    /// What determines how this file's thing moves while it is tuned, in a fixed order: neither comments, nor what is
     /// recorded, nor the values that tuning is to find.
     #[must_use]
     pub fn essence(&self) -> String {
-        let keys = schema::keys().filter(|key| !key.path.starts_with("record."));
+        let keys = self.domain().keys().filter(|key| !key.path.starts_with("record."));
         let scene = keys.filter_map(|key| {
             let mut value = self.item(&key.path)?.as_value()?.clone();
             value.decor_mut().clear();
@@ -216,6 +227,18 @@ impl SimulationFile {
         self.item("world.medium").and_then(Item::as_str).is_none_or(|medium| medium == "air")
     }
 
+    /// The text at `path`, where there is one.
+    #[must_use]
+    pub fn text_at(&self, path: &str) -> Option<&str> {
+        self.item(path).and_then(Item::as_str)
+    }
+
+    /// The numbers of the list at `path`, where there is one.
+    #[must_use]
+    pub fn numbers(&self, path: &str) -> Option<Vec<f64>> {
+        Some(self.item(path)?.as_array()?.iter().filter_map(schema::number).collect())
+    }
+
     fn vector(&self, path: &str) -> Option<[f64; 3]> {
         let array = self.item(path)?.as_array()?;
         let numbers: Vec<f64> = array.iter().filter_map(schema::number).collect();
@@ -241,9 +264,10 @@ impl SimulationFile {
         }
         one["value"] = Item::Value(new);
         if old {
-            let max = if name == "friction" { 2.0 } else { 1.0 };
+            let known = Domain::ALL.iter().find_map(|domain| domain.parameter(name));
+            let (unit, [_, min, max]) = known.map_or(("1", [0.0, 0.0, 1.0]), |p| (p.unit, p.default));
             (one["min"], one["max"], one["unit"]) =
-                (toml_edit::value(0.0), toml_edit::value(max), toml_edit::value("1"));
+                (toml_edit::value(min), toml_edit::value(max), toml_edit::value(unit));
         }
     }
 

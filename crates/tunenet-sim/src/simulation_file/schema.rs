@@ -18,6 +18,8 @@ pub enum Shape {
     Whole(i64, i64),
     /// So many numbers within bounds.
     Numbers(usize, f64, f64),
+    /// Any number of numbers within bounds, at least one.
+    List(f64, f64),
     /// One of these words; any where there are none.
     Word(&'static [&'static str]),
     /// `true` or `false`.
@@ -32,6 +34,7 @@ impl Shape {
             Self::Number(min, max) => format!("a number {}", range(min, max)),
             Self::Whole(min, max) => format!("a whole number from {min} to {max}"),
             Self::Numbers(count, min, max) => format!("[{count} numbers], each {}", range(min, max)),
+            Self::List(min, max) => format!("[numbers], each {}", range(min, max)),
             Self::Word([]) => "a text in quotes".into(),
             Self::Word(words) => words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(" or "),
             Self::Flag => "true or false".into(),
@@ -47,6 +50,9 @@ impl Shape {
             Self::Whole(min, max) => value.as_integer().is_some_and(|n| (min..=max).contains(&n)),
             Self::Numbers(count, min, max) => {
                 value.as_array().is_some_and(|a| a.len() == count && a.iter().all(|v| within(v, min, max)))
+            }
+            Self::List(min, max) => {
+                value.as_array().is_some_and(|a| !a.is_empty() && a.iter().all(|v| within(v, min, max)))
             }
             Self::Word(words) => value.as_str().is_some_and(|w| words.is_empty() || words.contains(&w)),
             Self::Flag => value.is_bool(),
@@ -85,11 +91,11 @@ pub struct Key {
     pub meaning: Cow<'static, str>,
 }
 
-const GREATEST: f64 = 1e9;
-const LEAST: f64 = 1e-6;
+pub(super) const GREATEST: f64 = 1e9;
+pub(super) const LEAST: f64 = 1e-6;
 const STEEPEST: f64 = 1.5;
 
-const fn key(path: &'static str, shape: Shape, required: bool, meaning: &'static str) -> Key {
+pub(super) const fn key(path: &'static str, shape: Shape, required: bool, meaning: &'static str) -> Key {
     Key { path: Cow::Borrowed(path), shape, required, meaning: Cow::Borrowed(meaning) }
 }
 
@@ -143,14 +149,6 @@ pub static EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     keys.collect()
 });
 
-/// All keys of a ball's file beside its parameters and its provenance.
-pub fn keys() -> impl Iterator<Item = &'static Key> {
-    BALL_KEYS.iter().chain(EFFECT_KEYS.iter())
-}
-
-/// The names that `[parameters.NAME]` may have in a ball's file.
-pub const BALL_PARAMETERS: &[&str] = &["restitution", "friction"];
-
 /// The keys within `[parameters.NAME]`.
 pub const PARAMETER_KEYS: &[Key] = &[
     key("value", Shape::Number(-GREATEST, GREATEST), true, "present value"),
@@ -159,45 +157,3 @@ pub const PARAMETER_KEYS: &[Key] = &[
     key("unit", Shape::Word(&[]), false, "its unit"),
     key("tune", Shape::Flag, false, "whether `tune` may change it; true where left out"),
 ];
-
-/// The key of a ball's file at `path`, its parameters included.
-#[must_use]
-pub fn find(path: &str) -> Option<Key> {
-    if let Some(rest) = path.strip_prefix("parameters.") {
-        let (name, field) = rest.split_once('.')?;
-        return BALL_PARAMETERS.contains(&name).then(|| PARAMETER_KEYS.iter().find(|k| k.path == field).cloned())?;
-    }
-    keys().find(|k| k.path == path).cloned()
-}
-
-/// The keys that could have been meant beside `path`: those of its table, or all tables.
-#[must_use]
-pub fn siblings(path: &str) -> Vec<String> {
-    let table = path.rsplit_once('.').map_or("", |(table, _)| table);
-    if table == "parameters" {
-        return BALL_PARAMETERS.iter().map(|p| format!("parameters.{p}")).collect();
-    }
-    if let Some(name) = table.strip_prefix("parameters.") {
-        let known = BALL_PARAMETERS.contains(&name);
-        return if known {
-            PARAMETER_KEYS.iter().map(|k| k.path.to_string()).collect()
-        } else {
-            BALL_PARAMETERS.iter().map(|p| format!("parameters.{p}")).collect()
-        };
-    }
-    // Of an effect's table the coefficients; of an unknown effect, the effects.
-    let inside = format!("{table}.");
-    let near: Vec<String> =
-        keys().filter(|k| !table.is_empty() && k.path.starts_with(&inside)).map(|k| k.path.to_string()).collect();
-    if !near.is_empty() {
-        return near;
-    }
-    let depth = if table.starts_with("effects") { 2 } else { 1 };
-    let head = |k: &Key| k.path.split('.').take(depth).collect::<Vec<_>>().join(".");
-    let mut near: Vec<String> = keys().filter(|k| depth == 1 || k.path.starts_with("effects.")).map(head).collect();
-    if depth == 1 {
-        near.extend(["parameters".to_string(), "provenance".to_string()]);
-    }
-    near.dedup();
-    near
-}

@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::schema::{BALL_PARAMETERS, Key, PARAMETER_KEYS, Shape, keys};
+use super::domain::{Definition, Domain};
+use super::schema::{Key, PARAMETER_KEYS, Shape};
 
 /// What stands above everything else.
-const HEAD: &str = "\
+const BALL_HEAD: &str = "\
 # A ball that falls and bounces. Write your ball's radius into it and tune:
 #
 #   tunenet tune --sim ball.toml --observation drop.csv --out tuned.toml
@@ -16,33 +17,50 @@ const HEAD: &str = "\
 # surface's height is estimated from each recording.
 ";
 
+const ARM_HEAD: &str = "\
+# An arm that moves a payload. Name your arm's URDF and the link that holds the payload, and tune:
+#
+#   tunenet tune --sim arm.toml --observation torques.csv --out tuned.toml
+#
+# A line `# key = value` is optional: take the mark away to use it. Above each key stand its meaning, its unit and its
+# range. World axes have z up and the arm's base at the origin. The tool's z axis points down while it draws the circle, at
+# centre + radius (0, cos, sin) of rate times time.
+";
+
 /// Keys that are written without a mark, and the values to start from. Others begin at 0, or at their least value.
-const VALUES: &[(&str, bool, &str)] = &[
-    ("kind", true, "\"ball\""),
-    ("world.gravity_m_s2", true, "9.81"),
-    ("ball.radius_m", true, "0.02"),
-    ("ball.mass_kg", false, "0.0027"),
-    ("release.height_m", false, "1.0"),
-    ("release.position_m", false, "[0.0, 0.0, 1.02]"),
-    ("record.rate_hz", true, "120.0"),
-    ("record.frames", true, "360"),
+const VALUES: &[(Domain, &str, bool, &str)] = &[
+    (Domain::Ball, "world.gravity_m_s2", true, "9.81"),
+    (Domain::Ball, "ball.radius_m", true, "0.02"),
+    (Domain::Ball, "ball.mass_kg", false, "0.0027"),
+    (Domain::Ball, "release.height_m", false, "1.0"),
+    (Domain::Ball, "release.position_m", false, "[0.0, 0.0, 1.02]"),
+    (Domain::Ball, "record.rate_hz", true, "120.0"),
+    (Domain::Ball, "record.frames", true, "360"),
+    (Domain::Arm, "world.gravity_m_s2", true, "9.81"),
+    (Domain::Arm, "arm.urdf", true, "\"arm.urdf\""),
+    (Domain::Arm, "arm.payload_link", true, "\"tool0\""),
+    (Domain::Arm, "arm.payload_size_m", false, "0.05"),
+    (Domain::Arm, "arm.current_gain_nm_a", false, "[10.0, 10.0, 10.0, 10.0, 10.0, 10.0]"),
+    (Domain::Arm, "motion.centre_m", false, "[-0.4, 0.0, 0.0]"),
+    (Domain::Arm, "motion.radius_m", false, "0.2"),
+    (Domain::Arm, "motion.rate_rad_s", false, "1.2"),
+    (Domain::Arm, "motion.duration_s", false, "5.0"),
+    (Domain::Arm, "record.rate_hz", true, "240.0"),
 ];
 
-/// Start value, least and greatest, whether it is tuned, and what it means.
-const PARAMETERS: &[(&str, [f64; 3], bool, &str)] = &[
-    ("restitution", [0.5, 0.0, 1.0], true, "Speed after a bounce over speed before it, along the surface's normal"),
-    ("friction", [0.0, 0.0, 2.0], false, "Coulomb's coefficient between ball and surface; only a throw shows it"),
-];
-
-/// A commented simulation file of a ball with every key that there is: required ones with a value, optional ones behind a
-/// mark. It is valid as it stands.
+/// A commented simulation file with every key that there is: required ones with a value, optional ones behind a mark. It is
+/// valid as it stands.
 #[must_use]
-pub fn template() -> String {
-    let mut text = String::from(HEAD);
+pub fn template(domain: Domain) -> String {
+    let head = match domain {
+        Domain::Ball => BALL_HEAD,
+        Domain::Arm => ARM_HEAD,
+    };
+    let mut text = String::from(head);
     let mut table = "";
-    for key in keys() {
+    for key in domain.keys() {
         let (head, name) = key.path.rsplit_once('.').unwrap_or(("", &key.path));
-        let (active, value) = value(key);
+        let (active, value) = value(domain, key);
         if head != table {
             // An effect is there as soon as its table is; the other tables may be empty.
             let mark = if head.starts_with("effects.") { "# " } else { "" };
@@ -55,26 +73,23 @@ pub fn template() -> String {
         let mark = if active { "" } else { "# " };
         text.push_str(&line(&format!("{mark}{name} = {value}")));
     }
-    for name in BALL_PARAMETERS {
-        parameter(&mut text, name);
+    for known in domain.parameters() {
+        parameter(&mut text, known);
     }
     text
 }
 
-fn parameter(text: &mut String, name: &str) {
-    let known = PARAMETERS.iter().find(|(known, ..)| *known == name);
-    let (_, [value, min, max], tune, meaning) = known.copied().unwrap_or((name, [0.0, 0.0, 1.0], false, ""));
-    text.push_str(&line(&format!("\n[parameters.{name}]")));
-    if !meaning.is_empty() {
-        text.push_str(&line(&format!("# {meaning}.")));
-    }
+fn parameter(text: &mut String, known: &Definition) {
+    let [value, min, max] = known.default;
+    text.push_str(&line(&format!("\n[parameters.{}]", known.name)));
+    text.push_str(&line(&format!("# {}.", known.meaning)));
     for key in PARAMETER_KEYS {
         let value = match &*key.path {
             "value" => format!("{value:?}"),
             "min" => format!("{min:?}"),
             "max" => format!("{max:?}"),
-            "unit" => "\"1\"".into(),
-            "tune" => tune.to_string(),
+            "unit" => format!("\"{}\"", known.unit),
+            "tune" => known.tune.to_string(),
             other => value_of(key.shape, other),
         };
         // Writing to a string cannot fail.
@@ -87,9 +102,9 @@ fn line(text: &str) -> String {
 }
 
 /// Whether the key stands without a mark, and the value to start from.
-fn value(key: &Key) -> (bool, String) {
-    match VALUES.iter().find(|(path, ..)| *path == key.path) {
-        Some((_, active, value)) => (*active || key.required, (*value).into()),
+fn value(domain: Domain, key: &Key) -> (bool, String) {
+    match VALUES.iter().find(|(of, path, ..)| *of == domain && *path == key.path) {
+        Some((_, _, active, value)) => (*active || key.required, (*value).into()),
         None => (key.required, value_of(key.shape, &key.path)),
     }
 }
@@ -102,6 +117,7 @@ fn value_of(shape: Shape, path: &str) -> String {
         Shape::Number(min, max) => nearest(min, max),
         Shape::Whole(min, max) => 0.clamp(min, max).to_string(),
         Shape::Numbers(count, min, max) => format!("[{}]", vec![nearest(min, max); count].join(", ")),
+        Shape::List(min, max) => format!("[{}]", nearest(min, max)),
         Shape::Word(words) => format!("\"{}\"", words.first().unwrap_or(&path)),
         Shape::Flag => "false".into(),
     }
@@ -120,7 +136,8 @@ fn capital(text: &str) -> String {
 
 /// The unit that ends a key. Longer endings come first.
 fn unit(path: &str) -> Option<&'static str> {
-    const UNITS: [(&str, &str); 16] = [
+    const UNITS: [(&str, &str); 17] = [
+        ("_nm_a", "N·m/A"),
         ("_rad_s", "rad/s"),
         ("_m_s2", "m/s²"),
         ("_s_m", "s/m"),
@@ -154,39 +171,44 @@ mod tests {
 
     #[test]
     fn it_is_valid_and_names_every_key() {
-        let text = template();
-        let parameters = parsed(&text).parameters().unwrap();
-        assert_eq!(parameters.iter().map(|p| p.tune).collect::<Vec<_>>(), [true, false]);
-        for key in keys() {
-            let name = key.path.rsplit_once('.').map_or(&*key.path, |(_, name)| name);
-            let count = text.lines().filter(|l| l.trim_start_matches("# ").starts_with(&format!("{name} = "))).count();
-            assert!(count > 0, "{}", key.path);
+        for domain in Domain::ALL {
+            let text = template(domain);
+            let parameters = parsed(&text).parameters().unwrap();
+            assert!(parameters[0].tune && parameters[1..].iter().all(|p| !p.tune));
+            for key in domain.keys() {
+                let name = key.path.rsplit_once('.').map_or(&*key.path, |(_, name)| name);
+                let count =
+                    text.lines().filter(|l| l.trim_start_matches("# ").starts_with(&format!("{name} = "))).count();
+                assert!(count > 0, "{}", key.path);
+            }
+            assert!(text.lines().all(|l| l.chars().count() <= 120 || l.starts_with('#')));
         }
-        assert!(text.lines().all(|l| l.chars().count() <= 120 || l.starts_with('#')));
     }
 
     /// What a person is told to do: take the mark away from any one line.
     #[test]
     fn every_optional_line_can_be_used() {
-        let text = template();
-        let lines: Vec<&str> = text.lines().collect();
-        let mut used = 0;
-        for (i, optional) in lines.iter().enumerate() {
-            let Some(bare) =
-                optional.strip_prefix("# ").filter(|l| l.split_once(" = ").is_some_and(|(k, _)| is_key(k)))
-            else {
-                continue;
-            };
-            let mut changed: Vec<&str> = lines.clone();
-            changed[i] = bare;
-            if let Some(head) = (0..i).rev().find(|j| lines[*j].trim_start_matches("# ").starts_with('[')) {
-                changed[head] = lines[head].trim_start_matches("# ");
+        for domain in Domain::ALL {
+            let text = template(domain);
+            let lines: Vec<&str> = text.lines().collect();
+            let mut used = 0;
+            for (i, optional) in lines.iter().enumerate() {
+                let Some(bare) =
+                    optional.strip_prefix("# ").filter(|l| l.split_once(" = ").is_some_and(|(k, _)| is_key(k)))
+                else {
+                    continue;
+                };
+                let mut changed: Vec<&str> = lines.clone();
+                changed[i] = bare;
+                if let Some(head) = (0..i).rev().find(|j| lines[*j].trim_start_matches("# ").starts_with('[')) {
+                    changed[head] = lines[head].trim_start_matches("# ");
+                }
+                parsed(&changed.join("\n"));
+                used += 1;
             }
-            parsed(&changed.join("\n"));
-            used += 1;
+            let optional = domain.keys().filter(|key| !value(domain, key).0).count();
+            assert_eq!(used, optional, "{}", domain.name());
         }
-        let optional = keys().filter(|key| !value(key).0).count();
-        assert_eq!(used, optional);
     }
 
     fn is_key(text: &str) -> bool {
@@ -195,6 +217,7 @@ mod tests {
 
     #[test]
     fn a_physical_key_has_its_unit_in_words() {
+        assert_eq!(unit("arm.current_gain_nm_a"), Some("N·m/A"));
         assert_eq!(unit("world.gravity_m_s2"), Some("m/s²"));
         assert_eq!(unit("effects.magnus.sx_1_s"), Some("1/s"));
         assert_eq!(unit("release.spin_rad_s"), Some("rad/s"));

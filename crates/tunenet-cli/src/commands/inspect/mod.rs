@@ -133,7 +133,7 @@ fn purpose(kind: Kind) -> &'static str {
         Kind::Positions => "tune a ball's restitution and friction",
         Kind::BounceTimes => "tune a ball's restitution",
         Kind::Pixels => "nothing yet: pixels need a camera",
-        Kind::Joints => "nothing yet: joint series need an arm",
+        Kind::Joints => "tune an arm's payload",
         _ => "a simulator of your own",
     }
 }
@@ -322,7 +322,7 @@ fn simulation(file: &SimulationFile) -> Result<Value> {
             vec![p.name.clone(), p.value.to_string(), format!("{} to {}", p.min, p.max), p.unit.clone(), tuned.into()]
         })
         .collect();
-    stage("ball", "a simulation file");
+    stage(file.domain().name(), "a simulation file");
     anstream::eprintln!("{}", table(&rows));
     Ok(json!({
         "kind": "simulation",

@@ -1,5 +1,6 @@
 //! `tunenet bench paper`: the published tables, beside what this program and its rivals reach.
 
+mod table1;
 mod table3;
 
 use anyhow::{Context, Result};
@@ -20,6 +21,13 @@ pub fn run(options: &BenchPaper) -> Result<Exit> {
     let mut all = Map::from_iter([("schema".into(), json!("tunenet.bench.paper/1"))]);
     for table in if options.only.is_empty() { &PaperTable::ALL[..] } else { &options.only } {
         match table {
+            PaperTable::Table1 => {
+                let results = table1::run(&store, seed, options.quick)?;
+                table1::write(&options.out, &results)?;
+                anstream::eprintln!("{}", table1::markdown(&results));
+                stage("wrote", &options.out.join("table1.md").display().to_string());
+                all.insert("table1".into(), table1::as_json(&results));
+            }
             PaperTable::Table3 => {
                 let results = table3::run(&store, seed, options.quick)?;
                 table3::write(&options.out, &results)?;

@@ -1,0 +1,163 @@
+//! An arm as a simulator that core can tune: it follows a motion, and its joints' torques are observed.
+//!
+//! ```text
+//! simulation file → URDF, motion → controller without the payload → Rapier's arm with it → commanded torques
+//! ```
+
+mod prepare;
+mod rollout;
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+use tunenet_core::observation::{Channel, Kind, Note, Observation};
+use tunenet_core::simulator::{Parameter, Preparation, Simulator};
+use tunenet_core::{Error, Result};
+
+use crate::SimulationFile;
+use crate::arm::{Circle, Model, Motion, urdf};
+
+pub use rollout::{STEP_HZ, STIFFNESS_1_S2};
+
+/// An arm that draws a circle with a payload which its controller does not know of.
+///
+/// Parameters: the payload's mass (kg) and its centre of mass in the axes of its link (m, 3). Channels: the commanded torque
+/// of every joint between base and payload, `tau1`… in N·m (N of a joint that slides), in the order of the URDF. The clock
+/// counts from the start of the motion.
+#[derive(Debug, Clone)]
+pub struct ObservedArm {
+    /// From the base to the payload's link, everything else held.
+    model: Model,
+    /// The payload's link among the model's frames.
+    link: usize,
+    payload_size_m: f64,
+    gravity_m_s2: f64,
+    motion: Motion,
+    parameters: Vec<Parameter>,
+    channels: Vec<Channel>,
+}
+
+impl ObservedArm {
+    /// The arm that `file` describes.
+    ///
+    /// # Errors
+    /// What reading the URDF refuses; [`Error::File`] where a link that moves has no inertia, the payload's link is none, the
+    /// circle cannot be drawn, or the motion is none that can be simulated.
+    pub fn new(file: &SimulationFile) -> Result<Self> {
+        if file.text_at("motion.kind") == Some("replay") {
+            let message = "`motion.kind`: expected \"circle\", found \"replay\", which this command cannot simulate";
+            return Err(Error::file(file.path(), message, "set motion.kind to \"circle\""));
+        }
+        let (model, link) = arm(file)?;
+        let circle = circle(file);
+        let motion = Motion::circle(&model, &model.frames[link], &circle).map_err(|e| in_file(file, e))?;
+        let unit = |kind| if kind == crate::arm::JointKind::Prismatic { "N" } else { "N·m" };
+        let joint = |(i, joint): (usize, &crate::arm::Joint)| Channel::new(format!("tau{}", i + 1), unit(joint.kind));
+        let channels = model.joints().into_iter().enumerate().map(joint).collect();
+        Ok(Self {
+            link,
+            payload_size_m: file.number("arm.payload_size_m").unwrap_or(0.0),
+            gravity_m_s2: file.number("world.gravity_m_s2").unwrap_or(9.81),
+            motion,
+            parameters: file.parameters()?,
+            channels,
+            model,
+        })
+    }
+
+    /// The arm's bodies and joints, from the base to the payload.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// What it follows.
+    #[must_use]
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// What the URDF says and the simulation leaves out.
+    #[must_use]
+    pub fn notes(&self) -> &[Note] {
+        &self.model.notes
+    }
+
+    /// The instants of the file's record, s.
+    #[must_use]
+    pub fn clock(&self, rate_hz: f64) -> Vec<f64> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded by the schema's ranges")]
+        let count = (self.motion.duration_s() * rate_hz + 1e-9).floor() as usize;
+        (0..=count).map(|i| i as f64 / rate_hz).collect()
+    }
+}
+
+/// The chain from the base to the payload's link, which every motion of the arm shares, and that link among its frames.
+///
+/// # Errors
+/// What reading the URDF refuses; [`Error::File`] as [`ObservedArm::new`].
+pub fn arm(file: &SimulationFile) -> Result<(Model, usize)> {
+    let name = file.text_at("arm.payload_link").unwrap_or_default();
+    let chain = urdf::read(&urdf_path(file))?.chain_to(name).map_err(|e| in_file(file, e))?;
+    let model = chain.weighed().map_err(|e| in_file(file, e))?;
+    let link = model.frames.iter().position(|f| f.name == name).unwrap_or(0);
+    Ok((model, link))
+}
+
+/// A setting that the file is to blame for.
+fn in_file(file: &SimulationFile, error: Error) -> Error {
+    let Error::Setting { name, expected, found } = error else { return error };
+    let hint = match name {
+        "motion" => "change centre_m, radius_m or rate_rad_s under [motion]; the arm's base is the origin",
+        "arm.payload_link" => "name the link that holds the payload; its frame is where the payload is",
+        _ => "mend the URDF",
+    };
+    Error::file(file.path(), format!("`{name}`: expected {expected}, found {found}"), hint)
+}
+
+/// Where the file's URDF lies: beside the file, unless its path is absolute.
+#[must_use]
+pub fn urdf_path(file: &SimulationFile) -> PathBuf {
+    file.path().parent().unwrap_or(Path::new("")).join(file.text_at("arm.urdf").unwrap_or_default())
+}
+
+/// The circle that the file asks for.
+fn circle(file: &SimulationFile) -> Circle {
+    let default = Circle::default();
+    let centre = file.numbers("motion.centre_m").filter(|c| c.len() == 3);
+    Circle {
+        centre_m: centre.map_or(default.centre_m, |c| Vector3::new(c[0], c[1], c[2])),
+        radius_m: file.number("motion.radius_m").unwrap_or(default.radius_m),
+        rate_rad_s: file.number("motion.rate_rad_s").unwrap_or(default.rate_rad_s),
+        duration_s: file.number("motion.duration_s").unwrap_or(default.duration_s),
+        tool: default.tool,
+    }
+}
+
+impl Simulator for ObservedArm {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Joints
+    }
+
+    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+        self.prepared(seen)
+    }
+
+    fn rollout(
+        &self,
+        parameters: &[f64],
+        _own: &[f64],
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        self.roll(parameters, clock, values)
+    }
+}

@@ -1,0 +1,61 @@
+//! The keys of an arm's simulation file, with unit and range.
+
+use super::domain::Definition;
+use super::schema::{GREATEST, Key, LEAST, Shape, key};
+
+/// The keys of an arm's file beside its parameters and its provenance.
+pub const ARM_KEYS: &[Key] = &[
+    key("kind", Shape::Word(&["arm"]), true, "what is simulated"),
+    key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards; 9.81 where left out"),
+    key("arm.urdf", Shape::Word(&[]), true, "the arm's URDF, from the folder of this file"),
+    key("arm.payload_link", Shape::Word(&[]), true, "the link of the URDF that holds the payload"),
+    key(
+        "arm.payload_size_m",
+        Shape::Number(0.0, 10.0),
+        false,
+        "edge of the payload, a homogeneous cube; a point where left out",
+    ),
+    key(
+        "arm.current_gain_nm_a",
+        Shape::List(-1e4, 1e4),
+        false,
+        "torque for each ampere, joint by joint, where currents were recorded",
+    ),
+    key(
+        "motion.kind",
+        Shape::Word(&["circle", "replay"]),
+        true,
+        "whether the tool draws a circle or recorded joints are followed",
+    ),
+    key("motion.centre_m", Shape::Numbers(3, -1e3, 1e3), false, "centre of the circle; [-0.4, 0, 0] where left out"),
+    key("motion.radius_m", Shape::Number(0.0, 1e3), false, "its radius; 0.2 where left out"),
+    key("motion.rate_rad_s", Shape::Number(-1e3, 1e3), false, "how fast it is drawn; 1.2 where left out"),
+    key("motion.duration_s", Shape::Number(1e-3, 1e4), false, "for how long; 5 where left out"),
+    key("record.rate_hz", Shape::Number(1e-3, 1e4), false, "samples per second that `simulate` and `gen` write"),
+];
+
+const PLACE: Definition = Definition {
+    name: "payload_com_x",
+    unit: "m",
+    default: [0.0, -0.3, 0.3],
+    tune: false,
+    bounds: (-GREATEST, GREATEST),
+    within: "any size",
+    meaning: "Centre of mass of the payload along x of its link",
+};
+
+/// The parameters of an arm.
+pub(super) const ARM_PARAMETERS: &[Definition] = &[
+    Definition {
+        name: "payload_mass",
+        unit: "kg",
+        default: [0.0, 0.0, 5.0],
+        tune: true,
+        bounds: (0.0, f64::INFINITY),
+        within: "0 or more",
+        meaning: "What the arm holds, beyond what its URDF says",
+    },
+    PLACE,
+    Definition { name: "payload_com_y", meaning: "The same along y", ..PLACE },
+    Definition { name: "payload_com_z", meaning: "The same along z", ..PLACE },
+];

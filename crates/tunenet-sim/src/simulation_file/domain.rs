@@ -1,0 +1,141 @@
+//! What a simulation file describes: its keys and its parameters, by kind.
+
+use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
+use super::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
+
+/// What a simulation file describes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Domain {
+    /// A ball that falls and bounces.
+    Ball,
+    /// An arm that moves a payload.
+    Arm,
+}
+
+/// A parameter that a kind of file may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Definition {
+    /// Its name: `[parameters.NAME]`.
+    pub name: &'static str,
+    /// Its unit; `1` where there is none.
+    pub unit: &'static str,
+    /// Value, least and greatest where the file says nothing.
+    pub default: [f64; 3],
+    /// Whether it is tuned where the file says nothing.
+    pub tune: bool,
+    /// What no file may go beyond.
+    pub bounds: (f64, f64),
+    /// What is to be written within these bounds, in words.
+    pub within: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+/// The parameters of a ball.
+const BALL_PARAMETERS: &[Definition] = &[
+    Definition {
+        name: "restitution",
+        unit: "1",
+        default: [0.5, 0.0, 1.0],
+        tune: true,
+        bounds: (0.0, 1.0),
+        within: "bounds within 0 to 1 (above 1 a bounce gains energy)",
+        meaning: "Speed after a bounce over speed before it, along the surface's normal",
+    },
+    Definition {
+        name: "friction",
+        unit: "1",
+        default: [0.0, 0.0, 2.0],
+        tune: false,
+        bounds: (0.0, f64::INFINITY),
+        within: "0 or more",
+        meaning: "Coulomb's coefficient between ball and surface; only a throw shows it",
+    },
+];
+
+impl Domain {
+    /// Every kind.
+    pub const ALL: [Self; 2] = [Self::Ball, Self::Arm];
+
+    /// As `kind` has it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ball => "ball",
+            Self::Arm => "arm",
+        }
+    }
+
+    /// The kind of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|domain| domain.name() == name)
+    }
+
+    /// All keys beside parameters and provenance.
+    pub fn keys(self) -> impl Iterator<Item = &'static Key> {
+        let (own, effects): (_, &[Key]) = match self {
+            Self::Ball => (BALL_KEYS, &EFFECT_KEYS),
+            Self::Arm => (ARM_KEYS, &[]),
+        };
+        own.iter().chain(effects)
+    }
+
+    /// The parameters that `[parameters.NAME]` may describe, in the order in which simulators take them.
+    #[must_use]
+    pub fn parameters(self) -> &'static [Definition] {
+        match self {
+            Self::Ball => BALL_PARAMETERS,
+            Self::Arm => ARM_PARAMETERS,
+        }
+    }
+
+    /// The parameter of this name.
+    #[must_use]
+    pub fn parameter(self, name: &str) -> Option<&'static Definition> {
+        self.parameters().iter().find(|known| known.name == name)
+    }
+
+    /// The key at `path`, parameters included.
+    #[must_use]
+    pub fn find(self, path: &str) -> Option<Key> {
+        if let Some(rest) = path.strip_prefix("parameters.") {
+            let (name, field) = rest.split_once('.')?;
+            self.parameter(name)?;
+            return PARAMETER_KEYS.iter().find(|k| k.path == field).cloned();
+        }
+        self.keys().find(|k| k.path == path).cloned()
+    }
+
+    /// The keys that could have been meant beside `path`: those of its table, or all tables.
+    #[must_use]
+    pub fn siblings(self, path: &str) -> Vec<String> {
+        let table = path.rsplit_once('.').map_or("", |(table, _)| table);
+        let parameters = || self.parameters().iter().map(|p| format!("parameters.{}", p.name)).collect();
+        if table == "parameters" {
+            return parameters();
+        }
+        if let Some(name) = table.strip_prefix("parameters.") {
+            return match self.parameter(name) {
+                Some(_) => PARAMETER_KEYS.iter().map(|k| k.path.to_string()).collect(),
+                None => parameters(),
+            };
+        }
+        // Of an effect's table the coefficients; of an unknown effect, the effects.
+        let inside = format!("{table}.");
+        let within = |k: &&Key| !table.is_empty() && k.path.starts_with(&inside);
+        let near: Vec<String> = self.keys().filter(within).map(|k| k.path.to_string()).collect();
+        if !near.is_empty() {
+            return near;
+        }
+        let depth = if table.starts_with("effects") { 2 } else { 1 };
+        let head = |k: &Key| k.path.split('.').take(depth).collect::<Vec<_>>().join(".");
+        let mut near: Vec<String> =
+            self.keys().filter(|k| depth == 1 || k.path.starts_with("effects.")).map(head).collect();
+        if depth == 1 {
+            near.extend(["parameters".to_string(), "provenance".to_string()]);
+        }
+        near.dedup();
+        near
+    }
+}
