@@ -10,6 +10,7 @@
 //! alike: so white noise stays white, and what friction does within a window is in both.
 
 mod checks;
+mod file;
 mod filter;
 mod recorded;
 mod reference;
@@ -22,12 +23,13 @@ use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Rejected, Simulator};
 use tunenet_core::{Error, Result};
 
+pub use file::{replayed, replays};
 pub use reference::with_reference;
 
 use crate::arm::effects::{ALL, ArmEffect, Imperfections};
 use crate::arm::{Frame, Model};
 use recorded::{Recorded, columns};
-use torque::{Arm, Means, point};
+use torque::{Arm, Means, cube};
 
 /// Cut-off of the smoothing, Hz: arms move below 2 Hz, and slopes of slower motion are exact.
 pub const CUTOFF_HZ: f64 = 10.0;
@@ -66,6 +68,7 @@ pub struct ReplayedArm {
     known: Imperfections,
     current_gain_nm_a: Option<Vec<f64>>,
     cutoff_hz: f64,
+    payload_size_m: f64,
     parameters: Vec<Parameter>,
     roles: Vec<Role>,
     fixed: Vec<(ArmEffect, Vec<f64>)>,
@@ -100,6 +103,7 @@ impl ReplayedArm {
             known,
             current_gain_nm_a: None,
             cutoff_hz: CUTOFF_HZ,
+            payload_size_m: 0.0,
             parameters,
             roles,
             fixed: Vec::new(),
@@ -307,7 +311,7 @@ impl Simulator for ReplayedArm {
     ) -> std::result::Result<(), String> {
         let (mass, com, arm) = self.decoded(parameters);
         let n = self.arm.joints();
-        let shown = self.arm.shown(input, &point(mass, com), &arm);
+        let shown = self.arm.shown(input, &cube(mass, com, self.payload_size_m), &arm);
         let (first, last) = (input.clock()[0], input.clock()[input.len() - 1]);
         let step = (last - first) / (input.len() - 1) as f64;
         let cutoff = self.cutoff_hz.min(0.2 / step);

@@ -13,9 +13,9 @@ const LOADED: usize = 4 + PAYLOAD_NUMBERS;
 /// ... of a run without payload.
 const BARE: usize = 4;
 
-/// A rigid point of this mass (kg) at this place (m) of its link.
-pub(super) fn point(mass_kg: f64, com_m: [f64; 3]) -> Inertia {
-    Inertia::cube(mass_kg, Vector3::from(com_m), 0.0)
+/// A cube of this mass (kg) and edge (m) at this place (m) of its link.
+pub(super) fn cube(mass_kg: f64, com_m: [f64; 3], edge_m: f64) -> Inertia {
+    Inertia::cube(mass_kg, Vector3::from(com_m), edge_m)
 }
 
 /// The arm that a log was taken of.
