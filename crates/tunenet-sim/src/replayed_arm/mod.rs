@@ -27,6 +27,7 @@ pub use file::{replayed, replays};
 pub use reference::with_reference;
 
 use crate::arm::effects::{ALL, ArmEffect, Imperfections};
+use crate::arm::urdf::JointFriction;
 use crate::arm::{Frame, Model};
 use recorded::{Recorded, columns};
 use torque::{Arm, Means, cube};
@@ -152,6 +153,19 @@ impl ReplayedArm {
     #[must_use]
     pub fn joint_names(&self) -> Vec<String> {
         self.arm.model.joints().iter().map(|j| j.name.clone()).collect()
+    }
+
+    /// The friction of every joint, viscous (N·m·s/rad) and Coulomb's (N·m): the URDF's own, and what effects add at these
+    /// `parameters`.
+    #[must_use]
+    pub fn friction(&self, parameters: &[f64]) -> Vec<JointFriction> {
+        let (_, _, arm) = self.decoded(parameters);
+        let one = |(j, joint): (usize, String)| JointFriction {
+            joint,
+            damping: arm.viscous_nms_rad[j],
+            friction: arm.coulomb_nm[j],
+        };
+        self.joint_names().into_iter().enumerate().map(one).collect()
     }
 
     /// Measured torques of a run (`prefix` "r": of its reference), row-major.

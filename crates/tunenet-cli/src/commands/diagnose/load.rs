@@ -58,6 +58,7 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     for source in sources {
         let name = load::name(&source.path);
         let recording = load::recording_of(&file, &source.path, &options.reading, MOST_SAMPLES)?;
+        let recording = load::beside(&file, recording, source.reference.as_deref(), &options.reading)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
@@ -89,7 +90,7 @@ fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
 
 fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
     let mut file = load::simulation(&options.simulation)?;
-    for (key, value) in &source.scene {
+    for (key, value) in source.scene.iter().flat_map(|(key, value)| known_payload(key, value)) {
         file.set(&format!("{key}={value}")).map_err(|e| match e {
             // Not the command line's fault.
             Error::Setting { expected, found, .. } => {
@@ -108,6 +109,15 @@ fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
         simulator = simulator.with_effects(&shown)?;
     }
     Ok(Object { name: source.object.clone(), file, simulator, scene: source.scene.clone() })
+}
+
+/// A key of the scene; the payload of an arm, where it is known, is a parameter that is not tuned.
+fn known_payload(key: &str, value: &str) -> Vec<(String, String)> {
+    if key != "payload_mass_kg" {
+        return vec![(key.to_owned(), value.to_owned())];
+    }
+    let of = |field: &str| format!("parameters.payload_mass.{field}");
+    vec![(of("value"), value.to_owned()), (of("tune"), "false".to_owned())]
 }
 
 /// Recordings of one object share its scene.

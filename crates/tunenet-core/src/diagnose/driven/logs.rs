@@ -10,6 +10,8 @@ use crate::simulator::{Effect, Parameter, Preparation, Prepared, Simulator, pred
 
 /// The share of each recording that is fitted to where nothing is held out.
 const FITTED: f64 = 2.0 / 3.0;
+/// What a coefficient can do at most, in standard deviations of the noise (root of the summed squares), to be seen at all.
+const VISIBLE: f64 = 2.0;
 /// Step of a derivative, as a share of a coefficient's typical size ...
 const STEP: f64 = 1e-3;
 /// ... and of a parameter's bounds.
@@ -232,6 +234,15 @@ impl<'a> Logs<'a> {
             let there = self.prediction(run, &moved)?;
             let width = run.width();
             all.extend(there.iter().zip(stay).enumerate().map(|(k, (b, a))| (b - a) / step / run.weight[k % width]));
+        }
+        // What all that is believable of a coefficient moves less than the noise is rounding: the offset of a joint whose axis
+        // stands upright, say.
+        if let Some(entry) = self.entries.iter().find(|e| e.places().contains(&i)) {
+            let (low, high) = entry.effect.plausible[i - entry.first];
+            let size = all.iter().map(|v| v * v).sum::<f64>().sqrt();
+            if size * (high - low) < VISIBLE {
+                all.fill(0.0);
+            }
         }
         Ok(all)
     }
