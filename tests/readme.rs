@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use tunenet_sim::simulation_file::ARM_KEYS;
 use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
+use tunenet_sim::simulation_file::{ARM_EFFECT_KEYS, ARM_KEYS};
 
 /// Commands that are shown but not run here, and why.
 const NOT_RUN: [(&str, &str); 3] = [
@@ -168,7 +168,13 @@ fn rows(keys: &[Key]) -> String {
 #[test]
 fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     let page = text("docs/files.md");
-    let all = [("keys", BALL_KEYS), ("arm", ARM_KEYS), ("effects", &EFFECT_KEYS), ("parameters", PARAMETER_KEYS)];
+    let all: [(&str, &[Key]); 5] = [
+        ("keys", BALL_KEYS),
+        ("arm", ARM_KEYS),
+        ("effects", &EFFECT_KEYS),
+        ("arm effects", &ARM_EFFECT_KEYS),
+        ("parameters", PARAMETER_KEYS),
+    ];
     for (name, keys) in all {
         let (begin, end) = (format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->"));
         let found = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end));
@@ -192,7 +198,9 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let page = ["tune", "preflight", "diagnose", "track", "arm"].map(|page| text(format!("docs/{page}.md"))).concat();
+    let page = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs"]
+        .map(|page| text(format!("docs/{page}.md")))
+        .concat();
     let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);
     for file in files {

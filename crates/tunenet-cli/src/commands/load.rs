@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 use tunenet_core::Error;
 use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
-use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::SimulationFile;
+use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::simulation_file::Domain;
 
 use super::film;

@@ -78,7 +78,9 @@ pub fn diagnose(
             (format!("one of {} subjects", subjects.len()), format!("{} of {}", lost.object, lost.name));
         return Err(Error::Setting { name: "object", expected, found });
     }
-    if !subjects.is_empty() && subjects.iter().all(|s| s.simulator.kind() == Kind::Joints && !s.simulator.effects().is_empty()) {
+    if !subjects.is_empty()
+        && subjects.iter().all(|s| s.simulator.kind() == Kind::Joints && !s.simulator.effects().is_empty())
+    {
         return driven::diagnose(subjects, recordings, settings, progress);
     }
     let mut uses = Vec::new();

@@ -186,21 +186,6 @@ fn trial(model: &Model, frame: &Frame, hidden: Hidden, ratio: f64, seed: u64, nu
     let subject = Subject { name: "arm".into(), simulator: &arm };
     let recording = Recording { name: "log".into(), object: 0, held_out: false, seen: &seen };
     let found = diagnose(&[subject], &[recording], &Settings::default(), &|_| {})?;
-    if std::env::var("DBG").is_ok() {
-        eprintln!("{} {ratio}: {:?} {:?} gap {:?}", hidden.name(), found.verdict, found.names, found.gap);
-        for t in &found.adequacy {
-            eprintln!("   {t:?}");
-        }
-        for c in found.candidates.iter().take(4) {
-            eprintln!("   {c:?}");
-        }
-        for p in &found.parameters {
-            eprintln!("   {p:?}");
-        }
-        if let Some(d) = &found.description {
-            eprintln!("   {d}");
-        }
-    }
     let outside = matches!(hidden, Hidden::Ripple | Hidden::Play | Hidden::Drift);
     let names = if found.verdict == Verdict::OneOf {
         found.names
@@ -237,11 +222,11 @@ mod tests {
         assert_eq!(clean.verdict, Verdict::None, "{clean:?}");
         for effect in ALL {
             let found = ask(Hidden::Effect(effect.name), 1.0);
-            println!("{found:?}");
+            assert!(found.exact(), "{found:?}");
         }
         for outside in [Hidden::Ripple, Hidden::Play, Hidden::Drift] {
             let found = ask(outside, 1.0);
-            println!("{found:?}");
+            assert_eq!(found.verdict, Verdict::Unknown, "{found:?}");
         }
     }
 }

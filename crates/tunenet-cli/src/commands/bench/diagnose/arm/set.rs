@@ -18,6 +18,8 @@ pub(super) const PAYLOAD_COM_M: [f64; 3] = [0.02, -0.01, 0.05];
 /// Waves of each joint's motion.
 const WAVES: usize = 4;
 const JOINTS: usize = 7;
+/// Speed at which the teeth have crossed their gap; a tooth that jumps would be nothing but shocks.
+const CROSSING_RAD_S: f64 = 0.2;
 
 /// What is hidden: an effect of the catalogue, or something that is in none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -157,7 +159,7 @@ fn run(
             let moved = match hidden {
                 Hidden::Effect("joint_offset") => size * shape[j],
                 // The link lies on the side of the play that it comes from.
-                Hidden::Play => -size * shape[j] * (path.at(t, 1)[j] / 0.02).tanh(),
+                Hidden::Play => -size * shape[j] * (path.at(t, 1)[j] / CROSSING_RAD_S).tanh(),
                 _ => 0.0,
             };
             q[j] += moved;
