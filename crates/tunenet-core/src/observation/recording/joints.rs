@@ -48,7 +48,7 @@ impl Joints {
         let missing: Vec<&str> = wanted.iter().filter(|name| !first.name.contains(name)).map(String::as_str).collect();
         if !missing.is_empty() {
             let found = list(first.name.iter().map(String::as_str), usize::MAX);
-            let missing = list(missing.into_iter(), usize::MAX);
+            let missing = list(missing, usize::MAX);
             return Err(format!("expected the joints of the URDF, found no {missing} among {found}"));
         }
         let others = first.name.iter().filter(|name| !wanted.contains(name)).cloned().collect();
