@@ -108,7 +108,10 @@ fn what_does_not_fit_together_is_refused() {
     folder.write("kite.toml", arm.replace("kind = \"arm\"", "kind = \"kite\""));
     let simulate = "simulate --sim arm.toml --out x.csv --set";
     let cases: [(String, &[&str]); 11] = [
-        ("tune --sim ball.toml --observation held.csv".into(), &["expected observations of a ball", "joint series"]),
+        (
+            "tune --sim ball.toml --observation held.csv".into(),
+            &["expected positions or bounces of a ball", "joint series"],
+        ),
         (
             "simulate --sim mixed.toml --out x.csv".into(),
             &["mixed.toml:", "of `kind = \"arm\"`", "of `kind = \"ball\"`"],

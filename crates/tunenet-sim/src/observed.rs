@@ -19,12 +19,13 @@ pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>
         (Domain::Arm, Kind::Joints) => return Ok(Box::new(ObservedArm::new(file)?)),
         (Domain::Arm, _) | (Domain::Ball, Kind::Joints) => {
             let (is, other) = match file.domain() {
-                Domain::Arm => ("an arm", "give recordings of its joints, or a ball's simulation file"),
-                Domain::Ball => {
-                    ("a ball", "give an arm's simulation file: `tunenet init arm` writes one to start from")
-                }
+                Domain::Arm => ("joint series of an arm", "give recordings of its joints, or a ball's simulation file"),
+                Domain::Ball => (
+                    "positions or bounces of a ball",
+                    "give an arm's simulation file: `tunenet init arm` writes one to start from",
+                ),
             };
-            let message = format!("expected observations of {is}, which the file describes, found {}", kind.name());
+            let message = format!("expected {is}, which the file describes, found {}", kind.name());
             return Err(Error::file(file.path(), message, other));
         }
         (Domain::Ball, _) => {}

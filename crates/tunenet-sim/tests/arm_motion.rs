@@ -15,27 +15,29 @@ fn the_tool_draws_the_circle_and_points_down() {
     let motion = Motion::circle(&arm, grip, &circle).unwrap();
     let (mut q, mut dq, mut ddq) = ([0.0; 7], [0.0; 7], [0.0; 7]);
     let mut at = Kinematics::new(&arm);
-    let (mut off, mut before) = (0.0_f64, None::<[f64; 7]>);
+    let (mut off, mut tilt, mut before) = (0.0_f64, 0.0_f64, None::<([f64; 7], [f64; 7])>);
     for i in 0..=1000 {
         let time_s = f64::from(i) * 0.005;
         motion.at(time_s, &mut q, &mut dq, &mut ddq);
         at.update(&q);
         let (now, goal) = (at.frame(grip), circle.goal(time_s));
         off = off.max((now.translation.vector - goal.position_m).norm());
-        assert!((now.rotation * Vector3::z() + Vector3::z()).norm() < 1e-6);
-        // Derivatives are those of the positions.
-        if let Some(last) = before {
+        tilt = tilt.max((now.rotation * Vector3::z() + Vector3::z()).norm());
+        // Derivatives are those of the positions: the trapezium's rule is off by a twelfth of h² times the third.
+        if let Some((last, speed)) = before {
             for j in 0..7 {
-                assert!(((q[j] - last[j]) / 0.005 - dq[j]).abs() < 0.01, "{time_s} s, joint {}", j + 1);
+                let mean = 0.5 * (dq[j] + speed[j]);
+                assert!(((q[j] - last[j]) / 0.005 - mean).abs() < 5e-4, "{time_s} s, joint {}", j + 1);
             }
         }
-        before = Some(q);
+        before = Some((q, dq));
         for (joint, q) in arm.joints().iter().zip(q) {
             assert!((joint.limits.lower..=joint.limits.upper).contains(&q), "{}", joint.name);
         }
     }
-    println!("off the circle by at most {off:.1e} m");
-    assert!(off < 1e-6, "{off:e} m");
+    println!("off the circle by at most {off:.1e} m, and tilted by {tilt:.1e} rad");
+    // A polynomial of degree 24 for each joint; a tenth of what is refused.
+    assert!(off < 1e-5 && tilt < 1e-5, "{off:e} m, {tilt:e} rad");
     assert_eq!(motion, Motion::circle(&arm, grip, &circle).unwrap());
 }
 

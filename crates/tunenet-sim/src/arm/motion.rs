@@ -144,9 +144,11 @@ impl Motion {
             }
             at.update(&q);
             let (now, goal) = (at.frame(frame), circle.goal(time_s));
-            let off = (now.translation.vector - goal.position_m).norm();
+            let turned = goal.rotation.map_or(0.0, |wanted| wanted.rotation_to(&now.rotation).angle());
+            let off = (now.translation.vector - goal.position_m).norm().max(turned);
             if off > FIT {
-                let found = format!("{off:.1e} m off at {time_s:.2} s: the arm has to fold or stretch too suddenly");
+                let found =
+                    format!("{off:.1e} m or rad off at {time_s:.2} s: the arm has to fold or stretch too suddenly");
                 return Err(refusal("a circle that smooth joint positions can follow".into(), found));
             }
         }

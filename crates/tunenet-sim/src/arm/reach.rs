@@ -29,8 +29,8 @@ pub struct Settings {
     pub iterations: usize,
     /// Reached where position (m) and orientation (rad) are this near.
     pub tolerance: f64,
-    /// How far each step goes towards the middle of the limits, 0 to 1, without moving the frame. At 0 the joints move as
-    /// little as the goal allows.
+    /// How far each step of the first half goes towards the middle of the limits, 0 to 1, without moving the frame. At 0 the
+    /// joints move as little as the goal allows.
     pub centring: f64,
     /// Whether joints stay within their limits.
     pub limited: bool,
@@ -47,7 +47,7 @@ impl Default for Settings {
 /// ```
 /// # use tunenet_sim::arm::{Kinematics, reach::{Goal, Reach, Settings}, urdf};
 /// # use nalgebra::Vector3;
-/// # let text = include_str!("../../../../assets/jaco_robotiq.urdf");
+/// # let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/jaco_robotiq.urdf"));
 /// let arm = urdf::parse("jaco_robotiq.urdf".as_ref(), text)?.chain_to("grip")?;
 /// let goal = Goal { position_m: Vector3::new(0.3, 0.2, 0.5), rotation: None };
 /// let mut q = [0.0, 3.0, 0.0, 2.0, 0.0, 3.0, 0.0];
@@ -80,11 +80,13 @@ impl<'a> Reach<'a> {
     /// Where `q` is shorter than [`Model::degrees`].
     pub fn solve(&mut self, goal: &Goal, q: &mut [f64], settings: &Settings) -> f64 {
         let mut left = self.error(goal, q);
-        for _ in 0..settings.iterations {
+        for i in 0..settings.iterations {
             if left.norm() <= settings.tolerance {
                 break;
             }
-            self.step(goal, &left, q, settings);
+            // What moves nothing to first order moves a little to second: the last half goes to the goal alone.
+            let centring = if i < settings.iterations / 2 { settings.centring } else { 0.0 };
+            self.step(goal, &left, q, &Settings { centring, ..*settings });
             left = self.error(goal, q);
         }
         left.norm()
