@@ -6,6 +6,7 @@ use std::process::Command;
 
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Effect, measurement_effects};
+use tunenet_sim::arm;
 use tunenet_sim::ball::effects::{ALL, Body};
 
 /// A ball of which only the size is known.
@@ -37,7 +38,10 @@ fn rows(effects: &[Effect]) -> String {
 fn the_page_of_effects_is_the_catalogue() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/effects.md");
     let page = std::fs::read_to_string(path).unwrap();
-    for (name, effects) in [("ball", ball_effects()), ("measurement", measurement_effects(Kind::Positions))] {
+    let arm: Vec<Effect> = arm::effects::ALL.iter().map(|e| e.entry(1)).collect();
+    for (name, effects) in
+        [("ball", ball_effects()), ("measurement", measurement_effects(Kind::Positions)), ("arm", arm)]
+    {
         let (begin, end) = (format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->"));
         let found = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end)).map(|(found, _)| found);
         let expected = rows(&effects);
@@ -50,7 +54,11 @@ fn the_page_of_effects_is_the_catalogue() {
 
 #[test]
 fn what_is_mistaken_is_mistaken_both_ways() {
-    let all: Vec<Effect> = ball_effects().into_iter().chain(measurement_effects(Kind::Positions)).collect();
+    mistaken_both_ways(&ball_effects().into_iter().chain(measurement_effects(Kind::Positions)).collect::<Vec<_>>());
+    mistaken_both_ways(&arm::effects::ALL.iter().map(|e| e.entry(1)).collect::<Vec<_>>());
+}
+
+fn mistaken_both_ways(all: &[Effect]) {
     for (i, effect) in all.iter().enumerate() {
         assert!(!all[..i].iter().any(|e| e.name == effect.name), "{} stands there twice", effect.name);
         assert!(!effect.mistaken_for.is_empty() && effect.sentence.len() < 110, "{}", effect.name);

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use tunenet_sim::shot::task::TASK_KEYS;
-use tunenet_sim::simulation_file::ARM_KEYS;
 use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
+use tunenet_sim::simulation_file::{ARM_EFFECT_KEYS, ARM_KEYS};
 
 /// Commands that are shown but not run here, and why.
 const NOT_RUN: [(&str, &str); 3] = [
@@ -169,10 +169,11 @@ fn rows(keys: &[Key]) -> String {
 #[test]
 fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     let page = text("docs/files.md");
-    let all = [
+    let all: [(&str, &[Key]); 6] = [
         ("keys", BALL_KEYS),
         ("arm", ARM_KEYS),
         ("effects", &EFFECT_KEYS),
+        ("arm effects", &ARM_EFFECT_KEYS),
         ("parameters", PARAMETER_KEYS),
         ("task", TASK_KEYS),
     ];
@@ -199,7 +200,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let pages = ["tune", "preflight", "diagnose", "track", "arm", "plan"];
+    let pages = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs", "plan"];
     let page = pages.map(|page| text(format!("docs/{page}.md"))).concat();
     let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);

@@ -151,6 +151,9 @@ pub struct Reading {
     /// Frames per second at which a camera really took them: of a film that plays slower, or of a folder of frames
     #[arg(long, value_name = "1/S", value_parser = track::positive)]
     pub camera_rate: Option<f64>,
+    /// Leave out the lines of a CSV file that cannot be used, where they are few, and say which
+    #[arg(long)]
+    pub skip_broken: bool,
 }
 
 /// What every command takes.
@@ -206,6 +209,9 @@ pub struct Tune {
     pub observation: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
+    /// Of an arm's log: the same motion without the payload; what both runs share then cancels
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
     /// Tune to each observation on its own
     #[arg(long)]
     pub each: bool,
@@ -250,6 +256,12 @@ pub struct Diagnose {
     /// Measured files that are not fitted to, only judged by; some are set aside where there are enough and none is given
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "manifest")]
     pub held_out: Vec<PathBuf>,
+    /// Of arms' logs: the same motion without the payload, laid beside every recording
+    #[arg(long, value_name = "FILE", conflicts_with = "manifest")]
+    pub reference: Option<PathBuf>,
+    /// Write a copy of the arm's URDF with the friction found in its <dynamics> here
+    #[arg(long, value_name = "IMPROVED.urdf")]
+    pub out_urdf: Option<PathBuf>,
     /// List of measured files, where there are several objects
     #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
     pub manifest: Option<PathBuf>,

@@ -4,6 +4,7 @@ use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
 use tunenet_core::{Error, Result};
 
+use crate::replayed_arm::{replayed, replays};
 use crate::simulation_file::Domain;
 use crate::{FilmedBall, ObservedArm, ObservedBall, SimulationFile};
 
@@ -14,6 +15,7 @@ use crate::{FilmedBall, ObservedArm, ObservedBall, SimulationFile};
 /// [`Error::File`] where what the file describes is not observed so; as [`ObservedBall::new`] and [`ObservedArm::new`].
 pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>> {
     match (file.domain(), kind) {
+        (Domain::Arm, Kind::Joints) if replays(file) => return replayed(file),
         (Domain::Arm, Kind::Joints) => return Ok(Box::new(ObservedArm::new(file)?)),
         (Domain::Arm, _) | (Domain::Ball, Kind::Joints) => {
             let (is, other) = match file.domain() {

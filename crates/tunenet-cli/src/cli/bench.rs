@@ -155,6 +155,9 @@ pub struct BenchDiagnose {
     /// Only these rows
     #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
     pub only: Vec<DiagnoseRow>,
+    /// Logs of an arm instead of drops of a ball
+    #[arg(long, conflicts_with = "only")]
+    pub arm: bool,
     /// Few sets of each kind
     #[arg(long)]
     pub quick: bool,

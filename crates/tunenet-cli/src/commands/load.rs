@@ -10,6 +10,7 @@ use tunenet_core::Error;
 use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
 use tunenet_sim::SimulationFile;
+use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::simulation_file::Domain;
 
 use super::film;
@@ -55,6 +56,9 @@ fn at_most(most: usize, mut recording: Recording) -> Result<Recording> {
 
 /// A recording of what `file` simulates, from a file of numbers or a film, with at most so many samples.
 pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+    if replays(file) {
+        return log(file, path, reading);
+    }
     if !film::is_film(path) {
         return at_most(most, read(path, &self::reading(reading))?);
     }
@@ -69,9 +73,44 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
     at_most(most, film::positions(path, &found)?)
 }
 
+/// Most samples of a log of joints: torques are averaged, so that more of them are of use, and each costs little.
+const MOST_OF_A_LOG: usize = 60_000;
+
+/// A log of the joints of the arm of `file`, matched by name where its messages have names; what its URDF leaves out is noted.
+fn log(file: &SimulationFile, path: &Path, reading: &Reading) -> Result<Recording> {
+    let arm = ReplayedArm::from_file(file)?;
+    let options = ReadOptions { joints: arm.joint_names(), ..self::reading(reading) };
+    at_most(MOST_OF_A_LOG, read(path, &options)?)
+}
+
+/// `recording` with the run without payload at `reference` beside it, where there is one.
+pub fn beside(
+    file: &SimulationFile,
+    recording: Recording,
+    reference: Option<&Path>,
+    reading: &Reading,
+) -> Result<Recording> {
+    let Some(path) = reference else { return Ok(recording) };
+    if !replays(file) {
+        let (expected, found) = ("an arm with `motion.kind = \"replay\"`".into(), "another simulation".into());
+        return Err(Error::Setting { name: "--reference", expected, found }.into());
+    }
+    let bare = log(file, path, reading)?;
+    let (observation, note) = with_reference(&recording.observation, &bare.observation).with_context(|| name(path))?;
+    let mut notes = recording.notes;
+    notes.extend(bare.notes.into_iter().map(|note| Note { text: format!("{}: {}", name(path), note.text), ..note }));
+    notes.push(note);
+    Ok(Recording { observation, notes })
+}
+
 /// The command line's say in how files are read.
 pub fn reading(reading: &Reading) -> ReadOptions {
-    ReadOptions { columns: reading.columns.clone(), topic: reading.topic.clone() }
+    ReadOptions {
+        columns: reading.columns.clone(),
+        topic: reading.topic.clone(),
+        skip_broken: reading.skip_broken,
+        joints: Vec::new(),
+    }
 }
 
 /// Refuses a recording that is given twice, whatever it is called: the same evidence counted twice looks like twice as much.

@@ -63,7 +63,10 @@ pub fn run(options: &Tune) -> Result<Exit> {
 /// What is read, and must not be lost.
 fn inputs(options: &Tune) -> impl Iterator<Item = &Path> {
     let scene = std::iter::once(options.simulation.sim.as_path());
-    scene.chain(options.observation.iter().map(AsRef::as_ref)).chain(options.model.as_deref())
+    scene
+        .chain(options.observation.iter().map(AsRef::as_ref))
+        .chain(options.model.as_deref())
+        .chain(options.reference.as_deref())
 }
 
 fn outputs(options: &Tune) -> Vec<Output> {
@@ -132,6 +135,7 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
 
 fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording> {
     let recording = load::recording_of(file, path, &options.reading, load::MOST_SAMPLES)?;
+    let recording = load::beside(file, recording, options.reference.as_deref(), &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
     let span = if seen.kind() == Kind::BounceTimes {
@@ -381,10 +385,15 @@ fn is_written(outcome: &Outcome) -> bool {
 fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &Path) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
     let mut tuned = file.clone();
+    let joints = outcome.recordings.first().map_or(0, |r| r.seen.channels().len());
     let mut intervals = InlineTable::new();
     for p in &outcome.parameters {
-        tuned.set_value(&p.name, p.value);
-        intervals.insert(&p.name, Array::from_iter([p.interval95.0, p.interval95.1]).into());
+        if file.domain() == Domain::Arm {
+            tuned.set_arm_value(&p.name, p.value, joints)?;
+        } else {
+            tuned.set_value(&p.name, p.value);
+        }
+        intervals.insert(p.name.replace('.', "_"), Array::from_iter([p.interval95.0, p.interval95.1]).into());
     }
     let mut observations = Array::new();
     for path in &options.observation {

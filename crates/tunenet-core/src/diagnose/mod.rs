@@ -24,6 +24,7 @@ mod confusable;
 mod control;
 mod decide;
 mod derivatives;
+mod driven;
 mod equations;
 mod evidence;
 mod experiment;
@@ -65,7 +66,7 @@ pub use input::{Progress, Recording, Settings, Subject};
 
 use std::sync::atomic::AtomicUsize;
 
-use crate::observation::Note;
+use crate::observation::{Kind, Note};
 use crate::simulator::Preparation;
 use crate::{Error, Result};
 use sets::Set;
@@ -90,6 +91,11 @@ pub fn diagnose(
         let (expected, found) =
             (format!("one of {} subjects", subjects.len()), format!("{} of {}", lost.object, lost.name));
         return Err(Error::Setting { name: "object", expected, found });
+    }
+    if !subjects.is_empty()
+        && subjects.iter().all(|s| s.simulator.kind() == Kind::Joints && !s.simulator.effects().is_empty())
+    {
+        return driven::diagnose(subjects, recordings, settings, progress);
     }
     let mut uses = Vec::new();
     let mut sets = Vec::new();

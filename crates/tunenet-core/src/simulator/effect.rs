@@ -25,7 +25,7 @@ impl Phase {
             Self::Flight => "in flight",
             Self::Contact => "at contact",
             Self::Measurement => "in the measurement",
-            Self::Joint => "in a joint",
+            Self::Joint => "in the arm",
         }
     }
 }

@@ -14,6 +14,10 @@ pub struct Prepared {
     /// What drove the thing while it was seen (the motion of an arm), where its simulator predicts from that; on the clock of
     /// `seen`.
     pub input: Option<Arc<Observation>>,
+    /// The noise of each channel of `seen`, in its unit, where it is known better than from `seen` itself.
+    pub noise: Option<Vec<f64>>,
+    /// The spread of what a fit leaves in each channel, where that is found to exceed the noise: what residuals are weighed by.
+    pub spread: Option<Vec<f64>>,
     /// Unknowns of this recording alone (its release, its floor), each with a first guess as `value`.
     pub own: Vec<Parameter>,
     /// For each parameter of the simulator: what the neighbourhood of the events alone says of it, whatever happens in
@@ -41,6 +45,8 @@ impl Prepared {
         Self {
             seen,
             input: None,
+            noise: None,
+            spread: None,
             own: Vec::new(),
             local,
             silent,
@@ -50,6 +56,12 @@ impl Prepared {
             checks: Vec::new(),
             notes: Vec::new(),
         }
+    }
+
+    /// Whether its simulator predicts from a measured input.
+    #[must_use]
+    pub fn is_driven(&self) -> bool {
+        self.input.is_some()
     }
 
     /// The first guesses of the own unknowns.

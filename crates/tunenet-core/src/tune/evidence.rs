@@ -7,9 +7,9 @@ use super::contour::{Contour, contour};
 use super::fit::{Fit, Problem};
 use super::interval::LEVEL;
 use super::profile::{Profile, profile};
-use super::residual::weighted;
+use super::residual::{floor, weighted, weights};
 use super::unknowns::{Point, free};
-use super::{Adequacy, Outcome, Spread, channel_noise};
+use super::{Adequacy, Outcome, Spread};
 use crate::Result;
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Prepared, Simulator, predict};
@@ -82,12 +82,12 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
     let mut found = Evidence { recordings: Vec::new(), profiles: Vec::new(), contours: Vec::new(), rollouts: 0 };
     let (Some(before), Some(after)) = (&outcome.before, &outcome.point) else { return Ok(found) };
     let recordings = &outcome.recordings;
-    let noise: Vec<Vec<f64>> = recordings.iter().map(|r| channel_noise(&r.seen)).collect();
+    let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
     let free = free(simulator.parameters(), recordings);
     let shared = free.len().div_ceil(recordings.len().max(1));
     for (d, recording) in recordings.iter().enumerate() {
         let (old, new) = ((&before.parameters, &before.own[d]), (&after.parameters, &after.own[d]));
-        found.recordings.push(compare(simulator, recording, &noise[d], old, new, shared)?);
+        found.recordings.push(compare(simulator, recording, &floor(recording), old, new, shared)?);
         found.rollouts += 3;
     }
     if free.is_empty() {

@@ -48,9 +48,9 @@ pub struct Problem<'a> {
 }
 
 /// Derivatives of one recording: residuals at the point, and a column per free parameter and own unknown.
-struct Linearised {
-    residual: Vec<f64>,
-    columns: Vec<Vec<f64>>,
+pub(super) struct Linearised {
+    pub residual: Vec<f64>,
+    pub columns: Vec<Vec<f64>>,
 }
 
 impl Problem<'_> {
@@ -95,7 +95,7 @@ impl Problem<'_> {
         (squares / samples as f64).sqrt()
     }
 
-    fn linearise(&self, point: &Point, residuals: &[Vec<f64>], horizon: f64) -> Result<Vec<Linearised>> {
+    pub(super) fn linearise(&self, point: &Point, residuals: &[Vec<f64>], horizon: f64) -> Result<Vec<Linearised>> {
         let tasks: Vec<(usize, usize)> = (0..self.recordings.len())
             .flat_map(|d| (0..self.free.len() + point.own[d].len()).map(move |column| (d, column)))
             .collect();

@@ -6,6 +6,7 @@ use super::fit::{Fit, Problem, robust_scale};
 use super::unknowns::Point;
 use super::valleys::Place;
 use crate::Result;
+use crate::simulator::Prepared;
 
 /// The level of every interval that tunenet states.
 pub const LEVEL: f64 = 0.95;
@@ -65,7 +66,13 @@ impl Spread {
         let (top, bottom) = correlations.fold((0.0, 0.0), |(t, b), (product, square)| (t + product, b + square));
         let rho = if bottom > 0.0 { top / bottom } else { 0.0 };
         let rho = if rho > 2.0 / (count as f64).sqrt() { rho.min(WORST_CORRELATION) } else { 0.0 };
-        Self { variance: squares / freedom, inflation: (1.0 + rho) / (1.0 - rho), freedom }
+        let (variance, inflation) = (squares / freedom, (1.0 + rho) / (1.0 - rho));
+        match problem.blocks(fit, variance) {
+            Ok(Some(blocks)) => {
+                Self { variance, inflation: inflation.max(blocks.inflation), freedom: freedom.min(blocks.freedom) }
+            }
+            _ => Self { variance, inflation, freedom },
+        }
     }
 
     /// How many standard deviations an interval of [`LEVEL`] reaches.
@@ -198,6 +205,11 @@ pub(super) fn ends_with(
         };
         let places = elsewhere.get(i).map_or(&[][..], Vec::as_slice);
         let alone = places.iter().all(|p| spread.excess(p.cost - fit.cost) > spread.quantile().powi(2));
+        // Of driven recordings the spread is that among stretches, which a profile of the squares knows nothing of.
+        if problem.recordings.iter().all(Prepared::is_driven) && sd < p.span() {
+            all.push(curved());
+            continue;
+        }
         // Values that the simulator refuses cannot be held against the curvature.
         if !near && alone && profile.is_straight(reach, &mut rollouts).unwrap_or(true) {
             all.push(curved());

@@ -6,6 +6,7 @@ use super::fit::Fit;
 use super::information::Information;
 use super::interval::{Interval, Spread};
 use super::outcome::{Estimate, Status, Verdict};
+use super::residual::floor;
 use super::starts::local_estimate;
 use super::unknowns::Point;
 use super::{Adequacy, Tuning};
@@ -29,7 +30,15 @@ impl Tuning<'_> {
     fn adequacy(&self, fit: &Fit, d: usize) -> Adequacy {
         let share = self.free.len().div_ceil(self.recordings.len());
         let recording = &self.recordings[d];
-        Adequacy::of(&recording.seen, &self.noise[d], &fit.residuals[d], recording.own.len() + share)
+        let (noise, unknowns) = (floor(recording), recording.own.len() + share);
+        if recording.spread.is_none() {
+            return Adequacy::of(&recording.seen, &noise, &fit.residuals[d], unknowns);
+        }
+        // Weighed by their spread for the fit, residuals are held against the noise here.
+        let scale: Vec<f64> = self.noise[d].iter().zip(&noise).map(|(weight, noise)| weight / noise).collect();
+        let residuals: Vec<f64> =
+            fit.residuals[d].iter().enumerate().map(|(i, r)| r * scale[i % scale.len()]).collect();
+        Adequacy::of(&recording.seen, &noise, &residuals, unknowns)
     }
 
     /// Whether any recording keeps more than its noise explains.
@@ -147,12 +156,8 @@ impl Tuning<'_> {
     }
 
     pub(super) fn noise_floor(&self) -> f64 {
-        let squares: f64 = self
-            .recordings
-            .iter()
-            .zip(self.noise)
-            .map(|(r, n)| r.seen.len() as f64 * n.iter().map(|s| s * s).sum::<f64>())
-            .sum();
+        let squares: f64 =
+            self.recordings.iter().map(|r| r.seen.len() as f64 * floor(r).iter().map(|s| s * s).sum::<f64>()).sum();
         (squares / self.recordings.iter().map(|r| r.seen.len()).sum::<usize>() as f64).sqrt()
     }
 

@@ -9,6 +9,7 @@
 mod adequacy;
 mod algorithm1;
 pub(crate) mod arrow;
+mod blocks;
 mod contour;
 mod evidence;
 mod film;
@@ -38,6 +39,8 @@ pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict};
 pub use profile::{Profile, profile};
 pub use region::Region;
 pub use residual::channel_noise;
+pub(crate) use residual::floor as noise_of;
+use residual::weights;
 pub use unknowns::{Point, free};
 
 use judge::Standing;
@@ -141,8 +144,9 @@ pub fn tune(
     if let Some(model) = model {
         agrees(model, simulator)?;
     }
-    let noise: Vec<Vec<f64>> = recordings.iter().map(|r| channel_noise(&r.seen)).collect();
     let free = free(simulator.parameters(), &recordings);
+    residual::weigh(simulator, &mut recordings, &free)?;
+    let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
     // Numbers as a person counts the recordings, those set aside included.
     let numbers: Vec<usize> = used.iter().enumerate().filter(|(_, used)| **used).map(|(i, _)| i + 1).collect();
     let tuning = Tuning { simulator, recordings: &recordings, numbers: &numbers, noise: &noise, free: &free, settings };

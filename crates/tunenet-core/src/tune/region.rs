@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Vector2};
 use super::fit::{Fit, Problem};
 use super::interval::{Interval, LEVEL, Spread, held};
 use super::ray::Ray;
-use super::residual::channel_noise;
+use super::residual::weights;
 use super::unknowns::Point;
 use crate::Result;
 use crate::observation::Observation;
@@ -75,7 +75,8 @@ impl Region {
             joint: positions,
         };
         let mut rollouts = 0;
-        if joint.len() == 2 && !region.is_elliptic(problem, &mut rollouts)? {
+        let driven = problem.recordings.iter().all(crate::simulator::Prepared::is_driven);
+        if joint.len() == 2 && !driven && !region.is_elliptic(problem, &mut rollouts)? {
             region.walk(problem, [intervals[joint[0]], intervals[joint[1]]], &mut rollouts)?;
         }
         Ok((region, rollouts))
@@ -93,7 +94,7 @@ impl Region {
                 recordings.push(*prepared);
             }
         }
-        let noise: Vec<Vec<f64>> = recordings.iter().map(|r| channel_noise(&r.seen)).collect();
+        let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
         let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &self.free };
         Ok(self.excess(&problem, values, &mut 0)? <= self.quantile)
     }

@@ -7,6 +7,7 @@
 //! | [`Recursion`] | inverse dynamics by Newton and Euler, and what a payload adds to the torques |
 //! | [`Kinematics`] | where everything is, and how it moves with the joints |
 //! | [`reach`] | inverse kinematics |
+//! | [`effects`] | what torques hold beyond those of rigid bodies |
 //! | [`Motion`] | the circle of the tool as smooth joint positions |
 //! | [`Multibody`] | the arm as Rapier simulates it, driven by torques |
 //! | [`ComputedTorque`] | the controller, with what it believes of the arm |
@@ -17,6 +18,7 @@
 mod chebyshev;
 mod controller;
 mod dynamics;
+pub mod effects;
 mod inertia;
 mod kinematics;
 mod model;

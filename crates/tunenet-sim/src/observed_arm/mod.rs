@@ -59,7 +59,7 @@ impl ObservedArm {
             payload_size_m: file.number("arm.payload_size_m").unwrap_or(0.0),
             gravity_m_s2: file.number("world.gravity_m_s2").unwrap_or(9.81),
             motion,
-            parameters: file.parameters()?,
+            parameters: file.parameters()?.into_iter().filter(|p| p.name != "torque_gain").collect(),
             channels,
             model,
         })

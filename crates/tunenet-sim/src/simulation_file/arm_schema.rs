@@ -31,6 +31,12 @@ pub const ARM_KEYS: &[Key] = &[
     key("motion.radius_m", Shape::Number(0.0, 1e3), false, "its radius; 0.2 where left out"),
     key("motion.rate_rad_s", Shape::Number(-1e3, 1e3), false, "how fast it is drawn; 1.2 where left out"),
     key("motion.duration_s", Shape::Number(1e-3, 1e4), false, "for how long; 5 where left out"),
+    key(
+        "motion.cutoff_hz",
+        Shape::Number(0.1, 1e3),
+        false,
+        "of a replayed motion: what is faster is smoothed away; 10 where left out",
+    ),
     key("record.rate_hz", Shape::Number(1e-3, 1e4), false, "samples per second that `simulate` and `gen` write"),
 ];
 
@@ -58,4 +64,13 @@ pub(super) const ARM_PARAMETERS: &[Definition] = &[
     PLACE,
     Definition { name: "payload_com_y", meaning: "The same along y", ..PLACE },
     Definition { name: "payload_com_z", meaning: "The same along z", ..PLACE },
+    Definition {
+        name: "torque_gain",
+        unit: "1",
+        default: [1.0, 0.1, 10.0],
+        tune: false,
+        bounds: (1e-3, 1e3),
+        within: "above 0",
+        meaning: "Of a replayed motion: what the sensors of all joints show, over the true torque",
+    },
 ];

@@ -1,5 +1,6 @@
 //! What a simulation file describes: its keys and its parameters, by kind.
 
+use super::arm_effects::ARM_EFFECT_KEYS;
 use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
 use super::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
 
@@ -76,7 +77,7 @@ impl Domain {
     pub fn keys(self) -> impl Iterator<Item = &'static Key> {
         let (own, effects): (_, &[Key]) = match self {
             Self::Ball => (BALL_KEYS, &EFFECT_KEYS),
-            Self::Arm => (ARM_KEYS, &[]),
+            Self::Arm => (ARM_KEYS, &ARM_EFFECT_KEYS),
         };
         own.iter().chain(effects)
     }

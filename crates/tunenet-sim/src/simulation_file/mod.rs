@@ -1,6 +1,7 @@
 //! The simulation file: one TOML file that describes a simulation completely, read, overridden, and written back with its
 //! comments and its order kept.
 
+mod arm_effects;
 mod arm_schema;
 pub(crate) mod check;
 mod domain;
@@ -15,6 +16,7 @@ use tunenet_core::observation::recording::read_text;
 use tunenet_core::simulator::Parameter;
 use tunenet_core::{Error, Result};
 
+pub use arm_effects::{ARM_EFFECT_KEYS, PresentArmEffect};
 pub use arm_schema::ARM_KEYS;
 pub use domain::{Definition, Domain};
 pub use effects::PresentEffect;

@@ -7,8 +7,14 @@ use anyhow::Result;
 use toml_edit::{Array, DocumentMut, InlineTable, Value as Toml};
 use tunenet_core::Error;
 use tunenet_core::diagnose::{Change, Diagnosis, Fitted, Gap, NamedEffect, Value, Verdict};
+use tunenet_core::observation::recording::read_text;
 use tunenet_core::observation::recording::write_atomically;
+use tunenet_core::simulator::Simulator;
 use tunenet_sim::SimulationFile;
+use tunenet_sim::arm::urdf::with_friction;
+use tunenet_sim::observed_arm::urdf_path;
+use tunenet_sim::replayed_arm::{ReplayedArm, replays};
+use tunenet_sim::simulation_file::Domain;
 
 use super::answer::Answer;
 use super::json::gap_of;
@@ -37,9 +43,11 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
         Some(out) => outputs.push(Output::new(out, "--out", Product::Simulation)),
         None => {}
     }
+    outputs.extend(options.out_urdf.iter().map(|out| Output::new(out, "--out-urdf", Product::Unmarked)));
     outputs.extend(options.report.iter().map(|report| Output::new(report, "--report", Product::Page)));
     let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
-    let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).collect();
+    let references = sources.iter().filter_map(|s| s.reference.as_deref());
+    let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).chain(references).collect();
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     if let (Some(out), true) = (&options.out, several) {
         // The page may not be the folder itself either.
@@ -111,6 +119,9 @@ fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
 fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
     let diagnosis = answer.diagnosis;
     let mut file = answer.loaded.objects[number].file.clone();
+    if file.domain() == Domain::Arm {
+        return improved_arm(answer, number, file);
+    }
     for tuned in diagnosis.parameters.iter().filter(|p| p.object == number) {
         // A coefficient of an effect that the file has already bears both names.
         match tuned.name.split_once('.') {
@@ -124,6 +135,38 @@ fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
         file.add_effect(effect.effect.name, &values)?;
     }
     Ok(file)
+}
+
+/// The same of an arm, whose effects have numbers for each joint.
+fn improved_arm(answer: &Answer, number: usize, mut file: SimulationFile) -> Result<SimulationFile> {
+    let joints = answer.loaded.objects[number].simulator.channels().len();
+    for tuned in answer.diagnosis.parameters.iter().filter(|p| p.object == number) {
+        file.set_arm_value(&tuned.name, tuned.value, joints)?;
+    }
+    for effect in &answer.diagnosis.effects {
+        let values: Vec<f64> = effect.coefficients.iter().filter_map(|c| Some(of(c, number)?.value)).collect();
+        file.add_arm_effect(effect.effect.name, &values)?;
+    }
+    Ok(file)
+}
+
+/// Writes the URDF of the first object with the friction that was found in it; the path, where there was some.
+pub fn write_urdf(options: &Diagnose, answer: &Answer) -> Result<Option<PathBuf>> {
+    let Some(out) = &options.out_urdf else { return Ok(None) };
+    let file = &answer.loaded.objects[0].file;
+    if !replays(file) {
+        let (expected, found) = ("an arm with `motion.kind = \"replay\"`".into(), "another simulation".into());
+        return Err(Error::Setting { name: "--out-urdf", expected, found }.into());
+    }
+    let found = answer.diagnosis.effects.iter().any(|e| e.effect.name.ends_with("_friction"));
+    if why_not(answer.diagnosis).is_some() || !found {
+        return Ok(None);
+    }
+    let arm = ReplayedArm::from_file(&improved(answer, 0)?)?;
+    let values: Vec<f64> = arm.parameters().iter().map(|p| p.value).collect();
+    let text = with_friction(&read_text(&urdf_path(file))?, &arm.friction(&values))?;
+    write_atomically(out, |out| out.write_all(text.as_bytes()))?;
+    Ok(Some(out.clone()))
 }
 
 /// A simulation file as it was given and as it would be, both without provenance.
@@ -225,10 +268,17 @@ fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
         one.insert("runner_up_bic_gap", named.evidence.runner_up_bic_gap.into());
     }
     for fitted in &named.coefficients {
-        if let Some(value) = of(fitted, object) {
-            let (low, high) = value.interval95;
-            one.insert(format!("{}_interval95", fitted.key), Array::from_iter([low, high]).into());
-        }
+        let same = named.coefficients.iter().filter(|other| other.key == fitted.key);
+        let ranges: Vec<Array> = same
+            .filter_map(|c| of(c, object))
+            .map(|value| Array::from_iter([value.interval95.0, value.interval95.1]))
+            .collect();
+        let key = format!("{}_interval95", fitted.key);
+        match <[Array; 1]>::try_from(ranges) {
+            Ok([alone]) if !super::json::is_per_joint(named) => one.insert(key, alone.into()),
+            Ok([alone]) => one.insert(key, [alone].into_iter().collect::<Array>().into()),
+            Err(ranges) => one.insert(key, ranges.into_iter().collect::<Array>().into()),
+        };
     }
     one
 }

@@ -5,6 +5,7 @@ use tunenet_core::diagnose::{Candidate, Change, Explained, Fitted, Gap, NamedEff
 
 use super::answer::Answer;
 use crate::commands::tune::warning;
+use tunenet_sim::arm::effects::ArmEffect;
 
 pub fn object(answer: &Answer) -> Json {
     let diagnosis = answer.diagnosis;
@@ -33,8 +34,7 @@ pub fn object(answer: &Answer) -> Json {
 }
 
 fn effect(answer: &Answer, named: &NamedEffect) -> Json {
-    let mut coefficients: Map<String, Json> =
-        named.coefficients.iter().map(|c| (c.key.to_owned(), coefficient(answer, c))).collect();
+    let mut coefficients = coefficients(answer, named);
     if let Some(fitted) = named.coefficients.first() {
         let values: Option<Vec<Value>> = fitted.values.iter().map(|v| answer.drag_coefficient(named, v)).collect();
         if let Some(values) = values.filter(|values| !values.is_empty()) {
@@ -57,6 +57,39 @@ fn effect(answer: &Answer, named: &NamedEffect) -> Json {
         },
         "alternatives": named.alternatives,
     })
+}
+
+/// Whether an effect has numbers of each joint of an arm.
+pub(super) fn is_per_joint(named: &NamedEffect) -> bool {
+    ArmEffect::find(named.effect.name).is_some_and(|effect| effect.per_joint)
+}
+
+/// The coefficients by their keys; numbers of joints, which share a key, as lists in the order of the joints.
+fn coefficients(answer: &Answer, named: &NamedEffect) -> Map<String, Json> {
+    let mut found = Map::new();
+    for fitted in &named.coefficients {
+        let joints: Vec<&Fitted> = named.coefficients.iter().filter(|f| f.key == fitted.key).collect();
+        let one = match joints.as_slice() {
+            [alone] if !is_per_joint(named) => coefficient(answer, alone),
+            all if fitted.values.len() == 1 => {
+                let values: Vec<f64> = all.iter().map(|f| f.values[0].value).collect();
+                let ranges: Vec<Json> =
+                    all.iter().map(|f| json!([f.values[0].interval95.0, f.values[0].interval95.1])).collect();
+                json!({ "value": values, "unit": fitted.unit, "interval95": ranges })
+            }
+            all => {
+                let each = fitted.values.iter().enumerate().map(|(i, v)| {
+                    let values: Vec<f64> = all.iter().map(|f| f.values[i].value).collect();
+                    let range = |f: &&Fitted| json!([f.values[i].interval95.0, f.values[i].interval95.1]);
+                    let ranges: Vec<Json> = all.iter().map(range).collect();
+                    json!({ "object": answer.object(v), "value": values, "interval95": ranges })
+                });
+                json!({ "value": null, "unit": fitted.unit, "interval95": null, "objects": each.collect::<Vec<_>>() })
+            }
+        };
+        found.insert(fitted.key.into(), one);
+    }
+    found
 }
 
 /// One value where all objects share it or there is one object; else one for each, and none that stands for all.

@@ -60,6 +60,7 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
         // A film's scale goes by what its own entry says of the ball.
         let scene = in_scene(options, source, &file)?;
         let recording = load::recording_of(&scene, &source.path, &options.reading, MOST_SAMPLES)?;
+        let recording = load::beside(&scene, recording, source.reference.as_deref(), &options.reading)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
@@ -92,7 +93,7 @@ fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
 /// The simulation file with what a manifest entry says of the scene.
 fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Result<SimulationFile> {
     let mut file = file.clone();
-    for (key, value) in &source.scene {
+    for (key, value) in source.scene.iter().flat_map(|(key, value)| known_payload(key, value)) {
         file.set(&format!("{key}={value}")).map_err(|e| match e {
             // Not the command line's fault.
             Error::Setting { expected, found, .. } => {
@@ -116,6 +117,15 @@ fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
         simulator = simulator.with_effects(&shown)?;
     }
     Ok(Object { name: source.object.clone(), file, simulator, scene: source.scene.clone() })
+}
+
+/// A key of the scene; the payload of an arm, where it is known, is a parameter that is not tuned.
+fn known_payload(key: &str, value: &str) -> Vec<(String, String)> {
+    if key != "payload_mass_kg" {
+        return vec![(key.to_owned(), value.to_owned())];
+    }
+    let of = |field: &str| format!("parameters.payload_mass.{field}");
+    vec![(of("value"), value.to_owned()), (of("tune"), "false".to_owned())]
 }
 
 /// Recordings of one object share its scene.

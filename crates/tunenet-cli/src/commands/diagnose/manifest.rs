@@ -21,6 +21,8 @@ pub struct Source {
     pub path: PathBuf,
     pub object: String,
     pub held_out: bool,
+    /// The same motion without the payload, of an arm's log.
+    pub reference: Option<PathBuf>,
     /// Keys of the scene that differ for its object, with their values.
     pub scene: Vec<(String, String)>,
 }
@@ -34,8 +36,8 @@ pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {
     }
     let given = options.observation.iter().map(|path| (path, false));
     for (path, held_out) in given.chain(options.held_out.iter().map(|path| (path, true))) {
-        let (object, scene) = (ONLY.to_owned(), vec![]);
-        sources.push(Source { path: path.clone(), object, held_out, scene });
+        let (object, scene, reference) = (ONLY.to_owned(), vec![], options.reference.clone());
+        sources.push(Source { path: path.clone(), object, held_out, reference, scene });
     }
     distinct(sources.iter().map(|s| s.path.as_path()))?;
     if let Some(first) = sources.first().filter(|_| sources.iter().all(|s| s.held_out)) {
@@ -89,6 +91,7 @@ fn wrong(path: &Path, message: &str) -> Error {
 fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) -> Result<Source> {
     let place = |what: &str| wrong(manifest, &format!("[[observation]] {number}: {what}"));
     let (mut file, mut object, mut held_out, mut scene) = (None, ONLY.to_owned(), false, Vec::new());
+    let mut reference = None;
     for (key, item) in entry.iter() {
         match key {
             "file" => file = Some(item.as_str().ok_or_else(|| place("expected a name in quotes for `file`"))?),
@@ -100,7 +103,8 @@ fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) 
                 held_out = item.as_bool().ok_or_else(|| place("expected true or false for `held_out`"))?;
             }
             "reference" => {
-                return Err(place("expected no `reference`, which a ball's recordings have no use for").into());
+                let name = item.as_str().ok_or_else(|| place("expected a name in quotes for `reference`"))?;
+                reference = Some(folder.join(name));
             }
             // A scene's key has a table before its name.
             _ if item.as_table_like().is_none() && !key.contains('.') => {
@@ -110,7 +114,7 @@ fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) 
         }
     }
     let path = folder.join(file.ok_or_else(|| place("expected `file`, found none"))?);
-    Ok(Source { path, object, held_out, scene })
+    Ok(Source { path, object, held_out, reference, scene })
 }
 
 /// The scene's keys below `item`, whether written `ball.radius_m = …`, `"ball.radius_m" = …` or as tables.

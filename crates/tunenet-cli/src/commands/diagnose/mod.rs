@@ -33,6 +33,9 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     let diagnosis = super::load::threads(options.jobs)?.install(|| ask(&loaded, options.common.seed))?;
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
     let wrote = improve::write(options, &answer)?;
+    if let Some(path) = improve::write_urdf(options, &answer)? {
+        stage("urdf", &path.display().to_string());
+    }
     if options.common.json {
         print_json(&json::object(&answer));
     }

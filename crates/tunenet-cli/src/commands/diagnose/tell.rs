@@ -154,8 +154,11 @@ fn details(answer: &Answer) -> Vec<String> {
     let diagnosis = answer.diagnosis;
     let mut lines: Vec<String> = diagnosis.description.iter().cloned().collect();
     for named in &diagnosis.effects {
-        for fitted in &named.coefficients {
-            let (key, unit) = (fitted.key, if fitted.unit == "1" { "" } else { fitted.unit });
+        let joints = super::json::is_per_joint(named);
+        for (i, fitted) in named.coefficients.iter().enumerate() {
+            let joint = 1 + named.coefficients[..i].iter().filter(|other| other.key == fitted.key).count();
+            let key = if joints { format!("{} of joint {joint}", fitted.key) } else { fitted.key.to_owned() };
+            let unit = if fitted.unit == "1" { "" } else { fitted.unit };
             for value in &fitted.values {
                 let object = answer.object(value).filter(|_| fitted.values.len() > 1);
                 let object = object.map(|o| format!("{o}: ")).unwrap_or_default();

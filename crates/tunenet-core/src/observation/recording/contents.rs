@@ -135,7 +135,7 @@ fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
         }
         Err(error) => return Err(error),
     };
-    table.usable = scan.check().map(|()| scan.layout.kind).map_err(|error| match error {
+    table.usable = scan.check(false).map(|()| scan.layout.kind).map_err(|error| match error {
         Error::Text { line, message, hint, .. } => {
             table.remedy = hint;
             format!("line {line}: {message}")

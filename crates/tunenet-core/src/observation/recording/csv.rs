@@ -8,9 +8,9 @@ use super::{Note, Recording};
 use crate::observation::{FEWEST_SAMPLES, Kind, Observation};
 use crate::{Error, Result};
 
-pub(super) fn read(path: &Path, mapping: &[(String, String)]) -> Result<Recording> {
+pub(super) fn read(path: &Path, mapping: &[(String, String)], skip_broken: bool) -> Result<Recording> {
     let scan = scan(path, mapping)?;
-    scan.check()?;
+    scan.check(skip_broken)?;
     let mut notes = scan.notes();
     let samples = scan.values.len() / scan.layout.channels.len();
     if samples < FEWEST_SAMPLES {

@@ -13,11 +13,14 @@ pub(super) struct Joints {
     present: [bool; 3],
     /// Messages left out because they lack a joint or a quantity.
     partial: usize,
+    /// Joints of the messages that nobody asked for.
+    others: Vec<String>,
 }
 
 impl Joints {
-    /// Settles the joints, or says why the message cannot.
-    pub fn new(first: &JointMessage) -> std::result::Result<Self, String> {
+    /// Settles the joints, or says why the message cannot. They are those of `wanted`, in that order; without any, those of the
+    /// message, in its own.
+    pub fn new(first: &JointMessage, wanted: &[String]) -> std::result::Result<Self, String> {
         if first.name.is_empty() {
             return Err("expected joint names, found none".into());
         }
@@ -33,11 +36,23 @@ impl Joints {
             }
         }
         // Controllers publish NaN for what they do not measure.
-        let present = arrays.map(|array| !array.is_empty() && array.iter().all(|value| value.is_finite()));
+        let mine = |at: &usize| wanted.is_empty() || wanted.contains(&first.name[*at]);
+        let present =
+            arrays.map(|array| !array.is_empty() && (0..array.len()).filter(mine).all(|at| array[at].is_finite()));
         if present == [false; 3] {
             return Err("expected positions, velocities or efforts, found none".into());
         }
-        Ok(Self { names: first.name.clone(), present, partial: 0 })
+        if wanted.is_empty() {
+            return Ok(Self { names: first.name.clone(), present, partial: 0, others: Vec::new() });
+        }
+        let missing: Vec<&str> = wanted.iter().filter(|name| !first.name.contains(name)).map(String::as_str).collect();
+        if !missing.is_empty() {
+            let found = list(first.name.iter().map(String::as_str), usize::MAX);
+            let missing = list(missing, usize::MAX);
+            return Err(format!("expected the joints of the URDF, found no {missing} among {found}"));
+        }
+        let others = first.name.iter().filter(|name| !wanted.contains(name)).cloned().collect();
+        Ok(Self { names: wanted.to_vec(), present, partial: 0, others })
     }
 
     /// The channels `q1`…, `dq1`…, `tau1`… of the quantities that are there.
@@ -86,6 +101,11 @@ impl Joints {
             let text = format!("the messages carry no {}", absent.join(" and no "));
             notes.push(Note::new("joints.absent", text, "record them where the driver measures them"));
         }
+        if !self.others.is_empty() {
+            let others = list(self.others.iter().map(String::as_str), usize::MAX);
+            let text = format!("not read, since they move nothing between base and payload: {others}");
+            notes.push(Note::new("joints.others", text, ""));
+        }
         if self.partial > 0 {
             let messages = if self.partial == 1 { "message" } else { "messages" };
             let text = format!("{} {messages} left out for lack of one of these joints or quantities", self.partial);
@@ -114,7 +134,7 @@ mod tests {
 
     #[test]
     fn a_changed_order_is_matched_by_name() {
-        let mut joints = Joints::new(&message(&["a", "b"], &[1.0, 2.0], &[3.0, 4.0])).unwrap();
+        let mut joints = Joints::new(&message(&["a", "b"], &[1.0, 2.0], &[3.0, 4.0]), &[]).unwrap();
         assert_eq!(joints.channels().iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["q1", "q2", "tau1", "tau2"]);
         let mut values = Vec::new();
         assert!(joints.row(&message(&["b", "finger", "a"], &[2.5, 9.0, 1.5], &[4.5, 9.0, 3.5]), &mut values));
@@ -128,9 +148,22 @@ mod tests {
     }
 
     #[test]
+    fn joints_asked_for_come_in_their_own_order() {
+        let wanted = ["b".to_owned(), "a".to_owned()];
+        let first = message(&["a", "grip", "b"], &[1.0, 9.0, 2.0], &[3.0, f64::NAN, 4.0]);
+        let mut joints = Joints::new(&first, &wanted).unwrap();
+        let mut values = Vec::new();
+        assert!(joints.row(&first, &mut values));
+        assert_eq!(values, [2.0, 1.0, 4.0, 3.0]);
+        assert!(joints.notes().iter().any(|n| n.code == "joints.others" && n.text.contains("`grip`")));
+        let unknown = Joints::new(&first, &["c".to_owned()]).unwrap_err();
+        assert_eq!(unknown, "expected the joints of the URDF, found no `c` among `a`, `grip`, `b`");
+    }
+
+    #[test]
     fn a_missing_or_unknown_effort_is_noted() {
         for effort in [&[][..], &[f64::NAN, 0.0]] {
-            let joints = Joints::new(&message(&["a", "b"], &[1.0, 2.0], effort)).unwrap();
+            let joints = Joints::new(&message(&["a", "b"], &[1.0, 2.0], effort), &[]).unwrap();
             assert_eq!(joints.channels().len(), 2);
             assert_eq!(joints.notes()[1].text, "the messages carry no velocity and no effort");
         }
@@ -138,7 +171,7 @@ mod tests {
 
     #[test]
     fn unusable_joints_say_why() {
-        let why = |m| Joints::new(&m).unwrap_err();
+        let why = |m| Joints::new(&m, &[]).unwrap_err();
         assert_eq!(why(message(&[], &[], &[])), "expected joint names, found none");
         assert_eq!(why(message(&["a", "a"], &[1.0, 2.0], &[])), "expected each joint once, found `a` twice");
         assert_eq!(why(message(&["a"], &[1.0, 2.0], &[])), "expected 1 values of `position`, found 2");

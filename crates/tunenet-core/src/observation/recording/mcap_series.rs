@@ -16,13 +16,13 @@ use crate::{Error, Result};
 /// stays far below, a wrong clock far above.
 const FEW: f64 = 0.01;
 
-pub(super) fn read(path: &Path, asked: Option<&str>) -> Result<Recording> {
+pub(super) fn read(path: &Path, asked: Option<&str>, joints: &[String]) -> Result<Recording> {
     let survey = survey(path)?;
     if let Some(error) = survey.ended {
         return Err(error);
     }
     let topic = choose(path, &survey.topics, asked)?;
-    let mut series = Series::new(path, topic);
+    let mut series = Series::new(path, topic, joints);
     let mut number = 0u64;
     for message in messages(path)? {
         let message = message?;
@@ -47,6 +47,8 @@ pub(super) fn read(path: &Path, asked: Option<&str>) -> Result<Recording> {
 struct Series<'a> {
     path: &'a Path,
     topic: &'a Topic,
+    /// The joints that are wanted, in their order.
+    wanted: &'a [String],
     joints: Option<Joints>,
     channels: Vec<Channel>,
     kind: Option<Kind>,
@@ -65,10 +67,11 @@ struct Row {
 }
 
 impl<'a> Series<'a> {
-    fn new(path: &'a Path, topic: &'a Topic) -> Self {
+    fn new(path: &'a Path, topic: &'a Topic, wanted: &'a [String]) -> Self {
         Self {
             path,
             topic,
+            wanted,
             joints: None,
             channels: Vec::new(),
             kind: None,
@@ -98,7 +101,7 @@ impl<'a> Series<'a> {
             }
             Sample::Joints(message) => {
                 if self.joints.is_none() {
-                    let joints = Joints::new(&message)?;
+                    let joints = Joints::new(&message, self.wanted)?;
                     self.channels = joints.channels();
                     self.joints = Some(joints);
                 }

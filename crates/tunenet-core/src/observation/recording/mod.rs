@@ -84,6 +84,11 @@ pub struct ReadOptions {
     pub columns: Vec<(String, String)>,
     /// The MCAP topic to read; `None` takes the only one that can be used.
     pub topic: Option<String>,
+    /// Leave lines of a CSV file out that cannot be used, as long as they are few, instead of refusing the file.
+    pub skip_broken: bool,
+    /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them. Where empty, the
+    /// first message decides.
+    pub joints: Vec<String>,
 }
 
 /// What a file is, judged by its first bytes and, where they say nothing, by its name.
@@ -111,14 +116,14 @@ fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
             expected: "an MCAP file".into(),
             found: format!("the text file {}", path.display()),
         }),
-        Format::Csv => csv::read(path, &options.columns),
+        Format::Csv => csv::read(path, &options.columns, options.skip_broken),
         Format::Mcap if !options.columns.is_empty() => Err(Error::Setting {
             name: "columns",
             expected: "a CSV file".into(),
             found: format!("the MCAP file {}", path.display()),
         }),
         Format::Mcap => {
-            let recording = mcap_series::read(path, options.topic.as_deref())?;
+            let recording = mcap_series::read(path, options.topic.as_deref(), &options.joints)?;
             refuse_too_large(path, &recording.observation)?;
             Ok(recording)
         }

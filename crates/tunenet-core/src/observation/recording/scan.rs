@@ -15,6 +15,9 @@ const MOST_BROKEN: usize = 10;
 /// in a camera's series; more than this is another kind of file.
 const MOST_REPEATED: f64 = 0.05;
 
+/// Largest share of lines that may be left out as broken.
+const MOST_SKIPPED: f64 = 0.05;
+
 /// How many times its neighbours' interval a time may be ahead before it, and not the next line, is called wrong.
 const LEAP: f64 = 10.0;
 
@@ -29,14 +32,14 @@ pub(super) struct Broken {
     pub width: usize,
     pub source_line: String,
     pub message: String,
-    pub hint: &'static str,
+    pub hint: String,
 }
 
 impl Broken {
     /// What is wrong with cell `index` of a line.
     fn at(line: &Line, separator: Option<char>, index: usize, message: String, hint: &'static str) -> Self {
         let (column, width) = cells(&line.text, separator).get(index).map_or((1, 1), |cell| cell.place(&line.text));
-        Self { line: line.number, column, width, source_line: line.text.clone(), message, hint }
+        Self { line: line.number, column, width, source_line: line.text.clone(), message, hint: hint.into() }
     }
 
     pub fn error(self, path: &Path, further: &[usize], count: usize) -> Error {
@@ -285,10 +288,17 @@ impl Scan {
     }
 
     /// Refuses the table where a line is broken, where it has no line, or where too many times repeat.
-    pub fn check(&self) -> Result<()> {
-        if let Some(first) = self.broken.first() {
+    ///
+    /// With `skip_broken`, broken lines are left out where they are few and never enough to be the recording itself.
+    pub fn check(&self, skip_broken: bool) -> Result<()> {
+        let few = self.broken_count as f64 <= MOST_SKIPPED * self.rows as f64;
+        if let Some(first) = self.broken.first().filter(|_| !(skip_broken && few)) {
             let further: Vec<usize> = self.broken.iter().skip(1).map(|broken| broken.line).collect();
-            return Err(first.clone().error(&self.path, &further, self.broken_count));
+            let mut broken = first.clone();
+            if few && !skip_broken {
+                broken.hint = format!("{}, or leave it out with `--skip-broken`", broken.hint);
+            }
+            return Err(broken.error(&self.path, &further, self.broken_count));
         }
         if self.rows == 0 {
             let header = &self.header;
@@ -310,9 +320,19 @@ impl Scan {
         }
     }
 
+    /// The lines that were left out as broken, each of the first few with what is wrong.
+    fn skipped(&self) -> Option<Note> {
+        let each: Vec<String> = self.broken.iter().map(|b| format!("line {}: {}", b.line, b.message)).collect();
+        let more = self.broken_count - each.len();
+        let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+        let text = format!("{} left out as broken: {}{more}", lines_in_words(self.broken_count), each.join("; "));
+        (self.broken_count > 0).then(|| Note::new("rows.broken", text, "see whether the rest can be trusted"))
+    }
+
     /// What was noticed, the layout's notes first.
     pub fn notes(&self) -> Vec<Note> {
         let mut notes = self.layout.notes.clone();
+        notes.extend(self.skipped());
         if self.empty.0 > 0 {
             let text =
                 format!("{} left out for an empty cell, the first at line {}", samples(self.empty.0), self.empty.1);
@@ -336,6 +356,11 @@ impl Scan {
         }
         notes
     }
+}
+
+/// "1 line", "2 lines".
+fn lines_in_words(count: usize) -> String {
+    if count == 1 { "1 line".into() } else { format!("{count} lines") }
 }
 
 /// "1 sample", "2 samples".

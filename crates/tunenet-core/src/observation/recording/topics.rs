@@ -51,7 +51,7 @@ impl Topic {
             self.usable = Decoder::of(&message.channel).and_then(|decoder| {
                 let decoded = decoder.decode(&message.data)?;
                 if let Sample::Joints(joints) = &decoded.sample {
-                    Joints::new(joints)?;
+                    Joints::new(joints, &[])?;
                 }
                 Ok(decoded.sample.kind())
             });

@@ -4,8 +4,11 @@
 //! that are fixed to one another become one body. Shapes are not needed and never opened, so meshes may be missing. What
 //! is left out stands in [`Model::notes`].
 
+mod friction;
 mod text;
 mod tree;
+
+pub use friction::{JointFriction, with_friction};
 
 use std::path::Path;
 

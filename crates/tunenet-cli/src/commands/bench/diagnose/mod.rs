@@ -8,6 +8,7 @@
 
 #[cfg(test)]
 mod agreement;
+mod arm;
 mod ask;
 mod blind;
 #[cfg(test)]
@@ -38,6 +39,9 @@ const PURPOSE: &str = "tunenet bench diagnose";
 const TIMED_THREADS: usize = 2;
 
 pub fn run(options: &BenchDiagnose) -> Result<Exit> {
+    if options.arm {
+        return arm::run(options);
+    }
     let rows: Vec<Row> = Row::ALL.into_iter().filter(|r| options.only.is_empty() || options.only.contains(r)).collect();
     let counts = if options.quick { Counts::QUICK } else { Counts::WHOLE };
     let seed = options.common.seed;

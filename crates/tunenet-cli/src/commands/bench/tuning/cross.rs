@@ -43,7 +43,8 @@ pub fn targets(simulation: &Simulation, folder: &Path, range: (f64, f64)) -> Res
 fn read(simulation: &Simulation, path: &Path, range: (f64, f64)) -> Result<Target> {
     let ours = [("t_s", "t"), ("x_m", "x"), ("y_m", "y"), ("z_m", "z")];
     let columns = ours.map(|(ours, theirs)| (ours.to_owned(), theirs.to_owned())).to_vec();
-    let seen = load::recording(path, &Reading { camera_rate: None, columns, topic: None })?.observation;
+    let reading = Reading { columns, topic: None, camera_rate: None, skip_broken: false };
+    let seen = load::recording(path, &reading)?.observation;
     let frames = simulation.clock.len();
     ensure!(seen.len() == frames, "expected {frames} samples, found {}", seen.len());
     let heights: Vec<f64> = seen.column(2).map(|z| z - RADIUS_M).collect();

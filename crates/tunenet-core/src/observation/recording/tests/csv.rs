@@ -14,7 +14,7 @@ fn bad(text: impl AsRef<[u8]>) -> (String, String) {
 
 fn mapped(text: &str, columns: &[(&str, &str)]) -> crate::Result<Recording> {
     let columns = columns.iter().map(|(ours, theirs)| ((*ours).to_owned(), (*theirs).to_owned())).collect();
-    read_as("a.csv", text, &ReadOptions { columns, topic: None })
+    read_as("a.csv", text, &ReadOptions { columns, topic: None, ..ReadOptions::default() })
 }
 
 fn codes(recording: &Recording) -> Vec<&'static str> {

@@ -87,7 +87,7 @@ fn foreign_tables_are_read_with_columns() {
         let path = paths.into_iter().find(|path| path.file_stem().is_some_and(|name| name == stem))?;
         let pairs = columns.split(',').filter_map(|pair| pair.split_once('='));
         let columns = pairs.map(|(ours, theirs)| (ours.to_owned(), theirs.to_owned())).collect();
-        Some(read(&path, &ReadOptions { columns, topic: None }))
+        Some(read(&path, &ReadOptions { columns, topic: None, ..ReadOptions::default() }))
     };
     if let Some(found) = read_with("three-balls", "txt", "red_ball", "t_s=t,x_m=x,z_m=y") {
         assert_eq!(found.unwrap().observation.kind(), Kind::Positions);

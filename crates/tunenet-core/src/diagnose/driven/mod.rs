@@ -1,0 +1,61 @@
+//! Diagnosis of what is driven by a measured motion: an arm, whose torques are reckoned and not simulated forwards.
+//!
+//! ```text
+//! logs → tune → derivatives by every coefficient at once → the best effect, fitted → again beside it → is the rest noise?
+//! ```
+//!
+//! Nothing here goes its own way after a start, so that predictions are all but linear in every coefficient: one set of
+//! derivatives serves every candidate, and what bends (an encoder's offset, a gear's twist) is fitted by a few steps more.
+//!
+//! | file | what |
+//! |---|---|
+//! | `logs` | the recordings, predictions, derivatives |
+//! | `fit` | weighted least squares over some of the coefficients, within their bounds |
+//! | `choose` | forward, pruned, with what could stand in each effect's place |
+//! | `judge` | whether the rest is noise, or small enough; verdict |
+//! | `answer` | the diagnosis in words and numbers |
+
+mod answer;
+mod choose;
+mod fit;
+mod judge;
+mod logs;
+
+use super::input::{Progress, Recording, Settings, Subject};
+use super::{Diagnosis, Use};
+use crate::Result;
+use crate::observation::Note;
+use choose::Chosen;
+use logs::Logs;
+
+/// As [`diagnose`](super::diagnose), of recordings that were driven.
+///
+/// # Errors
+/// As there.
+pub(super) fn diagnose(
+    subjects: &[Subject],
+    recordings: &[Recording],
+    settings: &Settings,
+    progress: &dyn Fn(Progress),
+) -> Result<Diagnosis> {
+    let mut uses: Vec<Use> = Vec::new();
+    let mut logs = Logs::new(subjects, recordings, &mut uses, progress)?;
+    if logs.runs.is_empty() {
+        let note = Note::new("recordings.none", "no recording can be used", "see what is noted of each");
+        return Ok(answer::insufficient(uses, vec![note]));
+    }
+    let mut notes = Vec::new();
+    if settings.set_aside && !logs.runs.iter().any(|r| r.held_out) {
+        logs.set_aside()?;
+        let text = "the last third of each recording is set aside to judge by";
+        notes.push(Note::new("held_out.chosen", text, ""));
+    }
+    progress(Progress::Tuning);
+    let base = logs.tuned()?;
+    logs.weigh(&base)?;
+    let base = logs.fit_from(&base.point, &base.active, None)?;
+    progress(Progress::Scoring { candidates: logs.entries.len(), effects: 0 });
+    let chosen = Chosen::search(&logs, base, settings)?;
+    progress(Progress::Judging);
+    answer::answer(&logs, &chosen, settings, uses, notes)
+}

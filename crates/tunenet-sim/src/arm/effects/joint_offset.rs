@@ -1,0 +1,16 @@
+//! An encoder whose zero lies elsewhere than the URDF's.
+
+use tunenet_core::simulator::{Coefficient, Phase};
+
+use super::{ArmEffect, add};
+
+pub(super) const EFFECT: ArmEffect = ArmEffect {
+    name: "joint_offset",
+    phase: Phase::Measurement,
+    per_joint: true,
+    coefficients: &[Coefficient::new("rad", "rad", 0.0, (-1.0, 1.0), 0.005)],
+    plausible: &[(-0.5, 0.5)],
+    sentence: "the joint stands this much farther than its encoder says",
+    mistaken_for: &["base_tilt", "payload_com_offset", "joint_elasticity", "torque_bias", "joint_spring"],
+    apply: |arm, c| add(&mut arm.offset_rad, c),
+};

@@ -1,0 +1,20 @@
+//! A payload whose centre of mass lies elsewhere.
+
+use tunenet_core::simulator::{Coefficient, Phase};
+
+use super::{ArmEffect, add};
+
+pub(super) const EFFECT: ArmEffect = ArmEffect {
+    name: "payload_com_offset",
+    phase: Phase::Joint,
+    per_joint: false,
+    coefficients: &[
+        Coefficient::new("x_m", "m", 0.0, (-1.0, 1.0), 0.01),
+        Coefficient::new("y_m", "m", 0.0, (-1.0, 1.0), 0.01),
+        Coefficient::new("z_m", "m", 0.0, (-1.0, 1.0), 0.01),
+    ],
+    plausible: &[(-0.5, 0.5), (-0.5, 0.5), (-0.5, 0.5)],
+    sentence: "the payload's centre of mass lies elsewhere than the file says, in the axes of its link",
+    mistaken_for: &["joint_offset", "base_tilt", "torque_gain"],
+    apply: |arm, c| add(&mut arm.com_offset_m, c),
+};

@@ -1,0 +1,170 @@
+//! What is checked of a log of joints before anything is reckoned from it.
+
+use tunenet_core::observation::Observation;
+use tunenet_core::observation::preflight::{Check, State};
+
+use super::filter::{slope, smooth};
+use super::recorded::columns;
+use crate::arm::{Joint, JointKind};
+
+/// Positions may exceed their limits by this much, rad: figures of files are rounded, and arms give a little.
+const OVERSHOOT_RAD: f64 = 0.05;
+/// No joint of an arm without limits is logged beyond this, rad (six turns); in degrees that is a tenth of a turn.
+const FARTHEST_RAD: f64 = 40.0;
+/// A joint that moves less than this, rad, says nothing of units or speeds.
+const STILL_RAD: f64 = 0.02;
+/// How far a ratio may be off a degree's.
+const NEAR: f64 = 0.2;
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Speeds that follow the slope of the positions less than this (cosine) are those of another joint.
+const ALIKE: f64 = 0.7;
+/// Cut-off for comparing speeds, Hz.
+const SPEEDS_HZ: f64 = 5.0;
+
+fn check(code: &'static str, state: State, text: impl Into<String>, remedy: &str) -> Check {
+    Check { code, state, text: text.into(), remedy: remedy.into() }
+}
+
+/// All checks of the log `seen` of an arm with these joints, in an order in which the first failure is the reason.
+/// `gains` says whether torque constants are given.
+pub(super) fn checks(seen: &Observation, joints: &[&Joint], gains: bool) -> Vec<Check> {
+    let mut found = vec![count(seen, joints)];
+    if found[0].state == State::Failed {
+        return found;
+    }
+    found.push(effort(seen, gains));
+    found.push(units(seen, joints));
+    if found[2].state != State::Failed {
+        found.push(limits(seen, joints));
+        found.push(speeds(seen, joints));
+    }
+    found
+}
+
+fn count(seen: &Observation, joints: &[&Joint]) -> Check {
+    let (code, found) = ("joints.count", columns(seen, "q").len());
+    let names = || joints.iter().map(|j| format!("`{}`", j.name)).collect::<Vec<_>>().join(", ");
+    if found == 0 {
+        return check(code, State::Failed, "expected positions of the joints, found none", "record them: `q1_rad`, …");
+    }
+    if found != joints.len() {
+        let text = format!("expected {} joints ({}), found {found}", joints.len(), names());
+        let remedy = "number the columns in the order of the URDF, with `--columns` where the names differ; of joints beyond \
+                      `arm.payload_link` nothing is read";
+        return check(code, State::Failed, text, remedy);
+    }
+    check(code, State::Passed, format!("{found} joints"), "")
+}
+
+fn effort(seen: &Observation, gains: bool) -> Check {
+    let code = "joints.effort";
+    match (columns(seen, "tau").is_empty(), columns(seen, "i").is_empty(), gains) {
+        (false, ..) => check(code, State::Passed, "torques are measured", ""),
+        (true, false, true) => check(code, State::Passed, "torques from currents, by `arm.current_gain_nm_a`", ""),
+        (true, false, false) => {
+            let text = "expected torques, or currents with their torque constants, found currents alone";
+            let remedy =
+                "write `arm.current_gain_nm_a = [..]`, the N·m of each joint for 1 A, into the simulation file";
+            check(code, State::Failed, text, remedy)
+        }
+        (true, true, _) => {
+            let text = "expected torques (effort) or motor currents, found positions and speeds alone";
+            let remedy = "record `effort` in JointState, or columns `tau1_nm`, … or `i1_a`, …";
+            check(code, State::Failed, text, remedy)
+        }
+    }
+}
+
+fn range(seen: &Observation, column: usize) -> (f64, f64) {
+    seen.column(column).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
+}
+
+/// The first joint that cannot be in radians: far beyond what it may reach, or faster or slower than its speeds say by the size
+/// of a degree.
+fn units(seen: &Observation, joints: &[&Joint]) -> Check {
+    let code = "joints.units";
+    let remedy = "name the columns `q1_deg`, … and `dq1_deg_s`, … (with `--columns` where the names are others), or record radians";
+    let speeds = columns(seen, "dq");
+    for (k, (joint, &column)) in joints.iter().zip(&columns(seen, "q")).enumerate() {
+        if joint.kind == JointKind::Prismatic {
+            continue;
+        }
+        let (low, high) = range(seen, column);
+        let farthest = low.abs().max(high.abs());
+        let limit = joint.limits.lower.abs().max(joint.limits.upper.abs());
+        let limit = if limit.is_finite() { 3.0 * limit } else { FARTHEST_RAD };
+        let ratio = speeds.get(k).and_then(|&speed| ratio(seen, column, speed));
+        if farthest > limit {
+            let text = format!(
+                "`{}` reaches {farthest:.1}, which is no angle in radians that it can have: degrees?",
+                joint.name
+            );
+            return check(code, State::Failed, text, remedy);
+        }
+        if let Some((ratio, _)) = ratio {
+            let near = |expected: f64| (ratio / expected - 1.0).abs() < NEAR;
+            if near(DEGREES) || near(1.0 / DEGREES) {
+                let which = if near(DEGREES) { "speeds" } else { "positions" };
+                let text = format!(
+                    "the speeds of `{}` are {ratio:.3} times the slope of its positions: the {which} are in degrees",
+                    joint.name
+                );
+                return check(code, State::Failed, text, remedy);
+            }
+        }
+    }
+    check(code, State::Passed, "angles are in radians", "")
+}
+
+/// Measured speeds over the slope of the positions, and the cosine between both; nothing where the joint hardly moves.
+fn ratio(seen: &Observation, position: usize, speed: usize) -> Option<(f64, f64)> {
+    let (low, high) = range(seen, position);
+    if high - low < STILL_RAD {
+        return None;
+    }
+    let clock = seen.clock();
+    let step = (clock[clock.len() - 1] - clock[0]) / (clock.len() - 1) as f64;
+    let cutoff = SPEEDS_HZ.min(0.2 / step);
+    let smoothed = |column: usize| smooth(&seen.column(column).collect::<Vec<_>>(), cutoff, 1.0 / step);
+    let (slope, speed) = (slope(&smoothed(position), step), smoothed(speed));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (both, own, other) = (dot(&slope, &speed), dot(&slope, &slope), dot(&speed, &speed));
+    (own > 0.0 && other > 0.0).then(|| (both / own, both / (own * other).sqrt()))
+}
+
+fn limits(seen: &Observation, joints: &[&Joint]) -> Check {
+    let code = "joints.limits";
+    for (joint, &column) in joints.iter().zip(&columns(seen, "q")) {
+        let (low, high) = (joint.limits.lower - OVERSHOOT_RAD, joint.limits.upper + OVERSHOOT_RAD);
+        if let Some((i, q)) = seen.column(column).enumerate().find(|(_, q)| !(low..=high).contains(q)) {
+            let text = format!(
+                "`{}` stands at {q:.3} rad at {:.3} s: expected {} to {}",
+                joint.name,
+                seen.clock()[i],
+                joint.limits.lower,
+                joint.limits.upper
+            );
+            let remedy = "check order and zero of the joints, and the limits of the URDF";
+            return check(code, State::Failed, text, remedy);
+        }
+    }
+    check(code, State::Passed, "the motion stays within the limits of the joints", "")
+}
+
+fn speeds(seen: &Observation, joints: &[&Joint]) -> Check {
+    let code = "joints.speeds";
+    let (positions, speeds) = (columns(seen, "q"), columns(seen, "dq"));
+    if speeds.is_empty() {
+        return check(code, State::NotRun, "no speeds are recorded", "");
+    }
+    for ((joint, &position), &speed) in joints.iter().zip(&positions).zip(&speeds) {
+        if let Some((_, alike)) = ratio(seen, position, speed).filter(|(_, alike)| *alike < ALIKE) {
+            let text = format!(
+                "the speeds of `{}` are not the slope of its positions (cosine {alike:.2}); only positions are used",
+                joint.name
+            );
+            return check(code, State::Noticed, text, "check the order of the columns, and signs");
+        }
+    }
+    check(code, State::Passed, "speeds are the slopes of the positions", "")
+}

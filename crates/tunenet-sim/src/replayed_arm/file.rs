@@ -1,0 +1,62 @@
+//! From a simulation file to a replayed arm.
+
+use tunenet_core::observation::Note;
+use tunenet_core::simulator::Simulator;
+use tunenet_core::{Error, Result};
+
+use super::ReplayedArm;
+use crate::SimulationFile;
+use crate::observed_arm::arm;
+
+/// Whether the arm of `file` follows recorded joints.
+#[must_use]
+pub fn replays(file: &SimulationFile) -> bool {
+    file.text_at("motion.kind") == Some("replay")
+}
+
+impl ReplayedArm {
+    /// The arm that `file` describes, its effects at the values that stand there.
+    ///
+    /// # Errors
+    /// What reading the URDF refuses; [`Error::File`] and [`Error::Setting`] where the file does not fit the arm.
+    pub fn from_file(file: &SimulationFile) -> Result<Self> {
+        let (model, link) = arm(file)?;
+        let (payload, joints) = (model.frames[link].clone(), model.degrees());
+        let gravity = file.number("world.gravity_m_s2").unwrap_or(9.81);
+        let mut new = Self::new(model, payload, gravity, file.parameters()?)?;
+        new.payload_size_m = file.number("arm.payload_size_m").unwrap_or(0.0);
+        if let Some(hz) = file.number("motion.cutoff_hz") {
+            new = new.with_cutoff(hz);
+        }
+        if let Some(gains) = file.numbers("arm.current_gain_nm_a") {
+            new = new.with_current_gain(gains).map_err(|error| match error {
+                Error::Setting { name, expected, found } => {
+                    let message = format!("`{name}`: expected {expected}, found {found}");
+                    Error::file(file.path(), message, "one number for each joint between base and payload")
+                }
+                other => other,
+            })?;
+        }
+        for present in file.arm_effects(joints)? {
+            new = new.with_fixed(present.effect.name, &present.values)?;
+        }
+        Ok(new)
+    }
+
+    /// What the URDF says and this arm leaves out.
+    #[must_use]
+    pub fn notes(&self) -> &[Note] {
+        &self.arm.model.notes
+    }
+}
+
+/// The replayed arm of `file`, with the numbers of those effects free that the file asks to tune.
+///
+/// # Errors
+/// As [`ReplayedArm::from_file`].
+pub fn replayed(file: &SimulationFile) -> Result<Box<dyn Simulator>> {
+    let arm = ReplayedArm::from_file(file)?;
+    let present = file.arm_effects(arm.joint_names().len())?;
+    let free: Vec<&str> = present.iter().filter(|p| p.tune).map(|p| p.effect.name).collect();
+    if free.is_empty() { Ok(Box::new(arm)) } else { arm.with_effects(&free) }
+}

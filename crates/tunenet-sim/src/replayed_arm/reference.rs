@@ -1,0 +1,156 @@
+//! A second run of the same motion without the payload, laid beside the first.
+
+use tunenet_core::observation::{Channel, Kind, Note, Observation};
+use tunenet_core::{Error, Result};
+
+use super::filter::{slope, smooth};
+use super::recorded::{columns, cubic, even_step, linear};
+
+/// Speeds are compared below this, Hz, and first this many times a second.
+const COMPARED_HZ: f64 = 5.0;
+const COARSE_HZ: f64 = 20.0;
+/// Speeds that agree less than this (cosine) are those of another motion.
+const SAME: f64 = 0.9;
+/// The runs have to overlap by this share of the shorter one.
+const LEAST_OVERLAP: f64 = 0.3;
+
+/// What a channel of the reference is called beside that of the run with payload.
+const PREFIX: &str = "r";
+
+/// Speeds of all joints on an even clock.
+struct Speeds {
+    step_s: f64,
+    joints: usize,
+    values: Vec<f64>,
+}
+
+impl Speeds {
+    fn of(seen: &Observation, rate_hz: f64) -> Self {
+        let (step_s, clock) = (1.0 / rate_hz, seen.clock());
+        let positions = columns(seen, "q");
+        let count = ((clock[clock.len() - 1] - clock[0]) * rate_hz) as usize + 1;
+        let times: Vec<f64> = (0..count).map(|i| clock[0] + i as f64 * step_s).collect();
+        let fine = even_step(clock);
+        let mut values = vec![0.0; count * positions.len()];
+        for (j, &column) in positions.iter().enumerate() {
+            let raw: Vec<f64> = seen.column(column).collect();
+            let smoothed = smooth(&raw, COMPARED_HZ.min(0.2 / fine), 1.0 / fine);
+            let speed = slope(&linear(clock, &smoothed, &times), step_s);
+            values.iter_mut().skip(j).step_by(positions.len()).zip(speed).for_each(|(v, s)| *v = s);
+        }
+        Self { step_s, joints: positions.len(), values }
+    }
+
+    fn len(&self) -> usize {
+        self.values.len() / self.joints
+    }
+
+    /// The cosine between these speeds and `other` shifted by `lag` samples; nothing where they hardly overlap.
+    fn alike(&self, other: &Self, lag: isize) -> Option<f64> {
+        let from = lag.max(0) as usize;
+        let to = (other.len() as isize + lag).min(self.len() as isize).max(0) as usize;
+        if to <= from || ((to - from) as f64) < LEAST_OVERLAP * self.len().min(other.len()) as f64 {
+            return None;
+        }
+        let mine = &self.values[from * self.joints..to * self.joints];
+        let start = (from as isize - lag) as usize * self.joints;
+        let (mut both, mut a2, mut b2) = (0.0, 0.0, 0.0);
+        for (a, b) in mine.iter().zip(&other.values[start..]) {
+            both += a * b;
+            a2 += a * a;
+            b2 += b * b;
+        }
+        (a2 > 0.0 && b2 > 0.0).then(|| both / (a2 * b2).sqrt())
+    }
+
+    /// The best lag within a range, in samples with a fraction by the parabola through its neighbours, and its cosine.
+    fn best(&self, other: &Self, range: std::ops::RangeInclusive<isize>) -> Option<(f64, f64)> {
+        let scored = range.filter_map(|lag| Some((lag, self.alike(other, lag)?)));
+        let (lag, best) = scored.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (before, after) = (self.alike(other, lag - 1)?, self.alike(other, lag + 1)?);
+        let bend = before - 2.0 * best + after;
+        let fraction = if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+        Some((lag as f64 + fraction, best))
+    }
+}
+
+/// How much later `seen` does what `reference` did, each counted from its own start, in s; and how alike both are (a cosine of
+/// their speeds).
+fn lag(seen: &Observation, reference: &Observation) -> Option<(f64, f64)> {
+    let (a, b) = (Speeds::of(seen, COARSE_HZ), Speeds::of(reference, COARSE_HZ));
+    let (most, least) = (a.len() as isize - 1, 1 - b.len() as isize);
+    let (coarse, _) = a.best(&b, least..=most)?;
+    let rate = (1.0 / even_step(seen.clock())).clamp(COARSE_HZ, 500.0);
+    let (a, b) = (Speeds::of(seen, rate), Speeds::of(reference, rate));
+    let near = (coarse * rate / COARSE_HZ).round() as isize;
+    let reach = (rate / COARSE_HZ).ceil() as isize + 2;
+    let (fine, alike) = a.best(&b, near - reach..=near + reach)?;
+    Some((fine * a.step_s, alike))
+}
+
+/// The run `seen` with the `reference` beside it: its channels under names with an `r` before, moved in time so that both do the
+/// same at the same time, and cut to where both are. Also how they were laid beside one another.
+///
+/// # Errors
+/// [`Error::Observation`] where the two do not measure the same joints and quantities, or do not move alike.
+pub fn with_reference(seen: &Observation, reference: &Observation) -> Result<(Observation, Note)> {
+    let refuse =
+        |what: &str, expected: String, found: String| Err(Error::Observation { what: what.into(), expected, found });
+    let names = |o: &Observation| {
+        let kept = o.channels().iter().filter(|c| !c.name.starts_with("dq"));
+        kept.map(|c| c.name.clone()).collect::<Vec<_>>().join(", ")
+    };
+    if reference.kind() != Kind::Joints || names(seen) != names(reference) || columns(seen, "q").is_empty() {
+        return refuse("the reference", format!("the same channels as in the run ({})", names(seen)), names(reference));
+    }
+    let Some((lag_s, _)) = lag(seen, reference).filter(|(_, alike)| *alike > SAME) else {
+        let found = lag(seen, reference).map_or("no overlap".into(), |(_, c)| format!("speeds that agree by {c:.2}"));
+        return refuse("the reference", format!("the same motion (speeds that agree by {SAME} or more)"), found);
+    };
+    let shift = seen.clock()[0] - reference.clock()[0] + lag_s;
+    let clock: Vec<f64> = reference.clock().iter().map(|t| t + shift).collect();
+    let (first, last) = (clock[0], clock[clock.len() - 1]);
+    let within: Vec<usize> = (0..seen.len()).filter(|&i| (first..=last).contains(&seen.clock()[i])).collect();
+    let both = seen.slice(within[0]..within[within.len() - 1] + 1)?;
+    let kept: Vec<usize> =
+        (0..reference.channels().len()).filter(|&i| !reference.channels()[i].name.starts_with("dq")).collect();
+    let moved: Vec<Vec<f64>> = kept
+        .iter()
+        .map(|&i| {
+            let values: Vec<f64> = reference.column(i).collect();
+            let smooth = reference.channels()[i].name.starts_with('q');
+            if smooth { cubic(&clock, &values, both.clock()) } else { linear(&clock, &values, both.clock()) }
+        })
+        .collect();
+    let mut channels = both.channels().to_vec();
+    channels.extend(kept.iter().map(|&i| {
+        let channel = &reference.channels()[i];
+        Channel::new(format!("{PREFIX}{}", channel.name), channel.unit.clone())
+    }));
+    let mut values = Vec::with_capacity(both.len() * channels.len());
+    for i in 0..both.len() {
+        values.extend_from_slice(both.row(i));
+        values.extend(moved.iter().map(|column| column[i]));
+    }
+    let apart = apart_rad(&both, &moved, &kept, reference);
+    let seen = Observation::new(Kind::Joints, channels, both.clock().to_vec(), values)?;
+    let text = format!(
+        "the reference does {lag_s:+.3} s after its start what the run does after its own; laid beside it, {:.1} s of both \
+         are used, and the positions agree to {apart:.4} rad (RMS)",
+        both.clock()[both.len() - 1] - both.clock()[0]
+    );
+    Ok((seen, Note::new("reference.aligned", text, "")))
+}
+
+fn apart_rad(both: &Observation, moved: &[Vec<f64>], kept: &[usize], reference: &Observation) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for column in columns(both, "q") {
+        let name = &both.channels()[column].name;
+        let at = kept.iter().position(|&i| reference.channels()[i].name == *name);
+        for (a, b) in both.column(column).zip(at.map_or(&[][..], |at| moved[at].as_slice())) {
+            sum += (a - b).powi(2);
+            count += 1.0;
+        }
+    }
+    (sum / f64::max(count, 1.0)).sqrt()
+}

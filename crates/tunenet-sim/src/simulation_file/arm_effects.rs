@@ -1,0 +1,153 @@
+//! The effects of an arm's file: numbers for each joint as lists in the order of the URDF.
+
+use std::borrow::Cow;
+use std::sync::LazyLock;
+
+use toml_edit::{Array, Item};
+use tunenet_core::{Error, Result};
+
+use super::schema::{Key, Shape, item_number, number};
+use super::{SimulationFile, table};
+use crate::arm::effects::{ALL, ArmEffect};
+
+/// The keys below `[effects]` of an arm: one for each coefficient of the catalogue, and whether `tune` may change it.
+pub static ARM_EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
+    let keys = ALL.iter().flat_map(|effect| {
+        let one = |c: &tunenet_core::simulator::Coefficient| Key {
+            path: Cow::Owned(format!("effects.{}.{}", effect.name, c.key)),
+            shape: if effect.per_joint { Shape::List(c.min, c.max) } else { Shape::Number(c.min, c.max) },
+            required: false,
+            meaning: Cow::Borrowed(effect.sentence),
+        };
+        let tune = Key {
+            path: Cow::Owned(format!("effects.{}.tune", effect.name)),
+            shape: Shape::Flag,
+            required: false,
+            meaning: Cow::Borrowed("whether `tune` may change these numbers; false where left out"),
+        };
+        effect.coefficients.iter().map(one).chain([tune]).collect::<Vec<_>>()
+    });
+    keys.collect()
+});
+
+/// An effect that an arm's file holds.
+#[derive(Debug, Clone)]
+pub struct PresentArmEffect {
+    /// Its entry of the catalogue.
+    pub effect: ArmEffect,
+    /// Its numbers, those of all joints of the first coefficient first; absent where the file leaves one out.
+    pub values: Vec<f64>,
+    /// Whether `tune` may change them.
+    pub tune: bool,
+}
+
+impl SimulationFile {
+    /// The effects that the file of an arm with so many joints holds, in its order.
+    ///
+    /// # Errors
+    /// [`Error::File`] where a list has not one number for each joint.
+    pub fn arm_effects(&self, joints: usize) -> Result<Vec<PresentArmEffect>> {
+        let Some(all) = self.item("effects").and_then(Item::as_table_like) else { return Ok(Vec::new()) };
+        let mut found = Vec::new();
+        for (name, item) in all.iter() {
+            let (Some(table), Some(effect)) = (item.as_table_like(), ArmEffect::find(name)) else { continue };
+            let count = effect.numbers(joints);
+            let mut values = Vec::new();
+            for c in effect.coefficients {
+                let given = table.get(c.key);
+                let list = given.and_then(Item::as_array).map(|a| a.iter().filter_map(number).collect::<Vec<f64>>());
+                let numbers = list.or_else(|| given.and_then(item_number).map(|v| vec![v]));
+                let numbers = numbers.unwrap_or_else(|| vec![c.absent; count]);
+                if numbers.len() != count {
+                    let message = format!(
+                        "`effects.{name}.{}`: expected {count} numbers, one for each joint, found {}",
+                        c.key,
+                        numbers.len()
+                    );
+                    return Err(Error::file(self.path(), message, "the order is that of the URDF's joints"));
+                }
+                values.extend(numbers);
+            }
+            let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(false);
+            found.push(PresentArmEffect { effect, values, tune });
+        }
+        Ok(found)
+    }
+
+    /// Writes an effect's numbers under `[effects.NAME]`, as [`arm_effects`](Self::arm_effects) gives them; everything else is
+    /// kept as it stands.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] where the effect is unknown or a number is outside its bounds; the file is as before then.
+    pub fn add_arm_effect(&mut self, name: &str, values: &[f64]) -> Result<()> {
+        let refuse = |expected: String, found: String| Err(Error::Setting { name: "effects", expected, found });
+        let Some(effect) = ArmEffect::find(name) else {
+            return refuse("an effect of an arm".into(), format!("`{name}`"));
+        };
+        let count = values.len() / effect.coefficients.len().max(1);
+        for (c, numbers) in effect.coefficients.iter().zip(values.chunks(count.max(1))) {
+            if let Some(value) = numbers.iter().find(|v| !(c.min..=c.max).contains(*v)) {
+                return refuse(format!("{} to {} for `{name}.{}`", c.min, c.max, c.key), value.to_string());
+            }
+        }
+        let one = table(table(self.document.as_table_mut(), "effects", true), name, false);
+        for (c, numbers) in effect.coefficients.iter().zip(values.chunks(count.max(1))) {
+            let decor = one.get(c.key).and_then(Item::as_value).map(|v| v.decor().clone());
+            one[c.key] = if effect.per_joint {
+                toml_edit::value(numbers.iter().copied().collect::<Array>())
+            } else {
+                toml_edit::value(numbers[0])
+            };
+            if let (Some(decor), Some(new)) = (decor, one[c.key].as_value_mut()) {
+                *new.decor_mut() = decor;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the value of a parameter of a replayed arm, be it a number of an effect (`viscous_friction.nms_rad.2`) or a
+    /// parameter of the file.
+    ///
+    /// # Errors
+    /// As [`add_arm_effect`](Self::add_arm_effect); [`Error::File`] as [`arm_effects`](Self::arm_effects).
+    pub fn set_arm_value(&mut self, name: &str, value: f64, joints: usize) -> Result<()> {
+        let parts: Vec<&str> = name.split('.').collect();
+        let (Some(effect), Some(key)) = (ArmEffect::find(parts[0]), parts.get(1)) else {
+            self.set_value(name, value);
+            return Ok(());
+        };
+        let count = effect.numbers(joints);
+        let absent = || effect.coefficients.iter().flat_map(|c| vec![c.absent; count]).collect();
+        let present = self.arm_effects(joints)?.into_iter().find(|p| p.effect.name == effect.name);
+        let mut values: Vec<f64> = present.map_or_else(absent, |p| p.values);
+        let place = effect.coefficients.iter().position(|c| c.key == *key).unwrap_or(0);
+        let joint = parts.get(2).and_then(|j| j.parse::<usize>().ok()).map_or(0, |j| j.saturating_sub(1));
+        if let Some(at) = values.get_mut(place * count + joint) {
+            *at = value;
+        }
+        self.add_arm_effect(effect.name, &values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn numbers_of_joints_are_written_and_read_again() {
+        let text = "kind = \"arm\"\narm.urdf = \"a.urdf\"\narm.payload_link = \"b\"\nmotion.kind = \"replay\"\n";
+        let mut file = SimulationFile::parse(Path::new("arm.toml"), text).unwrap();
+        file.add_arm_effect("viscous_friction", &[0.5, 1.5]).unwrap();
+        file.set_arm_value("coulomb_friction.nm.2", 3.0, 2).unwrap();
+        file.set_arm_value("time_delay.delay_s", 0.01, 2).unwrap();
+        let again = SimulationFile::parse(Path::new("arm.toml"), &file.text()).unwrap();
+        let found = again.arm_effects(2).unwrap();
+        let values: Vec<_> = found.iter().map(|p| (p.effect.name, p.values.clone())).collect();
+        assert!(values.contains(&("viscous_friction", vec![0.5, 1.5])), "{values:?}");
+        assert!(values.contains(&("coulomb_friction", vec![0.0, 3.0])) && values.contains(&("time_delay", vec![0.01])));
+        let message = again.arm_effects(3).unwrap_err().to_string();
+        assert!(message.contains("expected 3 numbers, one for each joint, found 2"), "{message}");
+        assert!(file.add_arm_effect("viscous_friction", &[-1.0, 0.0]).is_err());
+    }
+}
