@@ -64,7 +64,7 @@ fn full_films(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(FRAMES as u64)).sample_size(10);
     group.bench_function("decode", |bencher| {
         bencher.iter(|| {
-            let streamed = source.stream(usize::MAX, &mut |_, _, image, _| Ok(Some(image))).expect("a film");
+            let streamed = source.stream(usize::MAX, &mut |_, _, image, _| Ok(vec![image])).expect("a film");
             assert_eq!(black_box(streamed).count, FRAMES);
         });
     });

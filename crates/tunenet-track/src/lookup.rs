@@ -1,10 +1,20 @@
 //! Which colours are the ball's: a window in hue, saturation and value, looked up in one step for each pixel.
 
+use std::sync::LazyLock;
+
 use crate::colour::Window;
 
 /// Bits of each channel that are told apart; the finest steps of a compressed film are noise anyway.
 const BITS: u32 = 6;
 const DROPPED: u32 = 8 - BITS;
+
+/// Hue, saturation and value of every step of a table. A film is asked for many windows.
+static STEPS: LazyLock<Vec<[u8; 3]>> = LazyLock::new(|| {
+    // The middle of each step of the table; its last step holds full white, its first full black.
+    let level = |step: usize| u8::try_from((step << DROPPED) + (1 << DROPPED) / 2).unwrap_or(u8::MAX);
+    let steps = 1usize << BITS;
+    (0..steps.pow(3)).map(|i| hsv([level(i % steps), level(i / steps % steps), level(i / steps / steps)])).collect()
+});
 
 /// A [`Window`] as a table over blue, green and red.
 #[derive(Debug, Clone)]
@@ -16,13 +26,7 @@ impl Lookup {
     /// The table of `window`.
     #[must_use]
     pub fn new(window: &Window) -> Self {
-        // The middle of each step of the table; its last step holds full white, its first full black.
-        let level = |step: usize| u8::try_from((step << DROPPED) + (1 << DROPPED) / 2).unwrap_or(u8::MAX);
-        let steps = 1usize << BITS;
-        let table = (0..steps.pow(3))
-            .map(|i| window.holds(hsv([level(i % steps), level(i / steps % steps), level(i / steps / steps)])))
-            .collect();
-        Self { table }
+        Self { table: STEPS.iter().map(|hsv| window.holds(*hsv)).collect() }
     }
 
     /// Whether a pixel (blue, green, red) has the ball's colour.

@@ -19,8 +19,12 @@ const FEWEST_EDGES: usize = 8;
 const LEAST_CONTRAST: f32 = 18.0;
 /// Half the width of the blurred edge: so many px, and this share of the radius. Films store colour at half the resolution.
 const BLUR: (f64, f64) = (2.0, 0.06);
-/// Where the colours of ball and background are taken, px beyond the blurred edge.
+/// The same, px, where a picture keeps all of its colour and nothing blurs it.
+const SHARP_BLUR_PX: f64 = 1.0;
+/// Where the colours of ball and background are taken, px beyond the blurred edge. A ball's shade changes towards its edge,
+/// so that a sharp picture is asked nearer to it.
 const BESIDE_PX: f64 = 2.0;
+const SHARP_BESIDE_PX: f64 = 1.0;
 /// Points along a ray, px apart.
 const STEP_PX: f64 = 0.5;
 /// An edge this far from the circle, as a share of the radius and in px, belongs to something else.
@@ -44,30 +48,44 @@ pub(crate) struct Circle {
     pub off: f64,
     /// Whether rays leave the picture before they leave the ball.
     pub cut: bool,
+    /// How gradual the edge is, px: the median over the rays of ∫ s (1 − s), where s goes from 1 in the ball to 0.
+    pub softness_px: f64,
 }
 
-/// The ball's outline about a first guess; `smear` is half the length over which motion blurs it, px. `None` where no edge
-/// can be told.
-pub(crate) fn outline(view: &View<'_>, own: &Own<'_>, guess: (f64, f64, f64), smear: f64) -> Option<Circle> {
-    let first = around(view, own, guess, smear)?;
+/// How an edge is looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Edges {
+    /// Half the length over which motion blurs it, px.
+    pub smear_px: f64,
+    /// Whether the picture is known to be sharp.
+    pub sharp: bool,
+}
+
+/// The ball's outline about a first guess. `None` where no edge can be told.
+pub(crate) fn outline(view: &View<'_>, own: &Own<'_>, guess: (f64, f64, f64), edges: Edges) -> Option<Circle> {
+    let first = around(view, own, guess, edges)?;
     // From a middle that was far off, rays meet the edge at a slant, or miss a part of it.
     let off = (first.u - guess.0).hypot(first.v - guess.1).max((first.radius - guess.2).abs());
     if off < NEAR * first.radius {
         return Some(first);
     }
-    around(view, own, (first.u, first.v, first.radius), smear)
+    around(view, own, (first.u, first.v, first.radius), edges)
 }
 
-fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), smear: f64) -> Option<Circle> {
-    let blur = (BLUR.0 + BLUR.1 * radius).max(smear).min(BLUR.0.max(0.7 * radius));
+fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), how: Edges) -> Option<Circle> {
+    let (blur, beside) = if how.sharp { (SHARP_BLUR_PX, SHARP_BESIDE_PX) } else { (BLUR.0, BESIDE_PX) };
+    let blur = (blur + BLUR.1 * radius).max(how.smear_px).min(BLUR.0.max(0.7 * radius));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let rays = (RAYS_PER_PX * radius).clamp(RAYS.0, RAYS.1) as usize;
-    let (mut edges, mut outside) = (Vec::with_capacity(rays), 0);
+    let (mut edges, mut softness, mut outside) = (Vec::with_capacity(rays), Vec::with_capacity(rays), 0);
     for ray in 0..rays {
         let angle = std::f64::consts::TAU * (ray as f64 + 0.5) / rays as f64;
         let (across, down) = (angle.cos(), angle.sin());
-        match edge(view, own, (u, v), (across, down), radius, blur) {
-            Edge::At(distance) => edges.push((u + distance * across, v + distance * down)),
+        match edge(view, own, (u, v), (across, down), radius, (blur, beside)) {
+            Edge::At(distance, soft) => {
+                edges.push((u + distance * across, v + distance * down));
+                softness.push(soft);
+            }
             Edge::Outside => outside += 1,
             Edge::Faint => {}
         }
@@ -79,7 +97,7 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), smear
         let away = |p: &(f64, f64)| ((p.0 - found.0).hypot(p.1 - found.1) - found.2).abs();
         let mut sorted: Vec<f64> = kept.iter().map(away).collect();
         sorted.sort_unstable_by(f64::total_cmp);
-        let limit = (2.5 * sorted[sorted.len() / 2]).max(OFF.0 * found.2 + OFF.1).max(0.5 * smear);
+        let limit = (2.5 * sorted[sorted.len() / 2]).max(OFF.0 * found.2 + OFF.1).max(0.5 * how.smear_px);
         let better: Vec<(f64, f64)> = kept.iter().filter(|p| away(p) <= limit).copied().collect();
         if better.len() == kept.len() {
             break;
@@ -90,35 +108,49 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), smear
     let (u, v, radius) = found;
     let share = kept.len() as f64 / (rays - outside).max(1) as f64;
     let off = off_ellipse(&edges, found)?;
-    (radius.is_finite() && radius > 0.0).then_some(Circle { u, v, radius, share, off, cut: outside > 0 })
+    let softness_px = median(softness)?;
+    let cut = outside > 0;
+    (radius.is_finite() && radius > 0.0).then_some(Circle { u, v, radius, share, off, cut, softness_px })
 }
 
 /// The median distance of edges from an ellipse, as a share of the radius: blur makes a disc longer, but gives it no corners.
 fn off_ellipse(edges: &[(f64, f64)], (u, v, radius): (f64, f64, f64)) -> Option<f64> {
-    let mut polar: Vec<(f64, f64)> =
-        edges.iter().map(|p| ((p.1 - v).atan2(p.0 - u), (p.0 - u).hypot(p.1 - v) / radius - 1.0)).collect();
-    // About a circle, an ellipse is a wave that goes round twice; each part is taken out until nothing changes.
-    let parts: [fn(f64) -> f64; 5] = [|_| 1.0, f64::cos, f64::sin, |a| (2.0 * a).cos(), |a| (2.0 * a).sin()];
-    for part in parts.iter().cycle().take(ROUNDS * parts.len()) {
-        let (product, square) =
-            polar.iter().fold((0.0, 0.0), |(p, s), (a, r)| (p + r * part(*a), s + part(*a).powi(2)));
-        for (a, r) in &mut polar {
-            *r -= product / square * part(*a);
+    // About a circle, an ellipse is a wave that goes round twice: of an edge's direction, the constant, cosine and sine
+    // once and twice round.
+    let waves = |p: &(f64, f64)| {
+        let (x, y) = (p.0 - u, p.1 - v);
+        let away = x.hypot(y);
+        let (cos, sin) = (x / away, y / away);
+        ([1.0, cos, sin, cos * cos - sin * sin, 2.0 * sin * cos], away / radius - 1.0)
+    };
+    let mut polar: Vec<([f64; 5], f64)> = edges.iter().map(waves).collect();
+    // Each part is taken out until nothing changes.
+    for part in (0..5).cycle().take(ROUNDS * 5) {
+        let (product, square) = polar.iter().fold((0.0, 0.0), |(p, s), (w, r)| (p + r * w[part], s + w[part].powi(2)));
+        for (w, r) in &mut polar {
+            *r -= product / square * w[part];
         }
     }
     median(polar.iter().map(|(_, r)| r.abs()).collect()).filter(|off| off.is_finite())
 }
 
 enum Edge {
-    /// Distance from the middle, px.
-    At(f64),
+    /// Distance from the middle, and how gradual it is, px.
+    At(f64, f64),
     /// The ray leaves the picture before the ball.
     Outside,
     /// Ball and background look alike, or the ball is not met at all.
     Faint,
 }
 
-fn edge(view: &View<'_>, own: &Own<'_>, from: (f64, f64), along: (f64, f64), radius: f64, blur: f64) -> Edge {
+fn edge(
+    view: &View<'_>,
+    own: &Own<'_>,
+    from: (f64, f64),
+    along: (f64, f64),
+    radius: f64,
+    (blur, beside): (f64, f64),
+) -> Edge {
     let at = |distance: f64| (from.0 + distance * along.0, from.1 + distance * along.1);
     let own = |distance: f64| {
         let (u, v) = at(distance);
@@ -142,15 +174,16 @@ fn edge(view: &View<'_>, own: &Own<'_>, from: (f64, f64), along: (f64, f64), rad
         return Edge::Outside;
     }
     let mean = |start: f64, end: f64| -> [f32; 3] {
-        let points = [start, f64::midpoint(start, end), end].map(|d| {
-            let (u, v) = at(d);
+        let colour = |distance: f64| {
+            let (u, v) = at(distance);
             view.colour(u, v)
-        });
-        std::array::from_fn(|c| (points[0][c] + points[1][c] + points[2][c]) / 3.0)
+        };
+        let (a, b, c) = (colour(start), colour(f64::midpoint(start, end)), colour(end));
+        [(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0]
     };
-    let (ball, behind) = (mean((inner - BESIDE_PX).max(0.0), inner), mean(outer, outer + BESIDE_PX));
-    let towards: [f32; 3] = std::array::from_fn(|c| ball[c] - behind[c]);
-    let contrast: f32 = towards.iter().map(|d| d * d).sum();
+    let (ball, behind) = (mean((inner - beside).max(0.0), inner), mean(outer, outer + BESIDE_PX));
+    let towards = [ball[0] - behind[0], ball[1] - behind[1], ball[2] - behind[2]];
+    let contrast = towards[0] * towards[0] + towards[1] * towards[1] + towards[2] * towards[2];
     if contrast < LEAST_CONTRAST * LEAST_CONTRAST {
         return Edge::Faint;
     }
@@ -158,20 +191,21 @@ fn edge(view: &View<'_>, own: &Own<'_>, from: (f64, f64), along: (f64, f64), rad
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few points")]
     let count = ((outer - inner) / STEP_PX).ceil().max(1.0) as usize;
     let width = (outer - inner) / count as f64;
-    let covered: f64 = (0..count)
-        .map(|i| {
-            let (u, v) = at(inner + (i as f64 + 0.5) * width);
-            let colour = view.colour(u, v);
-            let share: f32 = (0..3).map(|c| (colour[c] - behind[c]) * towards[c]).sum::<f32>() / contrast;
-            f64::from(share.clamp(-0.5, 1.5))
-        })
-        .sum();
-    Edge::At(inner + (covered * width).clamp(0.0, outer - inner))
+    let (mut covered, mut soft) = (0.0, 0.0);
+    for i in 0..count {
+        let (u, v) = at(inner + (i as f64 + 0.5) * width);
+        let colour = view.colour(u, v);
+        let along: f32 = (0..3).map(|c| (colour[c] - behind[c]) * towards[c]).sum();
+        let share = f64::from((along / contrast).clamp(-0.5, 1.5));
+        covered += share;
+        soft += share * (1.0 - share);
+    }
+    Edge::At(inner + (covered * width).clamp(0.0, outer - inner), soft * width)
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a mean of bytes")]
 fn level(value: f32) -> u8 {
-    value.round() as u8
+    (value + 0.5) as u8
 }
 
 /// The circle that minimises Σ(x² + y² − 2ax − 2by − c)² over the points (Kåsa 1976): centre `(a, b)` and radius.
@@ -209,6 +243,8 @@ mod tests {
     use crate::lookup::Lookup;
     use opencv::core::{CV_8UC3, Mat, Scalar};
 
+    const SOFT: Edges = Edges { smear_px: 0.0, sharp: false };
+
     fn disc(u: f64, v: f64, radius: f64) -> Mat {
         let mut picture = Mat::new_rows_cols_with_default(60, 80, CV_8UC3, Scalar::all(120.0)).unwrap();
         crate::test_films::disc(&mut picture, (u, v), radius, [40.0, 40.0, 220.0]);
@@ -222,7 +258,7 @@ mod tests {
             let picture = disc(u, v, radius);
             let view = View::of(&picture).unwrap();
             let found =
-                outline(&view, &|colour, _| lookup.holds(colour), (u + 1.3, v - 0.8, 0.8 * radius), 0.0).unwrap();
+                outline(&view, &|colour, _| lookup.holds(colour), (u + 1.3, v - 0.8, 0.8 * radius), SOFT).unwrap();
             assert!((found.u - u).hypot(found.v - v) < 0.03, "{found:?} for {u} {v}");
             assert!((found.radius - radius).abs() < 0.08, "{found:?} for {radius}");
             assert!(found.share > 0.95 && !found.cut);
@@ -234,7 +270,7 @@ mod tests {
         let lookup = Lookup::new(&Window::parse("red").unwrap());
         let picture = disc(4.0, 30.0, 10.0);
         let found =
-            outline(&View::of(&picture).unwrap(), &|colour, _| lookup.holds(colour), (6.0, 30.0, 9.0), 0.0).unwrap();
+            outline(&View::of(&picture).unwrap(), &|colour, _| lookup.holds(colour), (6.0, 30.0, 9.0), SOFT).unwrap();
         assert!(found.cut && (found.u - 4.0).abs() < 0.15 && (found.radius - 10.0).abs() < 0.15, "{found:?}");
     }
 

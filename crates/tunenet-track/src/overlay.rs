@@ -55,7 +55,7 @@ pub fn overlay(
         progress(index + 1, Some(track.frames));
         let wanted = chosen.iter().find(|s| s.frame == index);
         if wanted.is_none() && film.is_none() {
-            return Ok(Some(image));
+            return Ok(vec![image]);
         }
         draw(&mut image, track, index)?;
         if let Some(sighting) = wanted {
@@ -70,7 +70,7 @@ pub fn overlay(
                 None => refused = Some(path),
             }
         }
-        Ok(Some(image))
+        Ok(vec![image])
     })?;
     if let Some(path) = refused {
         let message = "expected a film that OpenCV can write, found none for this name";
@@ -95,7 +95,7 @@ pub fn plain(source: &Source, frames: usize, most: usize) -> Result<Vec<Drawn>> 
         if wanted.contains(&index) {
             pictures.push(picture(&image, index, time_s)?);
         }
-        Ok(Some(image))
+        Ok(vec![image])
     })?;
     Ok(pictures)
 }

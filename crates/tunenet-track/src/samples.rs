@@ -119,19 +119,20 @@ impl Thinned {
 /// Means of four pixels each, on a grid over the picture.
 fn points(view: &View<'_>) -> Vec<[u8; 3]> {
     let every = view.columns().max(view.rows()).div_ceil(POINTS).max(2);
-    let mean = |column: usize, row: usize| {
-        let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| view.pixel(column + right, row + down));
-        std::array::from_fn(|c| {
-            let sum: u16 = four.iter().map(|pixel| u16::from(pixel[c])).sum();
-            u8::try_from((sum + 2) / 4).unwrap_or(u8::MAX)
-        })
-    };
     let (columns, rows) = (view.columns().saturating_sub(1), view.rows().saturating_sub(1));
-    (0..rows)
-        .step_by(every)
-        .flat_map(|row| (0..columns).step_by(every).map(move |column| (column, row)))
-        .map(|(c, r)| mean(c, r))
-        .collect()
+    let mut points = Vec::with_capacity(columns.div_ceil(every) * rows.div_ceil(every));
+    for row in (0..rows).step_by(every) {
+        for column in (0..columns).step_by(every) {
+            let [a, b] = [view.pixel(column, row), view.pixel(column + 1, row)];
+            let [c, d] = [view.pixel(column, row + 1), view.pixel(column + 1, row + 1)];
+            let mean = |i: usize| {
+                let sum = u16::from(a[i]) + u16::from(b[i]) + u16::from(c[i]) + u16::from(d[i]);
+                u8::try_from((sum + 2) / 4).unwrap_or(u8::MAX)
+            };
+            points.push([mean(0), mean(1), mean(2)]);
+        }
+    }
+    points
 }
 
 /// Whether more differs than noise does.

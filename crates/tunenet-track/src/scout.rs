@@ -11,6 +11,8 @@ use super::stillness::moves;
 
 /// Frames that make the background: the median of so many forgets whatever passes.
 const BACKGROUND_FRAMES: usize = 31;
+/// Bytes whose medians are taken together.
+const SIDE_BY_SIDE: usize = 512;
 /// How far a pixel has to differ from the background, in grey levels of any channel, to belong to something that moves.
 pub(crate) const MOVED: u8 = 20;
 /// ... and while the colour is still unknown.
@@ -134,14 +136,30 @@ fn median(frames: &[Mat]) -> opencv::Result<Mat> {
     let chosen: Vec<&[u8]> =
         (0..count).map(|i| frames[i * frames.len() / count].data_bytes()).collect::<opencv::Result<_>>()?;
     let mut background = frames[0].clone();
-    let mut stack = vec![0u8; count];
-    for (i, out) in background.data_bytes_mut()?.iter_mut().enumerate() {
-        for (slot, frame) in stack.iter_mut().zip(&chosen) {
-            *slot = frame[i];
-        }
-        *out = *stack.select_nth_unstable(count / 2).1;
+    for (i, out) in background.data_bytes_mut()?.chunks_mut(SIDE_BY_SIDE).enumerate() {
+        let place = i * SIDE_BY_SIDE..i * SIDE_BY_SIDE + out.len();
+        medians(chosen.iter().map(|frame| &frame[place.clone()]), out);
     }
     Ok(background)
+}
+
+/// The upper median of each byte over the layers of `stack`, at most 255 of them and each as long as `out`.
+///
+/// Bit by bit from the highest, for many bytes side by side: no layer is sorted.
+fn medians<'a>(stack: impl ExactSizeIterator<Item = &'a [u8]> + Clone, out: &mut [u8]) {
+    let above = u8::try_from(stack.len() - stack.len() / 2).unwrap_or(u8::MAX);
+    out.fill(0);
+    for bit in (0..8).rev() {
+        let mut counts = [0u8; SIDE_BY_SIDE];
+        for layer in stack.clone() {
+            for ((count, value), known) in counts.iter_mut().zip(layer).zip(out.iter()) {
+                *count += u8::from(*value >= known | 1 << bit);
+            }
+        }
+        for (known, count) in out.iter_mut().zip(&counts) {
+            *known |= u8::from(*count >= above) << bit;
+        }
+    }
 }
 
 fn to_hsv(frame: &Mat) -> opencv::Result<Mat> {
@@ -273,4 +291,23 @@ fn clutter(background: &Mat, window: &Window, area: f64) -> opencv::Result<bool>
     Ok(blobs(&mask, usize::try_from(background.cols()).unwrap_or(1))
         .iter()
         .any(|b| b.area > 0.02 * area && !resting(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn medians_are_those_of_sorted_values(stack in prop::collection::vec(prop::collection::vec(any::<u8>(), 7), 1..40)) {
+            let mut found = [9; 7];
+            medians(stack.iter().map(Vec::as_slice), &mut found);
+            for (i, median) in found.into_iter().enumerate() {
+                let mut column: Vec<u8> = stack.iter().map(|layer| layer[i]).collect();
+                column.sort_unstable();
+                prop_assert_eq!(median, column[stack.len() / 2]);
+            }
+        }
+    }
 }

@@ -73,7 +73,7 @@ impl Source {
     }
 
     /// Calls `each` with every picture, at most `most` of them: its number from 0, when it was taken (s), and how many the
-    /// file promises. A picture that is given back is used again. Ends early where `each` returns an error, and where a
+    /// file promises. Pictures that are given back are used again. Ends early where `each` returns an error, and where a
     /// picture after the first cannot be decoded: what came before it is as good as ever.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ impl Source {
     pub fn stream(
         &self,
         most: usize,
-        each: &mut dyn FnMut(usize, f64, Mat, Option<usize>) -> opencv::Result<Option<Mat>>,
+        each: &mut dyn FnMut(usize, f64, Mat, Option<usize>) -> opencv::Result<Vec<Mat>>,
     ) -> Result<Streamed> {
         let mut pictures = self.open()?;
         let promised = pictures.promised();
@@ -89,8 +89,11 @@ impl Source {
         let (give_back, used) = channel::<Mat>();
         std::thread::scope(|scope| {
             scope.spawn(move || {
+                let mut spare: Vec<Mat> = Vec::new();
                 loop {
-                    let mut image = used.try_recv().unwrap_or_default();
+                    // The one that came back last still lies in the processor's cache.
+                    spare.extend(used.try_iter());
+                    let mut image = spare.pop().unwrap_or_default();
                     let next = match pictures.next(&mut image) {
                         Ok(Some(time_s)) => Ok((time_s, image)),
                         Ok(None) => break,
@@ -123,8 +126,7 @@ impl Source {
                     );
                     return Err(Error::file(&self.path, message, "cut the film where its size changes"));
                 }
-                let spare = each(count, time_s, image, promised).map_err(|e| undecodable(&self.path, &e))?;
-                if let Some(spare) = spare {
+                for spare in each(count, time_s, image, promised).map_err(|e| undecodable(&self.path, &e))? {
                     let _ = give_back.send(spare);
                 }
                 count += 1;

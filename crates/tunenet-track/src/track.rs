@@ -144,7 +144,7 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
                 source.stream(most, &mut |index, time_s, image, promised| {
                     progress(index + 1, promised.map(|p| p.min(most)));
                     pass.frame(time_s, &image)?;
-                    Ok(Some(image))
+                    Ok(vec![image])
                 })?;
             }
             pass
@@ -169,15 +169,15 @@ struct First<'a> {
 }
 
 impl First<'_> {
-    fn take(&mut self, index: usize, time_s: f64, image: Mat, promised: Option<usize>) -> opencv::Result<Option<Mat>> {
+    fn take(&mut self, index: usize, time_s: f64, image: Mat, promised: Option<usize>) -> opencv::Result<Vec<Mat>> {
         self.samples.push(index, &image, promised)?;
         if let Some(pass) = &mut self.pass {
             pass.frame(time_s, &image)?;
-            return Ok(Some(image));
+            return Ok(vec![image]);
         }
         if self.looks == LOOKS.len() {
             // The first frames did not show it, so all of them have to be seen again.
-            return Ok(Some(image));
+            return Ok(vec![image]);
         }
         self.bytes += image.data_bytes()?.len();
         self.waiting.push((time_s, image));
@@ -195,10 +195,10 @@ impl First<'_> {
                 self.looks = LOOKS.len();
             }
             if self.looks == LOOKS.len() {
-                self.waiting = Vec::new();
+                return Ok(self.waiting.drain(..).map(|(_, image)| image).collect());
             }
         }
-        Ok(None)
+        Ok(Vec::new())
     }
 }
 

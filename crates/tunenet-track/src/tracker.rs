@@ -2,8 +2,9 @@
 
 use super::blob::{Blob, blobs};
 use super::lookup::Lookup;
-use super::outline::outline;
+use super::outline::{Edges, outline};
 use super::scout::{MOVED, ROUND, Scene};
+use super::track::median;
 use super::view::View;
 
 /// The longer side of the coarse picture in which a lost ball is looked for, px.
@@ -16,6 +17,10 @@ const LOOK_AROUND: usize = 8;
 const SECOND_BALL: f64 = 0.5;
 /// From frame to frame the ball's area changes by no more than this factor; beyond, it is looked for everywhere.
 const SAME_AREA: f64 = 2.5;
+/// A film whose edges are no more gradual than this is sharp, px: nothing but its pixels blurs it.
+const SHARP_PX: f64 = 0.34;
+/// So many frames tell whether it is.
+const ASKED: usize = 9;
 /// Fewer pixels of the coarse picture are crumbs.
 const LEAST_AREA: f64 = 3.0;
 
@@ -51,6 +56,11 @@ pub struct Tracker {
     last: Option<Last>,
     since_around: usize,
     mask: Vec<bool>,
+    /// How gradual the ball's edge was in some of the frames, px.
+    softness_px: Vec<f64>,
+    /// From the patch to the outline in the last frame, as shares of the patch's radius: right, down, and how much larger.
+    /// A ball's dark side may not have its colour.
+    offset: (f64, f64, f64),
 }
 
 /// Where the ball was.
@@ -104,7 +114,15 @@ impl Tracker {
     #[must_use]
     pub fn new(scene: Scene) -> Self {
         let lookup = Lookup::new(&scene.window);
-        Self { scene, lookup, last: None, since_around: 0, mask: Vec::new() }
+        Self {
+            scene,
+            lookup,
+            last: None,
+            since_around: 0,
+            mask: Vec::new(),
+            softness_px: Vec::new(),
+            offset: (0.0, 0.0, 0.0),
+        }
     }
 
     /// What it looks for.
@@ -126,8 +144,10 @@ impl Tracker {
         let mut second = None;
         if found.is_none() || around {
             let anywhere = self.search(view)?;
-            second = anywhere.map(|(_, second)| second);
-            found = found.or(anywhere.map(|(sighting, _)| sighting));
+            second = anywhere.map(|(.., second)| second);
+            if let (None, Some((part, coarse, _))) = (found, anywhere) {
+                found = Some(self.refine(view, part, &coarse));
+            }
             self.since_around = 0;
         } else {
             self.since_around += 1;
@@ -160,7 +180,7 @@ impl Tracker {
     }
 
     /// Looks everywhere; also whether there is a second one alike.
-    fn search(&mut self, view: &View<'_>) -> opencv::Result<Option<(Sighting, bool)>> {
+    fn search(&mut self, view: &View<'_>) -> opencv::Result<Option<(Part, Blob, bool)>> {
         let part = Part::whole(view);
         let mut found = self.blobs(view, part)?;
         let area =
@@ -170,7 +190,7 @@ impl Tracker {
         let round = |b: &&Blob| ROUND.contains(&b.fill()) || part.borders(b.bounds, view).1;
         let Some(coarse) = found.iter().find(round).or(found.first()) else { return Ok(None) };
         let second = found.iter().filter(round).filter(|b| b.area > SECOND_BALL * coarse.area).count() > 1;
-        Ok(Some((self.refine(view, part, coarse), second)))
+        Ok(Some((part, *coarse, second)))
     }
 
     /// The patches of the ball's colour in a part of the picture, the largest first.
@@ -179,19 +199,20 @@ impl Tracker {
         self.mask.clear();
         for row in 0..part.rows {
             let y = part.top + row * part.every;
-            for column in 0..part.columns {
-                let x = part.left + column * part.every;
-                let pixel = view.pixel(x, y);
-                let own = self.lookup.holds(pixel)
-                    && background.is_none_or(|behind| moved(pixel, behind_at(&behind, view, x, y)));
-                self.mask.push(own);
+            let pixels = view.thinned(y, part.left, part.every, part.columns);
+            match background {
+                None => self.mask.extend(pixels.map(|pixel| self.lookup.holds(pixel))),
+                Some(behind) => self.mask.extend(pixels.enumerate().map(|(column, pixel)| {
+                    let x = part.left + column * part.every;
+                    self.lookup.holds(pixel) && moved(pixel, behind_at(&behind, view, x, y))
+                })),
             }
         }
         Ok(blobs(&self.mask, part.columns))
     }
 
     /// A coarse patch, measured in the whole picture.
-    fn refine(&self, view: &View<'_>, part: Part, coarse: &Blob) -> Sighting {
+    fn refine(&mut self, view: &View<'_>, part: Part, coarse: &Blob) -> Sighting {
         let every = part.every as f64;
         let [_, _, width, height] = coarse.bounds.map(|n| n as f64);
         let (u, v) = (part.left as f64 + coarse.u * every, part.top as f64 + coarse.v * every);
@@ -218,7 +239,16 @@ impl Tracker {
             self.lookup.holds(colour)
                 && background.is_none_or(|behind| moved(colour, behind_at(&behind, view, place.0, place.1)))
         };
-        let circle = outline(view, &own, (u, v, guess), smear);
+        if self.softness_px.len() < ASKED && (self.last.is_none() || self.since_around == 0) {
+            let found = outline(view, &own, (u, v, guess), Edges { smear_px: smear, sharp: false });
+            self.softness_px.extend(found.filter(|c| !c.cut).map(|c| c.softness_px));
+        }
+        let sharp = median(self.softness_px.clone()).is_some_and(|soft| soft < SHARP_PX);
+        // A sharp ball lies to its patch as it did before. A blurred one's patch is too rough for that.
+        let known = sharp && !outer && self.last.is_some();
+        let (right, down, larger) = if known { self.offset } else { (0.0, 0.0, 0.0) };
+        let start = (u + right * guess, v + down * guess, guess + larger * guess);
+        let circle = outline(view, &own, start, Edges { smear_px: smear, sharp });
         // A circle far from its patch is drawn through something else.
         let near = circle.filter(|c| {
             let room = if outer { 2.0 } else { 0.5 };
@@ -227,11 +257,15 @@ impl Tracker {
         match near {
             Some(c) => {
                 let cut = c.cut || outer;
+                self.offset = ((c.u - u) / guess, (c.v - v) / guess, (c.radius - guess) / guess);
                 let confidence = if cut { 0.5 * c.share } else { c.share };
                 Sighting { off: Some(c.off), ..seen(c.u, c.v, c.radius, cut, confidence) }
             }
             // Too small or too faint for an outline.
-            None => seen(u, v, by_area, outer, 0.25),
+            None => {
+                self.offset = (0.0, 0.0, 0.0);
+                seen(u, v, by_area, outer, 0.25)
+            }
         }
     }
 }

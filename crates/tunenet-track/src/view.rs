@@ -47,7 +47,21 @@ impl<'a> View<'a> {
     #[must_use]
     pub fn pixel(&self, column: usize, row: usize) -> [u8; 3] {
         let at = 3 * (row * self.columns + column);
-        [self.bytes[at], self.bytes[at + 1], self.bytes[at + 2]]
+        let pixel = &self.bytes[at..at + 3];
+        [pixel[0], pixel[1], pixel[2]]
+    }
+
+    /// So many pixels of a row, every `every`-th from `column` on.
+    #[inline]
+    pub(crate) fn thinned(
+        &self,
+        row: usize,
+        column: usize,
+        every: usize,
+        count: usize,
+    ) -> impl Iterator<Item = [u8; 3]> {
+        let bytes = &self.bytes[3 * (row * self.columns + column)..3 * (row + 1) * self.columns];
+        bytes.chunks(3 * every).take(count).map(|pixel| [pixel[0], pixel[1], pixel[2]])
     }
 
     /// Whether a point lies at least half a pixel within.
@@ -63,12 +77,13 @@ impl<'a> View<'a> {
         let (column, row) = (u as usize, v as usize);
         let (right, below) = ((column + 1).min(self.columns - 1), (row + 1).min(self.rows - 1));
         let (a, b) = ((u - column as f64) as f32, (v - row as f64) as f32);
-        let corners =
-            [self.pixel(column, row), self.pixel(right, row), self.pixel(column, below), self.pixel(right, below)];
-        std::array::from_fn(|c| {
-            let [p, q, r, s] = corners.map(|pixel| f32::from(pixel[c]));
+        let [p, q] = [self.pixel(column, row), self.pixel(right, row)];
+        let [r, s] = [self.pixel(column, below), self.pixel(right, below)];
+        let between = |c: usize| {
+            let [p, q, r, s] = [f32::from(p[c]), f32::from(q[c]), f32::from(r[c]), f32::from(s[c])];
             let (above, under) = (p + a * (q - p), r + a * (s - r));
             above + b * (under - above)
-        })
+        };
+        [between(0), between(1), between(2)]
     }
 }

@@ -98,7 +98,7 @@ fn small(take: &Take) -> Result<(f64, f64)> {
 fn film_rates(path: &Path) -> Result<(f64, f64)> {
     let source = Source::new(path, None);
     let decoded = rates(FILM_FRAMES, || {
-        source.stream(usize::MAX, &mut |_, _, image, _| Ok(Some(image)))?;
+        source.stream(usize::MAX, &mut |_, _, image, _| Ok(vec![image]))?;
         Ok(())
     })?;
     let both = rates(FILM_FRAMES, || match track(&source, &Settings::default(), &mut |_, _| {})? {
