@@ -119,7 +119,7 @@ fn a_payload_is_found_in_a_log() {
 fn what_a_reference_shares_cancels() {
     let folder = folder();
     let wrong = Beside { viscous: 0.3, bias: 0.5, rod_kg: 0.2, ..Beside::default() };
-    folder.write("bare.csv", &log(Beside { late_s: 0.37, ..wrong }, plain));
+    folder.write("bare.csv", log(Beside { late_s: 0.37, ..wrong }, plain));
     let loaded = log(Beside { payload_kg: 0.8, ..wrong }, plain);
     let mass = |ran: Ran| ran.json()["parameters"]["payload_mass"]["value"].as_f64().unwrap();
     let alone = mass(tune(&folder, &loaded, &[]));
@@ -137,7 +137,7 @@ fn what_a_reference_shares_cancels() {
 fn friction_is_named_and_written() {
     let folder = folder();
     let beside = Beside { payload_kg: 0.5, viscous: 0.4, ..Beside::default() };
-    folder.write("log.csv", &log(beside, plain));
+    folder.write("log.csv", log(beside, plain));
     let arguments = "diagnose --sim arm.toml --observation log.csv --json --out improved.toml --out-urdf improved.urdf \
                      --report page.html";
     let answer = call(&folder, &arguments.split(' ').collect::<Vec<_>>()).ends(0).json();
@@ -158,7 +158,7 @@ fn friction_is_named_and_written() {
     let again = "diagnose --sim improved.toml --observation log.csv --json";
     assert_eq!(call(&folder, &again.split(' ').collect::<Vec<_>>()).ends(0).json()["verdict"], "none");
     // And numbers of effects are tuned where the file asks for it.
-    folder.write("asked.toml", &format!("{SCENE}[effects.viscous_friction]\nnms_rad = [0.0]\ntune = true\n"));
+    folder.write("asked.toml", format!("{SCENE}[effects.viscous_friction]\nnms_rad = [0.0]\ntune = true\n"));
     let tuned = "tune --sim asked.toml --observation log.csv --json --out tuned.toml";
     let answer = call(&folder, &tuned.split(' ').collect::<Vec<_>>()).ends(0).json();
     let value = answer["parameters"]["viscous_friction.nms_rad.1"]["value"].as_f64().unwrap();
@@ -166,12 +166,15 @@ fn friction_is_named_and_written() {
     assert!(text(&folder, "tuned.toml").contains("nms_rad = [0."));
 }
 
+/// What is wrong, the log, the exit status, further arguments, and what has to be said.
+type Fault<'a> = (&'a str, String, i32, &'a [&'a str], &'a [&'a str]);
+
 #[test]
 fn every_fault_of_a_log_is_said_with_its_remedy() {
     let folder = folder();
     let good = log(Beside::default(), plain);
     let deg = |v: f64| v.to_degrees();
-    let cases: [(&str, String, i32, &[&str], &[&str]); 8] = [
+    let cases: [Fault; 8] = [
         (
             "degrees",
             log(Beside::default(), |t, [q, dq, c]| format!("{t:.3},{},{dq},{c}", deg(q))),
@@ -224,7 +227,7 @@ fn every_fault_of_a_log_is_said_with_its_remedy() {
 fn joints_of_other_names_are_refused_by_name() {
     use tunenet_core::observation::recording::{ReadOptions, read, write_mcap};
     let folder = folder();
-    folder.write("log.csv", &log(Beside::default(), plain));
+    folder.write("log.csv", log(Beside::default(), plain));
     let seen = read(folder.path("log.csv"), &ReadOptions::default()).unwrap().observation;
     write_mcap(&seen, folder.path("log.mcap")).unwrap();
     let ran = call(&folder, &["tune", "--sim", "arm.toml", "--observation", "log.mcap"]).ends(1);
@@ -243,7 +246,7 @@ fn value(answer: &Value, parameter: &str) -> f64 {
     answer["parameters"][parameter]["value"].as_f64().unwrap()
 }
 
-/// A UR10e with and without 2.805 kg: torque constants are known to some ten per cent only, so that one factor is calibrated on
+/// An arm of Universal Robots with and without 2.805 kg: torque constants are known to some ten per cent only, so that one factor is calibrated on
 /// one pair of runs, and predicts the payload of the other (docs/arm-logs.md has the commands).
 #[test]
 fn a_calibrated_arm_weighs_its_payload() {
@@ -262,7 +265,7 @@ fn a_calibrated_arm_weighs_its_payload() {
     );
     folder.write("ur10e.toml", &scene);
     let family = |name: &str, unit: &str, first: usize| {
-        (1..=6).map(|j| format!(",{name}{j}_{unit}={}", first + j - 1)).collect::<String>()
+        (1..=6).map(|j| format!(",{name}{j}_{unit}={}", first + j - 1)).collect::<Vec<_>>().concat()
     };
     let columns = format!("t_s=1{}{}", family("q", "rad", 2), family("i", "a", 14));
     let run = |name: &str| data.join(format!("ur-20_02_19_{name}.csv")).display().to_string();

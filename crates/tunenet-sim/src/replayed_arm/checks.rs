@@ -4,7 +4,7 @@ use tunenet_core::observation::Observation;
 use tunenet_core::observation::preflight::{Check, State};
 
 use super::filter::{slope, smooth};
-use super::recorded::columns;
+use super::recorded::{columns, even_step};
 use crate::arm::{Joint, JointKind};
 
 /// Positions may exceed their limits by this much, rad: figures of files are rounded, and arms give a little.
@@ -13,6 +13,8 @@ const OVERSHOOT_RAD: f64 = 0.05;
 const FARTHEST_RAD: f64 = 40.0;
 /// A joint that moves less than this, rad, says nothing of units or speeds.
 const STILL_RAD: f64 = 0.02;
+/// Samples have to fill this share of a log.
+const LEAST_FILLED: f64 = 0.5;
 /// How far a ratio may be off a degree's.
 const NEAR: f64 = 0.2;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -28,13 +30,13 @@ fn check(code: &'static str, state: State, text: impl Into<String>, remedy: &str
 /// All checks of the log `seen` of an arm with these joints, in an order in which the first failure is the reason.
 /// `gains` says whether torque constants are given.
 pub(super) fn checks(seen: &Observation, joints: &[&Joint], gains: bool) -> Vec<Check> {
-    let mut found = vec![count(seen, joints)];
-    if found[0].state == State::Failed {
+    let mut found = vec![count(seen, joints), clock(seen)];
+    if found.iter().any(|c| c.state == State::Failed) {
         return found;
     }
     found.push(effort(seen, gains));
     found.push(units(seen, joints));
-    if found[2].state != State::Failed {
+    if found[3].state != State::Failed {
         found.push(limits(seen, joints));
         found.push(speeds(seen, joints));
     }
@@ -54,6 +56,18 @@ fn count(seen: &Observation, joints: &[&Joint]) -> Check {
         return check(code, State::Failed, text, remedy);
     }
     check(code, State::Passed, format!("{found} joints"), "")
+}
+
+/// A log whose gaps are many times as long as itself would have to be filled by guesses.
+fn clock(seen: &Observation) -> Check {
+    let (code, clock) = ("joints.clock", seen.clock());
+    let (span, step) = (clock[clock.len() - 1] - clock[0], even_step(clock));
+    let share = clock.len() as f64 * step / span;
+    if share < LEAST_FILLED {
+        let text = format!("samples are {step:.4} s apart and fill {:.0} % of {span:.1} s", 100.0 * share);
+        return check(code, State::Failed, text, "cut the log where its gaps are, and check the unit of the time");
+    }
+    check(code, State::Passed, "the clock has no long gaps", "")
 }
 
 fn effort(seen: &Observation, gains: bool) -> Check {

@@ -39,7 +39,13 @@ impl Section {
 
 /// How many samples at each end are not to be trusted: two periods of the cut-off.
 pub(super) fn edge(cutoff_hz: f64, rate_hz: f64) -> usize {
-    (2.0 * rate_hz / cutoff_hz).ceil() as usize
+    whole((2.0 * rate_hz / cutoff_hz).ceil())
+}
+
+/// The whole number below a finite one; 0 below 0.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of samples, far below 2⁵³")]
+pub(super) fn whole(value: f64) -> usize {
+    value as usize
 }
 
 /// `values` without what is faster than `cutoff_hz`, and without delay. The ends are continued by their point mirror.
@@ -52,7 +58,9 @@ pub(super) fn smooth(values: &[f64], cutoff_hz: f64, rate_hz: f64) -> Vec<f64> {
     long.extend((1..=pad).map(|i| 2.0 * last - values[n - 1 - i]));
     let sections = QUALITY.map(|quality| Section::new(cutoff_hz, rate_hz, quality));
     for _ in 0..2 {
-        sections.iter().for_each(|section| section.run(&mut long));
+        for section in &sections {
+            section.run(&mut long);
+        }
         long.reverse();
     }
     long[pad..pad + n].to_vec()

@@ -241,13 +241,13 @@ impl Simulator for ReplayedArm {
         let log = Recorded::new(seen, "", &self.torques(seen, ""), self.cutoff_hz);
         let reference = (!columns(seen, "rq").is_empty())
             .then(|| Recorded::new(seen, "r", &self.torques(seen, "r"), self.cutoff_hz));
-        let cells = (0.5 / (log.step_s * log.cutoff_hz)).round().max(1.0) as usize;
-        let whole = |b: &usize| {
+        let cells = filter::whole((0.5 / (log.step_s * log.cutoff_hz)).round().max(1.0));
+        let complete = |b: &usize| {
             let cells = b * cells..(b + 1) * cells;
             log.trusted[cells.clone()].iter().all(|t| *t)
                 && reference.as_ref().is_none_or(|r| r.trusted[cells].iter().all(|t| *t))
         };
-        let windows: Vec<usize> = (0..log.len() / cells).filter(whole).collect();
+        let windows: Vec<usize> = (0..log.len() / cells).filter(complete).collect();
         if windows.len() < FEWEST_WINDOWS {
             let text = format!(
                 "{} windows of {:.3} s are left between the ends, {FEWEST_WINDOWS} are needed",

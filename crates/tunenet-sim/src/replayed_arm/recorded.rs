@@ -2,7 +2,7 @@
 
 use tunenet_core::observation::{Channel, Observation, noise_sd};
 
-use super::filter::{edge, slope, smooth};
+use super::filter::{edge, slope, smooth, whole};
 
 /// A clock is even where no interval strays farther than this from the median.
 const EVEN: f64 = 1e-3;
@@ -49,7 +49,7 @@ impl Recorded {
         let step_s = even_step(clock);
         let even = clock.windows(2).all(|w| ((w[1] - w[0]) / step_s - 1.0).abs() < EVEN);
         let span = clock[clock.len() - 1] - clock[0];
-        let count = if even { clock.len() } else { (span / step_s).floor() as usize + 1 };
+        let count = if even { clock.len() } else { whole(span / step_s) + 1 };
         let step_s = if even { span / (count - 1) as f64 } else { step_s };
         let rate_hz = 1.0 / step_s;
         let cutoff_hz = cutoff_hz.min(GREATEST_CUTOFF * rate_hz);
@@ -103,7 +103,7 @@ impl Recorded {
 fn trusted(clock: &[f64], step_s: f64, count: usize, edge: usize) -> Vec<bool> {
     let mut trusted = vec![true; count];
     let mut distrust = |from_s: f64, to_s: f64| {
-        let index = |t: f64| ((t - clock[0]) / step_s).clamp(0.0, count as f64) as usize;
+        let index = |t: f64| whole(((t - clock[0]) / step_s).clamp(0.0, count as f64));
         let (from, to) = (index(from_s).saturating_sub(edge), (index(to_s) + edge + 1).min(count));
         trusted[from..to].fill(false);
     };

@@ -3,12 +3,16 @@
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::{Error, Result};
 
-use super::filter::{slope, smooth};
+use super::filter::{slope, smooth, whole};
 use super::recorded::{columns, cubic, even_step, linear};
 
 /// Speeds are compared below this, Hz, and first this many times a second.
 const COMPARED_HZ: f64 = 5.0;
 const COARSE_HZ: f64 = 20.0;
+const COARSE_SAMPLES: f64 = 4000.0;
+/// ... and then at most so often.
+const FINE_HZ: f64 = 500.0;
+const FINE_SAMPLES: f64 = 100_000.0;
 /// Speeds that agree less than this (cosine) are those of another motion.
 const SAME: f64 = 0.9;
 /// The runs have to overlap by this share of the shorter one.
@@ -28,7 +32,7 @@ impl Speeds {
     fn of(seen: &Observation, rate_hz: f64) -> Self {
         let (step_s, clock) = (1.0 / rate_hz, seen.clock());
         let positions = columns(seen, "q");
-        let count = ((clock[clock.len() - 1] - clock[0]) * rate_hz) as usize + 1;
+        let count = whole((clock[clock.len() - 1] - clock[0]) * rate_hz) + 1;
         let times: Vec<f64> = (0..count).map(|i| clock[0] + i as f64 * step_s).collect();
         let fine = even_step(clock);
         let mut values = vec![0.0; count * positions.len()];
@@ -47,13 +51,13 @@ impl Speeds {
 
     /// The cosine between these speeds and `other` shifted by `lag` samples; nothing where they hardly overlap.
     fn alike(&self, other: &Self, lag: isize) -> Option<f64> {
-        let from = lag.max(0) as usize;
-        let to = (other.len() as isize + lag).min(self.len() as isize).max(0) as usize;
+        let from = lag.max(0).cast_unsigned();
+        let to = (other.len().cast_signed() + lag).min(self.len().cast_signed()).max(0).cast_unsigned();
         if to <= from || ((to - from) as f64) < LEAST_OVERLAP * self.len().min(other.len()) as f64 {
             return None;
         }
         let mine = &self.values[from * self.joints..to * self.joints];
-        let start = (from as isize - lag) as usize * self.joints;
+        let start = (from.cast_signed() - lag).cast_unsigned() * self.joints;
         let (mut both, mut a2, mut b2) = (0.0, 0.0, 0.0);
         for (a, b) in mine.iter().zip(&other.values[start..]) {
             both += a * b;
@@ -77,13 +81,17 @@ impl Speeds {
 /// How much later `seen` does what `reference` did, each counted from its own start, in s; and how alike both are (a cosine of
 /// their speeds).
 fn lag(seen: &Observation, reference: &Observation) -> Option<(f64, f64)> {
-    let (a, b) = (Speeds::of(seen, COARSE_HZ), Speeds::of(reference, COARSE_HZ));
-    let (most, least) = (a.len() as isize - 1, 1 - b.len() as isize);
+    let span = |o: &Observation| o.clock()[o.len() - 1] - o.clock()[0];
+    // Every lag is tried, so that long logs are compared less often at first.
+    let coarse_hz = COARSE_HZ.min(COARSE_SAMPLES / span(seen).max(span(reference)));
+    let (a, b) = (Speeds::of(seen, coarse_hz), Speeds::of(reference, coarse_hz));
+    let (most, least) = (a.len().cast_signed() - 1, 1 - b.len().cast_signed());
     let (coarse, _) = a.best(&b, least..=most)?;
-    let rate = (1.0 / even_step(seen.clock())).clamp(COARSE_HZ, 500.0);
+    let rate = (1.0 / even_step(seen.clock())).clamp(coarse_hz, FINE_HZ.min(FINE_SAMPLES / span(seen)).max(coarse_hz));
     let (a, b) = (Speeds::of(seen, rate), Speeds::of(reference, rate));
-    let near = (coarse * rate / COARSE_HZ).round() as isize;
-    let reach = (rate / COARSE_HZ).ceil() as isize + 2;
+    let near = (coarse.abs() * rate / coarse_hz).round();
+    let near = if coarse < 0.0 { -whole(near).cast_signed() } else { whole(near).cast_signed() };
+    let reach = whole((rate / coarse_hz).ceil()).cast_signed() + 2;
     let (fine, alike) = a.best(&b, near - reach..=near + reach)?;
     Some((fine * a.step_s, alike))
 }

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use tunenet_core::Result;
 use tunenet_core::observation::{Channel, Kind, Observation};
 
+use super::filter::whole;
 use super::recorded::Recorded;
 use crate::arm::effects::Imperfections;
 use crate::arm::{Frame, Inertia, Model, PAYLOAD_NUMBERS, Recursion, gravity, payload_numbers};
@@ -174,7 +175,7 @@ impl Means {
             high = low + 1.0;
         }
         let value = |edge: f64, column: usize| {
-            let cell = (edge.floor() as usize).min(cells - 1);
+            let cell = whole(edge).min(cells - 1);
             let (a, b) = (self.integral[cell * self.width + column], self.integral[(cell + 1) * self.width + column]);
             a + (edge - cell as f64) * (b - a)
         };

@@ -164,7 +164,7 @@ pub fn write_urdf(options: &Diagnose, answer: &Answer) -> Result<Option<PathBuf>
     }
     let arm = ReplayedArm::from_file(&improved(answer, 0)?)?;
     let values: Vec<f64> = arm.parameters().iter().map(|p| p.value).collect();
-    let text = with_friction(&read_text(&urdf_path(file))?, &arm.friction(&values))?;
+    let text = with_friction(&read_text(urdf_path(file))?, &arm.friction(&values))?;
     write_atomically(out, |out| out.write_all(text.as_bytes()))?;
     Ok(Some(out.clone()))
 }

@@ -53,20 +53,26 @@ fn title(one: &Explained) -> String {
     format!("{}{}", label(one), if one.held_out { ", held out" } else { "" })
 }
 
-/// Each recording beside the simulation, in the channel where they disagree most; `both` where before differs from after.
+/// The channels that are drawn: of an arm every joint's torque, else the one that disagrees most.
+fn drawn(one: &Explained) -> Vec<usize> {
+    if one.seen.kind() == Kind::Joints { channels(one) } else { vec![worst(one)] }
+}
+
+/// Each recording beside the simulation, in the channel where they disagree most, or every joint of an arm; `both` where before differs from after.
 pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
     html! {
         div.grid {
             @for one in shown {
-                @let channel = worst(one);
-                @let series = Series::explained(one, channel, both.then_some(&one.before[..]));
-                figure {
-                    figcaption.above { (series.title) @if one.held_out { ", held out" } }
-                    (series.draw(Size::Narrow, 1.0))
+                @for channel in drawn(one) {
+                    @let series = Series::explained(one, channel, both.then_some(&one.before[..]));
+                    figure {
+                        figcaption.above { (series.title) @if one.held_out { ", held out" } }
+                        (series.draw(Size::Narrow, 1.0))
+                    }
                 }
             }
             p.how {
-                "Dots are measured, in the channel where simulation and measurement disagree most, or that moves farthest where they agree. "
+                "Dots are measured, for an arm the torque of every joint, else in the channel where simulation and measurement disagree most, or that moves farthest where they agree. "
                 @if both {
                     "The dashed line is the simulation as it was, its parameters tuned anew; the solid line has the effect."
                 } @else {

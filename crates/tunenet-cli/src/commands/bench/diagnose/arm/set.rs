@@ -9,7 +9,8 @@ use super::world::World;
 
 /// Rate and length of a log, and the noise of torques (N·m) and encoders (rad).
 pub(super) const RATE_HZ: f64 = 100.0;
-const SECONDS: f64 = 20.0;
+const SAMPLES: u32 = 2000;
+const SECONDS: f64 = SAMPLES as f64 / RATE_HZ;
 pub(super) const TORQUE_NOISE_NM: f64 = 0.5;
 const ENCODER_NOISE_RAD: f64 = 1e-5;
 /// What the arm holds.
@@ -98,7 +99,7 @@ pub(super) fn draw(model: &Model, frame: &Frame, hidden: Hidden, ratio: f64, ran
         )
     );
     let shape = shape(signed, random);
-    let clock: Vec<f64> = (0..(SECONDS * RATE_HZ) as usize).map(|i| i as f64 / RATE_HZ).collect();
+    let clock: Vec<f64> = (0..SAMPLES).map(|i| f64::from(i) / RATE_HZ).collect();
     let plain = run(model, frame, &path, &clock, Hidden::Nothing, &shape, 0.0);
     let mut size = 0.01;
     if hidden != Hidden::Nothing && ratio > 0.0 {
