@@ -259,7 +259,7 @@ pub struct Diagnose {
     /// Of arms' logs: the same motion without the payload, laid beside every recording
     #[arg(long, value_name = "FILE", conflicts_with = "manifest")]
     pub reference: Option<PathBuf>,
-    /// Write a copy of the arm's URDF with the friction found in its <dynamics> here
+    /// Write a copy of the arm's URDF with the friction found in its `dynamics` here
     #[arg(long, value_name = "IMPROVED.urdf")]
     pub out_urdf: Option<PathBuf>,
     /// List of measured files, where there are several objects

@@ -5,6 +5,7 @@ use tunenet_core::Error;
 use tunenet_core::diagnose;
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::Simulator;
+use tunenet_sim::replayed_arm::replays;
 use tunenet_sim::{SimulationFile, simulator};
 
 use super::manifest::Source;
@@ -60,6 +61,11 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
         // A film's scale goes by what its own entry says of the ball.
         let scene = in_scene(options, source, &file)?;
         let recording = load::recording_of(&scene, &source.path, &options.reading, MOST_SAMPLES)?;
+        if let (Some(manifest), Some(_), false) = (&options.manifest, &source.reference, replays(&scene)) {
+            let message =
+                "expected no `reference`, which only an arm's logs have (`motion.kind = \"replay\"`), found one";
+            return Err(Error::file(manifest, message, "leave it out").into());
+        }
         let recording = load::beside(&scene, recording, source.reference.as_deref(), &options.reading)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
