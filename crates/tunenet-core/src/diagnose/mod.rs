@@ -26,6 +26,7 @@ mod decide;
 mod derivatives;
 mod equations;
 mod evidence;
+mod expected;
 mod experiment;
 mod fit;
 mod flights;
@@ -36,6 +37,8 @@ mod insufficient;
 mod intervals;
 mod joint;
 mod likely;
+mod mirrored;
+mod nameless;
 mod outliers;
 mod pieces;
 mod practical;
@@ -157,6 +160,7 @@ impl Asked<'_> {
             chance: None,
             independent: 1.0,
             given: Vec::new(),
+            expecting: false,
             rollouts: AtomicUsize::new(0),
         };
         verdict::judge(study, held_out, self.recordings, known, self.progress)
