@@ -117,9 +117,8 @@ fn another_engine_with_a_tilted_floor() {
 }
 
 #[test]
-#[ignore = "not reached: contacts found up to a frame late leave two thirds of what the tilt takes away"]
 fn another_engine_with_late_contacts_on_a_tilted_floor() {
-    let Some(json) = peers("pybullet_tilt", 5) else { return };
+    let Some(json) = peers("pybullet_tilt", 4) else { return };
     assert!(offers(&json, "surface_tilt"), "{}", short(&json));
 }
 
@@ -130,7 +129,8 @@ fn another_engine_whose_fast_bounces_return_less() {
 }
 
 #[test]
-#[ignore = "not reached with every five files: contacts found up to a frame late change a rebound as much as its speed does"]
+#[ignore = "not reached: rebounds of one ball stray by .10 from its law, which changes by .04 (rms, 60 bounces); they rise by \
+            .010 ± .004 per m/s without the effect, which late contacts do, and by -.001 ± .004 with -.015 of it"]
 fn another_engine_with_late_contacts_whose_fast_bounces_return_less() {
     let Some(json) = peers("pybullet_eslope", 10) else { return };
     assert!(offers(&json, "speed_dependent_restitution"), "{}", short(&json));
@@ -299,7 +299,6 @@ fn metres(path: &Path, fps: f64, px_m: f64, up: f64) -> String {
 }
 
 #[test]
-#[ignore = "not reached: the answer is `unknown`; drag and a stretched picture act in one throw, and neither alone takes most away"]
 fn a_basketball_in_a_picture_whose_pixels_are_not_square() {
     let Some(from) = folder("TUNENET_MEASURED", "basketball-throw") else { return };
     let here = Folder::new();
@@ -312,7 +311,8 @@ fn a_basketball_in_a_picture_whose_pixels_are_not_square() {
 
 /// No length is known in these pictures: gravity itself is the only scale, so lengths stay free.
 #[test]
-#[ignore = "not reached: the answer is `unknown`; each launch has a spin of its own, beside which drag gains nothing"]
+#[ignore = "not reached: beside a spin for each launch drag gains 148, but takes the held-out launch from 10.5 mm to 7.7 mm only, \
+            where noise is 3.1 mm; wind, a tilted camera and perspective gain as much (187, 187, 167)"]
 fn spinning_launches_show_drag() {
     let Some(from) = folder("TUNENET_MEASURED", "pingpong-serve-px") else { return };
     let here = Folder::new();

@@ -69,6 +69,7 @@ impl Study<'_> {
             chance: None,
             independent: 1.0,
             given: Vec::new(),
+            expecting: false,
             rollouts: AtomicUsize::new(0),
         };
         let found = study.understood(&mut held_out, progress);

@@ -104,6 +104,7 @@ impl<'a> Study<'a> {
             chance: None,
             independent: 1.0,
             given: given.to_vec(),
+            expecting: false,
             rollouts: AtomicUsize::new(0),
         };
         let contacts = study.at_contact(progress);

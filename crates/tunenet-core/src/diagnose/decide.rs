@@ -58,7 +58,7 @@ pub(super) fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bo
         let near = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0);
         return ended(Verdict::Unknown, names(&mut near.take(NEAREST).map(|t| t.entry)));
     }
-    if !adequate || found.places.iter().any(|p| p.gain < study.settings.margin) {
+    if !adequate || found.places.iter().any(|p| p.gain < study.settings.margin && !study.unasked(p.entry)) {
         return ended(Verdict::Unknown, names(&mut found.places.iter().map(|p| p.entry)));
     }
     let mut alternatives = Vec::with_capacity(found.places.len());

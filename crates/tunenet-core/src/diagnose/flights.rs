@@ -3,6 +3,7 @@
 
 use super::answer::{Diagnosis, NextExperiment, Tuned, Verdict};
 use super::intervals::NORMAL_95;
+use super::nameless::noise_of_flight;
 use super::pieces::pieces;
 use super::sets::Set;
 use super::{Answered, Asked, Settings, Subject};
@@ -98,7 +99,9 @@ fn piece(subjects: &[Subject], set: &Set, flight: &Observation) -> Result<Option
     for own in prepared.own.iter_mut().filter(|own| own.name == SURFACE) {
         own.value = 0.5 * (own.min + own.value);
     }
-    Ok(Some(Set { throw: set.throw, ..Set::new(set.recording, set.object, set.held_out, *prepared) }))
+    let mut piece = Set { throw: set.throw, ..Set::new(set.recording, set.object, set.held_out, *prepared) };
+    noise_of_flight(&mut piece);
+    Ok(Some(piece))
 }
 
 /// A parameter as the samples beside the contacts alone have it, where they do.

@@ -27,6 +27,7 @@ mod derivatives;
 mod driven;
 mod equations;
 mod evidence;
+mod expected;
 mod experiment;
 mod fit;
 mod flights;
@@ -37,6 +38,8 @@ mod insufficient;
 mod intervals;
 mod joint;
 mod likely;
+mod mirrored;
+mod nameless;
 mod outliers;
 mod pieces;
 mod practical;
@@ -163,6 +166,7 @@ impl Asked<'_> {
             chance: None,
             independent: 1.0,
             given: Vec::new(),
+            expecting: false,
             rollouts: AtomicUsize::new(0),
         };
         verdict::judge(study, held_out, self.recordings, known, self.progress)

@@ -41,6 +41,7 @@ pub(super) fn practically<'a>(
     floor: f64,
     progress: &dyn Fn(Progress),
 ) -> Result<Second<'a>> {
+    let unseen_floor = mean_square(held_out);
     let mut found = study.search_practically(first, held_out, progress)?;
     let before = unseen(study, &found.base, held_out)?;
     let after = found.best.as_ref().map_or(Ok(None), |best| unseen(study, best, held_out))?;
@@ -48,7 +49,7 @@ pub(super) fn practically<'a>(
         study.admit_equals(&mut found, held_out, before.rmse, after.rmse)?;
     }
     let control = control(study, &found, held_out)?.map(|c| c.1);
-    let tests = study.practical_tests(&found, floor, before.as_ref().zip(after.as_ref()), control)?;
+    let tests = study.practical_tests(&found, (floor, unseen_floor), before.as_ref().zip(after.as_ref()), control)?;
     Ok(Second { found, before, tests })
 }
 
@@ -118,12 +119,12 @@ impl<'a> Study<'a> {
         Ok(())
     }
 
-    /// Whether the effects found take away enough; `floor` is the noise of the recordings themselves as a mean square of
-    /// plain residuals.
+    /// Whether the effects found take away enough; the floors are the noise of the recordings themselves, and of the unseen
+    /// ones, as mean squares of plain residuals.
     pub fn practical_tests(
         &self,
         found: &Found,
-        floor: f64,
+        (floor, unseen_floor): (f64, f64),
         unseen: Option<(&HeldOut, &HeldOut)>,
         control: Option<f64>,
     ) -> Result<Vec<Test>> {
@@ -141,11 +142,15 @@ impl<'a> Study<'a> {
         let passed = certain || value <= UNSTEADY;
         tests.push(Test { name: "difference between recordings", value, threshold: UNSTEADY, passed });
         if let Some((before, after)) = unseen {
-            let value = after.rmse / before.rmse.max(f64::MIN_POSITIVE);
+            // Where it is no question whether the effects are there, only what is no noise has to shrink.
+            let noise = if certain { unseen_floor } else { 0.0 };
+            let beyond = |rmse: f64| (rmse * rmse - noise).max(0.0).sqrt();
+            let after = beyond(after.rmse);
+            let value = after / beyond(before.rmse).max(f64::MIN_POSITIVE);
             let passed = value <= CONFIRMED;
             tests.push(Test { name: "unseen residual after over before", value, threshold: CONFIRMED, passed });
             if let Some(control) = control {
-                let value = after.rmse / control.max(f64::MIN_POSITIVE);
+                let value = after / beyond(control).max(f64::MIN_POSITIVE);
                 let threshold = CONTROL.recip();
                 tests.push(Test {
                     name: "unseen residual over that of a wrong effect",
@@ -160,13 +165,18 @@ impl<'a> Study<'a> {
 
     /// The recordings' own noise as a mean square of plain residuals.
     pub fn floor(&self) -> f64 {
-        let (mut squares, mut samples) = (0.0, 0.0);
-        for set in &self.sets {
-            let width = set.width();
-            let kept = set.keep.iter().enumerate().filter(|(_, keep)| **keep);
-            squares += kept.map(|(i, _)| set.noise[i % width].powi(2)).sum::<f64>();
-            samples += set.count() as f64 / width as f64;
-        }
-        squares / f64::max(samples, 1.0)
+        mean_square(&self.sets)
     }
+}
+
+/// The noise of these recordings as a mean square of plain residuals.
+fn mean_square(sets: &[Set]) -> f64 {
+    let (mut squares, mut samples) = (0.0, 0.0);
+    for set in sets {
+        let width = set.width();
+        let kept = set.keep.iter().enumerate().filter(|(_, keep)| **keep);
+        squares += kept.map(|(i, _)| set.noise[i % width].powi(2)).sum::<f64>();
+        samples += set.count() as f64 / width as f64;
+    }
+    squares / f64::max(samples, 1.0)
 }

@@ -56,7 +56,10 @@ impl<'a> Study<'a> {
     pub fn search(&self, base: Model<'a>, progress: &dyn Fn(Progress)) -> Result<Found<'a>> {
         progress(Progress::Scoring { candidates: self.catalogue.len(), effects: 0 });
         let mut alone = self.stage(&base);
-        let mut best = self.accepted(&base, &alone)?;
+        let mut best = match self.expected(&base)? {
+            Some(expected) => Some(expected),
+            None => self.accepted(&base, &alone)?,
+        };
         while let Some(model) = &best
             && model.structure.effects.len() < self.most_effects(model)
         {
@@ -112,18 +115,23 @@ impl<'a> Study<'a> {
 
     /// The best trial of a stage as a model of its own, where it earns its place.
     fn accepted(&self, before: &Model<'a>, trials: &[Trial<'a>]) -> Result<Option<Model<'a>>> {
-        let least = if before.structure.effects.is_empty() { self.settings.margin } else { margin(self) };
+        let first = self.only_expected(before);
+        let least = if first { self.settings.margin } else { margin(self) };
         let fitted = || trials.iter().filter(|t| t.excluded.is_none()).filter_map(|t| Some((t, t.model.as_ref()?)));
         let earns = |(trial, model): &(&Trial<'a>, &Model<'a>)| {
-            trial.gain > least
-                && self.worth(before, model).1 < self.settings.significance
-                && self.matters(before, model)
+            trial.gain > least && self.significant(self.worth(before, model).1) && self.matters(before, model)
         };
         // What has to be there anyhow comes first, so that nothing else is taken for it.
         let certain = fitted().filter(|(trial, _)| self.certain(trial.entry)).find(earns);
         let Some((_, model)) = certain.or_else(|| fitted().next().filter(earns)) else { return Ok(None) };
         let structure = self.structure(&model.structure.effects)?;
         Ok(Some(Model { structure, fit: model.fit.clone() }))
+    }
+
+    /// Whether a gain is no chance. One throw in which something is expected leaves a choice at most, for which a clear gain
+    /// of the information criterion does; so few independent values as a slow misfit has would never do for a name.
+    fn significant(&self, p_value: f64) -> bool {
+        self.expecting || p_value <= self.settings.significance
     }
 
     /// Whether an effect takes away enough to be worth a name where all that is left counts as noise.
@@ -159,7 +167,8 @@ impl<'a> Study<'a> {
                 (without, trials) = (&made.0, made.1.as_slice());
             }
             let (gain, p_value) = self.worth(without, model);
-            if gain < self.settings.margin || p_value > self.settings.significance || !self.matters(without, model) {
+            let earned = gain >= self.settings.margin && self.significant(p_value) && self.matters(without, model);
+            if !earned && !self.unasked(entry) {
                 let fitted = if others.is_empty() { None } else { Some(self.fit_near(&others, model)?) };
                 return Ok(Judged::Yields(fitted.map(Box::new)));
             }

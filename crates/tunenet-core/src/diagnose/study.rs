@@ -32,6 +32,8 @@ pub(super) struct Study<'a> {
     pub independent: f64,
     /// Effects that stand at known values.
     pub given: Vec<Given>,
+    /// Whether what has to be there is taken to be there before anything is looked for.
+    pub expecting: bool,
     pub rollouts: AtomicUsize,
 }
 

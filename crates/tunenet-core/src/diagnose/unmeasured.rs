@@ -117,11 +117,16 @@ impl Set {
         if self.unmeasured().is_empty() {
             return;
         }
-        for ((pull, own), column) in self.pull.iter_mut().zip(&self.prepared.own).zip(columns) {
-            if dot(column, column).sqrt() * own.span() < SILENT {
-                *pull = HELD_SHARE * own.span();
+        for (i, column) in columns.iter().enumerate() {
+            if dot(column, column).sqrt() * self.prepared.own[i].span() < SILENT {
+                self.hold(i);
             }
         }
+    }
+
+    /// Holds own unknown `i` at its guess.
+    pub fn hold(&mut self, i: usize) {
+        self.pull[i] = HELD_SHARE * self.prepared.own[i].span();
     }
 }
 

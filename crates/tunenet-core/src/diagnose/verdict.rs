@@ -104,6 +104,7 @@ struct Look<'a> {
 
 fn first_look<'a>(study: &mut Study<'a>, held_out: &mut [Set], progress: &dyn Fn(Progress)) -> Result<Look<'a>> {
     progress(Progress::Tuning);
+    study.hold_mirrored(held_out)?;
     let mut base = study.base()?;
     study.leave_out_unmeasured(&base, held_out)?;
     if study.hopeless(&base)
@@ -149,8 +150,18 @@ fn second_look<'a>(
     if second.found.best.is_some() && second.tests.iter().all(|t| t.passed) {
         return Ok(Some(second));
     }
-    (study.sets, *held_out) = known;
+    (study.sets, *held_out) = known.clone();
     study.independent = 1.0;
+    if let Some(beside) = study.search_expecting(found, progress)? {
+        let second = practically(study, &beside, held_out, floor, progress)?;
+        let believed = |model: &Model| !study.only_expected(model) && study.unbelievable(model).is_none();
+        if second.found.best.as_ref().is_some_and(believed) && second.tests.iter().all(|t| t.passed) {
+            return Ok(Some(second));
+        }
+        study.independent = 1.0;
+    }
+    study.expecting = false;
+    (study.sets, *held_out) = known;
     Ok(None)
 }
 

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use super::lasting::lasting;
 use super::line::Polynomial;
 use super::local::{LocalEstimate, widened};
 use super::parabolas::parabolas;
@@ -218,7 +219,13 @@ impl Kinks {
         };
         let (mut impacts, mut blows) = (Vec::new(), Vec::new());
         let mut surface: Option<f64> = None;
-        let sharp = peaks(&up);
+        let (sharp, aside) = (peaks(&up), peaks(&across));
+        let lasting = lasting(clock, [&axes[0], &axes[1], &straight], &[sharp.as_slice(), &aside].concat(), half);
+        let stays = |mut kinks: Vec<usize>| {
+            kinks.retain(|k| lasting.contains(k));
+            kinks
+        };
+        let (sharp, aside) = (stays(sharp), stays(aside));
         // A weak rebound, seen by few frames, stands out from nothing; the fewest parabolas still end there.
         let places = if sharp.is_empty() { cuts(clock, &axes[2], &range) } else { sharp };
         for k in places {
@@ -245,7 +252,7 @@ impl Kinks {
                 blows.push(k);
             }
         }
-        for k in peaks(&across) {
+        for k in aside {
             if impacts.iter().chain(&blows).all(|&i| i.abs_diff(k) > half) {
                 blows.push(k);
             }

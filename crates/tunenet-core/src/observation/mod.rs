@@ -6,6 +6,7 @@
 mod arcs;
 mod bounce_noise;
 mod first_fall;
+mod lasting;
 mod line;
 mod local;
 mod noise;

@@ -62,8 +62,11 @@ impl<'a> Ball<'a> {
         Self { world, throw, normal, time_s: 0.0, state, bounces: 0, contact: None, resting: false }
     }
 
-    /// The centre at `until`, m.
+    /// The centre at `until`, m; before the throw, on the flight that leads to it.
     pub fn at(&mut self, until: f64) -> Vector {
+        if until < 0.0 {
+            return self.flown(until).x;
+        }
         while until - self.time_s > 1e-13 {
             if let Some(contact) = &self.contact {
                 let since = (until - contact.began_s).min(contact.lasts_s);
@@ -150,6 +153,13 @@ mod tests {
         let x = ball.at(fall * (1.0 + 2.0 * 0.8 + 0.64));
         assert!((x[2] - RADIUS_M - 0.8_f64.powi(4)).abs() < 1e-10, "{x:?}");
         assert!((x[0] - fall * 3.24).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_flight_leads_to_the_throw() {
+        let (world, throw) = (world(None, 0.0), throw(1.0, [1.0, 0.0, 0.5]));
+        let x = Ball::new(&world, &throw).at(-0.02);
+        assert!((x[0] + 0.02).abs() < 1e-12 && (x[2] - RADIUS_M - 1.0 + 0.01 + 4.905 * 4e-4).abs() < 1e-12, "{x:?}");
     }
 
     #[test]

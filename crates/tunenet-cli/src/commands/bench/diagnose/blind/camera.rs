@@ -46,8 +46,10 @@ fn at(world: &World, throw: &Throw, clock: &[f64]) -> Vec<Vector> {
     clock.iter().map(|t| ball.at(*t)).collect()
 }
 
+/// Means over an exposure in whose middle the stamp lies: an exposure that began at its stamp would be late as well, which
+/// is no blur, and which the free start hides.
 fn blurred(world: &World, throw: &Throw, clock: &[f64], exposure_s: f64) -> Vec<Vector> {
-    let share = |i: usize| exposure_s * (i as f64 + 0.5) / WITHIN_EXPOSURE as f64;
+    let share = |i: usize| exposure_s * ((i as f64 + 0.5) / WITHIN_EXPOSURE as f64 - 0.5);
     let mut sums = vec![[0.0; 3]; clock.len()];
     for i in 0..WITHIN_EXPOSURE {
         let within: Vec<f64> = clock.iter().map(|t| t + share(i)).collect();
