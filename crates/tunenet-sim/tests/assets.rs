@@ -5,6 +5,7 @@ use std::process::Command;
 
 use tunenet_core::observation::recording::{ReadOptions, read};
 use tunenet_core::tune::{Settings, Verdict, tune};
+use tunenet_sim::shot::task::Task;
 use tunenet_sim::{ObservedBall, SimulationFile};
 
 fn assets() -> PathBuf {
@@ -24,6 +25,10 @@ fn every_scene_is_read_and_keeps_its_bytes() {
     let mut read = 0;
     for path in files(&assets(), "toml") {
         let text = std::fs::read_to_string(&path).unwrap();
+        if text.contains("kind = \"shot\"") {
+            Task::read(&path).unwrap_or_else(|e| panic!("{e}"));
+            continue;
+        }
         let file = SimulationFile::read(&path).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(file.text(), text, "{}", path.display());
         file.parameters().unwrap();

@@ -48,10 +48,12 @@ fn diagnosed(drags_1_m: [f64; 3]) -> Diagnosis {
 }
 
 #[test]
-fn drag_is_named_with_its_size_although_contacts_are_not_understood() {
+fn drag_is_found_with_its_size_although_contacts_are_not_understood() {
     let truth = [0.09, 0.03, 0.05];
     let found = diagnosed(truth);
-    assert_eq!(found.verdict, Verdict::Named, "{:?}", found.names);
+    // Each ball was dropped once, so that beside what the contacts lack a lone name is not earned.
+    assert!(matches!(found.verdict, Verdict::Named | Verdict::OneOf), "{:?}: {:?}", found.verdict, found.names);
+    assert_eq!(found.names.first(), Some(&"quadratic_drag"));
     let drag = found.effects.iter().find(|e| e.effect.name == "quadratic_drag").expect("drag");
     for (value, truth) in drag.coefficients[0].values.iter().zip(truth) {
         // Steps of 1/60 s themselves are good for a few percent of a drag.
