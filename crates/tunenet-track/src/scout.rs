@@ -138,7 +138,7 @@ fn median(frames: &[Mat]) -> opencv::Result<Mat> {
     let mut background = frames[0].clone();
     for (i, out) in background.data_bytes_mut()?.chunks_mut(SIDE_BY_SIDE).enumerate() {
         let place = i * SIDE_BY_SIDE..i * SIDE_BY_SIDE + out.len();
-        medians(chosen.iter().map(|frame| &frame[place.clone()]), out);
+        medians(&chosen.iter().map(|frame| &frame[place.clone()]).collect::<Vec<_>>(), out);
     }
     Ok(background)
 }
@@ -146,13 +146,13 @@ fn median(frames: &[Mat]) -> opencv::Result<Mat> {
 /// The upper median of each byte over the layers of `stack`, at most 255 of them and each as long as `out`.
 ///
 /// Bit by bit from the highest, for many bytes side by side: no layer is sorted.
-fn medians<'a>(stack: impl ExactSizeIterator<Item = &'a [u8]> + Clone, out: &mut [u8]) {
+fn medians(stack: &[&[u8]], out: &mut [u8]) {
     let above = u8::try_from(stack.len() - stack.len() / 2).unwrap_or(u8::MAX);
     out.fill(0);
     for bit in (0..8).rev() {
         let mut counts = [0u8; SIDE_BY_SIDE];
-        for layer in stack.clone() {
-            for ((count, value), known) in counts.iter_mut().zip(layer).zip(out.iter()) {
+        for layer in stack {
+            for ((count, value), known) in counts.iter_mut().zip(*layer).zip(out.iter()) {
                 *count += u8::from(*value >= known | 1 << bit);
             }
         }
@@ -302,7 +302,7 @@ mod tests {
         #[test]
         fn medians_are_those_of_sorted_values(stack in prop::collection::vec(prop::collection::vec(any::<u8>(), 7), 1..40)) {
             let mut found = [9; 7];
-            medians(stack.iter().map(Vec::as_slice), &mut found);
+            medians(&stack.iter().map(Vec::as_slice).collect::<Vec<_>>(), &mut found);
             for (i, median) in found.into_iter().enumerate() {
                 let mut column: Vec<u8> = stack.iter().map(|layer| layer[i]).collect();
                 column.sort_unstable();

@@ -254,19 +254,15 @@ impl Tracker {
             let room = if outer { 2.0 } else { 0.5 };
             (c.u - u).hypot(c.v - v) < room * guess + 2.0 && (0.5..2.0).contains(&(c.radius / guess))
         });
-        match near {
-            Some(c) => {
-                let cut = c.cut || outer;
-                self.offset = ((c.u - u) / guess, (c.v - v) / guess, (c.radius - guess) / guess);
-                let confidence = if cut { 0.5 * c.share } else { c.share };
-                Sighting { off: Some(c.off), ..seen(c.u, c.v, c.radius, cut, confidence) }
-            }
+        let Some(c) = near else {
             // Too small or too faint for an outline.
-            None => {
-                self.offset = (0.0, 0.0, 0.0);
-                seen(u, v, by_area, outer, 0.25)
-            }
-        }
+            self.offset = (0.0, 0.0, 0.0);
+            return seen(u, v, by_area, outer, 0.25);
+        };
+        let cut = c.cut || outer;
+        self.offset = ((c.u - u) / guess, (c.v - v) / guess, (c.radius - guess) / guess);
+        let confidence = if cut { 0.5 * c.share } else { c.share };
+        Sighting { off: Some(c.off), ..seen(c.u, c.v, c.radius, cut, confidence) }
     }
 }
 
