@@ -114,6 +114,13 @@ fn a_payload_is_found_in_a_log() {
     assert!(text(&folder, "tuned.toml").contains("payload_mass = ["), "provenance holds the interval");
 }
 
+#[test]
+fn a_clock_in_milliseconds_is_told() {
+    let in_ms = log(Beside::default(), |t, [q, dq, torque]| format!("{:.3},{q:.9},{dq:.9},{torque:.9}", 1000.0 * t));
+    let ran = tune(&folder(), &in_ms, &[]).ends(3);
+    assert!(ran.json()["verdict"] == "rejected" && ran.stderr.contains("t_ms"), "{}", ran.stderr);
+}
+
 /// Both runs have a heavier rod, an offset and friction, of which the file knows nothing; the reference cancels them.
 #[test]
 fn what_a_reference_shares_cancels() {
@@ -129,6 +136,9 @@ fn what_a_reference_shares_cancels() {
     assert!((together - 0.8).abs() < 5e-3 && (alone - 0.8).abs() > 4.0 * (together - 0.8).abs(), "{alone} {together}");
     let text = log(Beside::default(), |t, [q, _, torque]| format!("{t:.3},{:.9},0,{torque:.9}", (7.0 * q).sin()));
     folder.write("other.csv", &text);
+    folder.write("again.csv", &loaded);
+    let same = tune(&folder, &loaded, &["--reference", "again.csv"]);
+    assert!(same.code == Some(1) && same.stderr.contains("the same torques as in the run"), "{}", same.stderr);
     let refused = tune(&folder, &loaded, &["--reference", "other.csv"]).ends(1);
     assert!(refused.stderr.contains("the same motion"), "{}", refused.stderr);
 }

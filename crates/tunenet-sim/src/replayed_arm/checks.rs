@@ -18,6 +18,8 @@ const LEAST_FILLED: f64 = 0.5;
 /// How far a ratio may be off a degree's.
 const NEAR: f64 = 0.2;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Speeds that are this many times the slope of the positions, or as many times less, have another unit, or the clock has.
+const OTHER_UNIT: f64 = 2.0;
 /// Speeds that follow the slope of the positions less than this (cosine) are those of another joint.
 const ALIKE: f64 = 0.7;
 /// Cut-off for comparing speeds, Hz.
@@ -115,7 +117,7 @@ fn units(seen: &Observation, joints: &[&Joint]) -> Check {
             );
             return check(code, State::Failed, text, remedy);
         }
-        if let Some((ratio, _)) = ratio {
+        if let Some((ratio, alike)) = ratio {
             let near = |expected: f64| (ratio / expected - 1.0).abs() < NEAR;
             if near(DEGREES) || near(1.0 / DEGREES) {
                 let which = if near(DEGREES) { "speeds" } else { "positions" };
@@ -125,9 +127,14 @@ fn units(seen: &Observation, joints: &[&Joint]) -> Check {
                 );
                 return check(code, State::Failed, text, remedy);
             }
+            if alike > ALIKE && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio) {
+                let text = format!("the speeds of `{}` are {ratio:.3} times the slope of its positions", joint.name);
+                let remedy = "is the clock in milliseconds (name it `t_ms`), or in frames?";
+                return check(code, State::Failed, text, remedy);
+            }
         }
     }
-    check(code, State::Passed, "angles are in radians", "")
+    check(code, State::Passed, "angles are in radians, and the clock in seconds", "")
 }
 
 /// Measured speeds over the slope of the positions, and the cosine between both; nothing where the joint hardly moves.

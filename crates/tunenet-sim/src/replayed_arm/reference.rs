@@ -15,6 +15,8 @@ const FINE_HZ: f64 = 500.0;
 const FINE_SAMPLES: f64 = 100_000.0;
 /// Speeds that agree less than this (cosine) are those of another motion.
 const SAME: f64 = 0.9;
+/// Positions farther apart than this are not those of one motion: the torques that a rigid arm needs would not cancel.
+const NEAR_RAD: f64 = 0.2;
 /// The runs have to overlap by this share of the shorter one.
 const LEAST_OVERLAP: f64 = 0.3;
 
@@ -100,7 +102,8 @@ fn lag(seen: &Observation, reference: &Observation) -> Option<(f64, f64)> {
 /// same at the same time, and cut to where both are. Also how they were laid beside one another.
 ///
 /// # Errors
-/// [`Error::Observation`] where the two do not measure the same joints and quantities, or do not move alike.
+/// [`Error::Observation`] where the two do not measure the same joints and quantities, do not move alike, or are one and the
+/// same.
 pub fn with_reference(seen: &Observation, reference: &Observation) -> Result<(Observation, Note)> {
     let refuse =
         |what: &str, expected: String, found: String| Err(Error::Observation { what: what.into(), expected, found });
@@ -141,6 +144,13 @@ pub fn with_reference(seen: &Observation, reference: &Observation) -> Result<(Ob
         values.extend(moved.iter().map(|column| column[i]));
     }
     let apart = apart_rad(&both, &moved, &kept, reference);
+    if apart > NEAR_RAD {
+        let expected = format!("the same positions within {NEAR_RAD} rad (RMS); are its angles in degrees?");
+        return refuse("the reference", expected, format!("{apart:.3} rad apart"));
+    }
+    if seen.values() == reference.values() {
+        return refuse("the reference", "a run without the payload".into(), "the same torques as in the run".into());
+    }
     let seen = Observation::new(Kind::Joints, channels, both.clock().to_vec(), values)?;
     let text = format!(
         "the reference does {lag_s:+.3} s after its start what the run does after its own; laid beside it, {:.1} s of both \

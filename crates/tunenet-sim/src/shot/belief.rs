@@ -83,9 +83,16 @@ impl Belief {
             ));
         }
         let provenance = Provenance { file };
-        let mut quantities = Vec::new();
+        let (mut quantities, mut changed) = (Vec::new(), Vec::new());
         for (parameter, role) in parameters.into_iter().zip([Role::Restitution, Role::Friction]) {
-            let interval = provenance.interval(&parameter.name);
+            let mut interval = provenance.interval(&parameter.name);
+            if let Some((low, high)) = interval.filter(|(low, high)| !(*low..=*high).contains(&parameter.value)) {
+                let (name, value) = (&parameter.name, parameter.value);
+                let text =
+                    format!("{name} is {value}, which is not what was tuned ({low} to {high}); it is taken as exact");
+                changed.push(Note::new("plan.changed", text, "tune the file anew, or leave its value as it was"));
+                interval = None;
+            }
             let bounds = (parameter.min, parameter.max);
             quantities.push(Quantity { name: parameter.name, role, value: parameter.value, interval, bounds });
         }
@@ -106,7 +113,7 @@ impl Belief {
             base: scene(file),
             alternatives: known,
             release_sd: (task.release_position_sd_m, task.release_velocity_sd_m_s),
-            notes: provenance.notes(),
+            notes: provenance.notes().into_iter().chain(changed).collect(),
         };
         belief.weigh(&provenance);
         Ok(belief)

@@ -41,7 +41,12 @@ pub fn run(options: &Plan) -> Result<Exit> {
     let task = Task::read(&options.task)?;
     let answer = answer(options, &file, &task)?;
     if let Some(out) = &options.out {
-        write_approach(&answer, &options.task, out)?;
+        if answer.plan.reachable {
+            write_approach(&answer, &options.task, out)?;
+        } else {
+            // Nobody may send an arm to a release that is known to miss.
+            stage("kept", &format!("{} is not written: no height brings the ball through", out.display()));
+        }
     }
     if let Some(report) = &options.report {
         let read = [options.simulation.sim.as_path(), options.task.as_path()];
