@@ -80,7 +80,7 @@ impl<'a> Batches<'a> {
 
     fn mix(&self, step: u64) -> Result<Batch> {
         let (noise, cut) = match self.preset.course {
-            Course::Remixed { noise, cut, .. } => (super::single(noise), cut),
+            Course::Remixed { noise, cut, .. } => (super::numbers::single(noise), cut),
             Course::Epochs { .. } => (0.0, 0.0),
         };
         let mut draw = stream(self.seed, step);

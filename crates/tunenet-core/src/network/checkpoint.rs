@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use candle_core::{DType, Var};
+use candle_core::DType;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -74,14 +74,7 @@ pub(super) fn load(
     if mark.fingerprint != fingerprint {
         return Err(refuse("one of another dataset, preset or seed"));
     }
-    let read = model::take_network(path, &mut contents, about)?;
-    let mut trainable = Vec::with_capacity(8);
-    for weight in read.weights() {
-        trainable.push(Var::from_tensor(weight)?.into_inner());
-    }
-    if let Ok(weights) = trainable.try_into() {
-        *network = TwoBranch::from_weights(weights, about.preset.head);
-    }
+    *network = model::take_network(path, &mut contents, about)?;
     for (name, (mean, square)) in TwoBranch::NAMES.iter().zip(&mut descent.memory) {
         let (expected, number) = (mean.shape().clone(), DType::F32);
         *mean = contents.take(path, &format!("mean.{name}"), number, expected.dims())?;

@@ -106,7 +106,7 @@ impl Library {
     /// As tensors of the model file.
     pub(super) fn tensors(&self) -> Result<[(String, Tensor); 3]> {
         let (count, width) = (self.rows.len(), self.rows[0].values.len());
-        let values: Vec<f32> = self.rows.iter().flat_map(|r| &r.values).map(|v| super::single(*v)).collect();
+        let values: Vec<f32> = self.rows.iter().flat_map(|r| &r.values).map(|v| super::numbers::single(*v)).collect();
         let covered: Vec<f64> = self.rows.iter().flat_map(|r| [r.covered.start as f64, r.covered.end as f64]).collect();
         let tensor = |numbers: Vec<f64>, wide: usize| Tensor::from_vec(numbers, (count, wide), &Device::Cpu);
         Ok([

@@ -17,11 +17,14 @@ mod dataset;
 mod dataset_file;
 mod dataset_stream;
 mod generate;
+mod gradients;
 mod input;
 mod library;
 mod model;
+mod numbers;
 mod optimiser;
 mod preset;
+mod product;
 #[cfg(test)]
 mod tests;
 mod train;
@@ -36,17 +39,3 @@ pub use input::{Encoded, Input};
 pub use model::{MODEL_VERSION, Model, Side};
 pub use preset::{Course, Head, InputChoice, Loss, Optimiser, Preset};
 pub use train::{TrainOptions, TrainProgress, train, train_on};
-
-/// Keeps matrix products on the thread that asks for them.
-///
-/// The largest product here is some 256 × 128 × 32: handing it to other threads costs more than it saves, takes cores
-/// from the rollouts beside it, and would leave the order of work to the number of threads.
-fn products_on_one_thread() {
-    gemm::set_threading_threshold(usize::MAX);
-}
-
-/// In single precision, in which the network learns.
-#[expect(clippy::cast_possible_truncation, reason = "losing digits is the point")]
-fn single(number: f64) -> f32 {
-    number as f32
-}

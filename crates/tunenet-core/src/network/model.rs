@@ -68,7 +68,6 @@ pub struct Model {
 
 impl Model {
     pub(super) fn new(about: About, clock: Vec<f64>, network: TwoBranch, library: Option<Library>) -> Result<Self> {
-        super::products_on_one_thread();
         let made = |names: &[(String, String)]| names.iter().map(|(n, u)| Channel::new(n, u)).collect();
         let channels = made(&about.channels);
         let target_channels = about.target.as_ref().map(|t| made(&t.channels)).unwrap_or_default();

@@ -3,11 +3,10 @@
 //! A step on weights this small is mostly the cost of calling: candle's own optimisers make a dozen tensors for each
 //! weight. Here one pass over the numbers does it all.
 
-use candle_core::backprop::GradStore;
 use candle_core::{CpuStorage, Device, InplaceOp2, InplaceOp3, Layout, Tensor};
 
+use super::numbers::{single, slice, slice_mut};
 use super::preset::Optimiser;
-use super::single;
 use super::two_branch::TwoBranch;
 use crate::Result;
 
@@ -32,28 +31,26 @@ impl Descent {
         Ok(Self { settings, memory })
     }
 
-    /// One step: `step` counts from 0 up to `steps`, `epoch` from 0.
+    /// One step down `gradients`, one for each weight: `step` counts from 0 up to `steps`, `epoch` from 0.
     pub(super) fn step(
         &self,
         network: &TwoBranch,
-        gradients: &GradStore,
+        gradients: &[Tensor; 8],
         step: u64,
         steps: u64,
         epoch: u64,
     ) -> Result<()> {
-        for (i, weight) in network.weights().into_iter().enumerate() {
-            let Some(gradient) = gradients.get(weight) else { continue };
-            let gradient = gradient.contiguous()?;
+        for (i, (weight, gradient)) in network.weights().into_iter().zip(gradients).enumerate() {
             match self.settings {
                 Optimiser::Sgd { rate, decay, decay_every, l2 } => {
                     let decays = i32::try_from(epoch / decay_every).unwrap_or(i32::MAX);
                     let rate = rate * decay.powi(decays);
-                    weight.inplace_op2(&gradient, &SgdStep { rate: single(rate), l2: single(l2) })?;
+                    weight.inplace_op2(gradient, &SgdStep { rate: single(rate), l2: single(l2) })?;
                 }
                 Optimiser::AdamW { rate, decay, beta1, beta2, epsilon } => {
                     let (mean, square) = &self.memory[i];
-                    mean.inplace_op2(&gradient, &Remember { beta: single(beta1), squared: false })?;
-                    square.inplace_op2(&gradient, &Remember { beta: single(beta2), squared: true })?;
+                    mean.inplace_op2(gradient, &Remember { beta: single(beta1), squared: false })?;
+                    square.inplace_op2(gradient, &Remember { beta: single(beta2), squared: true })?;
                     let rate = rate * 0.5 * (1.0 + (std::f64::consts::PI * step as f64 / steps as f64).cos());
                     // Both memories start at zero; these factors undo that (arXiv 1412.6980, section 3).
                     let count = (step + 1) as f64;
@@ -138,24 +135,6 @@ impl InplaceOp3 for AdamStep {
     }
 }
 
-fn range(layout: &Layout) -> candle_core::Result<std::ops::Range<usize>> {
-    match layout.contiguous_offsets() {
-        Some((start, end)) => Ok(start..end),
-        None => candle_core::bail!("a step needs contiguous numbers"),
-    }
-}
-
-fn slice<'a>(storage: &'a CpuStorage, layout: &Layout) -> candle_core::Result<&'a [f32]> {
-    Ok(&storage.as_slice::<f32>()?[range(layout)?])
-}
-
-fn slice_mut<'a>(storage: &'a mut CpuStorage, layout: &Layout) -> candle_core::Result<&'a mut [f32]> {
-    match storage {
-        CpuStorage::F32(values) => Ok(&mut values[range(layout)?]),
-        _ => candle_core::bail!("a step needs single precision"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,7 +147,7 @@ mod tests {
         let network = TwoBranch::new(widths, Head::Tanh, 1).unwrap();
         let weight = || network.proposed.weight.to_vec2::<f32>().unwrap()[0][0];
         let before = weight();
-        let gradients = network.proposed.weight.sqr().unwrap().sum_all().unwrap().backward().unwrap();
+        let gradients = network.weights().map(|weight| (weight * 2.0).unwrap());
         Descent::new(settings, &network).unwrap().step(&network, &gradients, 0, 100, 5).unwrap();
         (before, weight())
     }

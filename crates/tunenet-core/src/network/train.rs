@@ -3,15 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use candle_core::Tensor;
-
 use super::batches::{Batch, Batches};
 use super::checkpoint;
 use super::dataset::{DatasetHeader, Pair};
+use super::gradients::Gradients;
 use super::library::Library;
 use super::model::{self, About, MODEL_VERSION, Model, Target};
 use super::optimiser::Descent;
-use super::preset::{Loss, Preset};
+use super::preset::Preset;
 use super::training_set::TrainingSet;
 use super::two_branch::TwoBranch;
 use crate::observation::Channel;
@@ -92,7 +91,6 @@ fn learn(
     kept: Option<(&Path, &Path)>,
     progress: &mut dyn FnMut(&TrainProgress) -> bool,
 ) -> Result<Model> {
-    super::products_on_one_thread();
     let preset = &options.preset;
     let about = About {
         version: MODEL_VERSION,
@@ -105,6 +103,7 @@ fn learn(
     };
     let mut network = TwoBranch::new(model::widths(&about), preset.head, options.seed)?;
     let mut descent = Descent::new(preset.optimiser.clone(), &network)?;
+    let gradients = Gradients::new(&network)?;
     let mut batches = Batches::new(set, preset, options.seed)?;
     let fingerprint = match kept {
         Some((_, dataset)) => checkpoint::fingerprint(dataset, &about)?,
@@ -127,8 +126,8 @@ fn learn(
     let (started, mut saved) = (Instant::now(), Instant::now());
     for step in first..steps {
         let batch = batches.draw(step)?;
-        let loss = loss(preset.loss, &network, &batch)?;
-        descent.step(&network, &loss.backward()?, step, steps, step / batches.in_epoch())?;
+        let loss = gradients.of(&network, &batch, preset.loss)?;
+        descent.step(&network, gradients.each(), step, steps, step / batches.in_epoch())?;
         let done = step + 1;
         if let Some(pairs) = &held_back
             && (done % validate_every == 0 || validation.is_none())
@@ -137,7 +136,6 @@ fn learn(
         }
         if done % REPORT_EVERY == 0 || done == steps {
             let pace = started.elapsed().as_secs_f64() / (done - first) as f64;
-            let loss = f64::from(loss.to_scalar::<f32>()?);
             if !loss.is_finite() {
                 let (what, expected) = ("training".into(), "a finite loss".into());
                 return Err(Error::Model { what, expected, found: format!("{loss} at step {done}") });
@@ -162,14 +160,7 @@ fn named(channels: &[Channel]) -> Vec<(String, String)> {
     channels.iter().map(|c| (c.name.clone(), c.unit.clone())).collect()
 }
 
-fn loss(loss: Loss, network: &TwoBranch, batch: &Batch) -> Result<Tensor> {
-    let estimate = network.forward(&batch.proposed, &batch.target)?;
-    Ok(match loss {
-        Loss::Squared => candle_nn::loss::mse(&estimate, &batch.difference)?,
-        Loss::Absolute => (estimate - &batch.difference)?.abs()?.mean_all()?,
-    })
-}
-
 fn mean_error(network: &TwoBranch, pairs: &Batch) -> Result<f64> {
-    Ok(f64::from(loss(Loss::Absolute, network, pairs)?.to_scalar::<f32>()?))
+    let error = (network.forward(&pairs.proposed, &pairs.target)? - &pairs.difference)?;
+    Ok(f64::from(error.abs()?.mean_all()?.to_scalar::<f32>()?))
 }

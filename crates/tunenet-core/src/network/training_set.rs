@@ -87,7 +87,7 @@ impl TrainingSet {
         ];
         for (input, channels, values, all) in sides {
             let seen = input.encode(header.clock_of(pair), values, channels, pair.scale.as_ref())?;
-            self.rows.extend(seen.values.iter().map(|v| super::single(*v)));
+            self.rows.extend(seen.values.iter().map(|v| super::numbers::single(*v)));
             self.covered.push(seen.covered);
             self.places.extend(tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()));
         }
@@ -116,7 +116,7 @@ impl TrainingSet {
     pub(super) fn difference(&self, a: usize, b: usize) -> impl Iterator<Item = f32> + '_ {
         let n = self.parameters.len();
         let place = move |rollout: usize| self.places[rollout * n..(rollout + 1) * n].iter();
-        place(b).zip(place(a)).map(|(b, a)| super::single(b - a))
+        place(b).zip(place(a)).map(|(b, a)| super::numbers::single(b - a))
     }
 }
 

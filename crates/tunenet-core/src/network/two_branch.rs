@@ -1,11 +1,12 @@
 //! The network: two branches, one head.
 
-use candle_core::{CustomOp2, DType, Device, Layout, Shape, Tensor, Var};
+use candle_core::{DType, Device, Tensor};
 use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::preset::Head;
+use super::product::product;
 use crate::Result;
 
 /// How many numbers go in, through and out.
@@ -52,8 +53,8 @@ impl TwoBranch {
             let bound = 1.0 / (inputs as f32).sqrt();
             let mut uniform = |n: usize| (0..n).map(|_| draw.random_range(-bound..bound)).collect::<Vec<f32>>();
             Ok(Linear {
-                weight: Var::from_vec(uniform(inputs * outputs), (inputs, outputs), &Device::Cpu)?.into_inner(),
-                bias: Var::from_vec(uniform(outputs), outputs, &Device::Cpu)?.into_inner(),
+                weight: Tensor::from_vec(uniform(inputs * outputs), (inputs, outputs), &Device::Cpu)?,
+                bias: Tensor::from_vec(uniform(outputs), outputs, &Device::Cpu)?,
             })
         };
         Ok(Self {
@@ -125,64 +126,37 @@ impl TwoBranch {
     /// observations, each `[batch, inputs]`.
     pub(super) fn forward(&self, proposed: &Tensor, target: &Tensor) -> Result<Tensor> {
         match self.head {
-            Head::Tanh => Ok(self.one_way(proposed, target)?.tanh()?),
+            Head::Tanh => Ok(self.one_way(proposed, target)?.output.tanh()?),
             // Two equal inputs take the same path twice and cancel to the last bit.
             Head::Antisymmetric => {
-                let forth = self.one_way(proposed, target)?;
-                let back = self.one_way(target, proposed)?;
+                let forth = self.one_way(proposed, target)?.output;
+                let back = self.one_way(target, proposed)?.output;
                 Ok(((forth - back)? * 0.5)?)
             }
         }
     }
 
-    /// `h(a, b)`.
-    fn one_way(&self, a: &Tensor, b: &Tensor) -> Result<Tensor> {
-        let a = branch(&self.proposed, a)?;
-        let b = branch(&self.target, b)?;
-        let both = Tensor::cat(&[a, b], 1)?;
-        let hidden = both.matmul(&self.hidden.weight)?.broadcast_add(&self.hidden.bias)?.relu()?;
-        Ok(hidden.matmul(&self.output.weight)?.broadcast_add(&self.output.bias)?)
+    /// `h(a, b)`, with what every layer passed on.
+    pub(super) fn one_way(&self, a: &Tensor, b: &Tensor) -> Result<OneWay> {
+        let branches = [self.proposed.pass(a)?.relu()?, self.target.pass(b)?.relu()?];
+        let both = Tensor::cat(&branches, 1)?;
+        let hidden = self.hidden.pass(&both)?.relu()?;
+        let output = self.output.pass(&hidden)?;
+        Ok(OneWay { both, hidden, output })
     }
 }
 
-fn branch(layer: &Linear, seen: &Tensor) -> Result<Tensor> {
-    Ok(seen.apply_op2(&layer.weight, SeenProduct)?.broadcast_add(&layer.bias)?.relu()?)
+/// What the layers passed on, each `[batch, numbers]`.
+pub(super) struct OneWay {
+    /// Both branches, side by side.
+    pub(super) both: Tensor,
+    pub(super) hidden: Tensor,
+    pub(super) output: Tensor,
 }
 
-/// The product of observations and weights. candle's own product computes the gradient of both sides; nobody asks for
-/// that of an observation, and in the branches it would be a third of all the work of training.
-struct SeenProduct;
-
-impl CustomOp2 for SeenProduct {
-    fn name(&self) -> &'static str {
-        "seen-product"
-    }
-
-    fn cpu_fwd(
-        &self,
-        seen: &candle_core::CpuStorage,
-        seen_layout: &Layout,
-        weight: &candle_core::CpuStorage,
-        weight_layout: &Layout,
-    ) -> candle_core::Result<(candle_core::CpuStorage, Shape)> {
-        use candle_core::backend::BackendStorage;
-        let (batch, inputs) = seen_layout.shape().dims2()?;
-        let (expected, outputs) = weight_layout.shape().dims2()?;
-        if inputs != expected {
-            candle_core::bail!("an observation of {inputs} numbers for a branch of {expected}");
-        }
-        let product = seen.matmul(weight, (1, batch, outputs, inputs), seen_layout, weight_layout)?;
-        Ok((product, (batch, outputs).into()))
-    }
-
-    fn bwd(
-        &self,
-        seen: &Tensor,
-        _weight: &Tensor,
-        _result: &Tensor,
-        gradient: &Tensor,
-    ) -> candle_core::Result<(Option<Tensor>, Option<Tensor>)> {
-        Ok((None, Some(seen.t()?.matmul(gradient)?)))
+impl Linear {
+    fn pass(&self, entering: &Tensor) -> Result<Tensor> {
+        Ok(product(entering, &self.weight)?.broadcast_add(&self.bias)?)
     }
 }
 
@@ -219,18 +193,6 @@ mod tests {
         let back = network.forward(&seen(2), &seen(1)).unwrap().neg().unwrap();
         assert_eq!(forth.to_vec2::<f32>().unwrap(), back.to_vec2::<f32>().unwrap());
         assert!(forth.to_vec2::<f32>().unwrap()[0][0].abs() > 0.0);
-    }
-
-    #[test]
-    fn gradients_are_those_of_the_plain_product() {
-        let network = TwoBranch::new(WIDTHS, Head::Tanh, 5).unwrap();
-        let ours = seen(1).apply_op2(&network.proposed.weight, SeenProduct).unwrap().sqr().unwrap().sum_all().unwrap();
-        let plain = seen(1).matmul(&network.proposed.weight).unwrap().sqr().unwrap().sum_all().unwrap();
-        let gradient = |loss: &Tensor| {
-            let store = loss.backward().unwrap();
-            store.get(&network.proposed.weight).unwrap().to_vec2::<f32>().unwrap()
-        };
-        assert_eq!(gradient(&ours), gradient(&plain));
     }
 
     #[test]
