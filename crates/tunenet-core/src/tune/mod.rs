@@ -10,6 +10,7 @@ mod adequacy;
 mod algorithm1;
 pub(crate) mod arrow;
 mod blocks;
+mod carried;
 mod contour;
 mod evidence;
 mod film;
@@ -300,15 +301,19 @@ impl Tuning<'_> {
         let known = Information::of(&problem, &fit, &spread)?;
         rollouts += self.recordings.iter().map(|r| self.free.len() + r.own.len()).sum::<usize>();
         fit.covariance = known.covariance.clone();
-        let (interval95, used) = interval::ends_with(&problem, &fit, &spread, &elsewhere)?;
+        let (mut interval95, used) = interval::ends_with(&problem, &fit, &spread, &elsewhere)?;
         rollouts += used;
+        let (carried, used) = carried::carried(&problem, &fit)?;
+        rollouts += used;
+        carried.iter().for_each(|one| one.widen(&mut interval95));
         let poor = self.poor(&fit);
         let mut found = self.standings(&fit, &known, &spread, &interval95);
         let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);
         let region95 = if self.settings.finish && !poor && !short && joint.len() > 1 {
-            let (region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
+            let (mut region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
             rollouts += used;
+            carried.iter().for_each(|one| one.widen_region(&mut region, &joint));
             Some(region)
         } else {
             None
@@ -326,6 +331,7 @@ impl Tuning<'_> {
         };
         let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
         judge::name_directions(self, &known, &mut notes);
+        notes.extend(carried.iter().map(carried::Carried::note));
         let verdict = judge::verdict(&parameters, poor);
         let correlation = judge::correlation(&fit.covariance);
         let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
