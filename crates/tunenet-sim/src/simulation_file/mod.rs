@@ -279,15 +279,16 @@ impl SimulationFile {
     pub fn set_value(&mut self, name: &str, value: f64) {
         let parameters = table(self.document.as_table_mut(), "parameters", true);
         let one = table(parameters, name, false);
-        let (decor, old) = (one.get("value").and_then(Item::as_value).map(|v| v.decor().clone()), one.is_empty());
+        let decor = one.get("value").and_then(Item::as_value).map(|v| v.decor().clone());
         let mut new = Value::from(value);
         if let Some(decor) = decor {
             *new.decor_mut() = decor;
         }
         one["value"] = Item::Value(new);
-        if old {
-            let known = Domain::ALL.iter().find_map(|domain| domain.parameter(name));
-            let (unit, [_, min, max]) = known.map_or(("1", [0.0, 0.0, 1.0]), |p| (p.unit, p.default));
+        // A table that `--set` made has no more than the key that it set.
+        let known = Domain::ALL.iter().find_map(|domain| domain.parameter(name));
+        let (unit, [_, min, max]) = known.map_or(("1", [0.0, 0.0, 1.0]), |p| (p.unit, p.default));
+        if !one.contains_key("min") && !one.contains_key("max") {
             (one["min"], one["max"], one["unit"]) =
                 (toml_edit::value(min), toml_edit::value(max), toml_edit::value(unit));
         }

@@ -76,9 +76,11 @@ impl Header<'_> {
         }
     }
 
-    /// Whether it is a log of joints that the names speak of: an arm's simulation asks for one, or nothing in them is a ball's.
-    fn about_joints(&self, names: &[&str]) -> bool {
-        !self.joints.is_empty() || guess(names).is_none()
+    /// Whether it is a log of joints that is asked for, or that the names speak of.
+    fn of_joints(&self) -> bool {
+        let cells = self.cells();
+        let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
+        !self.joints.is_empty() || self.named && guess(&names).is_none() && guess_joints(&names, &[]).is_some()
     }
 
     /// What to type: the mapping that the names suggest, or an example of one.
@@ -94,14 +96,15 @@ impl Header<'_> {
                 2 * n + 1
             );
         }
-        if let Some(option) = guess_joints(&names, self.joints).filter(|_| self.named && self.about_joints(&names)) {
+        if let Some(option) = guess_joints(&names, self.joints).filter(|_| self.named && self.of_joints()) {
             return format!("try `{option}`; where another unit is meant, write it into our name: `q1_deg`, `t_ms`");
         }
         if !self.joints.is_empty() {
             return format!(
                 "say which column is which joint's, as in `--columns t_s=time,q1..{0}_rad=pos_*,tau1..{0}_nm=effort_*`; joints are \
-                 numbered as in the URDF",
-                self.joints.len()
+                 numbered as in the URDF: {1}",
+                self.joints.len(),
+                list(self.joints.iter().map(String::as_str), 12)
             );
         }
         if !self.named {
@@ -138,9 +141,10 @@ pub(super) fn layout(header: &Header<'_>, mapping: &[(String, String)]) -> Resul
     }
     let kind = match (kinds_mapped.as_slice(), kinds(&found).as_slice()) {
         ([kind], _) | ([], [kind]) => *kind,
-        ([], []) if !header.joints.is_empty() => {
+        ([], []) if header.of_joints() => {
             let names = list(header.joints.iter().map(String::as_str), 12);
-            let what = format!("columns `t_s`, `q1_rad`, … and `tau1_nm`, … or `i1_a`, … of the joints {names}");
+            let whose = if header.joints.is_empty() { String::new() } else { format!(" of the joints {names}") };
+            let what = format!("columns `t_s`, `q1_rad`, … and `tau1_nm`, … or `i1_a`, …{whose}");
             return missing(header, &found, &what, None);
         }
         ([], []) => return missing(header, &found, "columns `t_s` and `z_m`, or `bounce_time_s`", None),

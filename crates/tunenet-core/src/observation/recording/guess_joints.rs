@@ -16,10 +16,13 @@ const WORDS: [(Family, &str, &[&str]); 4] = [
 pub(super) fn guess_joints(names: &[&str], joints: &[String]) -> Option<String> {
     let time = guess::time(names)?;
     let mut found: Vec<(usize, u16, usize)> = Vec::new();
+    // A single joint needs no number.
+    let single = joints.len() <= 1 && !names.iter().any(|name| name.contains(|c: char| c.is_ascii_digit()));
     for (column, name) in names.iter().enumerate().filter(|(i, _)| *i != time) {
         let words = words(name);
         let family = WORDS.iter().position(|(_, _, known)| words.iter().any(|w| known.contains(&w.as_str())));
         let number = by_name(name, joints).or_else(|| words.iter().rev().find_map(|w| w.parse().ok()));
+        let number = number.or_else(|| single.then_some(1));
         if let (Some(family), Some(number)) = (family, number) {
             found.push((family, number, column));
         }
@@ -29,7 +32,8 @@ pub(super) fn guess_joints(names: &[&str], joints: &[String]) -> Option<String> 
         * u16::from(found.iter().any(|f| f.1 == 0));
     let (speed, angle) = (0, 3);
     let useful = |family: usize| found.iter().any(|f| f.0 == family);
-    if !useful(angle) && !useful(1) && !useful(2) {
+    // Positions alone may be a ball's.
+    if !useful(1) && !useful(2) && (joints.is_empty() || !useful(angle)) {
         return None;
     }
     found.sort_unstable();
@@ -91,8 +95,12 @@ mod tests {
             guess_joints(&names, &joints).unwrap(),
             "--columns t_s=stamp,q1_rad=shoulder_joint_position,q2_rad=elbow_joint_position,tau1_nm=shoulder_effort,tau2_nm=elbow_effort"
         );
+        let names = ["time", "position", "velocity", "torque"];
+        let one = "--columns t_s=time,q1_rad=position,dq1_rad_s=velocity,tau1_nm=torque";
+        assert_eq!(guess_joints(&names, &[]).unwrap(), one);
         assert_eq!(guess_joints(&["time", "height"], &[]), None);
         assert_eq!(guess_joints(&["a", "b"], &joints), None);
-        assert_eq!(guess_joints(&["t", "q1 [deg]"], &[]).unwrap(), "--columns 't_s=t,q1_deg=q1 [deg]'");
+        assert_eq!(guess_joints(&["t", "q1 [deg]"], &joints).unwrap(), "--columns 't_s=t,q1_deg=q1 [deg]'");
+        assert_eq!(guess_joints(&["time", "vel_z"], &[]), None, "a ball's speed is no joint's log");
     }
 }
