@@ -164,7 +164,7 @@ fn logs_that_are_broken_get_one_sentence() {
     folder.write("nan.csv", good.replacen("0.500,", "NaN,", 1));
     let cases = [
         ("empty.csv", "found an empty file"),
-        ("cut.csv", "samples"),
+        ("cut.csv", "expected 4 cells, found 3"),
         ("nan.csv", "not a finite number"),
         ("none.csv", "check the path"),
     ];
