@@ -20,11 +20,15 @@ fn folder() -> Folder {
     folder
 }
 
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of samples, small and above 0")]
+fn whole(value: f64) -> u32 {
+    value.round() as u32
+}
+
 /// A log of a sensor with [`GAIN`], and with so many times the noise beside its own.
 fn shown(payload_kg: f64, noisier: f64) -> String {
     log(Beside { payload_kg, ..Beside::default() }, |t, [q, dq, torque]| {
-        let i = (100.0 * t).round() as u32;
-        let torque = GAIN * torque + noisier * noise(i + 10_000 + (1000.0 * payload_kg) as u32);
+        let torque = GAIN * torque + noisier * noise(10_000 + whole(100.0 * t + 1000.0 * payload_kg));
         format!("{t:.3},{q:.9},{dq:.9},{torque:.9}")
     })
 }

@@ -55,7 +55,7 @@ fn columns(theirs: &str, first: u16, last: u16, names: &[&str]) -> Result<Vec<St
     let named = |number: u16| theirs.replace('*', &number.to_string());
     let there = |number: u16| names.contains(&named(number).as_str());
     // Files that count from 0 have a column 0 and none with the last joint's number.
-    let from = u16::from(!(there(first - 1) && !there(last)));
+    let from = u16::from(!there(first - 1) || there(last));
     Ok((first..=last).map(|joint| named(joint - 1 + from)).collect())
 }
 
