@@ -1,7 +1,7 @@
 //! Which column of a foreign table could be which joint's: what a message proposes, never what is read.
 
 use super::guess::{self, quoted};
-use super::quantity::{Family, Quantity, plain};
+use super::quantity::{Family, Meaning, Quantity, meaning, plain};
 
 /// The words that say what a column of a joint holds, and the unit that is meant where none is named.
 const WORDS: [(Family, &str, &[&str]); 4] = [
@@ -45,7 +45,9 @@ pub(super) fn guess_joints(names: &[&str], joints: &[String]) -> Option<String> 
     let order = [angle, speed, 1, 2];
     for family in order {
         let (of, unit, _) = WORDS[family];
-        for &(_, number, column) in found.iter().filter(|f| f.0 == family) {
+        // What is read already needs no pair.
+        let foreign = |column: usize| !matches!(meaning(names[column]), Meaning::Known(..));
+        for &(_, number, column) in found.iter().filter(|f| f.0 == family && foreign(f.2)) {
             let degrees = ["deg", "degree", "degrees"].iter().any(|d| words(names[column]).iter().any(|w| w == d));
             let unit = if degrees { unit.replace("rad", "deg") } else { unit.to_owned() };
             let channel = of(number + shift).channel().name;
@@ -55,7 +57,8 @@ pub(super) fn guess_joints(names: &[&str], joints: &[String]) -> Option<String> 
             pairs.push(format!("{channel}_{unit}={theirs}"));
         }
     }
-    (pairs.len() > 1).then(|| format!("--columns {}", quoted(&pairs.join(","))))
+    let any = pairs.iter().any(|pair| !pair.starts_with("t_s="));
+    any.then(|| format!("--columns {}", quoted(&pairs.join(","))))
 }
 
 /// The words of a name, digits apart: `actual_q0` is `actual`, `q`, `0`.
@@ -100,6 +103,8 @@ mod tests {
         assert_eq!(guess_joints(&names, &[]).unwrap(), one);
         assert_eq!(guess_joints(&["time", "height"], &[]), None);
         assert_eq!(guess_joints(&["a", "b"], &joints), None);
+        assert_eq!(guess_joints(&["t_s", "q1_rad", "tau2_nm"], &[]), None, "they are read as they are");
+        assert_eq!(guess_joints(&["t_s", "q1_rad", "effort_1"], &[]).unwrap(), "--columns tau1_nm=effort_1");
         assert_eq!(guess_joints(&["t", "q1 [deg]"], &joints).unwrap(), "--columns 't_s=t,q1_deg=q1 [deg]'");
         assert_eq!(guess_joints(&["time", "vel_z"], &[]), None, "a ball's speed is no joint's log");
     }
