@@ -57,8 +57,7 @@ pub(super) fn guess_joints(names: &[&str], joints: &[String]) -> Option<String> 
             pairs.push(format!("{channel}_{unit}={theirs}"));
         }
     }
-    let any = pairs.iter().any(|pair| !pair.starts_with("t_s="));
-    any.then(|| format!("--columns {}", quoted(&pairs.join(","))))
+    (!pairs.is_empty()).then(|| format!("--columns {}", quoted(&pairs.join(","))))
 }
 
 /// The words of a name, digits apart: `actual_q0` is `actual`, `q`, `0`.
@@ -105,7 +104,7 @@ mod tests {
         assert_eq!(guess_joints(&["a", "b"], &joints), None);
         assert_eq!(guess_joints(&["t_s", "q1_rad", "tau2_nm"], &[]), None, "they are read as they are");
         assert_eq!(guess_joints(&["t_s", "q1_rad", "effort_1"], &[]).unwrap(), "--columns tau1_nm=effort_1");
-        assert_eq!(guess_joints(&["t", "q1 [deg]"], &joints).unwrap(), "--columns 't_s=t,q1_deg=q1 [deg]'");
+        assert_eq!(guess_joints(&["t", "q1 [deg]"], &joints).unwrap(), "--columns t_s=t");
         assert_eq!(guess_joints(&["time", "vel_z"], &[]), None, "a ball's speed is no joint's log");
     }
 }
