@@ -74,6 +74,16 @@ fn a_payload_is_found_from_torques() {
 }
 
 #[test]
+fn four_samples_of_a_circle_are_no_answer() {
+    let folder = with_arm();
+    folder.run("simulate --sim arm.toml --set parameters.payload_mass.value=0.8 --out held.csv").ends(0);
+    let held = String::from_utf8(folder.read("held.csv")).unwrap();
+    folder.write("four.csv", held.split_inclusive('\n').take(5).collect::<String>());
+    let ran = folder.run("tune --sim arm.toml --observation four.csv").ends(3);
+    assert!(ran.stderr.contains("\nREJECTED  expected 20 samples or more"), "{}", ran.stderr);
+}
+
+#[test]
 fn a_network_learns_from_pairs_of_an_arm() {
     let folder = with_arm();
     let set = "--set motion.duration_s=1.0 --set record.rate_hz=20";

@@ -96,6 +96,18 @@ pub fn rounded(value: f64, half_width: f64) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A range of two numbers; a dash beside a sign would be read as one.
+pub fn between(low: &str, high: &str) -> String {
+    if low.starts_with('-') || high.starts_with('-') { format!("{low} to {high}") } else { format!("{low}–{high}") }
+}
+
+/// A number with at most four significant digits, and no zeros that say nothing.
+pub fn four_digits(value: f64) -> String {
+    let short: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    // A number with that many digits or fewer stands as it is.
+    if short.abs() >= 1e7 || short != 0.0 && short.abs() < 1e-4 { format!("{short:e}") } else { format!("{short}") }
+}
+
 /// A length or time in the unit that reads best: 0.0091 m is `9.1 mm`.
 pub fn in_words(value: f64, unit: &str) -> String {
     let small = match unit {
@@ -129,6 +141,10 @@ mod tests {
     #[test]
     fn numbers_read_well() {
         assert_eq!(rounded(0.732_04, 0.0015), "0.7320");
+        assert_eq!(four_digits(0.029_275_664_634), "0.02928");
+        assert_eq!([0.0, 0.5, 2.805, -1234.56, 3e-9].map(four_digits), ["0", "0.5", "2.805", "-1235", "3e-9"]);
+        assert_eq!(between("-0.2", "-0.1"), "-0.2 to -0.1");
+        assert_eq!(between("0.1", "0.2"), "0.1–0.2");
         assert_eq!(in_words(0.009_14, "m"), "9.14 mm");
         assert_eq!(in_words(12.345, "m"), "12.3 m");
         assert_eq!(in_words(2e-9, "m"), "2.0e-6 mm");

@@ -49,13 +49,13 @@ fn what_no_arm_can_be_is_refused() {
         ("prismatic", "floating", "found floating"),
         ("prismatic", "fixd", "expected a URDF, found what cannot be read as one"),
         ("xyz=\"0 0 0.5\"", "xyz=\"${height} 0 0.5\"", "found xacro"),
-        ("</robot>", "", "expected a URDF, found what cannot be read as one"),
+        ("</robot>", "", "expected a URDF, found what is no XML: `<robot>` is not closed"),
         ("xyz=\"0 0 0.5\"", "xyz=\"0 0 inf\"", "expected finite numbers in <origin>, found inf"),
     ];
     for (from, to, expected) in cases {
         let text = if from.is_empty() { String::new() } else { GOOD.replacen(from, to, 1) };
         let refused = parse(&text).expect_err(&format!("{from} → {to}"));
-        assert!(refused.contains(expected) && refused.starts_with("arm.urdf: "), "{from} → {to}: {refused}");
+        assert!(refused.contains(expected) && refused.starts_with("arm.urdf:"), "{from} → {to}: {refused}");
     }
     let begin = GOOD.find("<inertial>").unwrap();
     let end = GOOD.find("</inertial>").unwrap() + "</inertial>".len();

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use sha2::{Digest, Sha256};
+use toml_edit::InlineTable;
 use tunenet_core::Error;
 use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
@@ -83,6 +84,16 @@ fn log(file: &SimulationFile, path: &Path, reading: &Reading) -> Result<Recordin
     at_most(MOST_OF_A_LOG, read(path, &options)?)
 }
 
+/// What the URDF of the replayed arm of `file` lacks, of the joints that move.
+pub fn lacks(file: &SimulationFile) -> Result<Vec<Note>> {
+    if !replays(file) {
+        return Ok(Vec::new());
+    }
+    let arm = ReplayedArm::from_file(file)?;
+    let moves = |note: &&Note| arm.joint_names().iter().any(|name| note.text.contains(&format!("`{name}`")));
+    Ok(arm.notes().iter().filter(|n| n.code == "urdf.limits").filter(moves).cloned().collect())
+}
+
 /// `recording` with the run without payload at `reference` beside it, where there is one.
 pub fn beside(
     file: &SimulationFile,
@@ -153,6 +164,14 @@ pub fn hash(path: &Path) -> Result<String> {
         digest(path, &mut hasher)?;
     }
     Ok(hex(&hasher.finalize()))
+}
+
+/// A file's name and hash, as `[provenance]` names what was read.
+pub fn fingerprint(path: &Path) -> Result<InlineTable> {
+    let mut one = InlineTable::new();
+    one.insert("file", name(path).into());
+    one.insert("sha256", hash(path)?.into());
+    Ok(one)
 }
 
 fn digest(path: &Path, hasher: &mut Sha256) -> Result<()> {

@@ -12,6 +12,7 @@ use tunenet_core::observation::preflight::{Check, State};
 use tunenet_core::observation::recording::{Recording, write_atomically};
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
+use tunenet_sim::replayed_arm::{replays, suspect};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
@@ -22,7 +23,7 @@ use super::{film, load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::{Exit, sentence as error_sentence};
 use crate::report::{self, tune::Answer};
-use crate::terminal::{in_words, list, rounded, stage, table, tally, warn};
+use crate::terminal::{between, four_digits, in_words, list, rounded, stage, table, tally, warn};
 
 const SCHEMA: &str = "tunenet.tune/1";
 
@@ -184,6 +185,8 @@ fn tune_to(
     let bare = bare.map(|ball| ball.forced(options.force));
     let ball = match &bare {
         Some(bare) => observed::around(file, bare.clone())?,
+        // What it refuses is the simulation file's or the URDF's, and says so.
+        None if arm => simulator(file, kind)?,
         None => simulator(file, kind).with_context(|| names(options))?,
     };
     let paper = model.is_some_and(|m| m.preset().name == "paper");
@@ -211,6 +214,10 @@ fn tune_to(
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
     let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
     let mut outcome = tuned.with_context(|| names(options))?;
+    if replays(file) {
+        suspect(file, &mut outcome, options.reference.is_some());
+        outcome.notes.splice(0..0, load::lacks(file)?);
+    }
     let several = recordings.len() > 1;
     let named = options.observation.iter().zip(recordings).flat_map(|(path, recording)| {
         recording.notes.iter().map(move |note| {
@@ -310,6 +317,10 @@ pub(crate) fn reason(outcome: &Outcome) -> Option<&Note> {
     let failed: Vec<&str> =
         outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
     let rejected = outcome.verdict == Verdict::Rejected;
+    // What rejects without a list of checks says why in its one note.
+    if rejected && failed.is_empty() {
+        return outcome.notes.iter().find(|n| n.code.ends_with(".unusable"));
+    }
     let silent = ["contact.none", "recordings.short"];
     outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { silent.contains(&n.code) })
 }
@@ -330,8 +341,9 @@ fn sentence(outcome: &Outcome) -> String {
             let half = (high - low) / 2.0;
             let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
             if p.identified {
-                let range = format!("{}–{}", rounded(low, half), rounded(high, half));
-                format!("{} {}{unit} (95 %: {range}), was {}", p.name, rounded(p.value, half), p.before)
+                let range = between(&rounded(low, half), &rounded(high, half));
+                let before = four_digits(p.before);
+                format!("{} {}{unit} (95 %: {range}), was {before}", p.name, rounded(p.value, half))
             } else {
                 format!("{} unknown", p.name)
             }
@@ -395,13 +407,17 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
         }
         intervals.insert(p.name.replace('.', "_"), Array::from_iter([p.interval95.0, p.interval95.1]).into());
     }
+    // What was known of a value that stayed is known of it still.
+    for p in file.parameters()? {
+        if let Some((low, high)) = p.known95 {
+            intervals.insert(p.name, Array::from_iter([low, high]).into());
+        }
+    }
     let mut observations = Array::new();
     for path in &options.observation {
-        let mut one = InlineTable::new();
-        one.insert("file", load::name(path).into());
-        one.insert("sha256", load::hash(path)?.into());
-        observations.push(one);
+        observations.push(load::fingerprint(path)?);
     }
+    let reference = options.reference.as_deref().map(load::fingerprint).transpose()?;
     let mut estimated = Array::new();
     for own in &outcome.own {
         let one: InlineTable = own.iter().map(|p| (p.name.replace('.', "_"), p.value)).collect();
@@ -409,12 +425,15 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
     }
     let verdict = serde_json::to_value(outcome.verdict)?;
     let seed = i64::try_from(options.common.seed).unwrap_or(i64::MAX);
-    tuned.set_provenance(&[
+    let mut entries: Vec<(&str, toml_edit::Value)> = vec![
         ("tool", concat!("tunenet ", env!("CARGO_PKG_VERSION")).into()),
         ("command", "tune".into()),
         ("seed", seed.into()),
         ("verdict", verdict.as_str().unwrap_or_default().into()),
         ("observations", observations.into()),
+    ];
+    entries.extend(reference.map(|reference| ("reference", reference.into())));
+    entries.extend([
         ("interval95", intervals.into()),
         ("estimated", estimated.into()),
         ("gap_unit", gap.unit.as_str().into()),
@@ -422,6 +441,7 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
         ("gap_after", gap.after.into()),
         ("gap_noise_floor", gap.noise_floor.into()),
     ]);
+    tuned.set_provenance(&entries);
     write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
     Ok(())
 }

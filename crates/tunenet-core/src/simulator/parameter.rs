@@ -17,6 +17,9 @@ pub struct Parameter {
     pub max: f64,
     /// Whether tuning may change it.
     pub tune: bool,
+    /// Of a value that is not tuned and was itself measured, a calibrated torque gain say: its 95 % interval. Intervals of what
+    /// is tuned beside it allow for it. `None` where the value is exact.
+    pub known95: Option<(f64, f64)>,
 }
 
 impl Parameter {
@@ -36,7 +39,7 @@ impl Parameter {
         if !(min..=max).contains(&value) {
             return Err(Error::Parameter { name, expected: format!("{min} to {max}"), found: format!("{value}") });
         }
-        Ok(Self { name, unit: unit.into(), value, min, max, tune: true })
+        Ok(Self { name, unit: unit.into(), value, min, max, tune: true, known95: None })
     }
 
     /// The width of the bounds.

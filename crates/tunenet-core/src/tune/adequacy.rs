@@ -14,6 +14,8 @@ const LUCK: f64 = 6.0;
 pub struct Adequacy {
     /// Root mean square of the worst channel's residual over that channel's noise.
     pub ratio: f64,
+    /// Which channel that is.
+    pub worst: usize,
     /// The greatest ratio that noise alone explains.
     pub limit: f64,
     /// False where the recording is too short to know its own noise, so that nothing can be said.
@@ -26,22 +28,22 @@ impl Adequacy {
     pub fn of(seen: &Observation, noise: &[f64], residuals: &[f64], unknowns: usize) -> Self {
         let width = noise.len();
         let samples = seen.len();
-        let mut worst: f64 = 0.0;
+        let (mut worst, mut place) = (0.0, 0);
         for (channel, noise) in noise.iter().enumerate() {
             let column = || residuals.iter().skip(channel).step_by(width);
             let freedom = (samples as f64 - unknowns as f64 / width as f64).max(1.0);
             let ratio = (column().map(|r| r * r).sum::<f64>() / freedom).sqrt();
             let (low, high) =
                 seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-            if ratio * noise > PRACTICAL_SHARE * (high - low) {
-                worst = worst.max(ratio);
+            if ratio * noise > PRACTICAL_SHARE * (high - low) && ratio > worst {
+                (worst, place) = (ratio, channel);
             }
         }
         let (counted, tested) = match seen.kind() {
             Kind::BounceTimes => (samples as f64 - 4.0, samples >= 7),
             _ => (samples as f64, samples >= 8),
         };
-        Self { ratio: worst, limit: 1.0 + MARGIN + LUCK / counted.max(1.0).sqrt(), tested }
+        Self { ratio: worst, worst: place, limit: 1.0 + MARGIN + LUCK / counted.max(1.0).sqrt(), tested }
     }
 
     /// Whether more is left than noise explains.

@@ -56,8 +56,11 @@ impl Tuning<'_> {
                 } else {
                     String::new()
                 };
+                let channels = self.simulator.channels();
+                let place = channels.get(adequacy.worst).filter(|_| channels.len() > 1);
+                let place = place.map_or_else(String::new, |c| format!(" of `{}`", c.name));
                 let text = format!(
-                    "{which}the tuned rollout leaves {:.1} times the noise, more than the {:.1} that chance explains",
+                    "{which}the tuned rollout leaves {:.1} times the noise{place}, more than the {:.1} that chance explains",
                     adequacy.ratio, adequacy.limit
                 );
                 notes.push(Note::new(

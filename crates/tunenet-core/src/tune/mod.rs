@@ -10,6 +10,7 @@ mod adequacy;
 mod algorithm1;
 pub(crate) mod arrow;
 mod blocks;
+mod carried;
 mod contour;
 mod evidence;
 mod film;
@@ -42,7 +43,9 @@ pub use residual::channel_noise;
 pub(crate) use residual::floor as noise_of;
 use residual::weights;
 pub use unknowns::{Point, free};
+use valleys::Place;
 
+use carried::Carried;
 use judge::Standing;
 use nalgebra::DMatrix;
 
@@ -244,6 +247,15 @@ impl Tuning<'_> {
         Ok(own.rollouts)
     }
 
+    /// The 95 % interval of each free parameter, and what stays beside them without being exact.
+    fn intervals(&self, fit: &Fit, spread: &Spread, elsewhere: &[Vec<Place>]) -> Result<(Vec<Interval>, Carried)> {
+        let problem = self.problem();
+        let (mut interval95, used) = interval::ends_with(&problem, fit, spread, elsewhere)?;
+        let mut carried = Carried::of(&problem, fit, &mut interval95)?;
+        carried.rollouts += used;
+        Ok((interval95, carried))
+    }
+
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
         let problem = self.problem();
         let start = self.start()?;
@@ -300,15 +312,16 @@ impl Tuning<'_> {
         let known = Information::of(&problem, &fit, &spread)?;
         rollouts += self.recordings.iter().map(|r| self.free.len() + r.own.len()).sum::<usize>();
         fit.covariance = known.covariance.clone();
-        let (interval95, used) = interval::ends_with(&problem, &fit, &spread, &elsewhere)?;
-        rollouts += used;
+        let (interval95, carried) = self.intervals(&fit, &spread, &elsewhere)?;
+        rollouts += carried.rollouts;
         let poor = self.poor(&fit);
         let mut found = self.standings(&fit, &known, &spread, &interval95);
         let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);
         let region95 = if self.settings.finish && !poor && !short && joint.len() > 1 {
-            let (region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
+            let (mut region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
             rollouts += used;
+            carried.widen_region(&mut region, &joint);
             Some(region)
         } else {
             None
@@ -325,24 +338,24 @@ impl Tuning<'_> {
             noise_floor: self.noise_floor(),
         };
         let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
+        notes.extend(carried.notes);
         judge::name_directions(self, &known, &mut notes);
         let verdict = judge::verdict(&parameters, poor);
         let correlation = judge::correlation(&fit.covariance);
         let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
-        let (gap, point) = (Some(gap), Some(fit.point));
         Ok(Outcome {
             verdict,
             parameters,
             correlation,
             region95,
             iterations,
-            gap,
+            gap: Some(gap),
             rollouts,
             stop,
             notes,
             before: Some(before.point),
             recordings: Vec::new(),
-            point,
+            point: Some(fit.point),
             free,
             own: Vec::new(),
             used: Vec::new(),

@@ -112,6 +112,9 @@ fn in_file(file: &SimulationFile, error: Error) -> Error {
         "arm.payload_link" => "name the link that holds the payload; its frame is where the payload is",
         _ => "mend the URDF",
     };
+    if name == "arm.urdf" {
+        return Error::file(urdf_path(file), format!("expected {expected}, found {found}"), hint);
+    }
     Error::file(file.path(), format!("`{name}`: expected {expected}, found {found}"), hint)
 }
 

@@ -1,10 +1,13 @@
 //! A recording made ready for an arm that draws a circle: its torques, on the clock of the motion.
 
 use tunenet_core::Result;
-use tunenet_core::observation::{FEWEST_SAMPLES, Kind, Note, Observation};
+use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 
 use super::ObservedArm;
+
+/// Fewest samples that are worth a fit; noise is told from misfit by no fewer.
+const FEWEST: usize = 20;
 
 impl ObservedArm {
     /// # Errors
@@ -37,8 +40,9 @@ impl ObservedArm {
         }
         let seen = moved.as_ref().unwrap_or(seen);
         let kept = seen.clock().partition_point(|t| *t <= duration + 1e-9);
-        if kept < FEWEST_SAMPLES {
-            return reject(format!("expected samples within the motion's {duration} s, found {kept}"), "");
+        if kept < FEWEST {
+            let text = format!("expected {FEWEST} samples or more within the motion's {duration} s, found {kept}");
+            return reject(text, "record the whole motion, more often; too few samples say nothing of their noise");
         }
         if kept < seen.len() {
             let text = format!("{} samples after the motion's {duration} s are left out", seen.len() - kept);

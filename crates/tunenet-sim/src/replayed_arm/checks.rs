@@ -25,7 +25,7 @@ const ALIKE: f64 = 0.7;
 /// Cut-off for comparing speeds, Hz.
 const SPEEDS_HZ: f64 = 5.0;
 
-fn check(code: &'static str, state: State, text: impl Into<String>, remedy: &str) -> Check {
+pub(super) fn check(code: &'static str, state: State, text: impl Into<String>, remedy: &str) -> Check {
     Check { code, state, text: text.into(), remedy: remedy.into() }
 }
 
@@ -95,43 +95,64 @@ fn range(seen: &Observation, column: usize) -> (f64, f64) {
     seen.column(column).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
 }
 
+/// One column of positions: what it is called, how far it may reach (rad), and its place.
+struct Column {
+    name: String,
+    limit_rad: f64,
+    position: usize,
+    speed: Option<usize>,
+}
+
+/// Whether the log `seen` of an arm that nobody has named is in radians and seconds: a suspicion is noticed, never more.
+#[must_use]
+pub fn suspect_units(seen: &Observation) -> Check {
+    let speeds = columns(seen, "dq");
+    let one = |(k, position): (usize, usize)| {
+        let name = seen.channels()[position].name.clone();
+        Column { name, limit_rad: FARTHEST_RAD, position, speed: speeds.get(k).copied() }
+    };
+    let found = units_of(seen, columns(seen, "q").into_iter().enumerate().map(one).collect());
+    let state = if found.state == State::Failed { State::Noticed } else { found.state };
+    Check { state, ..found }
+}
+
 /// The first joint that cannot be in radians: far beyond what it may reach, or faster or slower than its speeds say by the size
 /// of a degree.
 fn units(seen: &Observation, joints: &[&Joint]) -> Check {
+    let speeds = columns(seen, "dq");
+    let one = |(k, (joint, position)): (usize, (&&Joint, usize))| {
+        let limit = joint.limits.lower.abs().max(joint.limits.upper.abs());
+        let limit_rad = if limit.is_finite() { 3.0 * limit } else { FARTHEST_RAD };
+        let turns = joint.kind != JointKind::Prismatic;
+        turns.then(|| Column { name: joint.name.clone(), limit_rad, position, speed: speeds.get(k).copied() })
+    };
+    units_of(seen, joints.iter().zip(columns(seen, "q")).enumerate().filter_map(one).collect())
+}
+
+fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
     let code = "joints.units";
     let remedy = "name the columns `q1_deg`, … and `dq1_deg_s`, … (with `--columns` where the names are others), or record radians";
-    let speeds = columns(seen, "dq");
-    for (k, (joint, &column)) in joints.iter().zip(&columns(seen, "q")).enumerate() {
-        if joint.kind == JointKind::Prismatic {
-            continue;
-        }
-        let (low, high) = range(seen, column);
+    for Column { name, limit_rad, position, speed } in all {
+        let (low, high) = range(seen, position);
         let farthest = low.abs().max(high.abs());
-        let limit = joint.limits.lower.abs().max(joint.limits.upper.abs());
-        let limit = if limit.is_finite() { 3.0 * limit } else { FARTHEST_RAD };
-        let ratio = speeds.get(k).and_then(|&speed| ratio(seen, column, speed));
-        if farthest > limit {
+        if farthest > limit_rad {
+            let text =
+                format!("`{name}` reaches {farthest:.1}, which is no angle in radians that it can have: degrees?");
+            return check(code, State::Failed, text, remedy);
+        }
+        let Some((ratio, alike)) = speed.and_then(|speed| ratio(seen, position, speed)) else { continue };
+        let near = |expected: f64| (ratio / expected - 1.0).abs() < NEAR;
+        if near(DEGREES) || near(1.0 / DEGREES) {
+            let which = if near(DEGREES) { "speeds" } else { "positions" };
             let text = format!(
-                "`{}` reaches {farthest:.1}, which is no angle in radians that it can have: degrees?",
-                joint.name
+                "the speeds of `{name}` are {ratio:.3} times the slope of its positions: the {which} are in degrees"
             );
             return check(code, State::Failed, text, remedy);
         }
-        if let Some((ratio, alike)) = ratio {
-            let near = |expected: f64| (ratio / expected - 1.0).abs() < NEAR;
-            if near(DEGREES) || near(1.0 / DEGREES) {
-                let which = if near(DEGREES) { "speeds" } else { "positions" };
-                let text = format!(
-                    "the speeds of `{}` are {ratio:.3} times the slope of its positions: the {which} are in degrees",
-                    joint.name
-                );
-                return check(code, State::Failed, text, remedy);
-            }
-            if alike > ALIKE && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio) {
-                let text = format!("the speeds of `{}` are {ratio:.3} times the slope of its positions", joint.name);
-                let remedy = "is the clock in milliseconds (name it `t_ms`), or in frames?";
-                return check(code, State::Failed, text, remedy);
-            }
+        if alike > ALIKE && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio) {
+            let text = format!("the speeds of `{name}` are {ratio:.3} times the slope of its positions");
+            let remedy = "is the clock in milliseconds (name it `t_ms`), or in frames?";
+            return check(code, State::Failed, text, remedy);
         }
     }
     check(code, State::Passed, "angles are in radians, and the clock in seconds", "")
@@ -169,7 +190,16 @@ fn limits(seen: &Observation, joints: &[&Joint]) -> Check {
             return check(code, State::Failed, text, remedy);
         }
     }
-    check(code, State::Passed, "the motion stays within the limits of the joints", "")
+    let free =
+        |j: &&&Joint| !j.limits.lower.is_finite() && !j.limits.upper.is_finite() && j.kind != JointKind::Continuous;
+    let unlimited: Vec<String> = joints.iter().filter(free).map(|j| format!("`{}`", j.name)).collect();
+    let absent =
+        format!("the URDF gives no limits of {} (none, or lower equal to upper): not checked", unlimited.join(", "));
+    if !unlimited.is_empty() && unlimited.len() == joints.len() {
+        return check(code, State::NotRun, absent, "");
+    }
+    let rest = if unlimited.is_empty() { String::new() } else { format!("; {absent}") };
+    check(code, State::Passed, format!("the motion stays within the limits of the joints{rest}"), "")
 }
 
 fn speeds(seen: &Observation, joints: &[&Joint]) -> Check {

@@ -14,6 +14,8 @@ mod file;
 mod filter;
 mod recorded;
 mod reference;
+mod signs;
+mod suspicions;
 mod torque;
 
 use std::sync::Arc;
@@ -23,8 +25,10 @@ use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Rejected, Simulator};
 use tunenet_core::{Error, Result};
 
+pub use checks::suspect_units;
 pub use file::{replayed, replays};
 pub use reference::with_reference;
+pub use suspicions::suspect;
 
 use crate::arm::effects::{ALL, ArmEffect, Imperfections};
 use crate::arm::urdf::JointFriction;
@@ -183,6 +187,25 @@ impl ReplayedArm {
             .collect()
     }
 
+    /// What was measured in a run alone and what its arm needs, over windows of so many cells about these instants.
+    fn torques_of(&self, log: &Recorded, cells: usize, clock: &[f64]) -> Result<signs::Torques> {
+        let n = self.arm.joints();
+        let window_s = cells as f64 * log.step_s;
+        let averaged = |values: &[f64]| {
+            let means = Means::new(values, n, log.start_s, log.step_s);
+            let mut all = vec![0.0; clock.len() * n];
+            clock.iter().zip(all.chunks_exact_mut(n)).for_each(|(t, row)| means.at(*t, window_s, row));
+            all
+        };
+        let input = self.arm.input(log, None)?;
+        let start: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
+        let (_, com, _) = self.decoded(&start);
+        let shown = |mass: f64| averaged(&self.arm.shown(&input, &cube(mass, com, self.payload_size_m), &self.known));
+        let (bare, held) = (shown(0.0), shown(1.0));
+        let payload = held.iter().zip(&bare).map(|(held, bare)| held - bare).collect();
+        Ok(signs::Torques { measured: averaged(&log.torque), bare, payload })
+    }
+
     /// The payload and everything beyond rigid bodies, with these values of all parameters.
     fn decoded(&self, parameters: &[f64]) -> (f64, [f64; 3], Imperfections) {
         let (mut mass, mut com, mut arm) = (0.0, [0.0; 3], self.known.clone());
@@ -277,6 +300,14 @@ impl Simulator for ReplayedArm {
         let noise = |j: usize| (log.noise_nm[j].hypot(other(j))) / (cells as f64).sqrt();
         prepared.noise = Some((0..n).map(noise).collect());
         prepared.input = Some(Arc::new(self.arm.input(&log, reference.as_ref())?));
+        let torques = self.torques_of(&log, cells, prepared.seen.clock())?;
+        checks.push(signs::signs(&torques, &joints, columns(seen, "tau").is_empty()));
+        if reference.is_some() && checks.iter().all(|c| c.state != State::Failed) {
+            checks.push(signs::swapped(&prepared, &torques, n));
+        }
+        if let Some(note) = checks.iter().find(|c| c.state == State::Failed).and_then(Check::note) {
+            return Ok(Preparation::Rejected(Box::new(Rejected { note, checks })));
+        }
         prepared.notes = checks.iter().filter_map(Check::note).collect();
         prepared.checks = checks;
         Ok(Preparation::Usable(Box::new(prepared)))

@@ -62,7 +62,12 @@ impl Arm {
             }
         }
         let clock = (0..log.len()).map(|i| log.start_s + i as f64 * log.step_s).collect();
-        let channels = (0..width).map(|i| Channel::new(format!("m{i}"), "1")).collect();
+        let name = |i: usize| match i / n {
+            0 => Channel::new(format!("q{}", i + 1), "rad"),
+            1 => Channel::new(format!("dq{}", i - n + 1), "rad/s"),
+            _ => Channel::new(format!("m{i}"), "1"),
+        };
+        let channels = (0..width).map(name).collect();
         Observation::new(Kind::Other, channels, clock, values)
     }
 

@@ -126,15 +126,22 @@ impl SimulationFile {
             table = inner;
         }
         table[parts[parts.len() - 1]] = Item::Value(value);
+        if let (Domain::Arm, ["parameters", name, "value"]) = (self.domain(), parts.as_slice()) {
+            // Who says a value knows it: what an earlier tuning was sure of it is another value's.
+            self.unset(&format!("provenance.interval95.{name}"));
+        }
         check::parameters(self.domain(), self.document.as_table())
             .map_or(Ok(()), |(path, _, expected, found)| refuse(format!("{expected} for `{path}`"), found))
     }
 
     /// Removes the key at `path`, as if the file had left it out.
     pub fn unset(&mut self, path: &str) {
-        if let Some((table, key)) = path.rsplit_once('.')
-            && let Some(table) = self.document.get_mut(table).and_then(Item::as_table_like_mut)
-        {
+        let Some((tables, key)) = path.rsplit_once('.') else { return };
+        let mut item = Some(self.document.as_item_mut());
+        for table in tables.split('.') {
+            item = item.and_then(|item| item.as_table_like_mut()?.get_mut(table));
+        }
+        if let Some(table) = item.and_then(Item::as_table_like_mut) {
             table.remove(key);
         }
     }
@@ -172,9 +179,22 @@ impl SimulationFile {
             let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(true);
             let unit = table.get("unit").and_then(Item::as_str).unwrap_or(known.unit);
             let parameter = Parameter::new(name, unit, number("value", value), number("min", min), number("max", max))?;
-            Ok(Parameter { tune, ..parameter })
+            let known95 = if tune { None } else { self.known95(name, parameter.value) };
+            Ok(Parameter { tune, known95, ..parameter })
         });
         each.collect()
+    }
+
+    /// The 95 % interval of a parameter that an earlier tuning wrote into `[provenance]`.
+    #[must_use]
+    pub fn tuned95(&self, name: &str) -> Option<(f64, f64)> {
+        let ends: [f64; 2] = self.numbers(&format!("provenance.interval95.{name}"))?.try_into().ok()?;
+        (ends[0] < ends[1]).then_some((ends[0], ends[1]))
+    }
+
+    /// How well an arm's value is known that an earlier tuning wrote into the file and that stands there still.
+    fn known95(&self, name: &str, value: f64) -> Option<(f64, f64)> {
+        self.tuned95(name).filter(|(low, high)| self.domain() == Domain::Arm && (*low..=*high).contains(&value))
     }
 
     /// What determines how this file's thing moves while it is tuned, in a fixed order: neither comments, nor what is
@@ -259,15 +279,16 @@ impl SimulationFile {
     pub fn set_value(&mut self, name: &str, value: f64) {
         let parameters = table(self.document.as_table_mut(), "parameters", true);
         let one = table(parameters, name, false);
-        let (decor, old) = (one.get("value").and_then(Item::as_value).map(|v| v.decor().clone()), one.is_empty());
+        let decor = one.get("value").and_then(Item::as_value).map(|v| v.decor().clone());
         let mut new = Value::from(value);
         if let Some(decor) = decor {
             *new.decor_mut() = decor;
         }
         one["value"] = Item::Value(new);
-        if old {
-            let known = Domain::ALL.iter().find_map(|domain| domain.parameter(name));
-            let (unit, [_, min, max]) = known.map_or(("1", [0.0, 0.0, 1.0]), |p| (p.unit, p.default));
+        // A table that `--set` made has no more than the key that it set.
+        let known = Domain::ALL.iter().find_map(|domain| domain.parameter(name));
+        let (unit, [_, min, max]) = known.map_or(("1", [0.0, 0.0, 1.0]), |p| (p.unit, p.default));
+        if !one.contains_key("min") && !one.contains_key("max") {
             (one["min"], one["max"], one["unit"]) =
                 (toml_edit::value(min), toml_edit::value(max), toml_edit::value(unit));
         }

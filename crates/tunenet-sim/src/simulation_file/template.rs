@@ -45,6 +45,7 @@ const VALUES: &[(Domain, &str, bool, &str)] = &[
     (Domain::Arm, "motion.radius_m", false, "0.2"),
     (Domain::Arm, "motion.rate_rad_s", false, "1.2"),
     (Domain::Arm, "motion.duration_s", false, "5.0"),
+    (Domain::Arm, "motion.cutoff_hz", false, "10.0"),
     (Domain::Arm, "record.rate_hz", true, "240.0"),
 ];
 
@@ -136,7 +137,11 @@ fn capital(text: &str) -> String {
 
 /// The unit that ends a key. Longer endings come first.
 fn unit(path: &str) -> Option<&'static str> {
-    const UNITS: [(&str, &str); 17] = [
+    const UNITS: [(&str, &str); 21] = [
+        ("_nms_rad", "N·m·s/rad"),
+        ("_nm_rad", "N·m/rad"),
+        ("_rad_nm", "rad/(N·m)"),
+        ("_kg_m2", "kg·m²"),
         ("_nm_a", "N·m/A"),
         ("_rad_s", "rad/s"),
         ("_m_s2", "m/s²"),
@@ -155,7 +160,9 @@ fn unit(path: &str) -> Option<&'static str> {
         ("_m", "metres"),
         ("_s", "seconds"),
     ];
-    UNITS.iter().find(|(ending, _)| path.ends_with(ending)).map(|(_, unit)| *unit)
+    // A key may be nothing but its unit: `effects.coulomb_friction.nm`.
+    let name = format!("_{}", path.rsplit('.').next().unwrap_or(path));
+    UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map(|(_, unit)| *unit)
 }
 
 #[cfg(test)]
@@ -222,5 +229,24 @@ mod tests {
         assert_eq!(unit("effects.magnus.sx_1_s"), Some("1/s"));
         assert_eq!(unit("release.spin_rad_s"), Some("rad/s"));
         assert_eq!(unit("record.frames"), None);
+        // Each key of an effect of an arm has the unit that its catalogue gives it.
+        let keys =
+            Domain::Arm.keys().filter_map(|key| Some((unit(&key.path), key.path.strip_prefix("effects.")?.to_owned())));
+        for (found, path) in keys {
+            let (effect, key) = path.split_once('.').unwrap();
+            if key == "tune" {
+                continue;
+            }
+            let effect = crate::arm::effects::ArmEffect::find(effect).unwrap();
+            let expected = effect.coefficients.iter().find(|c| c.key == key).unwrap().unit;
+            let words = match expected {
+                "rad" => "radians",
+                "m" => "metres",
+                "s" => "seconds",
+                "kg" => "kilograms",
+                other => other,
+            };
+            assert_eq!(found.unwrap_or("1"), words, "{path}");
+        }
     }
 }

@@ -215,6 +215,9 @@ fn provenance(options: &Diagnose, answer: &Answer, gap: &Gap, object: usize) -> 
         let held_out =
             diagnosis.uses.iter().find(|u| u.name == recorded.name).map_or(recorded.held_out, |u| u.held_out);
         one.insert("held_out", held_out.into());
+        if let Some(reference) = &recorded.reference {
+            one.insert("reference", reference.clone().into());
+        }
         observations.push(one);
     }
     let intervals: InlineTable = diagnosis

@@ -1,6 +1,7 @@
 //! From files to objects with their simulators, and recordings.
 
 use anyhow::{Context, Result};
+use toml_edit::InlineTable;
 use tunenet_core::Error;
 use tunenet_core::diagnose;
 use tunenet_core::observation::{Kind, Note, Observation};
@@ -8,7 +9,7 @@ use tunenet_core::simulator::Simulator;
 use tunenet_sim::replayed_arm::replays;
 use tunenet_sim::{SimulationFile, simulator};
 
-use super::manifest::Source;
+use super::manifest::{KNOWN_PAYLOAD, Source};
 use crate::cli::Diagnose;
 use crate::commands::load;
 
@@ -31,6 +32,8 @@ pub struct Recorded {
     pub object: usize,
     pub held_out: bool,
     pub seen: Observation,
+    /// The run without payload that was laid beside it, as the provenance names it.
+    pub reference: Option<InlineTable>,
 }
 
 /// Everything that was read.
@@ -71,8 +74,10 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
         let (hash, held_out, seen) = (load::hash(&source.path)?, source.held_out, recording.observation);
-        recorded.push(Recorded { name, hash, object: 0, held_out, seen });
+        let reference = source.reference.as_deref().map(load::fingerprint).transpose()?;
+        recorded.push(Recorded { name, hash, object: 0, held_out, seen, reference });
     }
+    notes.extend(load::lacks(&file)?);
     let kind = one_kind(sources, &recorded)?;
     let mut objects: Vec<Object> = Vec::new();
     for (source, recorded) in sources.iter().zip(&mut recorded) {
@@ -127,7 +132,7 @@ fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
 
 /// A key of the scene; the payload of an arm, where it is known, is a parameter that is not tuned.
 fn known_payload(key: &str, value: &str) -> Vec<(String, String)> {
-    if key != "payload_mass_kg" {
+    if key != KNOWN_PAYLOAD {
         return vec![(key.to_owned(), value.to_owned())];
     }
     let of = |field: &str| format!("parameters.payload_mass.{field}");

@@ -13,7 +13,9 @@ use crate::commands::load::distinct;
 pub const ONLY: &str = "ball";
 
 /// What an entry may say beside keys of the scene.
-const KEYS: &str = "`file`, `object`, `held_out`";
+const KEYS: &str = "`file`, `object`, `held_out`, `reference`, `payload_mass_kg`";
+/// What the arm of an object is known to hold, kg: the one key of a scene that has no table of its own.
+pub const KNOWN_PAYLOAD: &str = "payload_mass_kg";
 
 /// One file, and what is said of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,7 +109,7 @@ fn source(manifest: &Path, folder: &Path, number: usize, entry: &dyn TableLike) 
                 reference = Some(folder.join(name));
             }
             // A scene's key has a table before its name.
-            _ if item.as_table_like().is_none() && !key.contains('.') => {
+            _ if item.as_table_like().is_none() && !key.contains('.') && key != KNOWN_PAYLOAD => {
                 return Err(place(&format!("expected {KEYS} or a key of the scene, found `{key}`")).into());
             }
             _ => keys(key, item, &mut scene),

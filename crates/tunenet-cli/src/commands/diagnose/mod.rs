@@ -53,7 +53,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
 
 fn provenance(options: &Diagnose, sources: &[manifest::Source]) -> report::Provenance {
     let scene = [options.simulation.sim.as_path()].into_iter().chain(options.manifest.as_deref());
-    let read: Vec<&std::path::Path> = scene.chain(sources.iter().map(|s| s.path.as_path())).collect();
+    let sources = sources.iter().flat_map(|s| [s.path.as_path()].into_iter().chain(s.reference.as_deref()));
+    let read: Vec<&std::path::Path> = scene.chain(sources).collect();
     report::Provenance::new(options.common.seed, &read)
 }
 

@@ -10,7 +10,7 @@ use super::answer::Answer;
 use super::improve::Written;
 use super::load::Loaded;
 use crate::cli::Diagnose;
-use crate::terminal::{in_words, rounded, stage, table, warn};
+use crate::terminal::{four_digits, in_words, rounded, stage, table, warn};
 
 /// Candidates that are shown; the JSON has all of them.
 const SHOWN: usize = 6;
@@ -173,7 +173,7 @@ fn details(answer: &Answer) -> Vec<String> {
         let object = object.map(|o| format!("{}: ", o.name)).unwrap_or_default();
         let value = Value { object: None, value: tuned.value, interval95: tuned.interval95 };
         let unit = if tuned.unit == "1" { "" } else { &tuned.unit };
-        lines.push(format!("{object}{} {}, was {}", tuned.name, ranged(&value, unit), tuned.given));
+        lines.push(format!("{object}{} {}, was {}", tuned.name, ranged(&value, unit), four_digits(tuned.given)));
     }
     if let Some(gap) = &diagnosis.gap {
         let words = |value: f64| in_words(value, &gap.unit);

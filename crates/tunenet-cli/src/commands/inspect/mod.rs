@@ -1,7 +1,9 @@
 //! `tunenet inspect`.
 
 mod film;
+mod joints;
 mod motion;
+mod settings;
 
 use std::path::Path;
 
@@ -12,7 +14,6 @@ use tunenet_core::network::{DatasetHeader, DatasetReader, Model};
 use tunenet_core::observation::Kind;
 use tunenet_core::observation::preflight::{ApparentGravity, Expected};
 use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
-use tunenet_sim::SimulationFile;
 
 use super::film::is_film;
 use super::{load, print_json};
@@ -44,7 +45,7 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     let plain = |object: Value, usable: bool| Found { object, usable, motion: None };
     let mut found = match extension.as_str() {
-        "toml" => plain(simulation(&SimulationFile::read(path)?)?, true),
+        "toml" => plain(settings::look(path)?, true),
         "safetensors" => plain(model(&Model::load(path)?), true),
         _ if is_film(path) => {
             let (object, usable) = film::look(path, options.reading.camera_rate)?;
@@ -146,7 +147,8 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
     let usable = read.as_ref().map(|r| r.observation.kind()).map_err(Clone::clone);
     // What reading it as a recording says goes further than what the table alone shows.
     let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
-    let motion = read.ok().and_then(|r| Motion::of(&r.observation));
+    let read = read.ok();
+    let motion = read.as_ref().and_then(|r| Motion::of(&r.observation));
     // A table whose columns say nothing has rows and no samples: what to type comes first.
     let samples = if found.samples == 0 { String::new() } else { format!(", {} samples", found.samples) };
     stage("table", &format!("{} rows{samples}", found.rows));
@@ -170,6 +172,7 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
         anstream::eprintln!("  try: where single cells are bad, empty them; a line with an empty cell is left out");
     }
     notes.iter().for_each(warn);
+    let units = read.as_ref().and_then(|r| joints::units(&r.observation));
     let usable = judged(usable, motion.as_ref());
     if usable.is_err() && !found.remedy.is_empty() {
         anstream::eprintln!("  try: {}", found.remedy.strip_prefix("try ").unwrap_or(&found.remedy));
@@ -188,6 +191,9 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
     });
     if let Some(motion) = &motion {
         motion.add_to(&mut object);
+    }
+    if let Some(units) = &units {
+        joints::add_to(units, &mut object);
     }
     Found { object, usable: usable.is_ok(), motion }
 }
@@ -256,6 +262,7 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
     let read = (chosen && found.ended.is_none()).then(|| load::recording(path, &options.reading).ok()).flatten();
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
     notes.iter().for_each(warn);
+    let units = read.as_ref().and_then(|r| joints::units(&r.observation));
     let motion = read.and_then(|r| Motion::of(&r.observation));
     let rejected = motion.as_ref().and_then(Motion::rejected);
     if let Some(motion) = &motion {
@@ -285,6 +292,9 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
     if let Some(motion) = &motion {
         motion.add_to(&mut object);
     }
+    if let Some(units) = &units {
+        joints::add_to(units, &mut object);
+    }
     Found { object, usable: good, motion }
 }
 
@@ -311,26 +321,6 @@ fn dataset(header: &DatasetHeader, broken: Option<&Error>) -> Value {
         })).collect::<Vec<_>>(),
         "warnings": [],
     })
-}
-
-fn simulation(file: &SimulationFile) -> Result<Value> {
-    let parameters = file.parameters()?;
-    let rows: Vec<Vec<String>> = parameters
-        .iter()
-        .map(|p| {
-            let tuned = if p.tune { "tuned" } else { "fixed" };
-            vec![p.name.clone(), p.value.to_string(), format!("{} to {}", p.min, p.max), p.unit.clone(), tuned.into()]
-        })
-        .collect();
-    stage(file.domain().name(), "a simulation file");
-    anstream::eprintln!("{}", table(&rows));
-    Ok(json!({
-        "kind": "simulation",
-        "parameters": parameters.iter().map(|p| json!({
-            "name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit, "tune": p.tune,
-        })).collect::<Vec<_>>(),
-        "warnings": [],
-    }))
 }
 
 fn model(model: &Model) -> Value {

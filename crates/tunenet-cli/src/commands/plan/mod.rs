@@ -11,6 +11,7 @@ use tunenet_core::observation::{Note, recording};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::shot::reach::Anywhere;
 use tunenet_sim::shot::{self, ArmReach, Belief, Candidate, Reach, Rule, Settings, ShotScene, Task};
+use tunenet_sim::simulation_file::Domain;
 
 use super::destination::{self, Output, Product};
 use super::{load, print_json};
@@ -38,6 +39,11 @@ pub fn run(options: &Plan) -> Result<Exit> {
     options.out.iter().try_for_each(|out| load::ending(out, &["mcap"]))?;
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
+    if file.domain() == Domain::Arm {
+        let message = "expected the tuned simulation of a ball (`kind = \"ball\"`), found that of an arm";
+        let hint = "give the ball's file with --sim; an arm that lets the ball go stands in the task file, under [arm]";
+        return Err(Error::file(file.path(), message, hint).into());
+    }
     let task = Task::read(&options.task)?;
     let answer = answer(options, &file, &task)?;
     if let Some(out) = &options.out {

@@ -12,6 +12,7 @@ use std::path::Path;
 use maud::{Markup, html};
 use tunenet_core::Result;
 use tunenet_core::diagnose::{Diagnosis, Explained, Verdict};
+use tunenet_core::observation::Kind;
 
 use self::pairs::{Pair, pairs};
 use super::provenance::Provenance;
@@ -86,6 +87,7 @@ fn seen(answer: &Answer) -> Markup {
 fn place(answer: &Answer, both: bool) -> Markup {
     let diagnosis = answer.diagnosis;
     let groups = left_over::places(&diagnosis.explained);
+    let driven = answer.loaded.recorded.iter().all(|r| r.seen.kind() == Kind::Joints);
     html! {
         @if !diagnosis.effects.is_empty() {
             ul.plain {
@@ -103,8 +105,9 @@ fn place(answer: &Answer, both: bool) -> Markup {
             @if !groups.is_empty() {
                 p.how {
                     "Root mean square of the residuals above. " @if both { "The dashed mark is before, the dot after. " }
-                    "A force in flight bends every flight and shows most where the ball is fast or high; a wrong contact leaves the "
-                    "first flight alone; a wrong measurement shows along one axis or at one height."
+                    @if driven { "What follows speed, acceleration or pose shows most where these are large; a wrong reading shows in one joint." }
+                    @else { "A force in flight bends every flight and shows most where the ball is fast or high; a wrong contact leaves the "
+                    "first flight alone; a wrong measurement shows along one axis or at one height." }
                 }
             }
         }

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::choose::{Chosen, Stood};
+use super::experiment;
 use super::fit::{Fitted as Model, Normal, dot};
 use super::judge::Judged;
 use super::logs::{Logs, Place};
@@ -31,7 +32,11 @@ pub(super) fn insufficient(uses: Vec<Use>, notes: Vec<Note>) -> Diagnosis {
         candidates: Vec::new(),
         gap: None,
         adequacy: Vec::new(),
-        next_experiment: None,
+        next_experiment: Some(NextExperiment {
+            text: "record half a minute or more in which every joint moves over its range, with positions and torques"
+                .into(),
+            settings: vec![("duration_s".into(), 30.0)],
+        }),
         margin: 0.0,
         least_gain: 0.0,
         description: None,
@@ -85,7 +90,7 @@ pub(super) fn answer(
     let description = (verdict == Verdict::Unknown).then(|| describe(logs, &chosen.best)).transpose()?;
     Ok(Diagnosis {
         verdict,
-        next_experiment: next(logs, verdict, &names),
+        next_experiment: experiment::next(logs, chosen, verdict, &names, settings.margin)?,
         names,
         effects,
         candidates: candidates(logs, chosen)?,
@@ -182,7 +187,15 @@ fn covariance(logs: &Logs, model: &Model) -> Result<Covariance> {
     let naive = &inverse * (model.square / (values - n as f64).max(1.0));
     // Few stretches say little of many numbers at once; of each number alone, with one lost, they do.
     let robust = &inverse * between * &inverse * (stretches as f64 / (stretches as f64 - 1.0).max(1.0));
-    let matrix = DMatrix::from_fn(n, n, |i, j| if i == j { robust[(i, i)].max(naive[(i, i)]) } else { naive[(i, j)] });
+    let mut matrix =
+        DMatrix::from_fn(n, n, |i, j| if i == j { robust[(i, i)].max(naive[(i, i)]) } else { naive[(i, j)] });
+    // A value that stays and is not exact, a calibrated gain say, moves what is fitted beside it.
+    for (place, sd) in logs.carried() {
+        let column = logs.columns(&model.point, &[place])?;
+        let pull = DVector::from_fn(n, |i, _| dot(&columns[i], &column[0]) * sd);
+        let moved = &inverse * pull;
+        matrix += &moved * moved.transpose();
+    }
     let freedom = (stretches as f64 - 1.0).max(1.0);
     let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(UPPER));
     Ok(Covariance { matrix, active: model.active.clone(), quantile })
@@ -300,26 +313,4 @@ fn describe(logs: &Logs, model: &Model) -> Result<String> {
         worst + 1,
         ratio(worst)
     ))
-}
-
-/// What would tell candidates apart, or show more.
-fn next(logs: &Logs, verdict: Verdict, names: &[&'static str]) -> Option<NextExperiment> {
-    let effect = |name: &str| logs.entries.iter().find(|e| e.effect.name == name).map(|e| &e.effect);
-    let text = match verdict {
-        Verdict::OneOf => {
-            let turning = ["base_tilt", "joint_offset", "payload_com_offset", "torque_bias", "joint_spring"];
-            if names.iter().all(|n| turning.contains(n)) {
-                "hold still in many poses, each joint over most of its range, with and without a payload"
-            } else if names.iter().all(|n| n.contains("friction")) {
-                "move each joint alone at several speeds, from a tenth of its fastest to its fastest, both ways"
-            } else {
-                "move all joints over most of their range, slowly and then twice as fast: what follows speed, acceleration and pose \
-                 then comes apart"
-            }
-        }
-        Verdict::Insufficient => "record half a minute of motion of all joints, with torques",
-        _ => return None,
-    };
-    let known = names.iter().filter_map(|n| effect(n)).count();
-    (known > 0 || verdict == Verdict::Insufficient).then(|| NextExperiment { text: text.into(), settings: Vec::new() })
 }

@@ -117,20 +117,29 @@ impl Logs<'_> {
         let best = trials.first().map_or(0.0, |t| t.gain);
         let least = (best - BEHIND.max(BEHIND_SHARE * best)).max(0.0);
         let hopeful = trials.iter_mut().filter(|t| t.excluded.is_none() && t.gain > least).take(FITTED);
-        for trial in hopeful {
-            let active = [model.active.as_slice(), &self.places(trial.entry)].concat();
-            match self.fit_from(&model.point, &active, Some(&normal)) {
-                Ok(fit) => {
-                    trial.likelihood = self.likelihood(model.square, fit.square);
-                    trial.gain = self.criterion(model.square, fit.square, self.worth(&normal, trial.entry) as f64);
-                    trial.excluded = self.unbelievable(&fit, trial.entry);
-                    trial.fit = Some(fit);
-                }
-                Err(error) => trial.excluded = Some(format!("it cannot be simulated here: {error}")),
-            }
+        hopeful.for_each(|trial| self.fit_trial(trial, model, &normal));
+        // Where those do not keep what they promised, or cannot be believed, the next in line has its turn.
+        loop {
+            trials.sort_by(|a, b| a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)));
+            let leader = trials.first_mut().filter(|t| t.excluded.is_none() && t.fit.is_none() && t.gain > 0.0);
+            let Some(leader) = leader else { break };
+            self.fit_trial(leader, model, &normal);
         }
-        trials.sort_by(|a, b| a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)));
         Ok(trials)
+    }
+
+    /// Fits what was only predicted of an effect beside `model`.
+    fn fit_trial(&self, trial: &mut Trial, model: &Fitted, normal: &Normal) {
+        let active = [model.active.as_slice(), &self.places(trial.entry)].concat();
+        match self.fit_from(&model.point, &active, Some(normal)) {
+            Ok(fit) => {
+                trial.likelihood = self.likelihood(model.square, fit.square);
+                trial.gain = self.criterion(model.square, fit.square, self.worth(normal, trial.entry) as f64);
+                trial.excluded = self.unbelievable(&fit, trial.entry);
+                trial.fit = Some(fit);
+            }
+            Err(error) => trial.excluded = Some(format!("it cannot be simulated here: {error}")),
+        }
     }
 
     /// Why an effect's numbers cannot be believed: each that matters lies far outside what is physical.

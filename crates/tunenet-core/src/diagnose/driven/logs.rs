@@ -17,6 +17,9 @@ const STEP: f64 = 1e-3;
 /// ... and of a parameter's bounds.
 const STEP_SPAN: f64 = 1e-6;
 
+/// Half a 95 % interval of a normal distribution, in standard deviations.
+const HALF: f64 = 1.959_964;
+
 /// A stretch of a recording.
 pub(super) struct Run {
     pub recording: usize,
@@ -178,6 +181,16 @@ impl<'a> Logs<'a> {
     pub fn tunable(&self) -> Vec<Place> {
         let of =
             |o: usize| (0..self.base).filter(move |&i| self.simulators[o].parameters()[i].tune).map(move |i| (o, i));
+        self.objects().into_iter().flat_map(of).collect()
+    }
+
+    /// The places of the parameters that stay and are not exact, with the standard deviation of each.
+    pub fn carried(&self) -> Vec<(Place, f64)> {
+        let of = |o: usize| {
+            let all = self.simulators[o].parameters()[..self.base].iter().enumerate();
+            all.filter(|(_, p)| !p.tune)
+                .filter_map(move |(i, p)| p.known95.map(|(low, high)| ((o, i), (high - low) / (2.0 * HALF))))
+        };
         self.objects().into_iter().flat_map(of).collect()
     }
 

@@ -14,9 +14,11 @@
 //! | `choose` | forward, pruned, with what could stand in each effect's place |
 //! | `judge` | whether the rest is noise, or small enough; verdict |
 //! | `answer` | the diagnosis in words and numbers |
+//! | `experiment` | what to record next |
 
 mod answer;
 mod choose;
+mod experiment;
 mod fit;
 mod judge;
 mod logs;

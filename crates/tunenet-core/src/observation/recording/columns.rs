@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::guess::guess;
+use super::guess_joints::guess_joints;
 use super::lines::{Cell, Line, cells};
 use super::quantity::{Family, Meaning, Quantity, Scale, meaning};
+use super::ranges::written_out;
 use super::{Note, list};
 use crate::observation::{Channel, Kind};
 use crate::{Error, Result};
@@ -39,6 +41,8 @@ pub(super) struct Header<'a> {
     pub separator: Option<char>,
     /// Whether the line holds names; otherwise it is the first sample.
     pub named: bool,
+    /// The joints of the arm that the table should be about, where there is one.
+    pub joints: &'a [String],
 }
 
 impl Header<'_> {
@@ -72,10 +76,37 @@ impl Header<'_> {
         }
     }
 
+    /// Whether it is a log of joints that is asked for, or that the names speak of.
+    fn of_joints(&self) -> bool {
+        let cells = self.cells();
+        let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
+        !self.joints.is_empty() || self.named && guess(&names).is_none() && guess_joints(&names, &[]).is_some()
+    }
+
     /// What to type: the mapping that the names suggest, or an example of one.
     fn remedy(&self) -> String {
         let cells = self.cells();
         let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
+        if !self.named && !self.joints.is_empty() {
+            let n = self.joints.len();
+            return format!(
+                "say which column is which, counted from 1, for example `--columns t_s=1,q1..{n}_rad=2..{},tau1..{n}_nm={}..{}`",
+                n + 1,
+                n + 2,
+                2 * n + 1
+            );
+        }
+        if let Some(option) = guess_joints(&names, self.joints).filter(|_| self.named && self.of_joints()) {
+            return format!("try `{option}`; where another unit is meant, write it into our name: `q1_deg`, `t_ms`");
+        }
+        if !self.joints.is_empty() {
+            return format!(
+                "say which column is which joint's, as in `--columns t_s=time,q1..{0}_rad=pos_*,tau1..{0}_nm=effort_*`; joints are \
+                 numbered as in the URDF: {1}",
+                self.joints.len(),
+                list(self.joints.iter().map(String::as_str), 12)
+            );
+        }
         if !self.named {
             let example = match names.len() {
                 0 | 1 => "bounce_time_s=1",
@@ -110,6 +141,12 @@ pub(super) fn layout(header: &Header<'_>, mapping: &[(String, String)]) -> Resul
     }
     let kind = match (kinds_mapped.as_slice(), kinds(&found).as_slice()) {
         ([kind], _) | ([], [kind]) => *kind,
+        ([], []) if header.of_joints() => {
+            let names = list(header.joints.iter().map(String::as_str), 12);
+            let whose = if header.joints.is_empty() { String::new() } else { format!(" of the joints {names}") };
+            let what = format!("columns `t_s`, `q1_rad`, … and `tau1_nm`, … or `i1_a`, …{whose}");
+            return missing(header, &found, &what, None);
+        }
         ([], []) => return missing(header, &found, "columns `t_s` and `z_m`, or `bounce_time_s`", None),
         ([], several) | (several, _) => {
             let names: Vec<&str> = several.iter().map(|kind| kind.name()).collect();
@@ -129,7 +166,8 @@ fn kinds(found: &Found) -> Vec<Kind> {
 fn mapped(header: &Header<'_>, mapping: &[(String, String)]) -> Result<Found> {
     let mut found = Found::new();
     let cells = header.cells();
-    for (ours, theirs) in mapping {
+    let names: Vec<&str> = if header.named { cells.iter().map(|cell| cell.text).collect() } else { Vec::new() };
+    for (ours, theirs) in &written_out(mapping, &names)? {
         let Meaning::Known(quantity, scale) = meaning(ours) else {
             return Err(Error::Setting {
                 name: "columns",

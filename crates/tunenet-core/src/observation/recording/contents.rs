@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::lines::{Lines, cells, named, separator};
 use super::quantity::{Meaning, meaning};
+use super::ranges::written_out;
 use super::scan::scan;
 use super::source::unchanged;
 use super::topics::{Topic, survey};
@@ -127,7 +128,7 @@ fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
         broken_count: 0,
         notes: Vec::new(),
     };
-    let scan = match scan(path, mapping) {
+    let scan = match scan(path, mapping, &[]) {
         Ok(scan) => scan,
         Err(Error::Text { message, hint, .. }) => {
             (table.usable, table.remedy, table.rows) = (Err(message), hint, rows(path)?);
@@ -180,7 +181,8 @@ fn columns(path: &Path, mapping: &[(String, String)]) -> Result<Vec<Column>> {
     let name = |text: &str| if named { text.to_owned() } else { String::new() };
     let mut columns: Vec<Column> =
         cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect();
-    for (ours, theirs) in mapping {
+    let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
+    for (ours, theirs) in &written_out(mapping, if named { &names } else { &[] })? {
         let by_name = columns.iter().position(|column| column.name == *theirs);
         let by_number = || theirs.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
         if let Some(column) = by_name.or_else(by_number).and_then(|at| columns.get_mut(at)) {

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use super::bounces::doubt;
 use super::scan::{Scan, scan};
-use super::{Note, Recording};
+use super::{Note, ReadOptions, Recording};
 use crate::observation::{FEWEST_SAMPLES, Kind, Observation};
 use crate::{Error, Result};
 
-pub(super) fn read(path: &Path, mapping: &[(String, String)], skip_broken: bool) -> Result<Recording> {
-    let scan = scan(path, mapping)?;
-    scan.check(skip_broken)?;
+pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
+    let scan = scan(path, &options.columns, &options.joints)?;
+    scan.check(options.skip_broken)?;
     let mut notes = scan.notes();
     let samples = scan.values.len() / scan.layout.channels.len();
     if samples < FEWEST_SAMPLES {

@@ -64,6 +64,12 @@ pub(super) fn guess(names: &[&str]) -> Option<(String, bool)> {
     Some((format!("--columns {}", quoted(&pairs.join(","))), missing.iter().any(|(_, c)| c.unit.is_none())))
 }
 
+/// The column that is the clock, by its name.
+pub(super) fn time(names: &[&str]) -> Option<usize> {
+    let candidates = names.iter().enumerate().filter_map(|(i, name)| candidate(i, name));
+    candidates.filter(|c| c.quantity == Quantity::Time).min_by_key(|c| !c.known).map(|c| c.index)
+}
+
 fn candidate(index: usize, name: &str) -> Option<Candidate> {
     let words = plain(name);
     let words: Vec<&str> = words.split('_').collect();
@@ -100,7 +106,7 @@ fn pair(names: &[&str], quantity: Quantity, candidate: Candidate) -> String {
 }
 
 /// In the quotes that a shell needs.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let bare = |c: char| c.is_alphanumeric() || "_-.,=/:".contains(c);
     if text.chars().all(bare) { text.into() } else { format!("'{text}'") }
 }

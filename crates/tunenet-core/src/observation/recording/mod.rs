@@ -6,7 +6,7 @@
 //!
 //! | file | subject |
 //! |---|---|
-//! | `lines`, `quantity`, `columns`, `guess`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, what the columns make or could make, the numbers, an observation from them |
+//! | `lines`, `quantity`, `ranges`, `columns`, `guess`, `guess_joints`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, ranges of columns, what the columns make or could make, the numbers, an observation from them |
 //! | `mcap_read`, `topics`, `message`, `ros`, `json`, `joints`, `mcap_series`, `stamps` | MCAP: records, topics, messages, an observation from them |
 //! | `source`, `encoding` | the file itself: what is opened, whether it changed meanwhile, and how its text is written |
 //! | `csv_write`, `mcap_write`, `approach_write`, `definitions`, `atomic` | writing |
@@ -22,6 +22,7 @@ mod csv_write;
 mod definitions;
 mod encoding;
 mod guess;
+mod guess_joints;
 mod joints;
 mod json;
 mod lines;
@@ -31,6 +32,7 @@ mod mcap_write;
 mod message;
 pub mod pictures;
 mod quantity;
+mod ranges;
 mod ros;
 mod scan;
 mod source;
@@ -80,14 +82,14 @@ pub struct Recording {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Pairs (ours, theirs): ours is a column name with its unit (`t_s`, `z_mm`), theirs a name from the file's header, or
-    /// a column number from 1. For CSV alone.
+    /// a column number from 1; for joints also ranges, (`q1..6_rad`, `2..7`) or (`q1..6_rad`, `joint_*`). For CSV alone.
     pub columns: Vec<(String, String)>,
     /// The MCAP topic to read; `None` takes the only one that can be used.
     pub topic: Option<String>,
     /// Leave lines of a CSV file out that cannot be used, as long as they are few, instead of refusing the file.
     pub skip_broken: bool,
-    /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them. Where empty, the
-    /// first message decides.
+    /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them, and hints on the
+    /// columns of a CSV file speak of them. Where empty, the first message decides.
     pub joints: Vec<String>,
 }
 
@@ -116,7 +118,7 @@ fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
             expected: "an MCAP file".into(),
             found: format!("the text file {}", path.display()),
         }),
-        Format::Csv => csv::read(path, &options.columns, options.skip_broken),
+        Format::Csv => csv::read(path, options),
         Format::Mcap if !options.columns.is_empty() => Err(Error::Setting {
             name: "columns",
             expected: "a CSV file".into(),

@@ -93,11 +93,12 @@ pub(super) struct Scan {
 }
 
 /// Reads all lines of a table. `Err` is a file that has no layout; broken lines are in the result.
-pub(super) fn scan(path: &Path, mapping: &[(String, String)]) -> Result<Scan> {
-    scan_at_most(path, mapping, MOST_NUMBERS)
+/// `joints` are those that it should be about, where that is known.
+pub(super) fn scan(path: &Path, mapping: &[(String, String)], joints: &[String]) -> Result<Scan> {
+    scan_at_most(path, mapping, joints, MOST_NUMBERS)
 }
 
-fn scan_at_most(path: &Path, mapping: &[(String, String)], most: usize) -> Result<Scan> {
+fn scan_at_most(path: &Path, mapping: &[(String, String)], joints: &[String], most: usize) -> Result<Scan> {
     let mut lines = Lines::open(path)?;
     let Some(first) = lines.next()? else {
         let hint = "give a file with a header such as `t_s,x_m,y_m,z_m` and one sample a line";
@@ -106,7 +107,7 @@ fn scan_at_most(path: &Path, mapping: &[(String, String)], most: usize) -> Resul
     let separator = separator(&first.text);
     let names = cells(&first.text, separator);
     let (width, named) = (names.len(), named(&names, separator));
-    let layout = layout(&Header { path, line: &first, separator, named }, mapping)?;
+    let layout = layout(&Header { path, line: &first, separator, named, joints }, mapping)?;
     let mut scan = Scan {
         path: path.into(),
         separator,
@@ -376,8 +377,8 @@ mod tests {
     #[test]
     fn too_large_a_table_is_refused_with_its_size() {
         let (_folder, path) = file("a.csv", "t_s,u_px,v_px\n0,1,2\n1,1,2\n2,1,2\n");
-        assert_eq!(scan_at_most(&path, &[], 6).unwrap().values.len(), 6);
-        let (message, hint) = told(&scan_at_most(&path, &[], 5).unwrap_err());
+        assert_eq!(scan_at_most(&path, &[], &[], 6).unwrap().values.len(), 6);
+        let (message, hint) = told(&scan_at_most(&path, &[], &[], 5).unwrap_err());
         assert_eq!(message, "a.csv: expected at most 5 numbers, found more in its 32 bytes");
         assert_eq!(hint, "cut it into pieces, or keep fewer samples per second");
     }
@@ -391,7 +392,7 @@ mod tests {
             (format!("t_s,z_m\n0,1\n{}", "x\n".repeat(MOST_IDLE + 1)), "lines without one"),
         ] {
             let (_folder, path) = file("a.csv", text);
-            let (message, _) = told(&scan(&path, &[]).unwrap_err());
+            let (message, _) = told(&scan(&path, &[], &[]).unwrap_err());
             assert_eq!(message, format!("a.csv: expected samples, found more than {MOST_IDLE} {what}"));
         }
     }

@@ -5,6 +5,7 @@
 //! is left out stands in [`Model::notes`].
 
 mod friction;
+mod place;
 mod text;
 mod tree;
 
@@ -39,13 +40,15 @@ pub fn read(path: &Path) -> Result<Model> {
 pub fn parse(path: &Path, text: &str) -> Result<Model> {
     text::check(path, text)?;
     let robot = urdf_rs::read_from_string(text).map_err(|e| {
-        Error::file(path, format!("expected a URDF, found what cannot be read as one: {e}"), "mend the XML")
+        place::broken(path, text).unwrap_or_else(|| {
+            Error::file(path, format!("expected a URDF, found what cannot be read as one: {e}"), "mend the XML")
+        })
     })?;
     if robot.links.len() > MOST_LINKS {
         let message = format!("expected at most {MOST_LINKS} links, found {}", robot.links.len());
         return Err(Error::file(path, message, "cut the file down to the arm"));
     }
-    let file = File { path, robot };
+    let file = File { path, text, robot };
     let mut notes = file.ignored(text);
     let coordinates = file.coordinates()?;
     let (bodies, frames) = tree::build(&file, &coordinates, &mut notes)?;
@@ -64,12 +67,18 @@ pub fn parse(path: &Path, text: &str) -> Result<Model> {
 /// A parsed file and where it came from.
 struct File<'a> {
     path: &'a Path,
+    text: &'a str,
     robot: urdf_rs::Robot,
 }
 
 impl File<'_> {
     fn error(&self, message: impl Into<String>, hint: &str) -> Error {
         Error::file(self.path, message, hint)
+    }
+
+    /// An error at the line where the link or joint of this name begins.
+    fn error_at(&self, element: &str, name: &str, message: impl Into<String>, hint: &str) -> Error {
+        place::at_element(self.path, self.text, element, name, message.into(), hint)
     }
 
     /// The inertia of a link, in its own frame; nothing where it has none.
@@ -83,7 +92,7 @@ impl File<'_> {
         };
         if let Some((expected, found)) = own.impossible() {
             let message = format!("link `{}`: expected {expected}, found {found}", link.name);
-            return Err(self.error(message, "no body has such an inertia: correct <inertial>"));
+            return Err(self.error_at("link", &link.name, message, "no body has such an inertia: correct <inertial>"));
         }
         Ok(own.seen_from(&self.pose(&format!("the <inertial> of link `{}`", link.name), &given.origin)?))
     }
@@ -102,14 +111,13 @@ impl File<'_> {
         let axis = Vector3::from(*joint.axis.xyz);
         let Some(axis) = Unit::try_new(axis, 1e-9).filter(|a| a.iter().all(|n| n.is_finite())) else {
             let found = format!("expected an axis with a direction, found `{} {} {}`", axis.x, axis.y, axis.z);
-            return Err(self.error(named(found), "write <axis xyz=\"0 0 1\"/>, say"));
+            return Err(self.error_at("joint", &joint.name, named(found), "write <axis xyz=\"0 0 1\"/>, say"));
         };
         let dynamics = joint.dynamics.clone().unwrap_or_default();
         for (name, value) in [("damping", dynamics.damping), ("friction", dynamics.friction)] {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(
-                    self.error(named(format!("expected {name} of 0 or more, found {value}")), "correct <dynamics>")
-                );
+                let message = named(format!("expected {name} of 0 or more, found {value}"));
+                return Err(self.error_at("joint", &joint.name, message, "correct <dynamics>"));
             }
         }
         let limits = self.limits(joint, kind, notes)?;
@@ -123,7 +131,7 @@ impl File<'_> {
         if given.iter().any(|n| n.is_nan()) || limit.lower > limit.upper || limit.velocity < 0.0 || limit.effort < 0.0 {
             let found = format!("lower {} upper {} velocity {} effort {}", given[0], given[1], given[2], given[3]);
             let message = format!("joint `{}`: expected limits with lower below upper, found {found}", joint.name);
-            return Err(self.error(message, "correct <limit>"));
+            return Err(self.error_at("joint", &joint.name, message, "correct <limit>"));
         }
         // 0 stands for "not said" in the files that exporters write: such a joint could never move.
         let or_none = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
@@ -156,7 +164,8 @@ impl File<'_> {
                         "joint `{}`: expected fixed, revolute, continuous or prismatic, found {:?}",
                         joint.name, joint.joint_type
                     );
-                    return Err(self.error(message.to_lowercase(), "describe it by joints with one axis each"));
+                    let hint = "describe it by joints with one axis each";
+                    return Err(self.error_at("joint", &joint.name, message.to_lowercase(), hint));
                 }
             };
             found.push(kind.map(|kind| (kind, Coordinate::own(next))));

@@ -1,0 +1,56 @@
+//! What a TOML file is: a simulation, the task of a shot, or a manifest of recordings.
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde_json::{Value, json};
+use toml_edit::DocumentMut;
+use tunenet_core::observation::recording::read_text;
+use tunenet_sim::SimulationFile;
+use tunenet_sim::shot::Task;
+
+use crate::terminal::{stage, table};
+
+/// Looks into it; what is none of these is refused as a simulation file.
+pub fn look(path: &Path) -> Result<Value> {
+    let text = read_text(path)?;
+    let document = text.parse::<DocumentMut>().unwrap_or_default();
+    if document.get("kind").and_then(|kind| kind.as_str()) == Some("shot") {
+        let task = Task::read(path)?;
+        let [low, high] = [task.heights_m.0, task.heights_m.1];
+        stage("task", "of a shot");
+        stage(
+            "usable",
+            &format!("plan a release from {low} to {high} m: `tunenet plan --sim TUNED.toml --task` with this file"),
+        );
+        return Ok(json!({ "kind": "task", "for": "plan a shot", "heights_m": [low, high], "warnings": [] }));
+    }
+    if let Some(observations) = document.get("observation").and_then(|all| all.as_array_of_tables()) {
+        stage("manifest", &format!("of {} recordings", observations.len()));
+        stage("usable", "diagnose them together: `tunenet diagnose --sim FILE.toml --manifest` with this file");
+        return Ok(
+            json!({ "kind": "manifest", "for": "diagnose", "observations": observations.len(), "warnings": [] }),
+        );
+    }
+    simulation(&SimulationFile::read(path)?)
+}
+
+fn simulation(file: &SimulationFile) -> Result<Value> {
+    let parameters = file.parameters()?;
+    let rows: Vec<Vec<String>> = parameters
+        .iter()
+        .map(|p| {
+            let tuned = if p.tune { "tuned" } else { "fixed" };
+            vec![p.name.clone(), p.value.to_string(), format!("{} to {}", p.min, p.max), p.unit.clone(), tuned.into()]
+        })
+        .collect();
+    stage(file.domain().name(), "a simulation file");
+    anstream::eprintln!("{}", table(&rows));
+    Ok(json!({
+        "kind": "simulation",
+        "parameters": parameters.iter().map(|p| json!({
+            "name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit, "tune": p.tune,
+        })).collect::<Vec<_>>(),
+        "warnings": [],
+    }))
+}

@@ -1,0 +1,109 @@
+//! Whether torques have the sign that the arm needs, and whether run and reference stand the right way round.
+
+use tunenet_core::observation::preflight::{Check, State};
+use tunenet_core::simulator::Prepared;
+
+use super::checks::check;
+use crate::arm::Joint;
+
+/// A joint whose rigid torque is less than this share of the greatest says nothing of its sign: friction outweighs it.
+const WEIGHTY: f64 = 0.1;
+/// As measured, less than this share of the squares of a torque is explained by the arm and anything that it may hold, ...
+const LEAST: f64 = 0.1;
+/// ... and with the sign turned, more than this.
+const MOST: f64 = 0.5;
+/// How well the difference of two runs has to follow the payload, turned round (cosine).
+const OPPOSITE: f64 = 0.5;
+
+/// Torques of a run averaged over the windows of the fit, row-major `[window, joint]`.
+pub(super) struct Torques {
+    /// As measured.
+    pub measured: Vec<f64>,
+    /// What the arm of the URDF needs, its friction included.
+    pub bare: Vec<f64>,
+    /// What 1 kg in the payload's place adds.
+    pub payload: Vec<f64>,
+}
+
+fn column(values: &[f64], joint: usize, joints: usize) -> impl Iterator<Item = f64> {
+    values.iter().skip(joint).step_by(joints).copied()
+}
+
+fn dot(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> f64 {
+    a.zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The share of the squares of `sign · y` that a·bare + b·payload explains, neither number below 0.
+fn explained(torques: &Torques, joint: usize, joints: usize, sign: f64) -> f64 {
+    let of = |values: &'_ [f64]| column(values, joint, joints).collect::<Vec<_>>();
+    let (y, r, p) = (of(&torques.measured), of(&torques.bare), of(&torques.payload));
+    let product = |a: &[f64], b: &[f64]| dot(a.iter().copied(), b.iter().copied());
+    let (yy, rr, pp, rp) = (product(&y, &y), product(&r, &r), product(&p, &p), product(&r, &p));
+    let (yr, yp) = (sign * product(&y, &r), sign * product(&y, &p));
+    let determinant = rr * pp - rp * rp;
+    let (a, b) = ((yr * pp - yp * rp) / determinant, (yp * rr - yr * rp) / determinant);
+    let gain = if determinant > 1e-9 * rr * pp && a >= 0.0 && b >= 0.0 {
+        a * yr + b * yp
+    } else {
+        let alone = |product: f64, square: f64| if square > 0.0 { product.max(0.0).powi(2) / square } else { 0.0 };
+        alone(yr, rr).max(alone(yp, pp))
+    };
+    if yy > 0.0 { gain / yy } else { 0.0 }
+}
+
+/// Names the joints whose torques follow the arm's only with their sign turned.
+pub(super) fn signs(torques: &Torques, joints: &[&Joint], currents: bool) -> Check {
+    let (code, n) = ("joints.signs", joints.len());
+    let size = |values: &[f64], j: usize| dot(column(values, j, n), column(values, j, n)).sqrt();
+    let greatest = (0..n).map(|j| size(&torques.bare, j)).fold(0.0, f64::max);
+    let weighty: Vec<usize> =
+        (0..n).filter(|&j| size(&torques.bare, j) > WEIGHTY * greatest && size(&torques.measured, j) > 0.0).collect();
+    let turned: Vec<usize> = weighty
+        .iter()
+        .copied()
+        .filter(|&j| explained(torques, j, n, 1.0) < LEAST && explained(torques, j, n, -1.0) > MOST)
+        .collect();
+    if turned.is_empty() {
+        return check(code, State::Passed, "torques have the sign that the arm needs", "");
+    }
+    let names: Vec<String> = turned.iter().map(|&j| format!("`{}`", joints[j].name)).collect();
+    let which = if turned.len() == weighty.len() && turned.len() > 1 {
+        "of all joints that carry weight".to_owned()
+    } else {
+        format!("of {}", names.join(", "))
+    };
+    let text = format!(
+        "the torques {which} are the opposite of what the arm needs: with their sign turned they agree with it"
+    );
+    let how = if currents { "; a negative number in `arm.current_gain_nm_a` turns a current" } else { "" };
+    let remedy = format!(
+        "positive is what the motor exerts about the joint's axis: turn the sign of these columns{how}; or the zero of the joint \
+         is half a turn off"
+    );
+    check(code, State::Failed, text, &remedy)
+}
+
+/// Whether the run carries what its reference lacks, and not the other way round. `prepared` holds the difference of both.
+pub(super) fn swapped(prepared: &Prepared, torques: &Torques, joints: usize) -> Check {
+    let code = "reference.swapped";
+    let noise = prepared.noise.as_deref().unwrap_or_default();
+    let weigh = |values: &[f64]| -> Vec<f64> {
+        values.iter().enumerate().map(|(i, v)| v / noise.get(i % joints).copied().unwrap_or(1.0)).collect()
+    };
+    let (seen, payload) = (weigh(prepared.seen.values()), weigh(&torques.payload));
+    let product = |a: &[f64], b: &[f64]| dot(a.iter().copied(), b.iter().copied());
+    let (both, square, other) = (product(&seen, &payload), product(&payload, &payload), product(&seen, &seen));
+    if both < -OPPOSITE * (square * other).sqrt() {
+        let text = format!(
+            "the run needs less torque than its reference, as if it held {:.3} kg: the two look swapped",
+            both / square
+        );
+        return check(
+            code,
+            State::Failed,
+            text,
+            "give the run with the payload to --observation, the bare one to --reference",
+        );
+    }
+    check(code, State::Passed, "the run carries what its reference lacks", "")
+}

@@ -1,0 +1,100 @@
+//! What a tuned payload itself says against its answer.
+
+use tunenet_core::observation::preflight::{Check, State};
+use tunenet_core::tune::{Estimate, Outcome};
+
+use super::checks::check;
+use crate::SimulationFile;
+
+/// A payload that reaches from its link to twice its centre of mass and is thinner than this, kg/m³, is none that a hand
+/// holds: foam has 20.
+const THINNEST_KG_M3: f64 = 5.0;
+/// Tools are so long, m, whatever they weigh.
+const LONGEST_TOOL_M: f64 = 0.2;
+const PLACES: [&str; 3] = ["payload_com_x", "payload_com_y", "payload_com_z"];
+
+/// Adds what is suspicious of the payload that `outcome` found with the simulation `file` to its notes and checks. `referenced`:
+/// whether a run without payload was laid beside it.
+pub fn suspect(file: &SimulationFile, outcome: &mut Outcome, referenced: bool) {
+    let mut found = Vec::new();
+    found.extend(gain(outcome, referenced));
+    found.extend(place(file, outcome));
+    found.extend(moved(file, outcome));
+    outcome.notes.extend(found.iter().filter_map(Check::note));
+    for (used, checks) in outcome.used.iter().zip(&mut outcome.preflight) {
+        if *used {
+            checks.extend(found.iter().cloned());
+        }
+    }
+}
+
+fn estimate<'a>(outcome: &'a Outcome, name: &str) -> Option<&'a Estimate> {
+    outcome.parameters.iter().find(|p| p.name == name)
+}
+
+/// Mass and gain that are both free.
+fn gain(outcome: &Outcome, referenced: bool) -> Option<Check> {
+    let at = |name: &str| outcome.free.iter().position(|n| n == name);
+    let (mass, gain) = (at("payload_mass")?, at("torque_gain")?);
+    let correlation = outcome.correlation[(mass, gain)];
+    let remedy = "calibrate the gain first: a run with a known payload (`parameters.payload_mass.tune=false`) and its `--reference`; \
+                  then weigh with `--reference` and `parameters.torque_gain.tune=false`";
+    let text = if referenced {
+        format!(
+            "with a reference only `payload_mass` times `torque_gain` is seen, never one of them alone (correlation {correlation:.2})"
+        )
+    } else {
+        format!(
+            "only the masses that the URDF gives its links tell `payload_mass` from `torque_gain` (correlation {correlation:.2}): what \
+             is wrong in them, and friction, is in neither interval"
+        )
+    };
+    Some(check("payload.gain", State::Noticed, text, remedy))
+}
+
+/// A centre of mass where no payload of that mass has one.
+fn place(file: &SimulationFile, outcome: &Outcome) -> Option<Check> {
+    let parameters = file.parameters().ok()?;
+    let known = |name: &str| parameters.iter().find(|p| p.name == name).map_or(0.0, |p| p.value);
+    let mass = estimate(outcome, "payload_mass").map_or_else(|| known("payload_mass"), |p| p.value);
+    let tuned: Vec<&Estimate> = PLACES.iter().filter_map(|name| estimate(outcome, name)).collect();
+    if tuned.is_empty() || mass <= 0.0 {
+        return None;
+    }
+    let at = PLACES.map(|name| estimate(outcome, name).map_or_else(|| known(name), |p| p.value));
+    let distance = at.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let unsure = tuned.iter().map(|p| (0.5 * (p.interval95.1 - p.interval95.0)).powi(2)).sum::<f64>().sqrt();
+    let farthest = (0.5 * (mass / THINNEST_KG_M3).cbrt()).max(LONGEST_TOOL_M);
+    let code = "payload.place";
+    if distance - unsure <= farthest {
+        return Some(check(code, State::Passed, format!("the centre of mass lies {distance:.3} m from its link"), ""));
+    }
+    let text = format!(
+        "the centre of mass lies {distance:.3} m from its link, where no payload of {mass:.3} kg has one (farthest plausible {farthest:.2} m)"
+    );
+    let remedy = "check the joints' order and zeros and the torque constants; without a `--reference`, errors of the URDF and friction \
+                  are taken for a payload";
+    Some(check(code, State::Noticed, text, remedy))
+}
+
+/// A centre of mass that contradicts the one that was tuned before.
+fn moved(file: &SimulationFile, outcome: &Outcome) -> Option<Check> {
+    let (mut both, mut apart) = (false, Vec::new());
+    for now in PLACES.iter().filter_map(|name| estimate(outcome, name)) {
+        let Some((low, high)) = file.tuned95(&now.name) else { continue };
+        both = true;
+        if now.interval95.0 > high || now.interval95.1 < low {
+            apart.push(format!("`{}` {:.3} m, was {:.3} m", now.name, now.value, now.before));
+        }
+    }
+    let code = "payload.moved";
+    if apart.is_empty() {
+        return both.then(|| check(code, State::Passed, "the centre of mass is where it was tuned before", ""));
+    }
+    let text = format!(
+        "the centre of mass is not where this file was tuned to ({}), by more than both intervals allow",
+        apart.join("; ")
+    );
+    let remedy = "is it the same payload, mounted in the same way? otherwise joint zeros or the signs of columns differ between the logs";
+    Some(check(code, State::Noticed, text, remedy))
+}
