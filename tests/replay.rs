@@ -241,15 +241,20 @@ fn a_calibrated_arm_weighs_its_payload() {
     let fixed: Vec<&str> = fixed.iter().flat_map(|set| ["--set", set.as_str()]).collect();
     let bare = run("14harm50sec");
     let answer =
-        call(&folder, &[&all[..], &fixed, &["--observation", &bare, "--columns", &columns, "--json"]].concat()).json();
+        call(&folder, &[&all[..], &fixed, &["--observation", &bare, "--columns", &columns, "--json"]].concat())
+            .ends(0)
+            .json();
     // Both kinds of friction are there, and nothing could stand in their place. What swings to and fro has an acceleration
-    // that follows its position, so that a rotor's inertia and a spring stay together beside them.
+    // that follows its position, so that a rotor's inertia and a spring cannot be told apart beside them: that is told.
     let effects = answer["effects"].as_array().unwrap();
     for name in ["coulomb_friction", "viscous_friction"] {
         let found = effects.iter().find(|e| e["name"] == name).unwrap_or_else(|| panic!("no {name}: {answer}"));
         assert!(found["alternatives"].as_array().unwrap().is_empty(), "{found}");
     }
-    assert!(["named", "one_of"].contains(&answer["verdict"].as_str().unwrap()), "{answer}");
+    assert_eq!((&answer["verdict"], effects.len()), (&"named".into(), 2), "{answer}");
+    let warnings = answer["warnings"].as_array().unwrap();
+    assert!(warnings.iter().any(|w| w["code"] == "effects.further"), "{answer}");
+    assert!(answer["next_experiment"]["text"].as_str().unwrap().contains("joint"), "{answer}");
     let unseen = &answer["gap"]["held_out"];
     assert!(unseen["after"].as_f64().unwrap() < 0.5 * unseen["before"].as_f64().unwrap(), "{unseen}");
 }

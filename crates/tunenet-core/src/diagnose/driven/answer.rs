@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::certain::Further;
 use super::choose::{Chosen, Stood};
 use super::experiment;
 use super::fit::{Fitted as Model, Normal, dot};
@@ -53,6 +54,7 @@ pub(super) fn insufficient(uses: Vec<Use>, notes: Vec<Note>) -> Diagnosis {
 pub(super) fn answer(
     logs: &Logs,
     chosen: &Chosen,
+    further: Option<Further>,
     settings: &Settings,
     uses: Vec<Use>,
     mut notes: Vec<Note>,
@@ -88,9 +90,14 @@ pub(super) fn answer(
         forecast: None,
     };
     let description = (verdict == Verdict::Unknown).then(|| describe(logs, &chosen.best)).transpose()?;
+    let mut next_experiment = experiment::next(logs, chosen, verdict, &names, settings.margin)?;
+    if let Some(further) = further {
+        notes.push(further.note);
+        next_experiment = next_experiment.or(further.experiment);
+    }
     Ok(Diagnosis {
         verdict,
-        next_experiment: experiment::next(logs, chosen, verdict, &names, settings.margin)?,
+        next_experiment,
         names,
         effects,
         candidates: candidates(logs, chosen)?,
@@ -108,16 +115,11 @@ pub(super) fn answer(
     })
 }
 
-/// How far behind an explanation in another's place may stay.
-fn near(stood: &Stood, margin: f64) -> impl Iterator<Item = usize> + '_ {
-    stood.others.iter().filter(move |(_, behind)| *behind < margin).map(|(entry, _)| *entry)
-}
-
 fn verdict(chosen: &Chosen, judged: &Judged, margin: f64) -> Verdict {
     match (chosen.effects.is_empty(), judged.adequate || judged.practical) {
         (true, true) => Verdict::None,
         (_, false) => Verdict::Unknown,
-        (false, true) if chosen.effects.iter().all(|s| near(s, margin).next().is_none()) => Verdict::Named,
+        (false, true) if !chosen.effects.iter().any(|s| s.doubtful(margin)) => Verdict::Named,
         (false, true) => Verdict::OneOf,
     }
 }
@@ -130,7 +132,7 @@ fn names(logs: &Logs, chosen: &Chosen, verdict: Verdict, margin: f64) -> Vec<&'s
         Verdict::OneOf => {
             for stood in &chosen.effects {
                 all.push(name(stood.entry));
-                all.extend(near(stood, margin).map(name));
+                all.extend(stood.near(margin).map(name));
             }
         }
         Verdict::Unknown => {
@@ -223,7 +225,7 @@ fn named(logs: &Logs, model: &Model, covariance: &Covariance, stood: &Stood, mar
         coefficients: coefficients.collect(),
         effect: entry.effect.clone(),
         evidence,
-        alternatives: near(stood, margin).map(|e| logs.entries[e].effect.name).collect(),
+        alternatives: stood.near(margin).map(|e| logs.entries[e].effect.name).collect(),
     }
 }
 
@@ -249,7 +251,7 @@ fn candidates(logs: &Logs, chosen: &Chosen) -> Result<Vec<Candidate>> {
 
 /// What the best wrong effect reaches on what was held out.
 fn control(logs: &Logs, chosen: &Chosen, told: bool) -> Result<Option<(&'static str, f64)>> {
-    let mine = |e: usize| chosen.effects.iter().any(|s| s.entry == e || near(s, f64::INFINITY).take(1).any(|o| o == e));
+    let mine = |e: usize| chosen.effects.iter().any(|s| s.entry == e || s.near(f64::INFINITY).take(1).any(|o| o == e));
     let wrong = chosen.alone.iter().find(|t| t.excluded.is_none() && t.fit.is_some() && !mine(t.entry));
     let Some((trial, fit)) = wrong.and_then(|t| Some((t, t.fit.as_ref()?))).filter(|_| told) else { return Ok(None) };
     Ok(logs.rmse(&fit.point, true)?.map(|after| (logs.entries[trial.entry].effect.name, after)))

@@ -38,6 +38,18 @@ pub(super) struct Stood {
     pub others: Vec<(usize, f64)>,
 }
 
+impl Stood {
+    /// What could stand in its place without staying `margin` behind.
+    pub fn near(&self, margin: f64) -> impl Iterator<Item = usize> + '_ {
+        self.others.iter().filter(move |(_, behind)| *behind < margin).map(|(entry, _)| *entry)
+    }
+
+    /// Whether it could as well be something else.
+    pub fn doubtful(&self, margin: f64) -> bool {
+        self.near(margin).next().is_some()
+    }
+}
+
 /// What the search found.
 pub(super) struct Chosen {
     pub base: Fitted,
@@ -214,8 +226,7 @@ impl Chosen {
             effects.remove(position);
             best = fit;
         }
-        let effects =
-            effects.iter().map(|&e| stood(logs, &best, &effects, e, candidates)).collect::<Result<Vec<_>>>()?;
+        let effects = effects.iter().map(|&e| stood(logs, &best, &effects, e)).collect::<Result<Vec<_>>>()?;
         Ok(Self { base, best, effects, alone })
     }
 }
@@ -231,7 +242,9 @@ pub(super) fn without(logs: &Logs, model: &Fitted, entries: &[usize]) -> Result<
     logs.fit_from(&point, &active, None)
 }
 
-fn stood(logs: &Logs, best: &Fitted, effects: &[usize], entry: usize, candidates: f64) -> Result<Stood> {
+/// How `entry` stands among the `effects` of `best`.
+pub(super) fn stood(logs: &Logs, best: &Fitted, effects: &[usize], entry: usize) -> Result<Stood> {
+    let candidates = logs.entries.len().max(1) as f64;
     let coefficients = logs.places(entry).len();
     let without = without(logs, best, &[entry])?;
     let gain = logs.criterion(without.square, best.square, coefficients as f64);

@@ -68,10 +68,10 @@ pub(super) fn next(
 ) -> Result<Option<NextExperiment>> {
     match verdict {
         Verdict::OneOf => {
-            let open = chosen.effects.iter().find(|s| s.others.iter().any(|(_, behind)| *behind < margin));
+            let open = chosen.effects.iter().find(|s| s.doubtful(margin));
             let Some(stood) = open else { return Ok(None) };
             let contested: Vec<&'static str> = std::iter::once(stood.entry)
-                .chain(stood.others.iter().filter(|(_, behind)| *behind < margin).map(|(entry, _)| *entry))
+                .chain(stood.near(margin))
                 .map(|entry| logs.entries[entry].effect.name)
                 .filter(|name| names.contains(name))
                 .collect();

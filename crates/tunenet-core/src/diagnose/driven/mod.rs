@@ -12,11 +12,13 @@
 //! | `logs` | the recordings, predictions, derivatives |
 //! | `fit` | weighted least squares over some of the coefficients, within their bounds |
 //! | `choose` | forward, pruned, with what could stand in each effect's place |
+//! | `certain` | of those, what nothing else could be, where something is left in any case |
 //! | `judge` | whether the rest is noise, or small enough; verdict |
 //! | `answer` | the diagnosis in words and numbers |
 //! | `experiment` | what to record next |
 
 mod answer;
+mod certain;
 mod choose;
 mod experiment;
 mod fit;
@@ -59,5 +61,6 @@ pub(super) fn diagnose(
     progress(Progress::Scoring { candidates: logs.entries.len(), effects: 0 });
     let chosen = Chosen::search(&logs, base, settings)?;
     progress(Progress::Judging);
-    answer::answer(&logs, &chosen, settings, uses, notes)
+    let (chosen, further) = chosen.certain(&logs, settings)?;
+    answer::answer(&logs, &chosen, further, settings, uses, notes)
 }
