@@ -11,7 +11,7 @@ use super::judge::Judged;
 use super::logs::{Logs, Place};
 use crate::Result;
 use crate::diagnose::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Tuned, Use, Value,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Tuned, Use, Value,
     Verdict,
 };
 use crate::diagnose::input::Settings;
@@ -74,7 +74,7 @@ pub(super) fn answer(
     };
     let gap = Gap {
         unit: logs.simulators[0].channels()[0].unit.clone(),
-        of_flights: false,
+        of: GapOf::Recordings,
         before: logs.rmse(&chosen.base.point, false)?.unwrap_or(0.0),
         after: logs.rmse(&last.point, false)?.unwrap_or(0.0),
         noise_floor: logs.noise_floor(false),

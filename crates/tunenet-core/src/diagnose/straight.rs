@@ -1,0 +1,202 @@
+//! Flights straightened: what a recording would have been, had nothing but gravity acted between its contacts.
+//!
+//! How fast a ball moves right before and right after a contact shows whatever acts in flight and however the camera bends
+//! it, as long as that is smooth. So each flight is described by a polynomial of its own; the change of velocity along the
+//! surface at each contact is kept, with its uncertainty, and the flights in between become parabolas of gravity alone. What
+//! the samples stray from their polynomial stays, as large as makes the velocities as uncertain as they are.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::observation::Observation;
+
+/// Samples nearer to a contact, in usual steps, may hold both sides of it.
+const GUARD_STEPS: f64 = 0.5;
+/// Fewest samples of a flight, and those from which on its acceleration may change.
+const FEWEST: usize = 6;
+const FEWEST_CUBIC: usize = 9;
+/// A cubic has to take this share of a parabola's mean square away.
+const CUBIC_SHARE: f64 = 0.5;
+/// A tracker's errors last for some samples: velocities are so many times less certain than of white noise.
+const LASTING: f64 = 2.0;
+/// A change of speed is there from this many of its standard deviations, and this share of the speed, on.
+const SURE: f64 = 5.0;
+const SHARE: f64 = 0.1;
+/// Ends this near to landing, as a share of the flight, are left out: the next contact is not seen.
+const ALOFT_SHARE: f64 = 0.95;
+
+/// A straightened recording.
+pub(super) struct Straight {
+    pub seen: Observation,
+    /// Standard deviation of each channel; 0 of one that does not move.
+    pub noise: Vec<f64>,
+}
+
+/// One flight along one axis: velocities at its ends with their variance, and what the samples stray.
+struct Along {
+    begin: (f64, f64),
+    end: (f64, f64),
+    strays: Vec<f64>,
+}
+
+/// One flight.
+struct Flight {
+    /// From contact to contact, or from or to the end of the record, s.
+    span: (f64, f64),
+    range: Range<usize>,
+    axes: [Along; 3],
+}
+
+/// Straightens `seen`, positions with z up, between `contacts` under gravity `g` (m/s²). `None` where flights are too few or
+/// too short, or where no contact surely takes speed along the surface.
+pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option<Straight> {
+    let flights = flights(seen, contacts);
+    // The longest chain of flights one after the other.
+    let chains = flights.split(Option::is_none).max_by_key(|chain| chain.len())?;
+    let chain: Vec<&Flight> = chains.iter().flatten().collect();
+    if chain.len() < 2 {
+        return None;
+    }
+    let lean = lean(seen, &chain);
+    let middle = mean(chain.iter().flat_map(|f| f.range.clone()).map(|k| seen.row(k)[0]));
+    let across = mean(chain.iter().flat_map(|f| f.range.clone()).map(|k| seen.row(k)[1]));
+    let normal: Vec<(f64, f64)> = chain.windows(2).map(|w| (-w[0].axes[2].end.0, w[1].axes[2].begin.0)).collect();
+    if normal.iter().any(|(before, after)| *before <= 0.0 || *after <= 0.0) {
+        return None;
+    }
+    let restitution = normal.iter().map(|(b, a)| a * b).sum::<f64>() / normal.iter().map(|(b, _)| b * b).sum::<f64>();
+    // Velocities along the surface after each contact, and how sure their changes are.
+    let mut speeds = [vec![chain[0].axes[0].end.0], vec![chain[0].axes[1].end.0]];
+    let (mut noise, mut sure) = ([0.0f64; 3], false);
+    for (i, pair) in chain.windows(2).enumerate() {
+        let (before, after) = (pair[0], pair[1]);
+        let at = |axis: usize| before.range.end.checked_sub(1).map_or(0.0, |k| seen.row(k)[axis]);
+        let weight = (leverage(before) + leverage(after)).sqrt();
+        let kick = normal[i].0 + normal[i].1;
+        let (mut change, mut variance, mut speed, mut along) = (0.0, 0.0f64, 0.0, 0.0);
+        for axis in 0..2 {
+            let ((u, a), (v, b)) = (before.axes[axis].end, after.axes[axis].begin);
+            let leaning = lean * (at(axis) - [middle, across][axis]) * kick;
+            let sd = (LASTING.powi(2) * (a + b) + leaning.powi(2)).sqrt();
+            noise[axis] = noise[axis].max(sd / weight);
+            let last = *speeds[axis].last()?;
+            speeds[axis].push(last + v - u);
+            change += (v - u).powi(2);
+            variance = variance.max(sd * sd);
+            speed += u * u;
+            along += u * (v - u);
+        }
+        let (a, b) = (before.axes[2].end.1, after.axes[2].begin.1);
+        noise[2] = noise[2].max(LASTING * (a + b).sqrt() / weight);
+        sure |= along < 0.0 && change > SURE * SURE * variance && change > SHARE * SHARE * speed;
+    }
+    if !sure {
+        return None;
+    }
+    let (mut clock, mut rows) = (Vec::new(), Vec::new());
+    let (mut start_s, mut place, mut rise) = (0.0, [0.0; 2], 0.0);
+    for (i, flight) in chain.iter().enumerate() {
+        let measured = flight.span.1 - flight.span.0;
+        let length = if i == 0 { measured } else { 2.0 * rise / g };
+        let shown = if i + 1 == chain.len() { measured.min(ALOFT_SHARE * length) } else { length };
+        let count = flight.range.len();
+        for (j, k) in flight.range.clone().enumerate() {
+            let t = shown * (j as f64 + 0.5) / count as f64;
+            let height = if i == 0 { (length - t) * (normal[0].0 - 0.5 * g * (length - t)) } else { t * (rise - 0.5 * g * t) };
+            let ideal = [place[0] + speeds[0][i] * t, place[1] + speeds[1][i] * t, height];
+            let strays = |axis: usize| noise[axis] * flight.axes[axis].strays[k - flight.range.start];
+            clock.push(start_s + t);
+            rows.push([0, 1, 2].map(|axis| ideal[axis] + strays(axis)));
+        }
+        place = [0, 1].map(|axis| place[axis] + speeds[axis][i] * length);
+        rise = restitution * if i == 0 { normal[0].0 } else { rise };
+        start_s += length;
+    }
+    let seen = Observation::positions(clock, &rows).ok()?;
+    Some(Straight { seen, noise: noise.to_vec() })
+}
+
+/// The flights between the contacts; `None` for one with too few samples.
+fn flights(seen: &Observation, contacts: &[f64]) -> Vec<Option<Flight>> {
+    let clock = seen.clock();
+    let (Some(first), Some(last)) = (clock.first(), clock.last()) else { return Vec::new() };
+    let usual = super::sets::median(clock.windows(2).map(|w| w[1] - w[0]).collect());
+    let ends: Vec<f64> = [*first].into_iter().chain(contacts.iter().copied()).chain([*last]).collect();
+    let one = |(i, span): (usize, &[f64])| {
+        let guard = |at: f64, inner: bool| if inner { at } else { at - 2.0 * GUARD_STEPS * usual };
+        let (from, to) = (span[0] + GUARD_STEPS * usual, span[1] - GUARD_STEPS * usual);
+        let from = if i == 0 { guard(from, false) } else { from };
+        let to = if i == contacts.len() { to + 2.0 * GUARD_STEPS * usual } else { to };
+        let range = clock.partition_point(|t| *t < from)..clock.partition_point(|t| *t <= to);
+        if range.len() < FEWEST {
+            return None;
+        }
+        let axes = [0, 1, 2].map(|axis| along(seen, range.clone(), axis, (span[0], span[1])));
+        let [Some(x), Some(y), Some(z)] = axes else { return None };
+        Some(Flight { span: (span[0], span[1]), range, axes: [x, y, z] })
+    };
+    ends.windows(2).enumerate().map(one).collect()
+}
+
+/// A parabola through the samples of one axis, or a cubic where that follows them far better.
+fn along(seen: &Observation, range: Range<usize>, axis: usize, span: (f64, f64)) -> Option<Along> {
+    let times: Vec<f64> = range.clone().map(|k| seen.clock()[k] - span.0).collect();
+    let values = DVector::from_iterator(times.len(), range.map(|k| seen.row(k)[axis]));
+    let fit = |terms: usize| {
+        let basis = DMatrix::from_fn(times.len(), terms, |i, j| times[i].powi(i32::try_from(j).unwrap_or(0)));
+        let inverse = (basis.transpose() * &basis).try_inverse()?;
+        let numbers = &inverse * (basis.transpose() * &values);
+        let strays = &values - &basis * &numbers;
+        let variance = strays.norm_squared() / (times.len() - terms) as f64;
+        Some((terms, inverse, numbers, strays, variance))
+    };
+    let parabola = fit(3)?;
+    let cubic = if times.len() >= FEWEST_CUBIC { fit(4) } else { None };
+    let (terms, inverse, numbers, strays, variance) = match cubic {
+        Some(cubic) if cubic.4 < CUBIC_SHARE * parabola.4 => cubic,
+        _ => parabola,
+    };
+    let slope = |t: f64| {
+        let row = DVector::from_fn(terms, |j, _| if j == 0 { 0.0 } else { j as f64 * t.powi(i32::try_from(j).unwrap_or(1) - 1) });
+        (row.dot(&numbers), variance * (row.transpose() * &inverse * &row)[(0, 0)])
+    };
+    let sd = variance.sqrt();
+    let strays = strays.iter().map(|v| if sd > 0.0 { v / sd } else { 0.0 }).collect();
+    Some(Along { begin: slope(0.0), end: slope(span.1 - span.0), strays })
+}
+
+/// The variance of a line's slope through a flight's samples, in units of their variance over time squared.
+fn leverage(flight: &Flight) -> f64 {
+    let length = flight.span.1 - flight.span.0;
+    12.0 / (flight.range.len() as f64 * length * length)
+}
+
+/// How much the picture's scale may change with height, 1/m, at the most: a camera that looks down leans what rises, which
+/// looks like a change of speed along the surface. Flights show it as they bend otherwise at their tops than near the ground.
+fn lean(seen: &Observation, chain: &[&Flight]) -> f64 {
+    let low = chain.iter().flat_map(|f| f.range.clone()).map(|k| seen.row(k)[2]).fold(f64::INFINITY, f64::min);
+    let (mut both, mut square, mut left, mut freedom) = (0.0, 0.0, 0.0, 0.0);
+    for flight in chain {
+        let times: Vec<f64> = flight.range.clone().map(|k| seen.clock()[k] - flight.span.0).collect();
+        let heights = DVector::from_iterator(times.len(), flight.range.clone().map(|k| seen.row(k)[2] - low));
+        let basis = DMatrix::from_fn(times.len(), 3, |i, j| times[i].powi(i32::try_from(j).unwrap_or(0)));
+        let Some(inverse) = (basis.transpose() * &basis).try_inverse() else { continue };
+        let rest = |v: &DVector<f64>| v - &basis * (&inverse * (basis.transpose() * v));
+        let (shape, strays) = (rest(&heights.map(|h| h * h)), rest(&heights));
+        both -= shape.dot(&strays);
+        square += shape.norm_squared();
+        left += strays.norm_squared();
+        freedom += times.len() as f64 - 3.0;
+    }
+    if square <= 0.0 {
+        return 0.0;
+    }
+    let sd = (left / f64::max(freedom, 1.0) / square).sqrt();
+    (both / square).abs() + 2.0 * sd
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+    sum / f64::max(count, 1.0)
+}
