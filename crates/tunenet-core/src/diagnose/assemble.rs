@@ -3,8 +3,8 @@
 use std::sync::atomic::Ordering;
 
 use super::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Test, Tuned, Use,
-    Value, Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Test, Tuned,
+    Use, Value, Verdict,
 };
 use super::decide::Decision;
 use super::held_out::{HeldOut, rmse};

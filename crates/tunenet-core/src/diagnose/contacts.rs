@@ -2,6 +2,7 @@
 //! along the surface still shows, right before it and right after it.
 
 use super::answer::{Diagnosis, GapOf, NextExperiment, Verdict};
+use super::catalogue::Entry;
 use super::sets::Set;
 use super::straight::straighten;
 use super::{Answered, Asked, Settings, Subject};
@@ -11,6 +12,8 @@ use crate::simulator::{Phase, Preparation, Simulator, measurement_effects};
 
 /// Near enough for flights whose every other force was taken out; another world's are not straightened.
 const GRAVITY_M_S2: f64 = 9.81;
+/// What turns speed across the surface into speed along it.
+const CAMERA_TILT: &str = "camera_tilt";
 /// Fewer recordings leave a choice at most.
 const FEWEST_RECORDINGS: usize = 3;
 
@@ -33,9 +36,12 @@ impl Asked<'_> {
         let named = self.subjects.iter().zip(&spinning);
         let subjects: Vec<Subject> =
             named.map(|(s, simulator)| Subject { name: s.name.clone(), simulator: simulator.as_ref() }).collect();
-        let mut straight = Vec::new();
+        let (mut straight, mut beyond_tilt) = (Vec::new(), 0.0);
         for set in sets {
-            straight.extend(straightened(&subjects, set)?);
+            if let Some((set, beyond)) = straightened(&subjects, set)? {
+                straight.push(set);
+                beyond_tilt += beyond;
+            }
         }
         let used = straight.iter().filter(|set| !set.held_out).count();
         // One of two recordings may not be chosen because it shows what the other does not.
@@ -44,7 +50,12 @@ impl Asked<'_> {
         }
         let settings = Settings { most_effects: 1, ..self.settings.clone() };
         let asked = Asked { subjects: &subjects, settings: &settings, ..*self };
-        let at_contact = |entry: &super::catalogue::Entry| entry.of[0].phase == Phase::Contact && !entry.chance();
+        // What contacts change to either side is no tilt's doing.
+        let no_tilt = beyond_tilt > self.settings.margin;
+        let at_contact = |entry: &Entry| {
+            let tilts = entry.of[0].mistaken_for.contains(&CAMERA_TILT);
+            entry.of[0].phase == Phase::Contact && !entry.chance() && !(no_tilt && tilts)
+        };
         let Ok(mut answer) = asked.judge_among(straight, known.clone(), &at_contact) else { return Ok(None) };
         let told = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
         let seen_so: Vec<&str> = measurement_effects(Kind::Positions).iter().map(|e| e.name).collect();
@@ -68,8 +79,8 @@ impl Asked<'_> {
     }
 }
 
-/// A recording whose flights are straightened, where that shows something.
-fn straightened(subjects: &[Subject], set: &Set) -> Result<Option<Set>> {
+/// A recording whose flights are straightened, where that shows something, and what no tilt explains of it.
+fn straightened(subjects: &[Subject], set: &Set) -> Result<Option<(Set, f64)>> {
     let Some(straight) = straighten(&set.prepared.seen, &set.contacts, GRAVITY_M_S2) else { return Ok(None) };
     let Preparation::Usable(prepared) = subjects[set.object].simulator.prepare(&straight.seen)? else {
         return Ok(None);
@@ -79,7 +90,7 @@ fn straightened(subjects: &[Subject], set: &Set) -> Result<Option<Set>> {
         *sd = sd.max(*found);
     }
     made.colour(0.0);
-    Ok(Some(made))
+    Ok(Some((made, straight.beyond_tilt)))
 }
 
 /// One throw leaves whatever lies within ten times the usual margin. Here the alternatives are what acts at contacts alone, so
@@ -89,7 +100,8 @@ fn keep_kin(answer: &mut Diagnosis, margin: f64) {
         let near = |name: &str| answer.candidates.iter().any(|c| c.name == name && c.delta < margin);
         place.alternatives.retain(|name| near(name) || place.effect.mistaken_for.contains(name));
     }
-    answer.names = answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
+    answer.names =
+        answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
 }
 
 /// Leaves another effect of contact that can be mistaken for the only one named.
@@ -98,7 +110,8 @@ fn leave_open(answer: &mut Diagnosis) {
         let kin = |c: &&super::Candidate| place.effect.mistaken_for.contains(&c.name);
         place.alternatives.extend(answer.candidates.iter().find(kin).map(|c| c.name));
     }
-    answer.names = answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
+    answer.names =
+        answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
     answer.verdict = Verdict::OneOf;
     if answer.next_experiment.is_none() {
         let text = "add recordings of the same ball from other heights and in other directions".into();

@@ -64,8 +64,8 @@ mod verdict;
 mod tests;
 
 pub use answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Test, Tuned, Use,
-    Value, Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Test, Tuned,
+    Use, Value, Verdict,
 };
 pub use input::{Progress, Recording, Settings, Subject};
 

@@ -21,7 +21,7 @@ const CUBIC_SHARE: f64 = 0.5;
 /// A tracker's errors last for some samples: velocities are so many times less certain than of white noise.
 const LASTING: f64 = 2.0;
 /// A change of speed is there from this many of its standard deviations, and this share of the speed, on.
-const SURE: f64 = 5.0;
+const SURE: f64 = 4.0;
 const SHARE: f64 = 0.1;
 /// Ends this near to landing, as a share of the flight, are left out: the next contact is not seen.
 const ALOFT_SHARE: f64 = 0.95;
@@ -31,6 +31,8 @@ pub(super) struct Straight {
     pub seen: Observation,
     /// Standard deviation of each channel; 0 of one that does not move.
     pub noise: Vec<f64>,
+    /// What the best tilt of surface or camera leaves of the changes of speed, squared and in units of their variance.
+    pub beyond_tilt: f64,
 }
 
 /// One flight along one axis: velocities at its ends with their variance, and what the samples stray.
@@ -68,18 +70,20 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option
     let restitution = normal.iter().map(|(b, a)| a * b).sum::<f64>() / normal.iter().map(|(b, _)| b * b).sum::<f64>();
     // Velocities along the surface after each contact, and how sure their changes are.
     let mut speeds = [vec![chain[0].axes[0].end.0], vec![chain[0].axes[1].end.0]];
-    let (mut noise, mut sure) = ([0.0f64; 3], false);
+    let (mut noise, mut tilts) = ([0.0f64; 3], [Tilt::default(), Tilt::default()]);
     for (i, pair) in chain.windows(2).enumerate() {
         let (before, after) = (pair[0], pair[1]);
         let at = |axis: usize| before.range.end.checked_sub(1).map_or(0.0, |k| seen.row(k)[axis]);
         let weight = (leverage(before) + leverage(after)).sqrt();
         let kick = normal[i].0 + normal[i].1;
         let (mut change, mut variance, mut speed, mut along) = (0.0, 0.0f64, 0.0, 0.0);
+        let mut doubts = [0.0f64; 2];
         for axis in 0..2 {
             let ((u, a), (v, b)) = (before.axes[axis].end, after.axes[axis].begin);
             let leaning = lean * (at(axis) - [middle, across][axis]) * kick;
             let sd = (LASTING.powi(2) * (a + b) + leaning.powi(2)).sqrt();
-            noise[axis] = noise[axis].max(sd / weight);
+            doubts[axis] = sd / weight;
+            tilts[axis].add(v - u, kick, sd);
             let last = *speeds[axis].last()?;
             speeds[axis].push(last + v - u);
             change += (v - u).powi(2);
@@ -89,11 +93,16 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option
         }
         let (a, b) = (before.axes[2].end.1, after.axes[2].begin.1);
         noise[2] = noise[2].max(LASTING * (a + b).sqrt() / weight);
-        sure |= along < 0.0 && change > SURE * SURE * variance && change > SHARE * SHARE * speed;
+        if along < 0.0 && change > SURE * SURE * variance && change > SHARE * SHARE * speed {
+            for (noise, doubt) in noise.iter_mut().zip(doubts) {
+                *noise = noise.max(doubt);
+            }
+        }
     }
-    if !sure {
+    if noise[0].max(noise[1]) <= 0.0 {
         return None;
     }
+    let beyond_tilt = tilts.iter().map(Tilt::left).sum();
     let (mut clock, mut rows) = (Vec::new(), Vec::new());
     let (mut start_s, mut place, mut rise) = (0.0, [0.0; 2], 0.0);
     for (i, flight) in chain.iter().enumerate() {
@@ -103,7 +112,8 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option
         let count = flight.range.len();
         for (j, k) in flight.range.clone().enumerate() {
             let t = shown * (j as f64 + 0.5) / count as f64;
-            let height = if i == 0 { (length - t) * (normal[0].0 - 0.5 * g * (length - t)) } else { t * (rise - 0.5 * g * t) };
+            let height =
+                if i == 0 { (length - t) * (normal[0].0 - 0.5 * g * (length - t)) } else { t * (rise - 0.5 * g * t) };
             let ideal = [place[0] + speeds[0][i] * t, place[1] + speeds[1][i] * t, height];
             let strays = |axis: usize| noise[axis] * flight.axes[axis].strays[k - flight.range.start];
             clock.push(start_s + t);
@@ -114,7 +124,30 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option
         start_s += length;
     }
     let seen = Observation::positions(clock, &rows).ok()?;
-    Some(Straight { seen, noise: noise.to_vec() })
+    Some(Straight { seen, noise: noise.to_vec(), beyond_tilt })
+}
+
+/// Changes of speed along one axis beside those across the surface: a tilt, of surface or camera, turns some of the one into
+/// the other, always to the same side.
+#[derive(Default)]
+struct Tilt {
+    both: f64,
+    kicks: f64,
+    changes: f64,
+}
+
+impl Tilt {
+    fn add(&mut self, change: f64, kick: f64, sd: f64) {
+        if sd > 0.0 {
+            self.both += change * kick / (sd * sd);
+            self.kicks += kick * kick / (sd * sd);
+            self.changes += change * change / (sd * sd);
+        }
+    }
+
+    fn left(&self) -> f64 {
+        if self.kicks > 0.0 { (self.changes - self.both * self.both / self.kicks).max(0.0) } else { 0.0 }
+    }
 }
 
 /// The flights between the contacts; `None` for one with too few samples.
@@ -157,10 +190,13 @@ fn along(seen: &Observation, range: Range<usize>, axis: usize, span: (f64, f64))
         Some(cubic) if cubic.4 < CUBIC_SHARE * parabola.4 => cubic,
         _ => parabola,
     };
-    let slope = |t: f64| {
-        let row = DVector::from_fn(terms, |j, _| if j == 0 { 0.0 } else { j as f64 * t.powi(i32::try_from(j).unwrap_or(1) - 1) });
-        (row.dot(&numbers), variance * (row.transpose() * &inverse * &row)[(0, 0)])
-    };
+    let slope =
+        |t: f64| {
+            let row = DVector::from_fn(terms, |j, _| {
+                if j == 0 { 0.0 } else { j as f64 * t.powi(i32::try_from(j).unwrap_or(1) - 1) }
+            });
+            (row.dot(&numbers), variance * (row.transpose() * &inverse * &row)[(0, 0)])
+        };
     let sd = variance.sqrt();
     let strays = strays.iter().map(|v| if sd > 0.0 { v / sd } else { 0.0 }).collect();
     Some(Along { begin: slope(0.0), end: slope(span.1 - span.0), strays })
@@ -199,4 +235,63 @@ fn lean(seen: &Observation, chain: &[&Flight]) -> f64 {
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
     sum / f64::max(count, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{Rng, SeedableRng};
+
+    use super::*;
+
+    const G: f64 = 9.81;
+
+    /// Three flights at 30 Hz with restitution .7 that a push of -.6 m/s² slows all the way, each contact keeping `kept` of
+    /// the speed along the surface; noise of 1 mm.
+    fn throw(kept: [f64; 2]) -> (Observation, Vec<f64>) {
+        let mut draw = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let (mut clock, mut rows, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut begin, mut x, mut u, mut w) = (0.0, 0.0, 1.2, 2.0);
+        let mut z = 0.4f64;
+        for keep in [kept[0], kept[1], 1.0] {
+            let length = (w + f64::sqrt(w * w + 2.0 * G * z)) / G;
+            let mut k = f64::ceil((begin + 1e-9) * 30.0);
+            while k / 30.0 < begin + length {
+                let t = k / 30.0 - begin;
+                let mut noise = || 0.001 * draw.sample::<f64, _>(rand_distr::StandardNormal);
+                clock.push(k / 30.0);
+                rows.push([x + u * t - 0.3 * t * t + noise(), 0.0, z + w * t - G / 2.0 * t * t + noise()]);
+                k += 1.0;
+            }
+            x += u * length - 0.3 * length * length;
+            (u, w) = (keep * (u - 0.6 * length), -0.7 * (w - G * length));
+            (z, begin) = (0.0, begin + length);
+            contacts.push(begin);
+        }
+        contacts.pop();
+        (Observation::positions(clock, &rows).unwrap(), contacts)
+    }
+
+    #[test]
+    fn a_push_in_flight_is_no_loss_at_contact() {
+        let (seen, contacts) = throw([1.0, 1.0]);
+        assert!(straighten(&seen, &contacts, G).is_none());
+    }
+
+    #[test]
+    fn what_contacts_take_stays_and_what_flights_take_goes() {
+        let (seen, contacts) = throw([0.6, 1.0]);
+        let straight = straighten(&seen, &contacts, G).unwrap();
+        assert!(straight.noise[0] > 0.001 && straight.noise[1] == 0.0, "{:?}", straight.noise);
+        // 1.2 m/s less the push until the first contact; no push is left, so that speed stays until there.
+        let fall = contacts[0];
+        let before = 1.2 - 0.6 * fall;
+        let x: Vec<f64> = straight.seen.column(0).collect();
+        let first = straight.seen.clock().partition_point(|t| *t < fall);
+        let clock = straight.seen.clock();
+        let slope = |a: usize, b: usize| (x[b] - x[a]) / (clock[b] - clock[a]);
+        assert!((slope(0, first - 1) - before).abs() < 0.2 * before);
+        assert!((slope(first + 1, first + 12) - 0.6 * before).abs() < 0.2 * before);
+        // One loss and then none, whatever the speeds across the surface, is no tilt.
+        assert!(straight.beyond_tilt > 6.0, "{}", straight.beyond_tilt);
+    }
 }

@@ -11,8 +11,8 @@ use super::judge::Judged;
 use super::logs::{Logs, Place};
 use crate::Result;
 use crate::diagnose::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Tuned, Use, Value,
-    Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Tuned, Use,
+    Value, Verdict,
 };
 use crate::diagnose::input::Settings;
 use crate::observation::Note;
