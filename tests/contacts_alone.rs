@@ -1,4 +1,4 @@
-//! Throws before a camera that is not level, over a slope, through air: nobody can say from one of them what acts in flight, but
+//! Throws over a slope, through air, before a camera that is level with the slope: nobody can say from one of them what acts in flight, but
 //! what contacts take of the speed along the surface shows.
 
 mod common;
@@ -12,8 +12,8 @@ const RESTITUTION: f64 = 0.72;
 /// A hollow ball passes so much of its slip on.
 const SHARE: f64 = 0.4;
 
-/// Four flights at 30 Hz by steps of a fifth of a millisecond, seen with noise of .8 mm: drag of .15 1/m, a slope and a camera
-/// off by .03 rad each, and Coulomb's friction `mu` with spin.
+/// Four flights at 30 Hz by steps of a fifth of a millisecond, seen with noise of .8 mm: drag of .15 1/m, a slope of .03 rad,
+/// and Coulomb's friction `mu` with spin.
 fn throw(seed: u64, mu: f64) -> String {
     let mut random = Noise(seed);
     let mut between = |low: f64, high: f64| low + (high - low) * random.even();
@@ -24,10 +24,8 @@ fn throw(seed: u64, mu: f64) -> String {
     for i in 0..20_000 {
         let t = f64::from(i) * step;
         if t >= next as f64 / 30.0 {
-            let (sin, cos) = 0.03f64.sin_cos();
-            let height = z + RADIUS_M;
-            let (seen_x, seen_z) = (x * cos + height * sin, height * cos - x * sin);
-            rows.push(format!("{t:.5},{:.6},{:.6}", seen_x + 8e-4 * random.normal(), seen_z + 8e-4 * random.normal()));
+            let (seen_x, seen_z) = (x + 8e-4 * random.normal(), z + RADIUS_M + 8e-4 * random.normal());
+            rows.push(format!("{t:.5},{seen_x:.6},{seen_z:.6}"));
             next += 1;
         }
         let speed = f64::hypot(u, w);

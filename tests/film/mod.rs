@@ -103,7 +103,11 @@ impl Film {
             .map(|i| {
                 // A camera that shakes needs a wall to be seen before.
                 let stripe = ((i % WIDTH) as f64 - shake).rem_euclid(20.0) < 10.0;
-                if (self.shake_px + self.pan_px > 0.0 || self.bump.is_some()) && stripe { [60; 3] } else { [118, 122, 120] }
+                if (self.shake_px + self.pan_px > 0.0 || self.bump.is_some()) && stripe {
+                    [60; 3]
+                } else {
+                    [118, 122, 120]
+                }
             })
             .collect();
         let (u, v) = self.place_px(frame as f64 / self.rates_hz.0);

@@ -8,19 +8,31 @@ use crate::scout::Unseen;
 use crate::stillness::elsewhere;
 use crate::track::{Answer, Track};
 
-use opencv::core::Mat;
-
 /// A camera that is elsewhere in this share of the pictures is why no ball was found.
 const EXPLAINS: f64 = 0.15;
+/// Which pictures the others are held against, as shares of all: one of them shows the usual place.
+const REFERENCES: [f64; 4] = [0.05, 0.35, 0.65, 0.95];
 /// One that is elsewhere in more of them than this has no place of its own.
 const MOST: f64 = 0.5;
 
-/// Leaves out of `answer` what was seen while the camera was elsewhere than in `background`; an answer without a track is the
+/// Leaves out of `answer` what was seen while the camera was elsewhere than in most of the film; an answer without a track is the
 /// camera's doing where that was often.
-pub(crate) fn without_bumps(answer: Answer, samples: &Samples, background: &Mat) -> opencv::Result<Answer> {
+pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result<Answer> {
     let placed = samples.placed();
-    let away = elsewhere(&placed, background)?;
-    let count = away.iter().filter(|a| **a).count();
+    // A median of pictures of a camera that moved has no edges, so single ones are compared.
+    let mut away = Vec::new();
+    let mut count = usize::MAX;
+    for share in REFERENCES {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
+        let at = (share * placed.len() as f64) as usize;
+        let Some((_, reference)) = placed.get(at) else { continue };
+        let found = elsewhere(&placed, reference)?;
+        let fewer = found.iter().filter(|a| **a).count();
+        if fewer < count {
+            (away, count) = (found, fewer);
+        }
+    }
+    let count = count.min(away.len());
     let share = count as f64 / away.len().max(1) as f64;
     Ok(match answer {
         Answer::Unseen { frames, reason, .. } if share > EXPLAINS && reason != Unseen::CameraMoves => {

@@ -27,6 +27,8 @@ const MOST_COLOURS: usize = 4;
 const STILL_SHARE: f64 = 0.3;
 /// A ball without a hue is seen in more than this share of the pictures.
 const PALE_SHARE: f64 = 0.5;
+/// How little what never falls counts beside what does.
+const LEVEL: f64 = 0.2;
 /// A blob rounder than this fills its box as a disc does.
 pub(crate) const ROUND: std::ops::Range<f64> = 0.55..1.4;
 
@@ -268,7 +270,10 @@ fn merit(seen: &[Option<Blob>], frames: usize) -> Option<(f64, f64)> {
         return None;
     }
     let share = found.len() as f64 / frames as f64;
-    Some((share.sqrt() * alike * area.sqrt() * travel.min(10.0) * (1.0 - (fill - 1.0).abs()), area))
+    // What only goes across is somebody who walks by, rather than a ball.
+    let (across, down) = (reach(&|b| b.u), reach(&|b| b.v));
+    let falls = (2.0 * down / (across + down)).clamp(LEVEL, 1.0);
+    Some((share.sqrt() * alike * area.sqrt() * travel.min(10.0) * falls * (1.0 - (fill - 1.0).abs()), area))
 }
 
 /// The window that holds nearly all of the ball's own pixels.

@@ -21,6 +21,9 @@ const MOVED_EDGES: f64 = 0.4;
 /// A camera moves where this share of the tiles does, in half of the pictures.
 const MOVED_TILES: f64 = 0.5;
 
+/// A single picture shows the background elsewhere where this share does.
+const ELSEWHERE_TILES: f64 = 0.7;
+
 /// Whether the camera moves between these pictures, all of one size.
 pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
     let mut shares: Vec<f64> = pictures
@@ -34,11 +37,11 @@ pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
     Ok(shares.get(shares.len() / 2).is_some_and(|s| *s > MOVED_TILES))
 }
 
-/// Which of these pictures show the background elsewhere than `background` does: the camera was bumped or moved.
-pub(crate) fn elsewhere(pictures: &[(usize, &Mat)], background: &Mat) -> opencv::Result<Vec<bool>> {
+/// Which of these pictures show the background elsewhere than `reference` does: the camera was bumped or moved.
+pub(crate) fn elsewhere(pictures: &[(usize, &Mat)], reference: &Mat) -> opencv::Result<Vec<bool>> {
     pictures
         .par_iter()
-        .map(|(_, picture)| Ok(shifted_tiles(background, picture)?.is_some_and(|s| s > MOVED_TILES)))
+        .map(|(_, picture)| Ok(shifted_tiles(reference, picture)?.is_some_and(|s| s > ELSEWHERE_TILES)))
         .collect()
 }
 
@@ -114,7 +117,8 @@ mod tests {
 
     #[test]
     fn somebody_who_walks_by_is_no_moving_camera() {
-        let all_in = |columns: usize| (0..TILES * TILES).filter(move |tile| tile % TILES < columns).map(|tile| (tile, true));
+        let all_in =
+            |columns: usize| (0..TILES * TILES).filter(move |tile| tile % TILES < columns).map(|tile| (tile, true));
         assert_eq!(share(all_in(2)), None);
         assert_eq!(share(all_in(6)), Some(1.0));
     }

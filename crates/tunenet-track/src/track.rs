@@ -132,7 +132,7 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
     }
     let scene = match scout(samples.telling(), settings.colour).map_err(broken)? {
         Ok(scene) => scene,
-        Err(reason) => return Ok(unseen(reason, frames.count, settings, "")),
+        Err(reason) => return without_bumps(unseen(reason, frames.count, settings, ""), &samples).map_err(broken),
     };
     // What the first frames showed may be another ball than the one of the whole film.
     let pass = match pass {
@@ -247,8 +247,7 @@ impl Pass {
 
     /// The answer, without what was seen while the camera was bumped.
     fn finish(self, settings: &Settings, cut_off: Option<&CutOff>, samples: &Samples) -> opencv::Result<Answer> {
-        let background = self.tracker.scene().background.clone();
-        without_bumps(self.answer(settings, cut_off), samples, &background)
+        without_bumps(self.answer(settings, cut_off), samples)
     }
 
     fn answer(self, settings: &Settings, cut_off: Option<&CutOff>) -> Answer {

@@ -38,7 +38,7 @@ impl Asked<'_> {
             named.map(|(s, simulator)| Subject { name: s.name.clone(), simulator: simulator.as_ref() }).collect();
         let (mut straight, mut beyond_tilt) = (Vec::new(), 0.0);
         for set in sets {
-            if let Some((set, beyond)) = straightened(&subjects, set)? {
+            if let Some((set, beyond)) = straightened(&subjects, set, self.settings.seed)? {
                 straight.push(set);
                 beyond_tilt += beyond;
             }
@@ -80,14 +80,21 @@ impl Asked<'_> {
 }
 
 /// A recording whose flights are straightened, where that shows something, and what no tilt explains of it.
-fn straightened(subjects: &[Subject], set: &Set) -> Result<Option<(Set, f64)>> {
-    let Some(straight) = straighten(&set.prepared.seen, &set.contacts, GRAVITY_M_S2) else { return Ok(None) };
-    let Preparation::Usable(prepared) = subjects[set.object].simulator.prepare(&straight.seen)? else {
+fn straightened(subjects: &[Subject], set: &Set, seed: u64) -> Result<Option<(Set, f64)>> {
+    let Some(straight) = straighten(&set.prepared.seen, &set.contacts, GRAVITY_M_S2, seed) else { return Ok(None) };
+    let Preparation::Usable(mut prepared) = subjects[set.object].simulator.prepare(&straight.ideal)? else {
         return Ok(None);
     };
+    // Contacts are known; they are not to be looked for again in what strays.
+    let contacts = prepared.events.clone();
+    let (Some(first), count) = (prepared.seen.clock().first().copied(), prepared.seen.len()) else { return Ok(None) };
+    let begin = straight.seen.clock().partition_point(|t| *t < first - 1e-9);
+    let Ok(seen) = straight.seen.slice(begin..(begin + count).min(straight.seen.len())) else { return Ok(None) };
+    prepared.seen = seen;
     let mut made = Set { throw: set.throw, ..Set::new(set.recording, set.object, set.held_out, *prepared) };
+    made.contacts = contacts;
     for (sd, found) in made.noise.iter_mut().zip(&straight.noise) {
-        *sd = sd.max(*found);
+        *sd = if *found > 0.0 { *found } else { *sd };
     }
     made.colour(0.0);
     Ok(Some((made, straight.beyond_tilt)))

@@ -8,6 +8,9 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 use crate::observation::Observation;
 
@@ -18,8 +21,8 @@ const FEWEST: usize = 6;
 const FEWEST_CUBIC: usize = 9;
 /// A cubic has to take this share of a parabola's mean square away.
 const CUBIC_SHARE: f64 = 0.5;
-/// A tracker's errors last for some samples: velocities are so many times less certain than of white noise.
-const LASTING: f64 = 2.0;
+/// A tracker's errors last for some samples: velocities are so many times less certain than of white noise, at the most.
+const MOST_LASTING: f64 = 2.0;
 /// A change of speed is there from this many of its standard deviations, and this share of the speed, on.
 const SURE: f64 = 4.0;
 const SHARE: f64 = 0.1;
@@ -28,18 +31,21 @@ const ALOFT_SHARE: f64 = 0.95;
 
 /// A straightened recording.
 pub(super) struct Straight {
+    /// With noise as large as makes velocities as uncertain as they are.
     pub seen: Observation,
+    /// Without, on the same clock.
+    pub ideal: Observation,
     /// Standard deviation of each channel; 0 of one that does not move.
     pub noise: Vec<f64>,
     /// What the best tilt of surface or camera leaves of the changes of speed, squared and in units of their variance.
     pub beyond_tilt: f64,
 }
 
-/// One flight along one axis: velocities at its ends with their variance, and what the samples stray.
+/// One flight along one axis: velocities at its ends with their variance, and how far the samples stray.
 struct Along {
     begin: (f64, f64),
     end: (f64, f64),
-    strays: Vec<f64>,
+    sd: f64,
 }
 
 /// One flight.
@@ -52,7 +58,7 @@ struct Flight {
 
 /// Straightens `seen`, positions with z up, between `contacts` under gravity `g` (m/s²). `None` where flights are too few or
 /// too short, or where no contact surely takes speed along the surface.
-pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option<Straight> {
+pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, seed: u64) -> Option<Straight> {
     let flights = flights(seen, contacts);
     // The longest chain of flights one after the other.
     let chains = flights.split(Option::is_none).max_by_key(|chain| chain.len())?;
@@ -81,7 +87,7 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option
         for axis in 0..2 {
             let ((u, a), (v, b)) = (before.axes[axis].end, after.axes[axis].begin);
             let leaning = lean * (at(axis) - [middle, across][axis]) * kick;
-            let sd = (LASTING.powi(2) * (a + b) + leaning.powi(2)).sqrt();
+            let sd = (a + b + leaning.powi(2)).sqrt();
             doubts[axis] = sd / weight;
             tilts[axis].add(v - u, kick, sd);
             let last = *speeds[axis].last()?;
@@ -91,8 +97,8 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option
             speed += u * u;
             along += u * (v - u);
         }
-        let (a, b) = (before.axes[2].end.1, after.axes[2].begin.1);
-        noise[2] = noise[2].max(LASTING * (a + b).sqrt() / weight);
+        // Nothing is asked of the heights but when the ball touches the surface.
+        noise[2] = noise[2].max(before.axes[2].sd.max(after.axes[2].sd));
         if along < 0.0 && change > SURE * SURE * variance && change > SHARE * SHARE * speed {
             for (noise, doubt) in noise.iter_mut().zip(doubts) {
                 *noise = noise.max(doubt);
@@ -103,28 +109,34 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64) -> Option
         return None;
     }
     let beyond_tilt = tilts.iter().map(Tilt::left).sum();
-    let (mut clock, mut rows) = (Vec::new(), Vec::new());
+    let mut draw = ChaCha8Rng::seed_from_u64(seed);
+    let (mut clock, mut rows, mut ideals) = (Vec::new(), Vec::new(), Vec::new());
     let (mut start_s, mut place, mut rise) = (0.0, [0.0; 2], 0.0);
     for (i, flight) in chain.iter().enumerate() {
         let measured = flight.span.1 - flight.span.0;
         let length = if i == 0 { measured } else { 2.0 * rise / g };
         let shown = if i + 1 == chain.len() { measured.min(ALOFT_SHARE * length) } else { length };
         let count = flight.range.len();
-        for (j, k) in flight.range.clone().enumerate() {
+        let whites = [0, 1, 2].map(|_| white(count, &mut draw));
+        for j in 0..count {
             let t = shown * (j as f64 + 0.5) / count as f64;
             let height =
                 if i == 0 { (length - t) * (normal[0].0 - 0.5 * g * (length - t)) } else { t * (rise - 0.5 * g * t) };
             let ideal = [place[0] + speeds[0][i] * t, place[1] + speeds[1][i] * t, height];
-            let strays = |axis: usize| noise[axis] * flight.axes[axis].strays[k - flight.range.start];
+            let strays = |axis: usize| noise[axis] * whites[axis][j];
             clock.push(start_s + t);
+            ideals.push(ideal);
             rows.push([0, 1, 2].map(|axis| ideal[axis] + strays(axis)));
         }
         place = [0, 1].map(|axis| place[axis] + speeds[axis][i] * length);
         rise = restitution * if i == 0 { normal[0].0 } else { rise };
         start_s += length;
     }
+    let begin = clock.first().copied()?;
+    clock.iter_mut().for_each(|t| *t -= begin);
+    let ideal = Observation::positions(clock.clone(), &ideals).ok()?;
     let seen = Observation::positions(clock, &rows).ok()?;
-    Some(Straight { seen, noise: noise.to_vec(), beyond_tilt })
+    Some(Straight { seen, ideal, noise: noise.to_vec(), beyond_tilt })
 }
 
 /// Changes of speed along one axis beside those across the surface: a tilt, of surface or camera, turns some of the one into
@@ -190,16 +202,34 @@ fn along(seen: &Observation, range: Range<usize>, axis: usize, span: (f64, f64))
         Some(cubic) if cubic.4 < CUBIC_SHARE * parabola.4 => cubic,
         _ => parabola,
     };
-    let slope =
-        |t: f64| {
-            let row = DVector::from_fn(terms, |j, _| {
-                if j == 0 { 0.0 } else { j as f64 * t.powi(i32::try_from(j).unwrap_or(1) - 1) }
-            });
-            (row.dot(&numbers), variance * (row.transpose() * &inverse * &row)[(0, 0)])
-        };
-    let sd = variance.sqrt();
-    let strays = strays.iter().map(|v| if sd > 0.0 { v / sd } else { 0.0 }).collect();
-    Some(Along { begin: slope(0.0), end: slope(span.1 - span.0), strays })
+    let (sd, lasting) = (variance.sqrt(), lasting(strays.as_slice()));
+    let slope = |t: f64| {
+        let power = |j: usize| i32::try_from(j).unwrap_or(1) - 1;
+        let row = DVector::from_fn(terms, |j, _| if j == 0 { 0.0 } else { j as f64 * t.powi(power(j)) });
+        (row.dot(&numbers), (lasting * sd).powi(2) * (row.transpose() * &inverse * &row)[(0, 0)])
+    };
+    Some(Along { begin: slope(0.0), end: slope(span.1 - span.0), sd: lasting * sd })
+}
+
+/// How much less certain errors that last make a slope than white ones: of a first-order autoregression with correlation ρ
+/// of neighbours, √((1 + ρ)/(1 − ρ)).
+fn lasting(strays: &[f64]) -> f64 {
+    let square: f64 = strays.iter().map(|v| v * v).sum();
+    if square <= 0.0 {
+        return 1.0;
+    }
+    let rho = strays.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / square;
+    ((1.0 + rho) / (1.0 - rho).max(f64::MIN_POSITIVE)).max(1.0).sqrt().min(MOST_LASTING)
+}
+
+/// White noise of unit size for `count` samples, without what would change a parabola through them.
+fn white(count: usize, draw: &mut ChaCha8Rng) -> Vec<f64> {
+    let drawn = DVector::from_fn(count, |_, _| draw.sample::<f64, _>(StandardNormal));
+    let basis = DMatrix::from_fn(count, 3, |i, j| (i as f64 / count as f64).powi(i32::try_from(j).unwrap_or(0)));
+    let Some(inverse) = (basis.transpose() * &basis).try_inverse() else { return drawn.as_slice().to_vec() };
+    let left = &drawn - &basis * (inverse * (basis.transpose() * &drawn));
+    let size = (left.norm_squared() / (count as f64 - 3.0)).sqrt();
+    left.iter().map(|v| v / size).collect()
 }
 
 /// The variance of a line's slope through a flight's samples, in units of their variance over time squared.
@@ -216,14 +246,16 @@ fn lean(seen: &Observation, chain: &[&Flight]) -> f64 {
     for flight in chain {
         let times: Vec<f64> = flight.range.clone().map(|k| seen.clock()[k] - flight.span.0).collect();
         let heights = DVector::from_iterator(times.len(), flight.range.clone().map(|k| seen.row(k)[2] - low));
-        let basis = DMatrix::from_fn(times.len(), 3, |i, j| times[i].powi(i32::try_from(j).unwrap_or(0)));
+        // Air bends a flight as a cubic does.
+        let terms = if times.len() >= FEWEST_CUBIC { 4 } else { 3 };
+        let basis = DMatrix::from_fn(times.len(), terms, |i, j| times[i].powi(i32::try_from(j).unwrap_or(0)));
         let Some(inverse) = (basis.transpose() * &basis).try_inverse() else { continue };
         let rest = |v: &DVector<f64>| v - &basis * (&inverse * (basis.transpose() * v));
         let (shape, strays) = (rest(&heights.map(|h| h * h)), rest(&heights));
         both -= shape.dot(&strays);
         square += shape.norm_squared();
         left += strays.norm_squared();
-        freedom += times.len() as f64 - 3.0;
+        freedom += (times.len() - terms) as f64;
     }
     if square <= 0.0 {
         return 0.0;
@@ -239,8 +271,6 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use rand::{Rng, SeedableRng};
-
     use super::*;
 
     const G: f64 = 9.81;
@@ -248,7 +278,7 @@ mod tests {
     /// Three flights at 30 Hz with restitution .7 that a push of -.6 m/s² slows all the way, each contact keeping `kept` of
     /// the speed along the surface; noise of 1 mm.
     fn throw(kept: [f64; 2]) -> (Observation, Vec<f64>) {
-        let mut draw = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut draw = ChaCha8Rng::seed_from_u64(5);
         let (mut clock, mut rows, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
         let (mut begin, mut x, mut u, mut w) = (0.0, 0.0, 1.2, 2.0);
         let mut z = 0.4f64;
@@ -257,7 +287,7 @@ mod tests {
             let mut k = f64::ceil((begin + 1e-9) * 30.0);
             while k / 30.0 < begin + length {
                 let t = k / 30.0 - begin;
-                let mut noise = || 0.001 * draw.sample::<f64, _>(rand_distr::StandardNormal);
+                let mut noise = || 0.001 * draw.sample::<f64, _>(StandardNormal);
                 clock.push(k / 30.0);
                 rows.push([x + u * t - 0.3 * t * t + noise(), 0.0, z + w * t - G / 2.0 * t * t + noise()]);
                 k += 1.0;
@@ -274,13 +304,13 @@ mod tests {
     #[test]
     fn a_push_in_flight_is_no_loss_at_contact() {
         let (seen, contacts) = throw([1.0, 1.0]);
-        assert!(straighten(&seen, &contacts, G).is_none());
+        assert!(straighten(&seen, &contacts, G, 0).is_none());
     }
 
     #[test]
     fn what_contacts_take_stays_and_what_flights_take_goes() {
         let (seen, contacts) = throw([0.6, 1.0]);
-        let straight = straighten(&seen, &contacts, G).unwrap();
+        let straight = straighten(&seen, &contacts, G, 0).unwrap();
         assert!(straight.noise[0] > 0.001 && straight.noise[1] == 0.0, "{:?}", straight.noise);
         // 1.2 m/s less the push until the first contact; no push is left, so that speed stays until there.
         let fall = contacts[0];
