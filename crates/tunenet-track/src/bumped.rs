@@ -5,7 +5,7 @@ use tunenet_core::observation::Note;
 use crate::noticed;
 use crate::samples::Samples;
 use crate::scout::Unseen;
-use crate::stillness::elsewhere;
+use crate::stillness::{LIKELY, SURELY, elsewhere};
 use crate::track::{Answer, Track};
 
 /// A camera that is elsewhere in this share of the pictures is why no ball was found.
@@ -19,6 +19,7 @@ const MOST: f64 = 0.5;
 /// camera's doing where that was often.
 pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result<Answer> {
     let placed = samples.placed();
+    let doubt = if matches!(answer, Answer::Tracked(_)) { SURELY } else { LIKELY };
     // A median of pictures of a camera that moved has no edges, so single ones are compared.
     let mut away = Vec::new();
     let mut count = usize::MAX;
@@ -26,7 +27,7 @@ pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
         let at = (share * placed.len() as f64) as usize;
         let Some((_, reference)) = placed.get(at) else { continue };
-        let found = elsewhere(&placed, reference)?;
+        let found = elsewhere(&placed, reference, doubt)?;
         let fewer = found.iter().filter(|a| **a).count();
         if fewer < count {
             (away, count) = (found, fewer);
@@ -67,13 +68,17 @@ fn leave_out(track: &mut Track, places: &[usize], away: &[bool]) {
     let time = |frame: usize| frame as f64 / track.rate_hz;
     let back = *last + 1 < frames && *first > 0;
     let how = if back { "and came back" } else { "and stands elsewhere than in the rest of the film" };
-    let text = format!(
-        "the camera was bumped or moved between {:.2} and {:.2} s {how}: {} frames are left out of the track",
-        time(*first),
-        time(*last),
-        bumped.len()
-    );
-    track.sightings.retain(|s| bumped.binary_search(&s.frame).is_err());
+    let stays = |s: &crate::tracker::Sighting| bumped.binary_search(&s.frame).is_err();
+    if 2 * track.sightings.iter().filter(|s| stays(s)).count() > track.sightings.len() {
+        track.sightings.retain(stays);
+    }
+    let became = if track.sightings.iter().all(stays) {
+        format!("{} frames are left out of the track", bumped.len())
+    } else {
+        "the ball is seen there alone, which is used".to_owned()
+    };
+    let text =
+        format!("the camera was bumped or moved between {:.2} and {:.2} s {how}: {became}", time(*first), time(*last));
     track.notes.push(Note::new("camera.bumped", text, "put the camera on a stand, and touch neither while it films"));
 }
 

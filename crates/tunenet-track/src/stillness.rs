@@ -21,8 +21,19 @@ const MOVED_EDGES: f64 = 0.4;
 /// A camera moves where this share of the tiles does, in half of the pictures.
 const MOVED_TILES: f64 = 0.5;
 
-/// A single picture shows the background elsewhere where this share does.
-const ELSEWHERE_TILES: f64 = 0.7;
+/// When a single picture shows the background elsewhere: what counts as an edge and as a change of one, in grey levels, and the
+/// share of the tiles that moved.
+#[derive(Clone, Copy)]
+pub(crate) struct Doubt {
+    edge: u8,
+    moved: u8,
+    tiles: f64,
+}
+
+/// Sure enough to leave pictures out.
+pub(crate) const SURELY: Doubt = Doubt { edge: EDGE, moved: MOVED, tiles: 0.7 };
+/// Enough to explain why no ball is found.
+pub(crate) const LIKELY: Doubt = Doubt { edge: 24, moved: 10, tiles: MOVED_TILES };
 
 /// Whether the camera moves between these pictures, all of one size.
 pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
@@ -38,16 +49,16 @@ pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
 }
 
 /// Which of these pictures show the background elsewhere than `reference` does: the camera was bumped or moved.
-pub(crate) fn elsewhere(pictures: &[(usize, &Mat)], reference: &Mat) -> opencv::Result<Vec<bool>> {
+pub(crate) fn elsewhere(pictures: &[(usize, &Mat)], reference: &Mat, doubt: Doubt) -> opencv::Result<Vec<bool>> {
     pictures
         .par_iter()
-        .map(|(_, picture)| Ok(shifted_tiles(reference, picture)?.is_some_and(|s| s > ELSEWHERE_TILES)))
+        .map(|(_, picture)| Ok(shifted_tiles(reference, picture, doubt)?.is_some_and(|s| s > doubt.tiles)))
         .collect()
 }
 
 /// The share of the tiles of `before` whose edges look different in `after` beyond a change of light, which makes all of a
 /// tile's edges brighter or darker alike; `None` where there are too few.
-fn shifted_tiles(before: &Mat, after: &Mat) -> opencv::Result<Option<f64>> {
+fn shifted_tiles(before: &Mat, after: &Mat, doubt: Doubt) -> opencv::Result<Option<f64>> {
     let (before, after) = (View::of(before)?, View::of(after)?);
     let (columns, rows) = (before.columns(), before.rows());
     if (after.columns(), after.rows()) != (columns, rows) {
@@ -59,14 +70,14 @@ fn shifted_tiles(before: &Mat, after: &Mat) -> opencv::Result<Option<f64>> {
         for column in 1..columns - 1 {
             let across = green(&before, column - 1, row).abs_diff(green(&before, column + 1, row));
             let down = green(&before, column, row - 1).abs_diff(green(&before, column, row + 1));
-            if across.max(down) > EDGE {
+            if across.max(down) > doubt.edge {
                 let change = i16::from(green(&after, column, row)) - i16::from(green(&before, column, row));
                 tiles[row * TILES / rows * TILES + column * TILES / columns].push(change);
             }
         }
     }
     let told = tiles.iter_mut().enumerate().filter(|(_, edges)| edges.len() >= FEWEST_EDGES);
-    Ok(share(told.map(|(tile, edges)| (tile, shifted(edges)))))
+    Ok(share(told.map(|(tile, edges)| (tile, shifted(edges, doubt.moved)))))
 }
 
 /// The share of tiles, each by its number and whether it moved, that did; `None` where they are too few or too near together.
@@ -82,10 +93,10 @@ fn share(told: impl Iterator<Item = (usize, bool)>) -> Option<f64> {
 }
 
 /// Whether the changes of a tile's edges differ among themselves.
-fn shifted(changes: &mut [i16]) -> bool {
+fn shifted(changes: &mut [i16], least: u8) -> bool {
     let middle = changes.len() / 2;
     let light = *changes.select_nth_unstable(middle).1;
-    let moved = changes.iter().filter(|change| (**change - light).abs() > i16::from(MOVED)).count();
+    let moved = changes.iter().filter(|change| (**change - light).abs() > i16::from(least)).count();
     moved as f64 > MOVED_EDGES * changes.len() as f64
 }
 
@@ -127,6 +138,6 @@ mod tests {
     fn a_change_of_light_shifts_no_edges() {
         let mut brighter: Vec<i16> = (0..40).map(|i| 60 + i % 5).collect();
         let mut shifted_by_one: Vec<i16> = (0..40).map(|i| if i % 2 == 0 { 60 } else { -60 }).collect();
-        assert!(!shifted(&mut brighter) && shifted(&mut shifted_by_one));
+        assert!(!shifted(&mut brighter, MOVED) && shifted(&mut shifted_by_one, MOVED));
     }
 }

@@ -57,8 +57,9 @@ struct Flight {
 }
 
 /// Straightens `seen`, positions with z up, between `contacts` under gravity `g` (m/s²). `None` where flights are too few or
-/// too short, or where no contact surely takes speed along the surface.
-pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, seed: u64) -> Option<Straight> {
+/// too short, or where no contact surely takes speed along the surface. Noise is drawn from `seed`, and `wider` times as large as
+/// the velocities need.
+pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wider): (u64, f64)) -> Option<Straight> {
     let flights = flights(seen, contacts);
     // The longest chain of flights one after the other.
     let chains = flights.split(Option::is_none).max_by_key(|chain| chain.len())?;
@@ -108,6 +109,7 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, seed: u64
     if noise[0].max(noise[1]) <= 0.0 {
         return None;
     }
+    noise.iter_mut().for_each(|sd| *sd *= wider);
     let beyond_tilt = tilts.iter().map(Tilt::left).sum();
     let mut draw = ChaCha8Rng::seed_from_u64(seed);
     let (mut clock, mut rows, mut ideals) = (Vec::new(), Vec::new(), Vec::new());
@@ -304,13 +306,13 @@ mod tests {
     #[test]
     fn a_push_in_flight_is_no_loss_at_contact() {
         let (seen, contacts) = throw([1.0, 1.0]);
-        assert!(straighten(&seen, &contacts, G, 0).is_none());
+        assert!(straighten(&seen, &contacts, G, (0, 1.0)).is_none());
     }
 
     #[test]
     fn what_contacts_take_stays_and_what_flights_take_goes() {
         let (seen, contacts) = throw([0.6, 1.0]);
-        let straight = straighten(&seen, &contacts, G, 0).unwrap();
+        let straight = straighten(&seen, &contacts, G, (0, 1.0)).unwrap();
         assert!(straight.noise[0] > 0.001 && straight.noise[1] == 0.0, "{:?}", straight.noise);
         // 1.2 m/s less the push until the first contact; no push is left, so that speed stays until there.
         let fall = contacts[0];
