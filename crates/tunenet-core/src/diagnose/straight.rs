@@ -2,8 +2,8 @@
 //!
 //! How fast a ball moves right before and right after a contact shows whatever acts in flight and however the camera bends
 //! it, as long as that is smooth. So each flight is described by a polynomial of its own; the change of velocity along the
-//! surface at each contact is kept, with its uncertainty, and the flights in between become parabolas of gravity alone. What
-//! the samples stray from their polynomial stays, as large as makes the velocities as uncertain as they are.
+//! surface at each contact is kept, and the flights in between become parabolas of gravity alone, with noise as large as
+//! makes velocities as uncertain as they are.
 
 use std::ops::Range;
 
