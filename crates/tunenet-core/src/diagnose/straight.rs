@@ -109,7 +109,9 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wi
     if noise[0].max(noise[1]) <= 0.0 {
         return None;
     }
-    noise.iter_mut().for_each(|sd| *sd *= wider);
+    for sd in &mut noise {
+        *sd *= wider;
+    }
     let beyond_tilt = tilts.iter().map(Tilt::left).sum();
     let mut draw = ChaCha8Rng::seed_from_u64(seed);
     let (mut clock, mut rows, mut ideals) = (Vec::new(), Vec::new(), Vec::new());
@@ -119,13 +121,13 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wi
         let length = if i == 0 { measured } else { 2.0 * rise / g };
         let shown = if i + 1 == chain.len() { measured.min(ALOFT_SHARE * length) } else { length };
         let count = flight.range.len();
-        let whites = [0, 1, 2].map(|_| white(count, &mut draw));
-        for j in 0..count {
+        let [x, y, z] = [0, 1, 2].map(|_| white(count, &mut draw));
+        for (j, white) in x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).enumerate() {
             let t = shown * (j as f64 + 0.5) / count as f64;
             let height =
                 if i == 0 { (length - t) * (normal[0].0 - 0.5 * g * (length - t)) } else { t * (rise - 0.5 * g * t) };
             let ideal = [place[0] + speeds[0][i] * t, place[1] + speeds[1][i] * t, height];
-            let strays = |axis: usize| noise[axis] * whites[axis][j];
+            let strays = |axis: usize| noise[axis] * white[axis];
             clock.push(start_s + t);
             ideals.push(ideal);
             rows.push([0, 1, 2].map(|axis| ideal[axis] + strays(axis)));
@@ -135,7 +137,9 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wi
         start_s += length;
     }
     let begin = clock.first().copied()?;
-    clock.iter_mut().for_each(|t| *t -= begin);
+    for t in &mut clock {
+        *t -= begin;
+    }
     let ideal = Observation::positions(clock.clone(), &ideals).ok()?;
     let seen = Observation::positions(clock, &rows).ok()?;
     Some(Straight { seen, ideal, noise: noise.to_vec(), beyond_tilt })
