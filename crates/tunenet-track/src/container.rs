@@ -59,7 +59,7 @@ fn head(file: &mut File, at: u64, size: u64) -> Option<(u64, [u8; 4])> {
         1 if read == head.len() => u64::from_be_bytes(head[8..].try_into().ok()?),
         length => u64::from(length),
     };
-    (length >= 8 && length < 1 << 60).then_some((length, kind))
+    (8..1 << 60).contains(&length).then_some((length, kind))
 }
 
 #[cfg(test)]
