@@ -189,3 +189,55 @@ fn restitution_is_right_whatever_camera_saw_it_and_wherever_it_fell_from() {
         assert!((found - restitution).abs() < 0.005, "{eye:?}: {found} for {restitution}: {json}");
     }
 }
+
+#[test]
+fn a_ball_without_a_hue_is_found_by_its_brightness() {
+    for shade in [[245; 3], [15; 3]] {
+        let folder = with(&Film { balls: vec![shade], ..Film::default() });
+        let json = folder.run("track drop.avi --json").ends(0).json();
+        assert!(json["seen"].as_u64().unwrap() > 115, "{json}");
+        let restitution = json["restitution"]["value"].as_f64().unwrap();
+        assert!((restitution - 0.75).abs() < 0.02, "{shade:?}: {restitution}");
+    }
+}
+
+/// The camera is bumped by 9 px for an eighth of a second, or half way through for good.
+#[test]
+fn a_bumped_camera_is_told_and_what_it_saw_meanwhile_is_left_out() {
+    for (bump, left_out) in [(50..58, 8..24), (70..120, 48..64)] {
+        let film = Film { bump: Some((bump.clone(), 9.0)), ..Film::default() };
+        let folder = with(&film);
+        let json = folder.run("track drop.avi --out track.csv --pixels --json").ends(0).json();
+        assert!(codes(&json).contains(&"camera.bumped"), "{json}");
+        let kept = rows(&folder, "track.csv");
+        let gone = film.frames - kept.len();
+        assert!(left_out.contains(&gone), "{bump:?}: {gone} left out");
+        for row in kept {
+            let (u, v) = film.place_px(row[0]);
+            assert!((row[1] - u).hypot(row[2] - v) < 0.3, "{bump:?}: {row:?} for {u} {v}");
+        }
+    }
+}
+
+/// Balls thrown across the view lose more than half of their speed along the floor at the first bounce.
+#[test]
+fn films_of_throws_show_that_the_floor_rubs() {
+    let Some(root) = std::env::var_os("TUNENET_MEASURED").map(std::path::PathBuf::from) else {
+        eprintln!("skipped: TUNENET_MEASURED does not name a folder of measured files");
+        return;
+    };
+    let folder = Folder::with_scene();
+    for name in ["PV_1.mp4", "PV_2.mp4"] {
+        let path = root.join("video-throws").join(name);
+        if !path.exists() {
+            eprintln!("skipped: {} is not there", path.display());
+            continue;
+        }
+        let line = format!("diagnose --sim scene.toml --observation {} --json", path.display());
+        let json = folder.run(&line).ends(3).json();
+        let names: Vec<&str> = json["candidates"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+        assert_eq!(json["verdict"], "one_of", "{name}");
+        assert!(names.contains(&"tangential_restitution") && names.contains(&"bounce_friction"), "{name}: {names:?}");
+        assert_eq!(names.len(), 2, "{name}: {names:?}");
+    }
+}

@@ -33,6 +33,8 @@ pub struct Film {
     pub square: bool,
     /// How far the camera turns from frame to frame, px.
     pub pan_px: f64,
+    /// Frames in which the camera is bumped, and how far, px.
+    pub bump: Option<(std::ops::Range<usize>, f64)>,
     /// Where a pinhole stands, m from the foot of the fall, that looks at the middle of it; far away at the side where none.
     pub eye_m: Option<[f64; 3]>,
 }
@@ -54,6 +56,7 @@ impl Default for Film {
             noise: 3.0,
             square: false,
             pan_px: 0.0,
+            bump: None,
             eye_m: None,
         }
     }
@@ -94,12 +97,17 @@ impl Film {
     }
 
     fn picture(&self, frame: usize) -> Vec<[u8; 3]> {
-        let shake = self.shake_px * (2.3 * frame as f64).sin() - self.pan_px * frame as f64;
+        let bumped = self.bump.as_ref().filter(|(frames, _)| frames.contains(&frame)).map_or(0.0, |(_, px)| *px);
+        let shake = self.shake_px * (2.3 * frame as f64).sin() - self.pan_px * frame as f64 + bumped;
         let mut picture: Vec<[u8; 3]> = (0..WIDTH * HEIGHT)
             .map(|i| {
                 // A camera that shakes needs a wall to be seen before.
                 let stripe = ((i % WIDTH) as f64 - shake).rem_euclid(20.0) < 10.0;
-                if self.shake_px + self.pan_px > 0.0 && stripe { [60; 3] } else { [118, 122, 120] }
+                if (self.shake_px + self.pan_px > 0.0 || self.bump.is_some()) && stripe {
+                    [60; 3]
+                } else {
+                    [118, 122, 120]
+                }
             })
             .collect();
         let (u, v) = self.place_px(frame as f64 / self.rates_hz.0);

@@ -19,7 +19,7 @@ pub struct Window {
 }
 
 /// The colours that have a name.
-pub const NAMES: [(&str, Window); 8] = [
+pub const NAMES: [(&str, Window); 9] = [
     ("red", Window::coloured(0, 12)),
     ("orange", Window::coloured(12, 8)),
     ("yellow", Window::coloured(28, 10)),
@@ -27,8 +27,14 @@ pub const NAMES: [(&str, Window); 8] = [
     ("cyan", Window::coloured(92, 12)),
     ("blue", Window::coloured(112, 14)),
     ("purple", Window::coloured(140, 15)),
-    ("white", Window { hue: 90, half_width: 90, saturation: (0, 60), value: (170, 255) }),
+    ("white", WHITE),
+    ("black", BLACK),
 ];
+
+/// Bright without a hue.
+pub(crate) const WHITE: Window = Window { hue: 90, half_width: 90, saturation: (0, 60), value: (170, 255) };
+/// Dark, whatever its hue.
+pub(crate) const BLACK: Window = Window { hue: 90, half_width: 90, saturation: (0, 255), value: (0, 70) };
 
 impl Window {
     const fn coloured(hue: i32, half_width: i32) -> Self {

@@ -23,9 +23,11 @@
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 
 mod blob;
+mod bumped;
 mod changes;
 mod clock;
 pub mod colour;
+mod container;
 mod folder;
 pub mod frames;
 mod log;

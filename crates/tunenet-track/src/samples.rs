@@ -57,10 +57,10 @@ impl Samples {
         if even || new {
             let small = reduced(image)?;
             if even {
-                self.even.keep(small.clone(), MOST_EVEN);
+                self.even.keep(index, small.clone(), MOST_EVEN);
             }
             if new {
-                self.changing.keep(small, MOST_CHANGING);
+                self.changing.keep(index, small, MOST_CHANGING);
             }
         }
         Ok(())
@@ -69,6 +69,17 @@ impl Samples {
     /// Those that tell most: where something changes, or all where that is hardly anywhere.
     pub fn telling(&self) -> &[Mat] {
         if self.changing.kept.len() < FEWEST_CHANGING { &self.even.kept } else { &self.changing.kept }
+    }
+
+    /// All of them with their places in the film, in order.
+    pub fn placed(&self) -> Vec<(usize, &Mat)> {
+        let mut all: Vec<(usize, &Mat)> = [&self.even, &self.changing]
+            .into_iter()
+            .flat_map(|kept| kept.places.iter().copied().zip(&kept.kept))
+            .collect();
+        all.sort_by_key(|(place, _)| *place);
+        all.dedup_by_key(|(place, _)| *place);
+        all
     }
 
     /// Whether `image` differs from the last one that did.
@@ -86,6 +97,7 @@ impl Samples {
 #[derive(Default)]
 struct Thinned {
     kept: Vec<Mat>,
+    places: Vec<usize>,
     stride: usize,
     passed: usize,
 }
@@ -99,8 +111,9 @@ impl Thinned {
         wanted
     }
 
-    fn keep(&mut self, small: Mat, most: usize) {
+    fn keep(&mut self, index: usize, small: Mat, most: usize) {
         self.kept.push(small);
+        self.places.push(index);
         if self.kept.len() > most {
             self.halve();
         }
@@ -112,6 +125,7 @@ impl Thinned {
             place += 1;
             place % 2 == 1
         });
+        self.places = self.places.iter().copied().step_by(2).collect();
         self.stride *= 2;
     }
 }

@@ -5,7 +5,7 @@ use opencv::imgproc::{COLOR_BGR2HSV, blur_def, cvt_color_def};
 use rayon::prelude::*;
 
 use super::blob::{Blob, blobs};
-use super::colour::{HUES, Window};
+use super::colour::{BLACK, HUES, WHITE, Window};
 use super::lookup::Lookup;
 use super::stillness::moves;
 
@@ -25,6 +25,10 @@ const ONE_COLOUR: i32 = 12;
 const MOST_COLOURS: usize = 4;
 /// A frame in which more than this share of the pixels moved is not seen by a still camera.
 const STILL_SHARE: f64 = 0.3;
+/// A ball without a hue is seen in more than this share of the pictures.
+const PALE_SHARE: f64 = 0.5;
+/// How little what never falls counts beside what does.
+const LEVEL: f64 = 0.2;
 /// A blob rounder than this fills its box as a disc does.
 pub(crate) const ROUND: std::ops::Range<f64> = 0.55..1.4;
 
@@ -104,11 +108,31 @@ pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Sc
         Some(window) => vec![window],
         None => colours(&hsv, &moved)?,
     };
+    let mut best = likeliest(frames, &moved, &candidates)?;
+    if best.is_none() && window.is_none() {
+        // Without a hue the ball is told by its brightness alone, so it has to be seen in most pictures.
+        best = likeliest(frames, &moved, &[WHITE, BLACK])?.filter(|(.., share)| *share > PALE_SHARE);
+    }
+    let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
+    let coloured = window.is_none() && wide != WHITE && wide != BLACK;
+    let window = if coloured { narrowed(&hsv, &moved, wide)? } else { wide };
+    let clutter = clutter(&background, &window, area)?;
+    let area_share = area / f64::from(background.cols() * background.rows());
+    Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
+}
+
+/// The window whose patches look most like one ball on its way: merit, window, median area, and the share of the pictures in
+/// which it is seen.
+fn likeliest(
+    frames: &[Mat],
+    moved: &Vec<Vec<u8>>,
+    candidates: &[Window],
+) -> opencv::Result<Option<(f64, Window, f64, f64)>> {
     let mut best: Option<(f64, Window, f64, f64)> = None;
-    for window in candidates {
+    for &window in candidates {
         // A ball that lies long in one place is background there, and its colour alone still tells it; where the background
         // holds the colour, only motion does.
-        for moved in [None, Some(&moved)] {
+        for moved in [None, Some(moved)] {
             let seen = sightings(frames, moved, &window)?;
             let Some((merit, area)) = merit(&seen, frames.len()) else { continue };
             if best.as_ref().is_none_or(|b| merit > b.0) {
@@ -117,11 +141,7 @@ pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Sc
             }
         }
     }
-    let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
-    let window = if window.is_some() { wide } else { narrowed(&hsv, &moved, wide)? };
-    let clutter = clutter(&background, &window, area)?;
-    let area_share = area / f64::from(background.cols() * background.rows());
-    Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
+    Ok(best)
 }
 
 fn smoothed(frame: &Mat) -> opencv::Result<Mat> {
@@ -250,7 +270,10 @@ fn merit(seen: &[Option<Blob>], frames: usize) -> Option<(f64, f64)> {
         return None;
     }
     let share = found.len() as f64 / frames as f64;
-    Some((share.sqrt() * alike * area.sqrt() * travel.min(10.0) * (1.0 - (fill - 1.0).abs()), area))
+    // What only goes across is somebody who walks by, rather than a ball.
+    let (across, down) = (reach(&|b| b.u), reach(&|b| b.v));
+    let falls = (2.0 * down / (across + down)).clamp(LEVEL, 1.0);
+    Some((share.sqrt() * alike * area.sqrt() * travel.min(10.0) * falls * (1.0 - (fill - 1.0).abs()), area))
 }
 
 /// The window that holds nearly all of the ball's own pixels.

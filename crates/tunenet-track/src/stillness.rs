@@ -14,10 +14,26 @@ const TILES: usize = 8;
 const FEWEST_EDGES: usize = 12;
 /// Fewer tiles with edges may be the ball and a hand before a plain wall, which looks alike from everywhere.
 const FEWEST_TILES: usize = 12;
+/// They have to lie in so many of the columns of tiles: somebody who walks by has edges as well, but in few.
+const FEWEST_COLUMNS: usize = 5;
 /// A tile moves where this share of its edges looks different in the next picture.
 const MOVED_EDGES: f64 = 0.4;
 /// A camera moves where this share of the tiles does, in half of the pictures.
 const MOVED_TILES: f64 = 0.5;
+
+/// When a single picture shows the background elsewhere: what counts as an edge and as a change of one, in grey levels, and the
+/// share of the tiles that moved.
+#[derive(Clone, Copy)]
+pub(crate) struct Doubt {
+    edge: u8,
+    moved: u8,
+    tiles: f64,
+}
+
+/// Sure enough to leave pictures out.
+pub(crate) const SURELY: Doubt = Doubt { edge: EDGE, moved: MOVED, tiles: 0.7 };
+/// Enough to explain why no ball is found.
+pub(crate) const LIKELY: Doubt = Doubt { edge: 24, moved: 10, tiles: MOVED_TILES };
 
 /// Whether the camera moves between these pictures, all of one size.
 pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
@@ -30,6 +46,58 @@ pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
         .collect();
     shares.sort_unstable_by(f64::total_cmp);
     Ok(shares.get(shares.len() / 2).is_some_and(|s| *s > MOVED_TILES))
+}
+
+/// Which of these pictures show the background elsewhere than `reference` does: the camera was bumped or moved.
+pub(crate) fn elsewhere(pictures: &[(usize, &Mat)], reference: &Mat, doubt: Doubt) -> opencv::Result<Vec<bool>> {
+    pictures
+        .par_iter()
+        .map(|(_, picture)| Ok(shifted_tiles(reference, picture, doubt)?.is_some_and(|s| s > doubt.tiles)))
+        .collect()
+}
+
+/// The share of the tiles of `before` whose edges look different in `after` beyond a change of light, which makes all of a
+/// tile's edges brighter or darker alike; `None` where there are too few.
+fn shifted_tiles(before: &Mat, after: &Mat, doubt: Doubt) -> opencv::Result<Option<f64>> {
+    let (before, after) = (View::of(before)?, View::of(after)?);
+    let (columns, rows) = (before.columns(), before.rows());
+    if (after.columns(), after.rows()) != (columns, rows) {
+        return Ok(None);
+    }
+    let mut tiles = vec![Vec::<i16>::new(); TILES * TILES];
+    let green = |view: &View<'_>, column: usize, row: usize| view.pixel(column, row)[1];
+    for row in 1..rows - 1 {
+        for column in 1..columns - 1 {
+            let across = green(&before, column - 1, row).abs_diff(green(&before, column + 1, row));
+            let down = green(&before, column, row - 1).abs_diff(green(&before, column, row + 1));
+            if across.max(down) > doubt.edge {
+                let change = i16::from(green(&after, column, row)) - i16::from(green(&before, column, row));
+                tiles[row * TILES / rows * TILES + column * TILES / columns].push(change);
+            }
+        }
+    }
+    let told = tiles.iter_mut().enumerate().filter(|(_, edges)| edges.len() >= FEWEST_EDGES);
+    Ok(share(told.map(|(tile, edges)| (tile, shifted(edges, doubt.moved)))))
+}
+
+/// The share of tiles, each by its number and whether it moved, that did; `None` where they are too few or too near together.
+fn share(told: impl Iterator<Item = (usize, bool)>) -> Option<f64> {
+    let (mut columns, mut count, mut moving) = ([false; TILES], 0usize, 0usize);
+    for (tile, moved) in told {
+        columns[tile % TILES] = true;
+        count += 1;
+        moving += usize::from(moved);
+    }
+    let wide = columns.iter().filter(|c| **c).count() >= FEWEST_COLUMNS;
+    (wide && count >= FEWEST_TILES).then(|| moving as f64 / count as f64)
+}
+
+/// Whether the changes of a tile's edges differ among themselves.
+fn shifted(changes: &mut [i16], least: u8) -> bool {
+    let middle = changes.len() / 2;
+    let light = *changes.select_nth_unstable(middle).1;
+    let moved = changes.iter().filter(|change| (**change - light).abs() > i16::from(least)).count();
+    moved as f64 > MOVED_EDGES * changes.len() as f64
 }
 
 /// The share of the tiles of `before` whose edges look different in `after`; `None` where there are too few.
@@ -50,12 +118,26 @@ fn moved_tiles(before: &Mat, after: &Mat) -> opencv::Result<Option<f64>> {
             }
         }
     }
-    let told: Vec<bool> = tiles
-        .iter()
-        .flatten()
-        .filter(|(edges, _)| *edges >= FEWEST_EDGES)
-        .map(|(edges, moved)| *moved as f64 > MOVED_EDGES * *edges as f64)
-        .collect();
-    let moving = told.iter().filter(|m| **m).count();
-    Ok((told.len() >= FEWEST_TILES).then(|| moving as f64 / told.len() as f64))
+    let told = tiles.iter().flatten().enumerate().filter(|(_, (edges, _))| *edges >= FEWEST_EDGES);
+    Ok(share(told.map(|(tile, (edges, moved))| (tile, *moved as f64 > MOVED_EDGES * *edges as f64))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn somebody_who_walks_by_is_no_moving_camera() {
+        let all_in =
+            |columns: usize| (0..TILES * TILES).filter(move |tile| tile % TILES < columns).map(|tile| (tile, true));
+        assert_eq!(share(all_in(2)), None);
+        assert_eq!(share(all_in(6)), Some(1.0));
+    }
+
+    #[test]
+    fn a_change_of_light_shifts_no_edges() {
+        let mut brighter: Vec<i16> = (0..40).map(|i| 60 + i % 5).collect();
+        let mut shifted_by_one: Vec<i16> = (0..40).map(|i| if i % 2 == 0 { 60 } else { -60 }).collect();
+        assert!(!shifted(&mut brighter, MOVED) && shifted(&mut shifted_by_one, MOVED));
+    }
 }

@@ -4,6 +4,7 @@ use opencv::core::{Mat, MatTraitConstManual};
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::{Error, Result};
 
+use crate::bumped::without_bumps;
 use crate::changes::Changes;
 use crate::clock;
 use crate::colour::{HUES, Window};
@@ -127,11 +128,11 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
         if moves(samples.telling()).map_err(broken)? {
             return Ok(unseen(Unseen::CameraMoves, frames.count, settings, ""));
         }
-        return Ok(pass.finish(settings, cut_off.as_ref()));
+        return pass.finish(settings, cut_off.as_ref(), &samples).map_err(broken);
     }
     let scene = match scout(samples.telling(), settings.colour).map_err(broken)? {
         Ok(scene) => scene,
-        Err(reason) => return Ok(unseen(reason, frames.count, settings, "")),
+        Err(reason) => return without_bumps(unseen(reason, frames.count, settings, ""), &samples).map_err(broken),
     };
     // What the first frames showed may be another ball than the one of the whole film.
     let pass = match pass {
@@ -150,7 +151,7 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
             pass
         }
     };
-    Ok(pass.finish(settings, cut_off.as_ref()))
+    pass.finish(settings, cut_off.as_ref(), &samples).map_err(broken)
 }
 
 fn unseen(reason: Unseen, frames: usize, settings: &Settings, found: &str) -> Answer {
@@ -244,7 +245,12 @@ impl Pass {
         Ok(())
     }
 
-    fn finish(self, settings: &Settings, cut_off: Option<&CutOff>) -> Answer {
+    /// The answer, without what was seen while the camera was bumped.
+    fn finish(self, settings: &Settings, cut_off: Option<&CutOff>, samples: &Samples) -> opencv::Result<Answer> {
+        without_bumps(self.answer(settings, cut_off), samples)
+    }
+
+    fn answer(self, settings: &Settings, cut_off: Option<&CutOff>) -> Answer {
         let Self { tracker, mut sightings, mut times_s, changes, size_px } = self;
         let frames = times_s.len();
         clock::even_out(&mut times_s);

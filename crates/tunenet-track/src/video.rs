@@ -11,6 +11,8 @@ use opencv::videoio::{
 };
 use tunenet_core::{Error, Result};
 
+use crate::container::incomplete;
+
 /// Fewest frames in which something can be seen to move.
 pub const FEWEST_FRAMES: usize = 2;
 
@@ -80,7 +82,7 @@ pub(crate) fn reader(path: &Path) -> Result<(VideoCapture, f64)> {
     let with = if has_backend(VideoCaptureAPIs::CAP_FFMPEG).map_err(broken)? { CAP_FFMPEG } else { CAP_ANY };
     let reader = VideoCapture::from_file(name, with).map_err(broken)?;
     if !reader.is_opened().map_err(broken)? {
-        return Err(refuse(path, "a file that OpenCV cannot open as one"));
+        return Err(incomplete(path).unwrap_or_else(|| refuse(path, "a file that OpenCV cannot open as one")));
     }
     let frames_per_s = reader.get(CAP_PROP_FPS).map_err(broken)?;
     if !(frames_per_s.is_finite() && frames_per_s > 0.0) {
@@ -109,6 +111,7 @@ fn text(path: &Path) -> Result<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::container::tests::cut_before_index;
     use opencv::core::{CV_8UC3, Scalar, Size};
     use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 
@@ -164,6 +167,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert!(open(folder.path()).unwrap_err().to_string().ends_with("found a folder or a device"));
         assert!(matches!(open(&folder.path().join("absent.mp4")), Err(Error::Io { .. })));
+    }
+
+    #[test]
+    fn a_film_without_its_index_is_said_to_be_cut_off() {
+        let text = refusal("cut.mp4", &cut_before_index());
+        assert!(text.contains("cut off") && text.contains("index"), "{text}");
     }
 
     #[test]

@@ -29,7 +29,7 @@ const MARKS: [(usize, &[u8]); 4] = [(4, b"ftyp"), (8, b"AVI "), (0, b"\x1a\x45\x
 /// The code of a ball that never leaves the ground, which tells nothing of a bounce.
 const ROLLS: &str = "ball.rolls";
 /// The codes of what may be noticed of a film.
-const CODES: [&str; 15] = [
+const CODES: [&str; 16] = [
     "ball.background",
     "ball.cut",
     "ball.gone",
@@ -38,6 +38,7 @@ const CODES: [&str; 15] = [
     "ball.rolls",
     "ball.shape",
     "ball.two",
+    "camera.bumped",
     "camera.moves",
     "film.dropped",
     "film.repeated",
@@ -161,6 +162,8 @@ impl Asked {
             .args(&self.arguments)
             .arg("--")
             .arg(path)
+            // What FFmpeg finds wrong is told in the answer, in words of ours.
+            .env("OPENCV_FFMPEG_LOGLEVEL", "-8")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::inherit())

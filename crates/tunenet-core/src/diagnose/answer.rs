@@ -96,14 +96,25 @@ pub struct Change {
     pub after: f64,
 }
 
+/// What a gap was measured on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GapOf {
+    /// The recordings as they are.
+    Recordings,
+    /// Their flights, cut at the contacts, each with a start of its own: this says nothing of how far a whole recording is
+    /// predicted.
+    Flights,
+    /// Their contacts, the flights straightened: this says nothing of the flights.
+    Contacts,
+}
+
 /// How far simulation and measurement lie apart (root mean square), and what noise alone leaves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gap {
     /// The unit of all.
     pub unit: String,
-    /// Whether the recordings were cut at their contacts, each flight with a start of its own: then all these are of the
-    /// flights, and say nothing of how far a whole recording is predicted.
-    pub of_flights: bool,
+    /// What all these were measured on.
+    pub of: GapOf,
     /// On the recordings that were fitted: the simulation as it was, its own parameters tuned anew.
     pub before: f64,
     /// With the named effects.

@@ -3,8 +3,8 @@
 use std::sync::atomic::Ordering;
 
 use super::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use,
-    Value, Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Test, Tuned,
+    Use, Value, Verdict,
 };
 use super::decide::Decision;
 use super::held_out::{HeldOut, rmse};
@@ -173,7 +173,7 @@ fn gap(study: &Study, judged: &Judged, last: &Model) -> Result<Gap> {
     };
     Ok(Gap {
         unit: study.subjects[0].simulator.channels()[0].unit.clone(),
-        of_flights: false,
+        of: GapOf::Recordings,
         before: error(&found.base)?,
         after: error(last)?,
         noise_floor: judged.floor.sqrt(),

@@ -1,7 +1,7 @@
 //! Flights alone: where recordings differ by what no effect explains (the ball spins, a racket hits it), each flight between
 //! contacts still says what acts in flight, from a start and with a spin of its own.
 
-use super::answer::{Diagnosis, NextExperiment, Tuned, Verdict};
+use super::answer::{Diagnosis, GapOf, NextExperiment, Tuned, Verdict};
 use super::intervals::NORMAL_95;
 use super::nameless::noise_of_flight;
 use super::pieces::pieces;
@@ -57,7 +57,7 @@ impl Asked<'_> {
             self.leave_open(&mut answer);
         }
         answer.rollouts += whole.rollouts;
-        answer.gap.iter_mut().for_each(|gap| gap.of_flights = true);
+        answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Flights);
         for i in 0..answer.explained.len() {
             let recording = answer.explained[i].recording;
             let before = answer.explained[..i].iter().filter(|other| other.recording == recording).count();

@@ -21,6 +21,7 @@ mod chance;
 mod colour;
 mod columns;
 mod confusable;
+mod contacts;
 mod control;
 mod decide;
 mod derivatives;
@@ -51,6 +52,7 @@ mod search;
 mod sets;
 mod stage;
 mod steady;
+mod straight;
 mod structure;
 mod study;
 mod throws;
@@ -62,8 +64,8 @@ mod verdict;
 mod tests;
 
 pub use answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Test, Tuned, Use,
-    Value, Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Test, Tuned,
+    Use, Value, Verdict,
 };
 pub use input::{Progress, Recording, Settings, Subject};
 
@@ -72,6 +74,7 @@ use std::sync::atomic::AtomicUsize;
 use crate::observation::{Kind, Note};
 use crate::simulator::Preparation;
 use crate::{Error, Result};
+use catalogue::Entry;
 use sets::Set;
 use study::Study;
 
@@ -142,6 +145,10 @@ pub fn diagnose(
     {
         return Ok(flights);
     }
+    let doubtful = crowded || whole.verdict == Verdict::Unknown || !whole.adequacy.iter().all(|test| test.passed);
+    if doubtful && let Some(contacts) = asked.contacts_alone(&sets, &known, &whole)? {
+        return Ok(contacts);
+    }
     Ok(whole)
 }
 
@@ -157,11 +164,18 @@ struct Asked<'a> {
 impl Asked<'_> {
     /// The answer of these recordings, ready.
     fn judge(&self, sets: Vec<Set>, known: Answered) -> Result<Diagnosis> {
+        self.judge_among(sets, known, &|_| true)
+    }
+
+    /// The same, where only these effects may be missing.
+    fn judge_among(&self, sets: Vec<Set>, known: Answered, may: &dyn Fn(&Entry) -> bool) -> Result<Diagnosis> {
+        let mut catalogue = catalogue::catalogue(self.subjects);
+        catalogue.retain(may);
         let (held_out, sets): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.held_out);
         let study = Study {
             subjects: self.subjects,
             sets,
-            catalogue: catalogue::catalogue(self.subjects),
+            catalogue,
             settings: self.settings,
             chance: None,
             independent: 1.0,

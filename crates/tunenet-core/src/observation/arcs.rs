@@ -191,7 +191,7 @@ impl Kinks {
         };
         // A kink stands out of the noise, of gravity's own bend, and of whatever the whole record shows.
         let judged = |profile: &[(f64, f64, f64)], sd: f64, least: f64| -> Vec<(f64, bool)> {
-            let typical = median(profile.iter().map(|p| p.0.abs())) * 1.4826 * KINK_OVER_TYPICAL;
+            let typical = typical(profile.iter().map(|p| p.0.abs())) * KINK_OVER_TYPICAL;
             let limit = |&(_, gain, span): &(f64, f64, f64)| {
                 (KINK_SIGNIFICANCE * gain * sd).max(KINK_OVER_GRAVITY * gravity * span / 2.0).max(typical).max(least)
             };
@@ -352,6 +352,16 @@ fn window(clock: &[f64], heights: &[f64], sd: f64, gravity: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let wanted = wanted.clamp(LEAST_WINDOW, 1e6) as usize;
     wanted.min((clock.len() / 6).max(3))
+}
+
+/// A standard deviation by the median of absolute values, or by their lower quartile where that is less: in a short record
+/// with many kinks, or one that ends in a long rest, half of the windows hold something else than noise.
+fn typical(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let at = |place: usize| sorted.get(place).copied().unwrap_or(0.0);
+    // Half of a normal distribution's absolute values lie below .6745 standard deviations, a quarter below .3186.
+    (at(sorted.len() / 2) / 0.6745).min(at(sorted.len() / 4) / 0.3186)
 }
 
 pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {

@@ -310,6 +310,10 @@ impl<S: Simulator> Simulator for Measured<S> {
         Some(self.around(self.inner.with_unknown_spin()?))
     }
 
+    fn with_release_spin(&self) -> Option<Box<dyn Simulator>> {
+        Some(self.around(self.inner.with_release_spin()?))
+    }
+
     fn rollout(
         &self,
         parameters: &[f64],

@@ -80,6 +80,12 @@ pub trait Simulator: Send + Sync {
         None
     }
 
+    /// The same simulator, in which the spin with which a recording starts is unknown: further own unknowns, after those that
+    /// it has. Air does not answer it, contacts do. `None` where it knows no such thing.
+    fn with_release_spin(&self) -> Option<Box<dyn Simulator>> {
+        None
+    }
+
     /// As [`rollout`](Self::rollout), driven by what was measured beside the observation, the motion of an arm, say. Only a
     /// simulator whose [`prepare`](Self::prepare) gives an [input](Prepared::input) is ever asked.
     ///

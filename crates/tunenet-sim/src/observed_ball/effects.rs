@@ -4,7 +4,7 @@ use tunenet_core::observation::{Arcs, Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation};
 use tunenet_core::{Error, Result};
 
-use super::ObservedBall;
+use super::{ObservedBall, Unknown};
 use crate::ball::Scene;
 use crate::ball::effects::{ALL, BallEffect};
 
@@ -53,6 +53,15 @@ impl ObservedBall {
         let unknown = self.absent_effects().iter().any(|e| e.name == SPIN) && self.release.spin_rad_s.is_none();
         let effect = BallEffect::find(SPIN).filter(|_| unknown)?;
         Some(Self { own: vec![effect], ..self.clone() })
+    }
+
+    /// The same ball, let go with an unknown spin about the axes along the surface, to which contacts answer; `None` where
+    /// spin is known or does not show.
+    pub(super) fn let_go_spinning(&self) -> Option<Self> {
+        let unknown = self.kind == Kind::Positions && self.release.spin_rad_s.is_none() && self.own.is_empty();
+        let spins = [0, 1].map(Unknown::Spin);
+        let all = self.unknown.iter().copied().chain(spins).collect();
+        unknown.then(|| Self { unknown: all, ..self.clone() })
     }
 
     /// Puts the effects into the scene: the file's, those with these coefficients, and the tilts of single bounces,

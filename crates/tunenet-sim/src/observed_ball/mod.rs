@@ -17,6 +17,8 @@ use crate::simulation_file::{Release, SimulationFile};
 enum Unknown {
     Position(usize),
     Velocity(usize),
+    /// About an axis along the surface.
+    Spin(usize),
     Surface,
     Height,
     Time,
@@ -28,6 +30,7 @@ impl Unknown {
         match self {
             Self::Position(i) => (format!("release.{}", axis(i)), "m"),
             Self::Velocity(i) => (format!("release.velocity_{}", axis(i)), "m/s"),
+            Self::Spin(i) => (format!("release.spin_{}", axis(i)), "rad/s"),
             Self::Surface => ("surface.height".into(), "m"),
             Self::Height => ("release.height".into(), "m"),
             Self::Time => ("release.time".into(), "s"),
@@ -134,6 +137,7 @@ impl ObservedBall {
             match *unknown {
                 Unknown::Position(axis) => start.position_m[axis] = value,
                 Unknown::Velocity(axis) => start.velocity_m_s[axis] = value,
+                Unknown::Spin(axis) => start.spin_rad_s[axis] = value,
                 Unknown::Surface => scene.surface_height_m = value,
                 Unknown::Height => height = Some(value),
                 Unknown::Time => time_s = value,
@@ -223,6 +227,10 @@ impl Simulator for ObservedBall {
 
     fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
         Some(Box::new(self.spinning()?))
+    }
+
+    fn with_release_spin(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.let_go_spinning()?))
     }
 
     fn rollout(

@@ -79,6 +79,8 @@ impl ObservedBall {
             let (value, reach) = match unknown {
                 Unknown::Position(axis) => (arcs.start_m[axis], range),
                 Unknown::Velocity(axis) => (arcs.start_m_s[axis], fastest),
+                // The skin is no faster than the ball.
+                Unknown::Spin(_) => (0.0, fastest / self.scene.radius_m),
                 _ => (surface, range),
             };
             Parameter::new(name, unit, value, value - reach, value + reach)

@@ -1,7 +1,7 @@
 //! The answer as JSON, for programs; docs/json.md lists the keys.
 
 use serde_json::{Map, Value as Json, json};
-use tunenet_core::diagnose::{Candidate, Change, Explained, Fitted, Gap, NamedEffect, Test, Tuned, Use, Value};
+use tunenet_core::diagnose::{Candidate, Change, Explained, Fitted, Gap, GapOf, NamedEffect, Test, Tuned, Use, Value};
 
 use super::answer::Answer;
 use crate::commands::tune::warning;
@@ -135,7 +135,11 @@ fn gap(gap: &Gap) -> Json {
 
 /// What the gap was measured on.
 pub fn gap_of(gap: &Gap) -> &'static str {
-    if gap.of_flights { "flights" } else { "recordings" }
+    match gap.of {
+        GapOf::Recordings => "recordings",
+        GapOf::Flights => "flights",
+        GapOf::Contacts => "contacts",
+    }
 }
 
 fn test(test: &Test) -> Json {

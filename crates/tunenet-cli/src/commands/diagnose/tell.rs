@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use indicatif::ProgressBar;
-use tunenet_core::diagnose::{Candidate, Change, Diagnosis, NamedEffect, Progress, Value, Verdict};
+use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, Progress, Value, Verdict};
 use tunenet_core::observation::Note;
 
 use super::answer::Answer;
@@ -179,7 +179,11 @@ fn details(answer: &Answer) -> Vec<String> {
         let words = |value: f64| in_words(value, &gap.unit);
         if !diagnosis.effects.is_empty() {
             let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
-            let of = if gap.of_flights { " of the flights alone" } else { "" };
+            let of = match gap.of {
+                GapOf::Recordings => "",
+                GapOf::Flights => " of the flights alone",
+                GapOf::Contacts => " of the contacts alone",
+            };
             let mut line = format!("gap{of} {} → {}", words(gap.before), words(gap.after));
             if let Some(change) = &gap.held_out {
                 line = format!("{line}, held out {}", to(change));

@@ -1,7 +1,7 @@
 //! The answer at the head of the page: a shape, a word, a sentence that a person can act on.
 
 use maud::{Markup, html};
-use tunenet_core::diagnose::{Change, Verdict};
+use tunenet_core::diagnose::{Change, GapOf, Verdict};
 use tunenet_core::simulator::Phase;
 
 use super::{capital, plain};
@@ -96,7 +96,11 @@ fn common_place(answer: &Answer) -> Option<Phase> {
 fn gap(answer: &Answer) -> Option<String> {
     let gap = answer.diagnosis.gap.as_ref()?;
     let words = |value: f64| quantity(value, &gap.unit);
-    let of = if gap.of_flights { " of the flights alone, cut at the contacts," } else { "" };
+    let of = match gap.of {
+        GapOf::Recordings => "",
+        GapOf::Flights => " of the flights alone, cut at the contacts,",
+        GapOf::Contacts => " of the contacts alone, the flights straightened,",
+    };
     if answer.diagnosis.effects.is_empty() {
         return Some(format!(
             "Tuned, the simulation stays {} away; noise alone leaves {}.",

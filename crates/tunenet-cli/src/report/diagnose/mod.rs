@@ -11,7 +11,7 @@ use std::path::Path;
 
 use maud::{Markup, html};
 use tunenet_core::Result;
-use tunenet_core::diagnose::{Diagnosis, Explained, Verdict};
+use tunenet_core::diagnose::{Diagnosis, Explained, GapOf, Verdict};
 use tunenet_core::observation::Kind;
 
 use self::pairs::{Pair, pairs};
@@ -152,7 +152,8 @@ fn evidence(answer: &Answer) -> Markup {
                 }
                 p.how {
                     "Root mean square of measured \u{2212} simulated, all channels as one distance"
-                    @if gap.of_flights { ", of flights that were cut at the contacts: each has a start and a spin of its own, so this says "
+                    @if gap.of == GapOf::Contacts { ", with flights straightened, so that contacts alone count" }
+                    @if gap.of == GapOf::Flights { ", of flights that were cut at the contacts: each has a start and a spin of its own, so this says "
                         "nothing of how well a whole recording is predicted" }
                     ". "
                     @if !diagnosis.effects.is_empty() {

@@ -13,8 +13,8 @@ use super::judge::Judged;
 use super::logs::{Logs, Place};
 use crate::Result;
 use crate::diagnose::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, NamedEffect, NextExperiment, Tuned, Use, Value,
-    Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Tuned, Use,
+    Value, Verdict,
 };
 use crate::diagnose::input::Settings;
 use crate::observation::Note;
@@ -81,7 +81,7 @@ pub(super) fn answer(
     };
     let gap = Gap {
         unit: logs.simulators[0].channels()[0].unit.clone(),
-        of_flights: false,
+        of: GapOf::Recordings,
         before: logs.rmse(&chosen.base.point, false)?.unwrap_or(0.0),
         after: logs.rmse(&last.point, false)?.unwrap_or(0.0),
         noise_floor: logs.noise_floor(false),

@@ -1,0 +1,92 @@
+//! What an MP4 or MOV file is made of, as far as it says why it cannot be opened.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use tunenet_core::Error;
+
+const HINT: &str = "copy it again from the camera, once the recording has ended and been saved. Where the original is cut off \
+                    as well, no player shows it: `ffmpeg -i FILE -c copy NEW.mp4` mends only a file whose index is there";
+/// Boxes that are looked at; a film has few on its outermost level.
+const MOST_BOXES: usize = 10_000;
+
+/// That the file is the beginning of a film (ISO 14496-12) whose index (`moov`) is missing or cut off; `None` where it is
+/// something else. A camera writes the index last, so a copy that stops early, or a recording that was never ended, has none.
+pub(crate) fn incomplete(path: &Path) -> Option<Error> {
+    let mut file = File::open(path).ok()?;
+    let size = file.metadata().ok()?.len();
+    let (mut at, mut missing, mut index) = (0u64, 0u64, false);
+    for i in 0..MOST_BOXES {
+        if at + 8 > size {
+            break;
+        }
+        let (length, kind) = head(&mut file, at, size)?;
+        // Any file's first bytes can be read as a length; only a film begins with its type.
+        if i == 0 && kind != *b"ftyp" {
+            return None;
+        }
+        index |= kind == *b"moov" && at + length <= size;
+        missing = (at + length).saturating_sub(size);
+        at += length;
+    }
+    if index {
+        return None;
+    }
+    let cut = if missing > 0 { format!(", {missing} bytes short") } else { String::new() };
+    let found = format!(
+        "expected a whole video, found one that is cut off: its index (`moov`), which is written last, is missing in {size} \
+         bytes{cut}"
+    );
+    Some(Error::file(path, found, HINT))
+}
+
+/// Length, its head included, and kind of the box at `at`.
+fn head(file: &mut File, at: u64, size: u64) -> Option<(u64, [u8; 4])> {
+    let mut head = [0u8; 16];
+    file.seek(SeekFrom::Start(at)).ok()?;
+    let mut read = 0;
+    while read < head.len() {
+        match file.read(&mut head[read..]).ok()? {
+            0 => break,
+            n => read += n,
+        }
+    }
+    let kind = [head[4], head[5], head[6], head[7]];
+    let length = match u32::from_be_bytes([head[0], head[1], head[2], head[3]]) {
+        // To the end of the file.
+        0 => size - at,
+        1 if read == head.len() => u64::from_be_bytes(head[8..].try_into().ok()?),
+        length => u64::from(length),
+    };
+    (8..1 << 60).contains(&length).then_some((length, kind))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// The start of a film: its type, and pictures that stop early.
+    pub(crate) fn cut_before_index() -> Vec<u8> {
+        let mut bytes = b"\0\0\0\x18ftypisom\0\0\x02\0isommp42\0\x10\0\0mdat".to_vec();
+        bytes.resize(5000, 0x5A);
+        bytes
+    }
+
+    #[test]
+    fn only_a_film_without_its_index_is_incomplete() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.mp4");
+        let mut bytes = cut_before_index();
+        std::fs::write(&path, &bytes).unwrap();
+        let text = incomplete(&path).unwrap().to_string();
+        // 24 bytes of type, 0x10_0000 of pictures, and 5000 are there.
+        assert!(text.contains("1043600 bytes short"), "{text}");
+        bytes.truncate(24);
+        bytes.extend(b"\0\0\0\x08mdat\0\0\0\x08moov");
+        std::fs::write(&path, &bytes).unwrap();
+        assert!(incomplete(&path).is_none());
+        std::fs::write(&path, [0x42; 300]).unwrap();
+        assert!(incomplete(&path).is_none());
+    }
+}
