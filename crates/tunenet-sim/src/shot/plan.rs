@@ -133,14 +133,15 @@ impl Candidate {
         if self.probability.is_some() {
             return;
         }
-        let (mut hits, mut margin) = (0.0, 0.0);
         // Beyond a ball's width a miss is a miss, and so is a release that never gets to bounce.
         let worst = -2.0 * scene.radius_m;
-        for draw in draws {
-            let pass = shot(scene, &draw.ball, self.height_m, &draw.offset);
-            hits += pass.as_ref().map_or(0.0, |pass| f64::from(u8::from(pass.goes_in())));
-            margin += pass.map_or(worst, |pass| pass.margin_m.clamp(worst, -worst));
-        }
+        let one = |draw: &Draw| match shot(scene, &draw.ball, self.height_m, &draw.offset) {
+            Ok(pass) => (f64::from(u8::from(pass.goes_in())), pass.margin_m.clamp(worst, -worst)),
+            Err(_) => (0.0, worst),
+        };
+        // Added up in their order, so that the number of threads changes no digit.
+        let each: Vec<(f64, f64)> = draws.par_iter().map(one).collect();
+        let (hits, margin) = each.iter().fold((0.0, 0.0), |(hits, margin), one| (hits + one.0, margin + one.1));
         let count = draws.len() as f64;
         (self.probability, self.margin_m) = (Some(hits / count), margin / count);
     }

@@ -93,7 +93,7 @@ fn write_approach(answer: &Answer, task: &Path, out: &Path) -> Result<()> {
     };
     let best = answer.plan.best();
     let way = arm.approach([0.0, 0.0, best.height_m], best.joints_rad.as_deref().unwrap_or_default());
-    recording::write_approach(&arm.joint_names(), &way, out)?;
+    recording::write_approach(arm.base_name(), &arm.joint_names(), &way, out)?;
     stage("wrote", &format!("{}, {} points", out.display(), way.len()));
     Ok(())
 }

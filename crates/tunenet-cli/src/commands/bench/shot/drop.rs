@@ -34,6 +34,8 @@ pub struct Filmed {
     pub path_m: Vec<Three>,
     /// Whether the ball fell off the table while it was filmed.
     pub left: bool,
+    /// How often it hit the table before that.
+    pub impacts: usize,
 }
 
 /// The instants of a film, s.
@@ -54,7 +56,7 @@ impl Filmed {
         let hidden = |x: &Three| if x[2] < 0.0 { [0.0, 0.0, NOWHERE_M] } else { *x };
         let left = dropped.gone_s.is_some() && dropped.path_m.last().is_some_and(|x| x[2] < 0.0);
         let path_m = dropped.path_m.iter().map(hidden).collect();
-        Ok(Self { fall_m, camera, path_m, left })
+        Ok(Self { fall_m, camera, path_m, left, impacts: dropped.impacts_s.len() })
     }
 }
 

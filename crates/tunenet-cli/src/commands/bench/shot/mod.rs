@@ -33,9 +33,9 @@ use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage};
 
-/// Trials of each ball, and of each in a richer world.
+/// Trials of each ball; one in so many is played in a richer world as well.
 const TRIALS: u64 = 200;
-const RICHER: u64 = 50;
+const RICHER: u64 = 4;
 const QUICK: u64 = 10;
 /// Drops of a trial.
 const DROPS: u64 = 3;
@@ -46,7 +46,8 @@ const FALL_M: f64 = 0.6;
 
 pub fn run(options: &BenchShot) -> Result<Exit> {
     let seed = options.common.seed;
-    let (trials, richer) = if options.quick { (QUICK, 0) } else { (options.trials.unwrap_or(TRIALS), RICHER) };
+    let trials = options.trials.unwrap_or(if options.quick { QUICK } else { TRIALS });
+    let richer = if options.quick { 0 } else { trials.div_ceil(RICHER) };
     // The version alone would not tell a rebuilt program from the one that made a piece.
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
     let store = Store::open(&options.out, json!({ "program": program, "seed": seed }))?;
