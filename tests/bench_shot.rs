@@ -20,7 +20,10 @@ fn a_few_trials_run_and_resume() {
     let found: Value = serde_json::from_str(&first).expect("JSON");
     assert_eq!((&found["schema"], &found["trials"]), (&"tunenet.bench.shot/1".into(), &1.into()));
     for key in ["success_all", "success_accepted", "success_after_repeat", "flagged_rightly", "flagged_wrongly"] {
-        assert!(found.get(key).is_some_and(|v| v.is_null() || (0.0..=1.0).contains(&v.as_f64().unwrap())), "{key}: {found}");
+        assert!(
+            found.get(key).is_some_and(|v| v.is_null() || (0.0..=1.0).contains(&v.as_f64().unwrap())),
+            "{key}: {found}"
+        );
     }
     // With a restitution of .5 no ball goes in; of those that are known, nearly all do.
     let success = |way: &str| found["ways"][way]["success_all"].as_f64().expect(way);

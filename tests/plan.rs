@@ -217,9 +217,32 @@ fn every_explanation_of_a_set_is_planned_for() {
     let first = found(&format!("alternatives = [{one}]"));
     let second = found(&format!("alternatives = [{}]", one.replace("0.74", other)));
     assert_eq!((chance(&near), chance(&first), chance(&second)), (1.0, 1.0, 1.0));
-    assert!(height(&first) < height(&near) && height(&near) < height(&second), "{} {}", height(&first), height(&second));
+    assert!(
+        height(&first) < height(&near) && height(&near) < height(&second),
+        "{} {}",
+        height(&first),
+        height(&second)
+    );
     // Without their numbers only the file's own is planned for, and that is said.
     assert!(code(&found("")));
+}
+
+/// One throw never settles which effect is missing; what is left of it is planned for without more ado.
+#[test]
+fn a_diagnosis_that_cannot_choose_is_planned_with() {
+    let folder = folder();
+    let throw = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/observations/light_1.csv");
+    folder.write("throw.csv", std::fs::read(throw).unwrap());
+    folder.write("ball.toml", "kind = \"ball\"\nball.radius_m = 0.02\nsurface.height_m = 0.0\n");
+    let json = folder.run("diagnose --sim ball.toml --observation throw.csv --out left.toml --json").ends(3).json();
+    assert_eq!(json["verdict"], "one_of", "{json:#}");
+    let text = String::from_utf8(folder.read("left.toml")).unwrap();
+    let listed = text.lines().find(|line| line.starts_with("alternatives")).expect(&text);
+    for name in json["candidates"].as_array().unwrap() {
+        assert!(listed.contains(name.as_str().unwrap()), "{listed}");
+    }
+    let found = folder.run("plan --sim left.toml --task shot.toml --json").ends(0).json();
+    assert!(!found["warnings"].to_string().contains("plan."), "{}", found["warnings"]);
 }
 
 #[test]
@@ -231,6 +254,7 @@ fn a_hoop_out_of_reach_is_an_honest_no() {
     assert_eq!((&found["reachable"], &found["success_probability"]), (&false.into(), &0.0.into()));
     assert!(found["miss_distance_m"].as_f64().unwrap() > 1.0);
     assert!(ran.stderr.contains("OUT OF REACH  no height brings the ball through the hoop"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("try: higher releases") && !ran.stderr.contains("joints"), "{}", ran.stderr);
     with(&folder, "[4.0, 0.0, -0.3]", "[0.8, 0.0, 2.0]");
     let above = folder.run(LINE).ends(3);
     assert!(above.stderr.contains("no height brings the ball up to the hoop"), "{}", above.stderr);
@@ -240,7 +264,7 @@ fn a_hoop_out_of_reach_is_an_honest_no() {
 fn what_cannot_be_planned_is_refused() {
     let plane = ("tilt_about_y_rad = 0.5235987755982988", "tilt_about_y_rad = -0.5");
     for (from, to, wanted) in [
-        (plane.0, plane.1, &["shot.toml: the plane faces away from the hoop"][..]),
+        (plane.0, plane.1, &["shot.toml: the plane faces away from the hoop", "help: turn `plane.tilt"][..]),
         (
             plane.0,
             "tilt_about_y_deg = 30",
@@ -250,7 +274,7 @@ fn what_cannot_be_planned_is_refused() {
         ("radius_m = 0.11", "", &["expected `hoop.radius_m`", "found none"]),
         ("[0.3, 1.0]", "[1.0, 0.3]", &["`release.heights_m`: expected the lowest before the highest"]),
         ("[0.3, 1.0]", "[nan, 1.0]", &["`release.heights_m`"]),
-        ("[0.3, 1.0]", "[2.5, 3.0]", &["the arm reaches none of the heights from 2.5 to 3 m"]),
+        ("[0.3, 1.0]", "[2.5, 3.0]", &["the arm reaches none of the heights from 2.5 to 3 m", "help: move `arm.base"]),
         ("jaco_robotiq.urdf", "none.urdf", &["none.urdf"]),
         ("\"grip\"", "\"claw\"", &["`arm.link`: expected a link of the URDF", "`claw`"]),
         ("kind = \"shot\"", "kind = \"ball\"", &["`kind`: expected \"shot\""]),
@@ -262,6 +286,8 @@ fn what_cannot_be_planned_is_refused() {
     let folder = folder();
     folder.write("tuned.toml", "kind = \"ball\"\nball.radius_m = 0.03\n");
     refused(&folder, LINE, &["tuned.toml: expected a restitution above 0, found none", "tune the simulation first"]);
+    folder.write("tuned.toml", "kind = \"arm\"\narm.urdf = \"jaco_robotiq.urdf\"\n");
+    refused(&folder, LINE, &["tuned.toml", "expected the simulation of a ball, found that of an arm"]);
     folder.write("tuned.toml", &TUNED.as_bytes()[..40]);
     refused(&folder, LINE, &["tuned.toml"]);
     assert!(folder.run(&format!("{LINE} --heights 1")).ends(2).stderr.contains("--heights"));

@@ -51,8 +51,7 @@ pub fn run(options: &Track) -> Result<Exit> {
         },
     };
     let notes: Vec<Note> = found["warnings"].as_array().into_iter().flatten().map(film::note).collect();
-    let bounces_s: Vec<f64> =
-        found["bounces_s"].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+    let bounces_s: Vec<f64> = found["bounces_s"].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
     // A list without a bounce is no recording.
     let written = options.out.as_deref().filter(|_| !options.bounces || !bounces_s.is_empty());
     match written {

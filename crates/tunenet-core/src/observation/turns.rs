@@ -169,7 +169,8 @@ mod tests {
         for percent in 55..80 {
             let e = f64::from(percent) / 100.0;
             let (heights, truth) = drop(e, &clock);
-            let noisy = heights.iter().enumerate().map(|(i, z)| 200.0 * z + 0.05 * ((i * 7919 % 101) as f64 / 50.0 - 1.0));
+            let noisy =
+                heights.iter().enumerate().map(|(i, z)| 200.0 * z + 0.05 * ((i * 7919 % 101) as f64 / 50.0 - 1.0));
             let found = bounces(&clock, &noisy.collect::<Vec<_>>());
             assert!(found.len() >= 3, "{e}: {found:?}");
             for (found, truth) in found.iter().zip(&truth) {

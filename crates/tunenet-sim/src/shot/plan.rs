@@ -7,6 +7,9 @@ use super::belief::Draw;
 use super::{Belief, Pass, Reach, ShotScene};
 use crate::ball::{Scene, State};
 
+/// Where a plan fails that no arm can hold the ball for: what [`Error::Simulator`] has `at`.
+pub const RELEASE: &str = "the release";
+
 /// How the best height is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
@@ -72,8 +75,8 @@ impl Plan {
 /// Chooses among heights from `lowest` to `highest` (m, the ball's centre above the impact point).
 ///
 /// # Errors
-/// [`Error::Setting`] for fewer than 2 heights or no draw; [`Error::Simulator`] where the ball cannot be followed, or where
-/// `reach` reaches none of the heights.
+/// [`Error::Setting`] for fewer than 2 heights or no draw; [`Error::Simulator`] where the ball cannot be followed, or, at
+/// [`RELEASE`], where `reach` reaches none of the heights.
 pub fn plan(
     scene: &ShotScene,
     belief: &Belief,
@@ -96,7 +99,7 @@ pub fn plan(
     }
     if joints.iter().all(Option::is_none) {
         let message = format!("the arm reaches none of the heights from {lowest} to {highest} m");
-        return Err(Error::Simulator { at: "the release".into(), message });
+        return Err(Error::Simulator { at: RELEASE.into(), message });
     }
     let nominal = belief.nominal();
     let mut candidates = heights

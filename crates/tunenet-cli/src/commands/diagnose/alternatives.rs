@@ -20,7 +20,12 @@ pub fn alternatives(answer: &Answer, object: usize) -> Array {
 }
 
 /// One of them, beside what is certain.
-pub(crate) fn fitted(simulator: &dyn Simulator, name: &str, sure: &[&str], seen: &[Observation]) -> Option<InlineTable> {
+pub(crate) fn fitted(
+    simulator: &dyn Simulator,
+    name: &str,
+    sure: &[&str],
+    seen: &[Observation],
+) -> Option<InlineTable> {
     let names: Vec<&str> = sure.iter().copied().chain([name]).collect();
     let with = simulator.with_effects(&names).ok()?;
     let outcome = tune(&with, seen, None, &Settings::default()).ok()?;

@@ -145,7 +145,12 @@ mod tests {
     use crate::observation::recording::{ReadOptions, read};
 
     fn point(time_s: f64, q: f64) -> JointPoint {
-        JointPoint { time_s, positions_rad: vec![q, -q], velocities_rad_s: vec![1.0, -1.0], accelerations_rad_s2: vec![0.0; 2] }
+        JointPoint {
+            time_s,
+            positions_rad: vec![q, -q],
+            velocities_rad_s: vec![1.0, -1.0],
+            accelerations_rad_s2: vec![0.0; 2],
+        }
     }
 
     #[test]
@@ -165,14 +170,17 @@ mod tests {
     fn the_whole_way_is_one_message_of_plain_fields() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("approach.mcap");
-        write_approach("base", &["a".to_string(), "b".to_string()], &[point(0.0, 0.25), point(0.5, 2.0)], &path).unwrap();
+        write_approach("base", &["a".to_string(), "b".to_string()], &[point(0.0, 0.25), point(0.5, 2.0)], &path)
+            .unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let mut messages = mcap::MessageStream::new(&bytes).unwrap().map(|m| m.unwrap());
         let whole = messages.find(|m| m.channel.topic == "/joint_trajectory").unwrap();
         assert_eq!(whole.channel.schema.as_ref().unwrap().name, "trajectory_msgs/msg/JointTrajectory");
         // Mark, stamp, frame, two names, two points; then 2.0 is somewhere as eight bytes, and so is .5 s.
         let holds = |wanted: &[u8]| whole.data.windows(wanted.len()).any(|w| w == wanted);
-        assert!(holds(&2.0_f64.to_le_bytes()) && holds(&500_000_000_u32.to_le_bytes()) && holds(b"base\0") && holds(b"a\0"));
+        assert!(
+            holds(&2.0_f64.to_le_bytes()) && holds(&500_000_000_u32.to_le_bytes()) && holds(b"base\0") && holds(b"a\0")
+        );
     }
 
     #[test]

@@ -16,8 +16,8 @@ use tunenet_sim::{SimulationFile, simulator};
 use super::super::rehearsal::Track;
 use super::super::tuning::apex;
 use super::drop::clock;
-use crate::commands::diagnose::alternatives::fitted;
 use super::world::{GRAVITY_M_S2, RADIUS_M};
+use crate::commands::diagnose::alternatives::fitted;
 
 /// Before a ball vanishes over an edge it flies lower than the table.
 const LAST_FRAMES: usize = 3;

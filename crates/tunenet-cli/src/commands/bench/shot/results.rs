@@ -186,7 +186,10 @@ impl Results {
             left(&trials).count,
             left(&trials).words(),
         );
-        let _ = writeln!(out, "| ball | restitution alone | from three drops | named effects | worth of naming | known | effects named |");
+        let _ = writeln!(
+            out,
+            "| ball | restitution alone | from three drops | named effects | worth of naming | known | effects named |"
+        );
         let _ = writeln!(out, "|---|---|---|---|---|---|---|");
         for series in &self.series {
             let own: Vec<&Trial> = series.trials.iter().collect();

@@ -18,8 +18,9 @@ use super::estimate::{Estimate, Read, Several, apex_on_pixels, known};
 use super::world::{RADIUS_M, shoot};
 
 const TASK: &str = include_str!("../../../../../../assets/shot.toml");
-/// Balls that each plan is weighed by.
-const DRAWS: usize = 64;
+/// Balls that a plan is weighed by: many for the plan with everything known, which is made once; intervals are narrow.
+const DRAWS: usize = 32;
+const DRAWS_KNOWN: usize = 512;
 
 /// Who plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -103,8 +104,12 @@ impl Planner {
 
     /// The height that `rule` chooses for a believed ball, m.
     pub fn height(&self, estimate: &Estimate, rule: Rule) -> Result<f64> {
+        self.height_of(estimate, rule, DRAWS)
+    }
+
+    fn height_of(&self, estimate: &Estimate, rule: Rule, draws: usize) -> Result<f64> {
         let belief = Belief::new(&estimate.file()?, &self.task)?;
-        let settings = Settings { rule, draws: DRAWS, ..Settings::default() };
+        let settings = Settings { rule, draws, ..Settings::default() };
         Ok(plan(&self.scene, &belief, self.task.heights_m, &Anywhere, &settings)?.best().height_m)
     }
 }
@@ -125,7 +130,7 @@ pub struct Target {
 
 impl Target {
     pub fn new(ball: Ball, shown: f64, planner: &Planner) -> Result<Self> {
-        let known_m = planner.height(&known(&ball), Rule::Probability)?;
+        let known_m = planner.height_of(&known(&ball), Rule::Probability, DRAWS_KNOWN)?;
         let untuned_m = planner.height(&Estimate::exact(0.5), Rule::Nearest)?;
         Ok(Self { ball, shown, known_m, untuned_m })
     }
@@ -172,7 +177,11 @@ impl Trial {
                 (Way::Nearest, planner.height(&tuned, Rule::Nearest)?),
                 (Way::Tuned, tuned_m),
             ];
-            Ok(Planned { heights_m: own.into_iter().chain(together).collect(), tuned_m, restitution: tuned.restitution.0 })
+            Ok(Planned {
+                heights_m: own.into_iter().chain(together).collect(),
+                tuned_m,
+                restitution: tuned.restitution.0,
+            })
         };
         let shots = |heights: &[(Way, f64)]| -> Vec<Shot> {
             let one = |&(way, height_m): &(Way, f64)| {
