@@ -43,9 +43,14 @@ pub fn clock() -> Vec<f64> {
     (0..FRAMES).map(|i| f64::from(i) / RATE_HZ).collect()
 }
 
+/// From how high a person drops the ball, each time of a trial.
+pub fn height(random: &mut ChaCha8Rng) -> f64 {
+    random.random_range(FALL_M)
+}
+
 impl Filmed {
-    pub fn draw(ball: &Ball, random: &mut ChaCha8Rng) -> Result<Self> {
-        let fall_m = random.random_range(FALL_M);
+    /// Lets a ball go from `fall_m` above the table, before a camera of its own.
+    pub fn draw(ball: &Ball, fall_m: f64, random: &mut ChaCha8Rng) -> Result<Self> {
         let camera = camera(fall_m, random)?;
         let mut normal = || random.sample::<f64, _>(StandardNormal);
         let (x, v) = ([normal(), normal()].map(|n| n * OFFSET_M), [normal(), normal()].map(|n| n * PUSH_M_S));

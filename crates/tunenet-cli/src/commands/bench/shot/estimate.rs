@@ -128,20 +128,20 @@ impl Read {
             [first, second] => GRAVITY_M_S2 * (second - first) / (8.0 * GRAVITY_M_S2 * fall_m).sqrt(),
             _ => UNKNOWN,
         };
-        Ok(tuned(&self.bounces_s, Some(fall_m))?.unwrap_or_else(|| Estimate::exact(two().clamp(0.05, 1.0))))
+        Ok(tuned(&self.bounces_s, fall_m)?.unwrap_or_else(|| Estimate::exact(two().clamp(0.05, 1.0))))
     }
 }
 
 /// Tuned to a list of bounces; `None` where that is not possible.
-pub fn tuned(bounces_s: &[f64], fall_m: Option<f64>) -> Result<Option<Estimate>> {
+pub fn tuned(bounces_s: &[f64], fall_m: f64) -> Result<Option<Estimate>> {
     if bounces_s.len() < FEWEST_TUNED {
         return Ok(None);
     }
     tuned_to(&[Observation::bounce_times(bounces_s.to_vec())?], fall_m)
 }
 
-fn tuned_to(seen: &[Observation], fall_m: Option<f64>) -> Result<Option<Estimate>> {
-    let ball = simulator(&scene(fall_m)?, Kind::BounceTimes)?;
+fn tuned_to(seen: &[Observation], fall_m: f64) -> Result<Option<Estimate>> {
+    let ball = simulator(&scene(Some(fall_m))?, Kind::BounceTimes)?;
     let outcome = tune(&ball, seen, None, &tune::Settings::default())?;
     let Some(found) = outcome.parameters.iter().find(|p| p.name == "restitution" && p.identified) else {
         return Ok(None);
@@ -150,31 +150,34 @@ fn tuned_to(seen: &[Observation], fall_m: Option<f64>) -> Result<Option<Estimate
     Ok(Some(Estimate::of((found.value, found.interval95), verdict)))
 }
 
-/// What several drops of one ball show, falls from heights that differ.
-pub struct Several(Vec<Observation>);
+/// What several drops of one ball from one height show.
+pub struct Several {
+    seen: Vec<Observation>,
+    fall_m: f64,
+}
 
 impl Several {
-    pub fn new(drops: &[Read]) -> Result<Self> {
+    pub fn new(drops: &[Read], fall_m: f64) -> Result<Self> {
         let lists = drops.iter().filter(|drop| drop.lists());
-        Ok(Self(
-            lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<Vec<_>>>()?,
-        ))
+        let seen =
+            lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<_>>()?;
+        Ok(Self { seen, fall_m })
     }
 
     /// The restitution alone, tuned to all of them; `None` where none can be tuned to.
     pub fn tuned(&self) -> Result<Option<Estimate>> {
-        if self.0.is_empty() { Ok(None) } else { tuned_to(&self.0, None) }
+        if self.seen.is_empty() { Ok(None) } else { tuned_to(&self.seen, self.fall_m) }
     }
 
     /// What a diagnosis of them finds; `None` where it finds nothing to plan with.
     pub fn diagnosed(&self) -> Result<Option<Estimate>> {
-        if self.0.is_empty() {
+        if self.seen.is_empty() {
             return Ok(None);
         }
-        let simulator = simulator(&scene(None)?, Kind::BounceTimes)?;
+        let simulator = simulator(&scene(Some(self.fall_m))?, Kind::BounceTimes)?;
         let subjects = [Subject { name: "ball".into(), simulator: simulator.as_ref() }];
         let recordings: Vec<Recording> = (1..)
-            .zip(&self.0)
+            .zip(&self.seen)
             .map(|(i, seen)| Recording { name: format!("drop {i}"), object: 0, held_out: false, seen })
             .collect();
         let settings = diagnose::Settings { set_aside: false, ..diagnose::Settings::default() };
@@ -196,7 +199,12 @@ impl Several {
     fn alternatives(&self, simulator: &dyn Simulator, found: &Diagnosis) -> Vec<String> {
         let named = found.effects.iter().map(|e| e.effect.name);
         let sure: Vec<&str> = named.filter(|name| !found.names.contains(name)).collect();
-        found.names.iter().filter_map(|name| fitted(simulator, name, &sure, &self.0)).map(|t| t.to_string()).collect()
+        found
+            .names
+            .iter()
+            .filter_map(|name| fitted(simulator, name, &sure, &self.seen))
+            .map(|t| t.to_string())
+            .collect()
     }
 }
 

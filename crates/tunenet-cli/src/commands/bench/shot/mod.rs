@@ -12,6 +12,7 @@ mod drop;
 mod estimate;
 mod film;
 mod results;
+mod share;
 mod trial;
 mod world;
 
@@ -93,7 +94,7 @@ fn target(ball: Ball, planner: &Planner) -> Result<Target> {
     let quiet = Ball { scatter_rad: 0.0, ..ball.clone() };
     let start = State { x: [0.0, 0.0, FALL_M + RADIUS_M], v: [0.0; 3], w: [0.0; 3] };
     let seen = world::drop(&quiet, start, &drop::clock(), &mut stream(0, "quiet", 0, 0));
-    let shown = estimate::tuned(&seen.impacts_s, Some(FALL_M))?.context("an undisturbed drop shows its restitution")?;
+    let shown = estimate::tuned(&seen.impacts_s, FALL_M)?.context("an undisturbed drop shows its restitution")?;
     Target::new(ball, shown.restitution.0, planner)
 }
 
@@ -107,8 +108,9 @@ fn played(
 ) -> Result<Vec<Trial>> {
     let mut films = Vec::new();
     for number in numbers.clone() {
+        let fall_m = drop::height(&mut stream(seed, name, number, DROPS + 1));
         for drop in 0..DROPS {
-            films.push(Filmed::draw(&target.ball, &mut stream(seed, name, number, drop))?);
+            films.push(Filmed::draw(&target.ball, fall_m, &mut stream(seed, name, number, drop))?);
         }
     }
     let tracks = film::tracks(&films, seed ^ numbers.start)?;

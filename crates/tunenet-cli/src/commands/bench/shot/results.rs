@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
 use super::ball::Ball;
+use super::share::{Difference, Share};
 use super::trial::{Trial, Way};
 
 /// Between fewer impacts there is no flight that shows the restitution.
@@ -31,37 +32,6 @@ pub struct Results {
     pub quick: bool,
     pub trials: u64,
     pub series: Vec<Series>,
-}
-
-/// A share with its standard error.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Share {
-    value: f64,
-    count: usize,
-}
-
-impl Share {
-    fn of(hits: impl Iterator<Item = bool>) -> Self {
-        let (mut count, mut yes) = (0_usize, 0.0);
-        for hit in hits {
-            count += 1;
-            yes += f64::from(u8::from(hit));
-        }
-        Self { value: if count == 0 { f64::NAN } else { yes / count as f64 }, count }
-    }
-
-    fn error(self) -> f64 {
-        (self.value * (1.0 - self.value) / self.count.max(1) as f64).sqrt()
-    }
-
-    fn words(self) -> String {
-        if self.count == 0 { "-".into() } else { format!("{:.3} ± {:.3}", self.value, self.error()) }
-    }
-
-    /// NaN is no JSON.
-    fn json(self) -> Value {
-        if self.count == 0 { Value::Null } else { json!(self.value) }
-    }
 }
 
 impl Trial {
@@ -251,32 +221,17 @@ fn table(out: &mut String, trials: &[&Trial]) {
 fn goal(out: &mut String, what: &str, found: f64, goal: f64, least: bool) {
     let met = if least { found >= goal } else { found <= goal };
     let sign = if least { "at least" } else { "at most" };
-    let _ = writeln!(out, "- {what}: {found:.3}, goal {sign} {goal}: {}", if met { "met" } else { "missed" });
+    let _ = if found.is_nan() {
+        writeln!(out, "- {what}: none there, goal {sign} {goal}")
+    } else {
+        writeln!(out, "- {what}: {found:.3}, goal {sign} {goal}: {}", if met { "met" } else { "missed" })
+    };
 }
 
-/// How much more often one way goes in than another over the same trials: the mean difference with its standard error.
-struct Difference {
-    mean: f64,
-    error: f64,
-}
-
-impl Difference {
-    fn words(&self) -> String {
-        format!("{:+.3} ± {:.3}", self.mean, self.error)
-    }
-
-    fn json(&self) -> Value {
-        json!({ "mean": self.mean, "se": self.error })
-    }
-}
-
+/// How much more often one way goes in than another over the same trials.
 fn difference(trials: &[&Trial], without: Way, with: Way) -> Difference {
     let hit = |t: &Trial, way: Way| f64::from(u8::from(t.hit(way, false)));
-    let each: Vec<f64> = trials.iter().map(|t| hit(t, with) - hit(t, without)).collect();
-    let n = each.len() as f64;
-    let mean = each.iter().sum::<f64>() / n;
-    let square = each.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / n;
-    Difference { mean, error: (square / n).sqrt() }
+    Difference::of(&trials.iter().map(|t| hit(t, with) - hit(t, without)).collect::<Vec<_>>())
 }
 
 /// Success with the restitution alone after drops in which the ball fell off the table.
@@ -295,4 +250,40 @@ fn counted(names: &[&String]) -> std::collections::BTreeMap<String, usize> {
 
 fn key(way: Way) -> String {
     serde_json::to_value(way).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::Shot;
+    use super::*;
+
+    fn trial(impacts: usize, misplanned: bool, flagged: bool) -> Trial {
+        let shot = |way: Way| Shot { way, height_m: 0.5, miss_m: 0.0, goes_in: way != Way::Tuned || !misplanned };
+        let shots: Vec<Shot> = Way::ALL.into_iter().map(shot).collect();
+        let repeated = shots.clone();
+        let bounces = impacts;
+        Trial { left: true, impacts, bounces, misplanned, off: 0.0, flagged, shots, repeated, named: Vec::new() }
+    }
+
+    /// One that hit the table once is spoilt whatever is planned; one that left after that only where it misleads.
+    #[test]
+    fn what_spoils_a_drop_is_the_truth_alone() {
+        let trials = vec![
+            trial(1, false, true),
+            trial(1, true, false),
+            trial(2, false, true),
+            trial(5, false, false),
+            trial(5, true, false),
+        ];
+        let spoilt: Vec<bool> = trials.iter().map(Trial::spoilt).collect();
+        assert_eq!(spoilt, [true, true, false, false, true]);
+        let series = vec![Series { ball: super::super::ball::FIXED[0].clone(), rich: false, trials }];
+        let results = Results { seed: 0, quick: true, trials: 5, series };
+        let [rightly, misled, wrongly] = results.flags();
+        assert_eq!((rightly.value, rightly.count), (1.0 / 3.0, 3));
+        assert_eq!((misled.value, misled.count), (0.0, 1));
+        assert_eq!((wrongly.value, wrongly.count), (0.5, 2));
+        let worth = difference(&results.trials(false), Way::Tuned, Way::Known);
+        assert!((worth.mean - 0.4).abs() < 1e-12 && (worth.error - (0.24_f64 / 5.0).sqrt()).abs() < 1e-12);
+    }
 }

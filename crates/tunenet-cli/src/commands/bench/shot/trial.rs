@@ -153,14 +153,15 @@ impl Trial {
     ) -> Result<Self> {
         let reads: Vec<Read> = films.iter().map(|(_, track)| Read::new(track.as_ref())).collect();
         let flagged = reads[0].flagged();
-        let several = Several::new(&reads)?;
+        let several = Several::new(&reads, films[0].0.fall_m)?;
         // Of drops too short for more, the longest.
         let longest = (0..reads.len()).max_by_key(|i| (reads[*i].bounces_s.len(), Reverse(*i))).unwrap_or(0);
-        let alone = |found: Option<Estimate>| match found {
-            Some(found) => Ok(found),
-            None => reads[longest].tuned(films[longest].0.fall_m),
+        let pooled = match several.tuned()? {
+            Some(found) => found,
+            None => reads[longest].tuned(films[longest].0.fall_m)?,
         };
-        let (pooled, effects) = (alone(several.tuned()?)?, alone(several.diagnosed()?)?);
+        // Where diagnosis has nothing to plan with, the drops that it saw still show the restitution.
+        let effects = several.diagnosed()?.unwrap_or_else(|| pooled.clone());
         let together = [
             (Way::Pooled, planner.height(&pooled, Rule::Probability)?),
             (Way::Diagnosed, planner.height(&effects, Rule::Probability)?),
