@@ -123,7 +123,11 @@ impl Results {
     pub fn markdown(&self) -> String {
         let mut out = String::new();
         let quick = if self.quick { " --quick" } else { "" };
-        let _ = writeln!(out, "# The bounce shot\n\n`tunenet bench shot{quick} --seed {}`\n", self.seed);
+        let _ = writeln!(
+            out,
+            "# The bounce shot\n\n`tunenet bench shot{quick} --trials {} --seed {}`\n",
+            self.trials, self.seed
+        );
         let _ = writeln!(
             out,
             "Six balls, {} trials each. A ball is dropped once in front of an uncalibrated camera; then it is let go above \
