@@ -25,7 +25,7 @@ test: packages ## install what is missing, then check format, lints, tests, doct
 	@RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 	@echo "==> all hold"
 
-test-mcap: mcap-packages cargo ## read what simulate and gen write with the Python packages mcap and mcap-ros2-support
+test-mcap: mcap-packages cargo ## read what simulate, gen and plan write with the Python packages mcap and mcap-ros2-support
 	@echo "==> MCAP read by others"
 	@cargo build --release -p tunenet-cli --no-default-features --quiet
 	@target/mcap-venv/bin/python tests/mcap/check.py $${CARGO_TARGET_DIR:-target}/release/tunenet

@@ -89,6 +89,23 @@ fn tune_takes_a_film_as_it_is() {
     assert!(text.contains("drop.avi"), "{text}");
 }
 
+/// The instants of the bounces alone, as `tune` reads them.
+#[test]
+fn bounces_are_a_recording_of_their_own() {
+    let film = Film { noise: 4.0, ..Film::default() };
+    let folder = with(&film);
+    let json = folder.run("track drop.avi --bounces --out bounces.csv --json").ends(0).json();
+    let (names, columns) = columns(&folder, "bounces.csv");
+    let told: Vec<f64> = json["bounces_s"].as_array().unwrap().iter().map(|t| t.as_f64().unwrap()).collect();
+    assert_eq!((names.len(), names[0].as_str()), (1, "bounce_time_s"));
+    assert!(told.len() >= 3 && columns[0].len() == told.len(), "{told:?}");
+    assert!(columns[0].iter().zip(&told).all(|(a, b)| (a - b).abs() < 1e-9), "{told:?}");
+    let json = folder.run("tune --sim scene.toml --observation bounces.csv --no-cache --json").json();
+    let found = json["parameters"]["restitution"]["value"].as_f64().unwrap();
+    assert!((found - film.restitution).abs() < 0.005, "{found}");
+    assert!(folder.run("track drop.avi --bounces").ends(2).stderr.contains("--out"));
+}
+
 #[test]
 fn slow_motion_and_repeated_frames_are_noticed_and_mended() {
     // 240 frames a second, played at 60.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads what `simulate` and `gen` write with the libraries of others: `check.py TUNENET`, run by `make test-mcap`.
+"""Reads what `simulate`, `gen` and `plan` write with the libraries of others: `check.py TUNENET`, run by `make test-mcap`.
 
 Every message of every topic is decoded from the definitions inside the file alone, as Foxglove does it, and held against
 the CSV file of the same rollout. CDR is also written back by the library and has to be the same bytes.
@@ -7,10 +7,12 @@ the CSV file of the same rollout. CDR is also written back by the library and ha
 
 import csv
 import json
+import math
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 from mcap.reader import NonSeekingReader, SeekingReader
 from mcap_ros2._dynamic import serialize_dynamic
@@ -23,6 +25,25 @@ PUBLISHED = {
     "std_msgs/Header": ["builtin_interfaces/Time stamp", "string frame_id"],
     "builtin_interfaces/Time": ["int32 sec", "uint32 nanosec"],
 }
+PUBLISHED_STATE = {
+    "sensor_msgs/JointState": [
+        "std_msgs/Header header", "string[] name", "float64[] position", "float64[] velocity", "float64[] effort",
+    ],
+    "std_msgs/Header": PUBLISHED["std_msgs/Header"],
+    "builtin_interfaces/Time": PUBLISHED["builtin_interfaces/Time"],
+}
+PUBLISHED_TRAJECTORY = {
+    "trajectory_msgs/JointTrajectory": [
+        "std_msgs/Header header", "string[] joint_names", "trajectory_msgs/JointTrajectoryPoint[] points",
+    ],
+    "trajectory_msgs/JointTrajectoryPoint": [
+        "float64[] positions", "float64[] velocities", "float64[] accelerations", "float64[] effort",
+        "builtin_interfaces/Duration time_from_start",
+    ],
+    "builtin_interfaces/Duration": ["int32 sec", "uint32 nanosec"],
+    "std_msgs/Header": PUBLISHED["std_msgs/Header"],
+    "builtin_interfaces/Time": PUBLISHED["builtin_interfaces/Time"],
+}
 SCENE = """kind = "ball"
 [ball]
 radius_m = 0.02
@@ -34,6 +55,7 @@ value = 0.8
 min = 0.0
 max = 1.0
 """
+ASSETS = Path(__file__).resolve().parent.parent.parent / "assets"
 JSON_TYPES = {"object": dict, "array": list, "string": str, "number": (int, float), "integer": int, "boolean": bool}
 
 
@@ -155,6 +177,51 @@ def dataset(found, pairs):
             assert all(low <= value <= high for _, value, low, high in ranges), list(values)
 
 
+def approach(found, plan, limits):
+    """The way to the release: one trajectory, and the same point by point; rates as the positions change; within limits."""
+    assert sorted(found) == ["/joint_states", "/joint_trajectory"], list(found)
+    (kind, [(start, whole)]), (schema, states) = found["/joint_trajectory"], found["/joint_states"]
+    assert kind.name == "trajectory_msgs/msg/JointTrajectory" and schema.name == "sensor_msgs/msg/JointState"
+    assert definitions(kind.name, kind.data.decode()) == PUBLISHED_TRAJECTORY
+    assert definitions(schema.name, schema.data.decode()) == PUBLISHED_STATE
+    assert start == 0 and whole.header.frame_id == "base", whole.header
+    assert len(whole.points) == len(states) > 20, (len(whole.points), len(states))
+    assert list(whole.points[-1].positions) == plan["joint_positions_rad"], "it ends at the release"
+    times = [nanoseconds(point.time_from_start) for point in whole.points]
+    assert times[0] == 0 and all(a < b for a, b in zip(times, times[1:])), times
+    for (time, state), point, due in zip(states, whole.points, times):
+        assert time == due == nanoseconds(state.header.stamp) and state.header.frame_id == "base", state.header
+        assert list(state.name) == list(whole.joint_names) and not list(state.effort), state.name
+        assert list(state.position) == list(point.positions) and list(state.velocity) == list(point.velocities)
+    for number, name in enumerate(whole.joint_names):
+        q, v, a = ([list(getattr(p, field))[number] for p in whole.points]
+                   for field in ("positions", "velocities", "accelerations"))
+        low, high, fastest = limits[name]
+        assert all(low <= x <= high for x in q) and max(map(abs, v)) <= fastest, name
+        assert v[0] == v[-1] == a[0] == a[-1] == 0.0, f"{name}: from rest to rest"
+        # Of a way of least jerk the third derivative is at most 60 times the way over T³, the fourth 360 times over T⁴;
+        # differences over two steps of h are off by h²/6 of what follows.
+        whole_s, step, way = times[-1] * 1e-9, times[1] * 1e-9, abs(q[-1] - q[0])
+        off_v, off_a = (way * most * step**2 / 6 + 1e-6 for most in (60 / whole_s**3, 360 / whole_s**4))
+        for i in range(1, len(q) - 1):
+            seconds = (times[i + 1] - times[i - 1]) * 1e-9
+            assert abs((q[i + 1] - q[i - 1]) / seconds - v[i]) <= off_v, (name, i)
+            assert abs((v[i + 1] - v[i - 1]) / seconds - a[i]) <= off_a, (name, i)
+
+
+def limits(urdf):
+    """Lowest and highest place and greatest speed of every joint."""
+    found = {}
+    for joint in ElementTree.parse(urdf).getroot().iter("joint"):
+        limit = joint.find("limit")
+        if limit is None:
+            continue
+        free = joint.get("type") == "continuous"
+        ends = (-math.inf, math.inf) if free else (float(limit.get("lower", 0)), float(limit.get("upper", 0)))
+        found[joint.get("name")] = (*ends, float(limit.get("velocity")))
+    return found
+
+
 def main(tool):
     with tempfile.TemporaryDirectory() as folder:
         at = Path(folder)
@@ -170,7 +237,10 @@ def main(tool):
         positions(messages(at / "drop.mcap"), table(at / "drop.csv"))
         bounces(messages(at / "bounces.mcap"), table(at / "bounces.csv"))
         dataset(messages(at / "pairs.mcap"), 40)
-    print("/ball/point, /ball/bounce, /dataset and /pair: every message is read by others as it was meant")
+        line = [tool, "plan", "--sim", "ball.toml", "--task", str(ASSETS / "shot.toml"), "--out", "way.mcap", "--json"]
+        plan = subprocess.run(line, cwd=folder, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
+        approach(messages(at / "way.mcap"), json.loads(plan), limits(ASSETS / "jaco_robotiq.urdf"))
+    print("/ball/point, /ball/bounce, /dataset, /pair and the way to a release: every message is read by others as it was meant")
 
 
 if __name__ == "__main__":

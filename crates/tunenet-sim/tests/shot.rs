@@ -255,7 +255,7 @@ fn scenes_that_make_no_sense_are_refused() {
     let refused = |change: &dyn Fn(&mut Task), wanted: &str| {
         let mut task = task();
         change(&mut task);
-        let found = ShotScene::new(&task, RADIUS_M).err().unwrap_or_default();
+        let found = ShotScene::new(&task, RADIUS_M).err().map(|e| e.message).unwrap_or_default();
         assert!(found.contains(wanted), "{found}");
     };
     refused(&|t| t.plane_tilt_rad[1] = -0.5, "the plane faces away from the hoop");

@@ -80,7 +80,7 @@ pub struct BenchShot {
     /// Where finished pieces and results are kept
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-shot")]
     pub out: PathBuf,
-    /// Trials of each ball [default: 200]
+    /// Trials of each ball [default: 200, with `--quick` 10]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub trials: Option<u64>,
     /// Few trials, and none in richer worlds

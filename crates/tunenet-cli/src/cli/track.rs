@@ -10,6 +10,7 @@ pub const EXAMPLES: &str = "\
 Examples:
   tunenet track drop.mp4 --out track.csv
   tunenet track drop.mp4 --out track.csv --report track.html --overlay drawn.mp4
+  tunenet track drop.mp4 --bounces --out bounces.csv
   tunenet track drop.mp4 --color green --radius 0.0335 --out track.csv
   tunenet track drop.mp4 --rate 60 --frames 400 --out track.csv
   tunenet track frames/ --camera-rate 120 --out track.csv
@@ -27,6 +28,9 @@ pub struct Track {
     /// Write pixels, also where the fall of the ball says how large they are
     #[arg(long)]
     pub pixels: bool,
+    /// Write the instants of the bounces alone, which no wrong scale spoils: a column `bounce_time_s`
+    #[arg(long, requires = "out", conflicts_with_all = ["pixels", "rate"])]
+    pub bounces: bool,
     /// Write a page with frames in which the track is drawn here
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,

@@ -51,17 +51,27 @@ pub fn run(options: &Track) -> Result<Exit> {
         },
     };
     let notes: Vec<Note> = found["warnings"].as_array().into_iter().flatten().map(film::note).collect();
-    if let Some(out) = &options.out {
-        write(out, &found, options.pixels)?;
+    let bounces_s: Vec<f64> = found["bounces_s"].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+    // A list without a bounce is no recording.
+    let written = options.out.as_deref().filter(|_| !options.bounces || !bounces_s.is_empty());
+    match written {
+        Some(out) if options.bounces => write_bounces(out, &bounces_s)?,
+        Some(out) => write(out, &found, options.pixels)?,
+        None => {}
     }
     if let Some(path) = &options.report {
         report::track::write(path, &load::name(&options.video), &found, &notes)?;
     }
     tell(options, &found, &notes);
+    for out in [written, options.report.as_deref(), options.overlay.as_deref()].into_iter().flatten() {
+        stage("wrote", &load::name(out));
+    }
     if options.common.json {
         print_json(&object(options, &found));
     }
-    Ok(Exit::Done)
+    let Some(kept) = options.out.as_deref().filter(|_| written.is_none()) else { return Ok(Exit::Done) };
+    stage("kept", &format!("{} is not written: no bounce is seen", kept.display()));
+    Ok(Exit::Inconclusive)
 }
 
 /// The answer for scripts.
@@ -101,6 +111,14 @@ fn write(out: &Path, found: &Value, pixels: bool) -> Result<()> {
             writeln!(file, "{}", row.join(","))?;
         }
         Ok(())
+    })?;
+    Ok(())
+}
+
+fn write_bounces(out: &Path, bounces_s: &[f64]) -> Result<()> {
+    write_atomically(out, |file| {
+        writeln!(file, "bounce_time_s")?;
+        bounces_s.iter().try_for_each(|time_s| writeln!(file, "{:?}", rounded(*time_s)))
     })?;
     Ok(())
 }
@@ -166,7 +184,4 @@ fn tell(options: &Track, found: &Value, notes: &[Note]) {
         }
     }
     notes.iter().for_each(warn);
-    for out in [&options.out, &options.report, &options.overlay].into_iter().flatten() {
-        stage("wrote", &load::name(out));
-    }
 }

@@ -45,17 +45,18 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
         section class=(class) { div { p.word { (word) } p { (told) } } }
         section {
             h2 { "The shot" }
-            p.how { "To scale, seen from the side. The dark line is the ball's centre as the file has it, the others are "
-                "balls drawn from what is uncertain; dashed ones touch the rim or miss." }
+            p.how { "To scale, seen from the side. The dark line is the ball's centre as the file has it, the circles are that "
+                "ball at the bounce and in the hoop; the pale lines are balls drawn from what is uncertain, and dashed ones "
+                "touch the rim or miss." }
             figure { (shot(answer)) }
         }
         section {
             h2 { "Every height" }
-            p.how { "Chosen by " (rule) ". The upright line is the height that was chosen; heights that the arm does not reach "
-                "are left out." }
-            figure { (curve(answer, "miss distance in cm", |c| Some(100.0 * c.pass.miss_m))) }
+            p.how { "Chosen by " (rule) ". The upright line is the height that was chosen; where the curve of the miss distance "
+                "is bold, the ball of the file goes in. Heights that the arm does not reach are left out." }
+            figure { (curve(answer, "miss distance in cm", |c| Some(100.0 * c.pass.miss_m), |c| c.pass.goes_in())) }
             @if plan.candidates.iter().filter(|c| c.probability.is_some()).count() > 1 {
-                figure { (curve(answer, "chance in percent", chance)) }
+                figure { (curve(answer, "chance in percent", chance, |_| true)) }
             }
         }
         section { h2 { "The release" } (release(answer)) }
@@ -126,14 +127,25 @@ fn shot(answer: &Answer) -> Markup {
             .collect()
     };
     for (goes_in, points) in &spread {
-        svg.path(if *goes_in { "line thin after" } else { "line thin before" }, &panel.spots(&inside(points)), false);
+        svg.path(if *goes_in { "line spread after" } else { "line thin before" }, &panel.spots(&inside(points)), false);
     }
     svg.path("event", &panel.spots(&inside(&path)), false);
+    let in_hoop = path.windows(2).skip(1).find(|pair| pair[0].1 > level && pair[1].1 <= level).map(|pair| {
+        let share = (pair[0].1 - level) / (pair[0].1 - pair[1].1);
+        (pair[0].0 + share * (pair[1].0 - pair[0].0), level)
+    });
+    for (x, z) in [Some((0.0, 0.0)), in_hoop].into_iter().flatten() {
+        let corner = |i: u32| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / 36.0).sin_cos();
+            (x + scene.radius_m * cos, z + scene.radius_m * sin)
+        };
+        svg.path("event", &panel.spots(&inside(&(0..=36).map(corner).collect::<Vec<_>>())), false);
+    }
     // The plane is a ball's radius below the centre of a ball that touches it.
     let [nx, ny, nz] = scene.plane_normal;
     let (lean, _) = along(answer, [nx, ny, 0.0]);
     let on_plane = |s: f64| (s, -(scene.radius_m + lean * s) / nz);
-    svg.path("axis", &panel.spots(&inside(&[on_plane(-PLANE_M), on_plane(0.0), on_plane(PLANE_M)])), false);
+    svg.path("plane", &panel.spots(&inside(&[on_plane(-PLANE_M), on_plane(0.0), on_plane(PLANE_M)])), false);
     let rim = panel.spots(&[(middle - reach, level), (middle + reach, level)]);
     svg.line("limit", rim[0], rim[1]);
     svg.dots("knob after", &rim);
@@ -143,21 +155,33 @@ fn shot(answer: &Answer) -> Markup {
     svg.finish("curve", "the shot from the side, to scale, with plane, hoop and drawn balls")
 }
 
-fn curve(answer: &Answer, name: &str, of: impl Fn(&Candidate) -> Option<f64>) -> Markup {
+/// A number of every height that is within reach, bold where `good` holds.
+fn curve(
+    answer: &Answer,
+    name: &str,
+    of: impl Fn(&Candidate) -> Option<f64>,
+    good: impl Fn(&Candidate) -> bool,
+) -> Markup {
     let reached = answer.plan.candidates.iter().filter(|c| c.joints_rad.is_some());
-    let points: Vec<(f64, f64)> = reached.filter_map(|c| Some((c.height_m, of(c)?))).collect();
+    let known: Vec<(bool, (f64, f64))> = reached.filter_map(|c| Some((good(c), (c.height_m, of(c)?)))).collect();
+    let points: Vec<(f64, f64)> = known.iter().map(|k| k.1).collect();
     if points.len() < 2 {
         return html! {};
     }
     let most = points.iter().map(|p| p.1).fold(0.0, f64::max);
     let (across, up) = ((points[0].0, points[points.len() - 1].0), (0.0, if most > 0.0 { 1.08 * most } else { 1.0 }));
-    let panel =
-        Panel { x: Axis::new(across, (left_edge(&[up]), WIDTH - 8.0)), y: Axis::new(up, (CURVE - BELOW, ABOVE)) };
+    // Curves stand below one another: percents need the widest edge.
+    let left = left_edge(&[up, (0.0, 100.0)]);
+    let panel = Panel { x: Axis::new(across, (left, WIDTH - 8.0)), y: Axis::new(up, (CURVE - BELOW, ABOVE)) };
     let mut svg = Svg::new(WIDTH, CURVE);
     panel.frame(&mut svg, Some("height of release in m"), name);
     let best = answer.plan.best().height_m;
     svg.line("limit", panel.spot((best, up.0)), panel.spot((best, up.1)));
-    svg.path("line after", &panel.spots(&points), false);
+    svg.path("line thin after", &panel.spots(&points), false);
+    for run in known.chunk_by(|a, b| a.0 == b.0).filter(|run| run[0].0 && run.len() > 1) {
+        let run: Vec<(f64, f64)> = run.iter().map(|k| k.1).collect();
+        svg.path("line after", &panel.spots(&run), false);
+    }
     svg.finish("curve", &format!("{name} over the height of release"))
 }
 

@@ -71,6 +71,14 @@ impl ArmReach {
         self.model.joints().into_iter().map(|j| j.name.clone()).collect()
     }
 
+    /// The name of the link that stands still.
+    #[must_use]
+    pub fn base_name(&self) -> &str {
+        // Links that are fixed to it stand elsewhere.
+        let still = |f: &&Frame| f.body.is_none() && f.placement == Pose::identity();
+        self.model.frames.iter().find(still).map_or("", |f| f.name.as_str())
+    }
+
     /// The posture nearest to `start` that holds the ball there.
     fn near(&self, point_m: [f64; 3], start: &[f64]) -> Option<Vec<f64>> {
         let position = self.base.inverse_transform_point(&point_m.into());
@@ -96,18 +104,21 @@ impl ArmReach {
         let change: Vec<f64> = release.iter().zip(&start).map(|(to, from)| to - from).collect();
         // A way of least jerk is 15/8 as fast in its middle as on average.
         let needed = change.iter().enumerate().map(|(i, d)| 1.875 * d.abs() / (SPEED * limit(i)));
-        let seconds = needed.fold(SHORTEST_S, f64::max);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few seconds")]
-        let count = (seconds * RATE_HZ).ceil() as u32;
+        let count = (needed.fold(SHORTEST_S, f64::max) * RATE_HZ).ceil() as u32;
+        // Whole steps of the clock, if anything slower than needed.
+        let seconds = f64::from(count) / RATE_HZ;
         (0..=count)
             .map(|k| {
                 let s = f64::from(k) / f64::from(count);
                 let place = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
                 let rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / seconds;
+                let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (seconds * seconds);
                 JointPoint {
-                    time_s: s * seconds,
+                    time_s: f64::from(k) / RATE_HZ,
                     positions_rad: start.iter().zip(&change).map(|(from, d)| from + place * d).collect(),
                     velocities_rad_s: change.iter().map(|d| rate * d).collect(),
+                    accelerations_rad_s2: change.iter().map(|d| bend * d).collect(),
                 }
             })
             .collect()
@@ -174,22 +185,42 @@ mod tests {
         assert_eq!(arm().1.joints([0.0, 0.0, 3.0], None).unwrap(), None);
     }
 
+    /// Rates by differences of the positions, their rates by differences of them: what is stated is what is done, from rest
+    /// to rest, within half of the speeds that the URDF allows and within its limits.
     #[test]
     fn the_approach_ends_at_rest_at_the_release_within_the_speeds() {
         let (_, arm) = arm();
+        assert_eq!(arm.base_name(), "base");
         let release = arm.joints([0.0, 0.0, 0.5], None).unwrap().unwrap();
         let way = arm.approach([0.0, 0.0, 0.5], &release);
         let (first, last) = (&way[0], &way[way.len() - 1]);
         assert_eq!(last.positions_rad.len(), release.len());
         assert!(last.positions_rad.iter().zip(&release).all(|(a, b)| (a - b).abs() < 1e-12));
-        assert!(last.velocities_rad_s.iter().all(|v| v.abs() < 1e-9) && first.time_s == 0.0);
-        assert!((held(&arm, &first.positions_rad) - held(&arm, &release)).norm() > 0.09);
-        for pair in way.windows(2) {
-            let seconds = pair[1].time_s - pair[0].time_s;
-            for (i, joint) in arm.model.joints().iter().enumerate() {
-                let rate = (pair[1].positions_rad[i] - pair[0].positions_rad[i]) / seconds;
-                let stated = 0.5 * (pair[0].velocities_rad_s[i] + pair[1].velocities_rad_s[i]);
-                assert!((rate - stated).abs() < 0.01 && rate.abs() <= 0.51 * joint.limits.velocity);
+        for end in [first, last] {
+            assert!(end.velocities_rad_s.iter().chain(&end.accelerations_rad_s2).all(|v| v.abs() < 1e-9));
+        }
+        assert!(first.time_s == 0.0 && (held(&arm, &first.positions_rad) - held(&arm, &release)).norm() > 0.09);
+        for (k, point) in way.iter().enumerate() {
+            assert!((point.time_s - k as f64 / RATE_HZ).abs() < 1e-12);
+        }
+        let step = 1.0 / RATE_HZ;
+        let seconds = last.time_s;
+        for (i, joint) in arm.model.joints().iter().enumerate() {
+            // The third derivative is at most 60 times the way over T³, the fourth 360 times; differences over two steps
+            // are off by h²/6 of what follows.
+            let way_rad = (last.positions_rad[i] - first.positions_rad[i]).abs();
+            let (slack, slack2) = (60.0 / seconds.powi(3), 360.0 / seconds.powi(4));
+            for three in way.windows(3) {
+                let [before, at, after] = three else { unreachable!() };
+                let rate = (after.positions_rad[i] - before.positions_rad[i]) / (2.0 * step);
+                let bend = (after.velocities_rad_s[i] - before.velocities_rad_s[i]) / (2.0 * step);
+                let (rate_off, bend_off) = (rate - at.velocities_rad_s[i], bend - at.accelerations_rad_s2[i]);
+                assert!(rate_off.abs() <= way_rad * slack * step * step / 6.0 + 1e-12, "{} {rate_off}", joint.name);
+                assert!(bend_off.abs() <= way_rad * slack2 * step * step / 6.0 + 1e-12, "{} {bend_off}", joint.name);
+            }
+            for point in &way {
+                assert!((joint.limits.lower..=joint.limits.upper).contains(&point.positions_rad[i]), "{}", joint.name);
+                assert!(point.velocities_rad_s[i].abs() <= SPEED * joint.limits.velocity + 1e-12, "{}", joint.name);
             }
         }
     }

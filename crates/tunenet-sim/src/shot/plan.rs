@@ -7,6 +7,9 @@ use super::belief::Draw;
 use super::{Belief, Pass, Reach, ShotScene};
 use crate::ball::{Scene, State};
 
+/// Where a plan fails that no arm can hold the ball for: what [`Error::Simulator`] has `at`.
+pub const RELEASE: &str = "the release";
+
 /// How the best height is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
@@ -72,8 +75,8 @@ impl Plan {
 /// Chooses among heights from `lowest` to `highest` (m, the ball's centre above the impact point).
 ///
 /// # Errors
-/// [`Error::Setting`] for fewer than 2 heights or no draw; [`Error::Simulator`] where the ball cannot be followed, or where
-/// `reach` reaches none of the heights.
+/// [`Error::Setting`] for fewer than 2 heights or no draw; [`Error::Simulator`] where the ball cannot be followed, or, at
+/// [`RELEASE`], where `reach` reaches none of the heights.
 pub fn plan(
     scene: &ShotScene,
     belief: &Belief,
@@ -96,7 +99,7 @@ pub fn plan(
     }
     if joints.iter().all(Option::is_none) {
         let message = format!("the arm reaches none of the heights from {lowest} to {highest} m");
-        return Err(Error::Simulator { at: "the release".into(), message });
+        return Err(Error::Simulator { at: RELEASE.into(), message });
     }
     let nominal = belief.nominal();
     let mut candidates = heights
@@ -133,14 +136,15 @@ impl Candidate {
         if self.probability.is_some() {
             return;
         }
-        let (mut hits, mut margin) = (0.0, 0.0);
         // Beyond a ball's width a miss is a miss, and so is a release that never gets to bounce.
         let worst = -2.0 * scene.radius_m;
-        for draw in draws {
-            let pass = shot(scene, &draw.ball, self.height_m, &draw.offset);
-            hits += pass.as_ref().map_or(0.0, |pass| f64::from(u8::from(pass.goes_in())));
-            margin += pass.map_or(worst, |pass| pass.margin_m.clamp(worst, -worst));
-        }
+        let one = |draw: &Draw| match shot(scene, &draw.ball, self.height_m, &draw.offset) {
+            Ok(pass) => (f64::from(u8::from(pass.goes_in())), pass.margin_m.clamp(worst, -worst)),
+            Err(_) => (0.0, worst),
+        };
+        // Added up in their order, so that the number of threads changes no digit.
+        let each: Vec<(f64, f64)> = draws.par_iter().map(one).collect();
+        let (hits, margin) = each.iter().fold((0.0, 0.0), |(hits, margin), one| (hits + one.0, margin + one.1));
         let count = draws.len() as f64;
         (self.probability, self.margin_m) = (Some(hits / count), margin / count);
     }

@@ -75,6 +75,29 @@ impl Hoop {
     }
 }
 
+/// Why a task makes no scene, and what to do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Impossible {
+    /// What was expected, and what was found.
+    pub message: String,
+    /// What to try.
+    pub remedy: &'static str,
+}
+
+impl std::fmt::Display for Impossible {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Impossible {}
+
+impl From<String> for Impossible {
+    fn from(message: String) -> Self {
+        Self { message, remedy: "correct the task file" }
+    }
+}
+
 /// Plane and hoop for a ball of one size.
 #[derive(Clone)]
 pub struct ShotScene {
@@ -92,9 +115,10 @@ impl ShotScene {
     /// The scene of a task for a ball of this radius (m).
     ///
     /// # Errors
-    /// A sentence where the plane throws no ball towards the hoop, where the ball is too large for the hoop, or where the
+    /// [`Impossible`] where the plane throws no ball towards the hoop, where the ball is too large for the hoop, or where the
     /// hoop stands in the way of the fall.
-    pub fn new(task: &Task, radius_m: f64) -> Result<Self, String> {
+    pub fn new(task: &Task, radius_m: f64) -> Result<Self, Impossible> {
+        let refuse = |message: String, remedy: &'static str| Err(Impossible { message, remedy });
         let tilt_rad = task.plane_tilt_rad;
         let plane_normal = normal(tilt_rad);
         let hoop = Hoop {
@@ -107,25 +131,36 @@ impl ShotScene {
         // A ball that falls straight down is thrown along the slope.
         let towards = plane_normal[0] * x + plane_normal[1] * y;
         if towards <= 1e-9 {
-            return Err(format!(
-                "the plane faces away from the hoop: expected a normal that leans towards ({x}, {y}) m, found \
-                 ({:.3}, {:.3}, {:.3})",
-                plane_normal[0], plane_normal[1], plane_normal[2]
-            ));
+            // A level plane has no minus signs.
+            let [nx, ny, nz] = plane_normal.map(|n| n + 0.0);
+            return refuse(
+                format!(
+                    "the plane faces away from the hoop: expected a normal that leans towards ({x}, {y}) m, found \
+                     ({nx:.3}, {ny:.3}, {nz:.3})"
+                ),
+                "turn `plane.tilt_about_x_rad` or `plane.tilt_about_y_rad` the other way: about y, a positive tilt leans \
+                 towards x; about x, a negative one towards y",
+            );
         }
         if radius_m + hoop.rim_radius_m >= hoop.radius_m {
-            return Err(format!(
-                "expected a hoop that the ball fits through, found a ball of {radius_m} m in radius and a hoop of {} m",
-                hoop.radius_m
-            ));
+            return refuse(
+                format!(
+                    "expected a hoop that the ball fits through, found a ball of {radius_m} m in radius and a hoop of {} m",
+                    hoop.radius_m
+                ),
+                "radii are in metres: correct `hoop.radius_m`, or `ball.radius_m` of the simulation",
+            );
         }
         if x.hypot(y) <= hoop.radius_m + hoop.rim_radius_m + radius_m {
-            return Err(format!(
-                "the hoop stands in the way of the falling ball: expected its centre more than {:.3} m beside the \
-                 place of the bounce, found {:.3} m",
-                hoop.radius_m + hoop.rim_radius_m + radius_m,
-                x.hypot(y)
-            ));
+            return refuse(
+                format!(
+                    "the hoop stands in the way of the falling ball: expected its centre more than {:.3} m beside the \
+                     place of the bounce, found {:.3} m",
+                    hoop.radius_m + hoop.rim_radius_m + radius_m,
+                    x.hypot(y)
+                ),
+                "move `hoop.centre_m` away from the place of the bounce",
+            );
         }
         let rim = hoop.rim()?;
         Ok(Self { plane_normal, hoop, radius_m, tilt_rad, rim })

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use tunenet_core::Error;
 use tunenet_core::observation::preflight::Expected;
-use tunenet_core::observation::{Channel, Kind, Observation, resample};
+use tunenet_core::observation::{Channel, Kind, Observation, bounces, resample};
 use tunenet_track::colour::Window;
 use tunenet_track::overlay::{Drawn, overlay, plain};
 use tunenet_track::scale::{Known, Metric};
@@ -147,6 +147,7 @@ fn told(options: &Options, track: &Track, drawn: &[Drawn]) -> tunenet_core::Resu
     let metric = if whole.len() < 4 { None } else { Metric::of(track, known, &expected)? };
     let mut warnings = track.notes.clone();
     warnings.extend(metric.iter().flat_map(|m| m.notes.iter().cloned()));
+    let has_arcs = metric.as_ref().is_some_and(|m| m.preflight.arcs.is_some());
     let column = |of: &dyn Fn(usize) -> f64| (0..whole.len()).map(of).collect::<Vec<f64>>();
     let mut samples = json!({
         "frame": whole.iter().map(|s| s.frame).collect::<Vec<_>>(),
@@ -191,6 +192,11 @@ fn told(options: &Options, track: &Track, drawn: &[Drawn]) -> tunenet_core::Resu
                 "value": r.value, "interval95": [r.value - INTERVAL * r.sd, r.value + INTERVAL * r.sd],
             })));
         }
+    }
+    if !has_arcs {
+        // Without a scale there are no flights in metres, but a kink of the track is a kink.
+        let (clock, up) = (column(&|i| whole[i].time_s), column(&|i| -whole[i].v_px));
+        object["bounces_s"] = json!(bounces(&clock, &up));
     }
     object["warnings"] = json!(warnings);
     if let Some(rate_hz) = options.rate {

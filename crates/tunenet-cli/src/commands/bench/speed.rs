@@ -1,5 +1,6 @@
 //! `tunenet bench speed`.
 
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -7,7 +8,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use tunenet_core::network::{Preset, TrainOptions, train};
+use tunenet_sim::SimulationFile;
 use tunenet_sim::ball::{Scene, State, positions};
+use tunenet_sim::shot::{ArmReach, Belief, Rule, Settings, ShotScene, Task, plan};
 
 use super::film_speed::Films;
 use super::process;
@@ -25,6 +28,23 @@ const MANY_PAIRS: &str = "100000";
 
 /// The simulation that a whole `tune` is timed on: the paper's ball, its height known.
 const SCENE: &str = include_str!("../../../../../assets/ball_easy.toml");
+
+/// The shot that is planned, its robot, and a ball.
+const TASK: &str = include_str!("../../../../../assets/shot.toml");
+const ROBOT: &str = include_str!("../../../../../assets/jaco_robotiq.urdf");
+const PLANNED: &str = "\
+kind = \"ball\"
+ball.radius_m = 0.03
+[parameters.restitution]
+value = 0.72
+min = 0.0
+max = 1.0
+[effects.quadratic_drag]
+c_1_m = 0.05
+[provenance]
+verdict = \"tuned\"
+interval95 = { restitution = [0.70, 0.74] }
+";
 
 pub fn run(options: &BenchSpeed) -> Result<Exit> {
     let clock: Vec<f64> = (0..FRAMES).map(|i| i as f64 / RATE_HZ).collect();
@@ -62,6 +82,10 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
     stage("filming", "160 × 120 px in memory, a film of 1080p, two of 4K");
     let films = Films::measure(folder.path())?;
 
+    stage("planning", "a shot, 100 heights");
+    let [nearest_s, probability_s] = [Rule::Nearest, Rule::Probability].map(|rule| plan_seconds(folder.path(), rule));
+    let (nearest_s, probability_s) = (nearest_s?, probability_s?);
+
     let row = |what: &str, value: String| vec![what.to_string(), value];
     let mut rows = vec![
         row(
@@ -78,6 +102,10 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row("gen, 100,000 pairs, all cores", format!("{:.1} s", many.seconds)),
         row("its greatest memory", peak),
     ];
+    rows.extend([
+        row("plan, 100 heights of an arm, the nearest path, all cores", format!("{:.1} ms", nearest_s * 1e3)),
+        row("the same by the chance among 256 balls", format!("{:.0} ms", probability_s * 1e3)),
+    ]);
     rows.extend(films.rows());
     anstream::eprintln!("{}", table(&rows));
     if options.common.json {
@@ -87,11 +115,30 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
             "train": { "preset": "paper", "pairs": 800, "epochs": 200, "seconds": training_s },
             "tune": { "iterations": 5, "process_seconds": tuning_s, "start_seconds": starting_s },
             "gen": { "pairs": 100_000, "seconds": many.seconds, "peak_bytes": many.peak_bytes },
+            "plan": { "heights": Settings::default().heights, "nearest_seconds": nearest_s, "probability_seconds": probability_s },
             "film": films.as_json(),
             "warnings": [],
         }));
     }
     Ok(Exit::Done)
+}
+
+/// Seconds from read files to a plan, the arm's postures with it: the median of [`REPEATS`].
+fn plan_seconds(folder: &Path, rule: Rule) -> Result<f64> {
+    std::fs::write(folder.join("jaco_robotiq.urdf"), ROBOT)?;
+    let task = Task::parse(&folder.join("shot.toml"), TASK)?;
+    let file = SimulationFile::parse("ball.toml".as_ref(), PLANNED)?;
+    let settings = Settings { rule, ..Settings::default() };
+    let timed = || -> Result<f64> {
+        let began = Instant::now();
+        let radius_m = file.number("ball.radius_m").unwrap_or_default();
+        let scene = ShotScene::new(&task, radius_m).map_err(anyhow::Error::msg)?;
+        let belief = Belief::new(&file, &task)?;
+        let arm = ArmReach::new(task.arm.as_ref().context("the ready task has an arm")?)?;
+        std::hint::black_box(plan(&scene, &belief, task.heights_m, &arm, &settings)?);
+        Ok(began.elapsed().as_secs_f64())
+    };
+    Ok(median((0..REPEATS).map(|_| timed()).collect::<Result<_>>()?))
 }
 
 /// The slowest restitution of 21, and its speed in frames per second.

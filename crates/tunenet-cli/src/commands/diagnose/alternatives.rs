@@ -19,7 +19,13 @@ pub fn alternatives(answer: &Answer, object: usize) -> Array {
     candidates.iter().filter_map(|name| fitted(simulator.as_ref(), name, &sure, &seen)).collect()
 }
 
-fn fitted(simulator: &dyn Simulator, name: &str, sure: &[&str], seen: &[Observation]) -> Option<InlineTable> {
+/// One of them, beside what is certain.
+pub(crate) fn fitted(
+    simulator: &dyn Simulator,
+    name: &str,
+    sure: &[&str],
+    seen: &[Observation],
+) -> Option<InlineTable> {
     let names: Vec<&str> = sure.iter().copied().chain([name]).collect();
     let with = simulator.with_effects(&names).ok()?;
     let outcome = tune(&with, seen, None, &Settings::default()).ok()?;

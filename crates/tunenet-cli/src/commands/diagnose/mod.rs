@@ -4,7 +4,7 @@
 //! manifest → load → tunenet_core::diagnose → json, tell, improve, crate::report
 //! ```
 
-mod alternatives;
+pub(crate) mod alternatives;
 pub(crate) mod answer;
 pub(crate) mod improve;
 mod json;

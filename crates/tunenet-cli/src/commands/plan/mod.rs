@@ -9,6 +9,8 @@ use anyhow::Result;
 use tunenet_core::Error;
 use tunenet_core::observation::{Note, recording};
 use tunenet_sim::SimulationFile;
+use tunenet_sim::simulation_file::Domain;
+
 use tunenet_sim::shot::reach::Anywhere;
 use tunenet_sim::shot::{self, ArmReach, Belief, Candidate, Reach, Rule, Settings, ShotScene, Task};
 use tunenet_sim::simulation_file::Domain;
@@ -69,9 +71,13 @@ pub fn run(options: &Plan) -> Result<Exit> {
 
 fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> {
     let began = Instant::now();
-    let refused = |message: String| Error::file(&options.task, message, "correct the task file");
+    let refused = |message: String, remedy: &str| Error::file(&options.task, message, remedy);
+    if file.domain() != Domain::Ball {
+        let message = "expected the simulation of a ball, found that of an arm";
+        return Err(Error::file(file.path(), message, "give the file of the ball that is to be let go").into());
+    }
     let radius_m = file.number("ball.radius_m").unwrap_or_default();
-    let scene = ShotScene::new(task, radius_m).map_err(refused)?;
+    let scene = ShotScene::new(task, radius_m).map_err(|e| refused(e.message, e.remedy))?;
     let belief = Belief::new(file, task)?;
     let settings = Settings {
         heights: options.heights as usize,
@@ -82,7 +88,10 @@ fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> 
     let arm = task.arm.as_ref().map(ArmReach::new).transpose()?;
     let reach: &dyn Reach = arm.as_ref().map_or(&Anywhere, |arm| arm);
     let plan = shot::plan(&scene, &belief, task.heights_m, reach, &settings).map_err(|error| match error {
-        Error::Simulator { message, .. } => refused(message),
+        Error::Simulator { at, message } if at == shot::RELEASE => {
+            refused(message, "move `arm.base_position_m`, or let `release.heights_m` be heights that it reaches")
+        }
+        Error::Simulator { at, message } => refused(format!("{at}: {message}"), "correct the task file"),
         other => other,
     })?;
     let mut notes = belief.notes().to_vec();
@@ -99,7 +108,7 @@ fn write_approach(answer: &Answer, task: &Path, out: &Path) -> Result<()> {
     };
     let best = answer.plan.best();
     let way = arm.approach([0.0, 0.0, best.height_m], best.joints_rad.as_deref().unwrap_or_default());
-    recording::write_approach(&arm.joint_names(), &way, out)?;
+    recording::write_approach(arm.base_name(), &arm.joint_names(), &way, out)?;
     stage("wrote", &format!("{}, {} points", out.display(), way.len()));
     Ok(())
 }
@@ -134,7 +143,9 @@ fn tell(answer: &Answer) {
     let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
     anstream::eprintln!("{bold}{}{reset}", sentence(answer));
     let best = answer.plan.best();
-    if let Some(joints) = best.joints_rad.as_deref().filter(|j| !j.is_empty()) {
+    if !answer.plan.reachable {
+        anstream::eprintln!("  try: {}", what_to_move(answer));
+    } else if let Some(joints) = best.joints_rad.as_deref().filter(|j| !j.is_empty()) {
         let each: Vec<String> = joints.iter().map(|q| format!("{q:.4}")).collect();
         anstream::eprintln!("  joints {} rad", each.join(", "));
     }
@@ -154,6 +165,19 @@ pub fn sentence(answer: &Answer) -> String {
         return format!("PLANNED  let go at {:.3} m: passes {passes} from the hoop's centre{chance}", best.height_m);
     }
     format!("OUT OF REACH  {}", missing(best))
+}
+
+/// What would bring the ball through a hoop that no height brings it through.
+fn what_to_move(answer: &Answer) -> &'static str {
+    let plan = &answer.plan;
+    let reached = || (0..plan.candidates.len()).filter(|i| plan.candidates[*i].joints_rad.is_some());
+    if plan.best().pass.falls && reached().next_back() == Some(plan.best) {
+        "higher releases in `release.heights_m` that the arm reaches, or a hoop that is nearer"
+    } else if plan.best().pass.falls && reached().next() == Some(plan.best) {
+        "lower releases in `release.heights_m` that the arm reaches, or a hoop that is farther away"
+    } else {
+        "a hoop that stands lower or nearer, or a plane of another tilt"
+    }
 }
 
 /// By how much a hoop is missed.

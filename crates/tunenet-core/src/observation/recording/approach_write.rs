@@ -24,6 +24,8 @@ pub struct JointPoint {
     pub positions_rad: Vec<f64>,
     /// Their rates, rad/s.
     pub velocities_rad_s: Vec<f64>,
+    /// The rates of these, rad/s².
+    pub accelerations_rad_s2: Vec<f64>,
 }
 
 /// `builtin_interfaces/msg/Duration`.
@@ -53,17 +55,19 @@ struct JointTrajectory {
 
 /// Writes a way of these joints as an MCAP file that Foxglove and ROS 2 tools open: the whole of it as one
 /// `trajectory_msgs/msg/JointTrajectory` on `/joint_trajectory` at time 0, and every point of it as a
-/// `sensor_msgs/msg/JointState` on `/joint_states`. The same way gives the same bytes.
+/// `sensor_msgs/msg/JointState` on `/joint_states`. `base` is the robot's link that stands still: the frame of all of them. The
+/// same way gives the same bytes.
 ///
 /// # Errors
-/// [`Error::File`] where a point has not one angle and one rate for each joint, or times do not rise from 0 on within 68
+/// [`Error::File`] where a point has not one angle, rate and acceleration for each joint, or times do not rise from 0 on within 68
 /// years; [`Error::Io`] where the system refuses.
-pub fn write_approach(joints: &[String], points: &[JointPoint], path: impl AsRef<Path>) -> Result<()> {
+pub fn write_approach(base: &str, joints: &[String], points: &[JointPoint], path: impl AsRef<Path>) -> Result<()> {
     let path = path.as_ref();
     let mut stamps: Vec<(i32, u32, u64)> = Vec::with_capacity(points.len());
     for (i, point) in points.iter().enumerate() {
         let refuse = |message: String| Err(Error::file(path, message, "give another way"));
-        if [&point.positions_rad, &point.velocities_rad_s].iter().any(|v| v.len() != joints.len()) {
+        let columns = [&point.positions_rad, &point.velocities_rad_s, &point.accelerations_rad_s2];
+        if columns.iter().any(|v| v.len() != joints.len()) {
             return refuse(format!("point {}: expected {} joints, found another number", i + 1, joints.len()));
         }
         let stamp = to_ns(point.time_s).and_then(|ns| {
@@ -76,7 +80,7 @@ pub fn write_approach(joints: &[String], points: &[JointPoint], path: impl AsRef
         }
     }
     write_atomically(path, |out| {
-        write(joints, points, &stamps, out).map_err(|e| match e {
+        write(base, joints, points, &stamps, out).map_err(|e| match e {
             McapError::Io(error) => error,
             other => std::io::Error::other(other),
         })
@@ -84,6 +88,7 @@ pub fn write_approach(joints: &[String], points: &[JointPoint], path: impl AsRef
 }
 
 fn write(
+    base: &str,
     joints: &[String],
     points: &[JointPoint],
     stamps: &[(i32, u32, u64)],
@@ -99,11 +104,11 @@ fn write(
     };
     let whole = channel("/joint_trajectory", "trajectory_msgs/msg/JointTrajectory", JOINT_TRAJECTORY)?;
     let states = channel("/joint_states", "sensor_msgs/msg/JointState", JOINT_STATE)?;
-    let header = |sec: i32, nanosec: u32| Header { stamp: Time { sec, nanosec }, frame_id: String::new() };
+    let header = |sec: i32, nanosec: u32| Header { stamp: Time { sec, nanosec }, frame_id: base.to_owned() };
     let point = |(point, (sec, nanosec, _)): (&JointPoint, &(i32, u32, u64))| TrajectoryPoint {
         positions: point.positions_rad.clone(),
         velocities: point.velocities_rad_s.clone(),
-        accelerations: Vec::new(),
+        accelerations: point.accelerations_rad_s2.clone(),
         effort: Vec::new(),
         time_from_start: Duration { sec: *sec, nanosec: *nanosec },
     };
@@ -140,7 +145,12 @@ mod tests {
     use crate::observation::recording::{ReadOptions, read};
 
     fn point(time_s: f64, q: f64) -> JointPoint {
-        JointPoint { time_s, positions_rad: vec![q, -q], velocities_rad_s: vec![1.0, -1.0] }
+        JointPoint {
+            time_s,
+            positions_rad: vec![q, -q],
+            velocities_rad_s: vec![1.0, -1.0],
+            accelerations_rad_s2: vec![0.0; 2],
+        }
     }
 
     #[test]
@@ -149,7 +159,7 @@ mod tests {
         let path = folder.path().join("approach.mcap");
         let joints = ["a".to_string(), "b".to_string()];
         let points = [point(0.0, 0.1), point(0.5, 0.6), point(1.0, 1.1)];
-        write_approach(&joints, &points, &path).unwrap();
+        write_approach("base", &joints, &points, &path).unwrap();
         let options = ReadOptions { topic: Some("/joint_states".into()), ..ReadOptions::default() };
         let seen = read(&path, &options).unwrap().observation;
         assert_eq!(seen.clock(), [0.0, 0.5, 1.0]);
@@ -160,14 +170,17 @@ mod tests {
     fn the_whole_way_is_one_message_of_plain_fields() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("approach.mcap");
-        write_approach(&["a".to_string(), "b".to_string()], &[point(0.0, 0.25), point(0.5, 2.0)], &path).unwrap();
+        write_approach("base", &["a".to_string(), "b".to_string()], &[point(0.0, 0.25), point(0.5, 2.0)], &path)
+            .unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let mut messages = mcap::MessageStream::new(&bytes).unwrap().map(|m| m.unwrap());
         let whole = messages.find(|m| m.channel.topic == "/joint_trajectory").unwrap();
         assert_eq!(whole.channel.schema.as_ref().unwrap().name, "trajectory_msgs/msg/JointTrajectory");
-        // Mark, stamp, empty frame, two names, two points; then 2.0 is somewhere as eight bytes, and so is .5 s.
+        // Mark, stamp, frame, two names, two points; then 2.0 is somewhere as eight bytes, and so is .5 s.
         let holds = |wanted: &[u8]| whole.data.windows(wanted.len()).any(|w| w == wanted);
-        assert!(holds(&2.0_f64.to_le_bytes()) && holds(&500_000_000_u32.to_le_bytes()) && holds(b"a\0"));
+        assert!(
+            holds(&2.0_f64.to_le_bytes()) && holds(&500_000_000_u32.to_le_bytes()) && holds(b"base\0") && holds(b"a\0")
+        );
     }
 
     #[test]
@@ -175,9 +188,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("approach.mcap");
         let joints = ["a".to_string(), "b".to_string()];
-        let twice = write_approach(&joints, &[point(0.0, 0.1), point(0.0, 0.2)], &path).unwrap_err();
+        let twice = write_approach("base", &joints, &[point(0.0, 0.1), point(0.0, 0.2)], &path).unwrap_err();
         assert!(twice.to_string().contains("point 2: expected a rising time"), "{twice}");
-        let short = write_approach(&joints[..1], &[point(0.0, 0.1)], &path).unwrap_err();
+        let short = write_approach("base", &joints[..1], &[point(0.0, 0.1)], &path).unwrap_err();
         assert!(short.to_string().contains("point 1: expected 1 joints"), "{short}");
         assert!(!path.exists());
     }

@@ -34,6 +34,8 @@ pub struct Filmed {
     pub path_m: Vec<Three>,
     /// Whether the ball fell off the table while it was filmed.
     pub left: bool,
+    /// How often it hit the table before that.
+    pub impacts: usize,
 }
 
 /// The instants of a film, s.
@@ -41,9 +43,14 @@ pub fn clock() -> Vec<f64> {
     (0..FRAMES).map(|i| f64::from(i) / RATE_HZ).collect()
 }
 
+/// From how high a person drops the ball, each time of a trial.
+pub fn height(random: &mut ChaCha8Rng) -> f64 {
+    random.random_range(FALL_M)
+}
+
 impl Filmed {
-    pub fn draw(ball: &Ball, random: &mut ChaCha8Rng) -> Result<Self> {
-        let fall_m = random.random_range(FALL_M);
+    /// Lets a ball go from `fall_m` above the table, before a camera of its own.
+    pub fn draw(ball: &Ball, fall_m: f64, random: &mut ChaCha8Rng) -> Result<Self> {
         let camera = camera(fall_m, random)?;
         let mut normal = || random.sample::<f64, _>(StandardNormal);
         let (x, v) = ([normal(), normal()].map(|n| n * OFFSET_M), [normal(), normal()].map(|n| n * PUSH_M_S));
@@ -54,7 +61,7 @@ impl Filmed {
         let hidden = |x: &Three| if x[2] < 0.0 { [0.0, 0.0, NOWHERE_M] } else { *x };
         let left = dropped.gone_s.is_some() && dropped.path_m.last().is_some_and(|x| x[2] < 0.0);
         let path_m = dropped.path_m.iter().map(hidden).collect();
-        Ok(Self { fall_m, camera, path_m, left })
+        Ok(Self { fall_m, camera, path_m, left, impacts: dropped.impacts_s.len() })
     }
 }
 

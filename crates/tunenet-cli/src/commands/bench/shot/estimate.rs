@@ -7,8 +7,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
-use tunenet_core::diagnose::{self, Recording, Subject, diagnose};
+use tunenet_core::diagnose::{self, Diagnosis, Recording, Subject, Verdict, diagnose};
 use tunenet_core::observation::{Kind, Observation, bounces};
+use tunenet_core::simulator::Simulator;
 use tunenet_core::tune::{self, tune};
 use tunenet_sim::{SimulationFile, simulator};
 
@@ -16,13 +17,16 @@ use super::super::rehearsal::Track;
 use super::super::tuning::apex;
 use super::drop::clock;
 use super::world::{GRAVITY_M_S2, RADIUS_M};
+use crate::commands::diagnose::alternatives::fitted;
 
 /// Before a ball vanishes over an edge it flies lower than the table.
 const LAST_FRAMES: usize = 3;
 /// A ball that goes out of sight moves by more than this within its last frames, px; one that lies still is only lost.
 const MOVES_PX: f64 = 2.0;
-/// Fewer bounces say nothing of how they follow one another.
-const FEWEST: usize = 3;
+/// Between fewer bounces there is no flight to measure, and a drop is to be repeated.
+const FEWEST: usize = 2;
+/// Fewer are no recording to tune to: a release and a restitution always fit two.
+const FEWEST_TUNED: usize = 3;
 /// What is planned with where a film shows nothing.
 const UNKNOWN: f64 = 0.7;
 
@@ -37,11 +41,18 @@ pub struct Estimate {
     pub effects: Vec<(String, Vec<(String, Ranged)>)>,
     /// As `tune` or `diagnose` says it; empty where nothing could be tuned to.
     pub verdict: String,
+    /// The explanations that are left where several are, as TOML tables with their numbers.
+    pub alternatives: Vec<String>,
 }
 
 impl Estimate {
-    fn guessed(restitution: f64) -> Self {
-        Self { restitution: (restitution, (restitution, restitution)), effects: Vec::new(), verdict: String::new() }
+    /// A number that is taken as exact.
+    pub fn exact(restitution: f64) -> Self {
+        Self::of((restitution, (restitution, restitution)), String::new())
+    }
+
+    fn of(restitution: Ranged, verdict: String) -> Self {
+        Self { restitution, effects: Vec::new(), verdict, alternatives: Vec::new() }
     }
 
     /// The simulation file that it makes, with its provenance.
@@ -57,12 +68,14 @@ impl Estimate {
             let intervals = coefficients.iter().map(|(key, (_, i))| format!(", {key}_interval95 = {}", list(*i)));
             effects.push(format!("{{ name = \"{name}\"{} }}", intervals.collect::<String>()));
         }
+        let left = &self.alternatives;
         let text = format!(
-            "{}\n[provenance]\nverdict = \"{}\"\ninterval95 = {{ restitution = {} }}\neffects = [{}]\n",
+            "{}\n[provenance]\nverdict = \"{}\"\ninterval95 = {{ restitution = {} }}\neffects = [{}]\n{}",
             file.text(),
             self.verdict,
             list(self.restitution.1),
-            effects.join(", ")
+            effects.join(", "),
+            if left.is_empty() { String::new() } else { format!("alternatives = [{}]\n", left.join(", ")) }
         );
         Ok(SimulationFile::parse(Path::new("tuned.toml"), &text)?)
     }
@@ -82,13 +95,11 @@ fn scene(fall_m: Option<f64>) -> Result<SimulationFile> {
 pub struct Read {
     /// When the ball bounced, s.
     pub bounces_s: Vec<f64>,
-    /// Whether the ball was out of sight before the film ended.
-    pub gone: bool,
 }
 
 impl Read {
     pub fn new(track: Option<&Track>) -> Self {
-        let Some(track) = track else { return Self { bounces_s: Vec::new(), gone: true } };
+        let Some(track) = track else { return Self { bounces_s: Vec::new() } };
         let last = track.seen.iter().rposition(|seen| *seen).map_or(0, |last| last + 1);
         let seen: Vec<f64> = track.v_px.iter().zip(&track.seen).filter(|(_, seen)| **seen).map(|(v, _)| *v).collect();
         let ending = &seen[seen.len().saturating_sub(LAST_FRAMES + 1)..];
@@ -97,12 +108,17 @@ impl Read {
         let end = if gone { last.saturating_sub(LAST_FRAMES) } else { last };
         let shown = clock().into_iter().zip(&track.v_px).zip(&track.seen).take(end).filter(|(_, seen)| **seen);
         let (times, up): (Vec<f64>, Vec<f64>) = shown.map(|((t, v), _)| (t, -v)).unzip();
-        Self { bounces_s: bounces(&times, &up), gone }
+        Self { bounces_s: bounces(&times, &up) }
     }
 
-    /// Whether this drop is to be repeated: the ball left, or it shows too little.
+    /// Whether this drop is to be repeated: it shows too little. What was seen of a ball before it left is as good as ever.
     pub fn flagged(&self) -> bool {
-        self.gone || self.bounces_s.len() < FEWEST
+        self.bounces_s.len() < FEWEST
+    }
+
+    /// Whether there is enough of it to tune to.
+    fn lists(&self) -> bool {
+        self.bounces_s.len() >= FEWEST_TUNED
     }
 
     /// The restitution alone, tuned to this drop. Two bounces are too few for `tune`; between them lies 2 e v / g, where
@@ -112,46 +128,84 @@ impl Read {
             [first, second] => GRAVITY_M_S2 * (second - first) / (8.0 * GRAVITY_M_S2 * fall_m).sqrt(),
             _ => UNKNOWN,
         };
-        Ok(tuned(&self.bounces_s, Some(fall_m))?.unwrap_or_else(|| Estimate::guessed(two().clamp(0.05, 1.0))))
+        Ok(tuned(&self.bounces_s, fall_m)?.unwrap_or_else(|| Estimate::exact(two().clamp(0.05, 1.0))))
     }
 }
 
 /// Tuned to a list of bounces; `None` where that is not possible.
-pub fn tuned(bounces_s: &[f64], fall_m: Option<f64>) -> Result<Option<Estimate>> {
-    if bounces_s.len() < FEWEST {
+pub fn tuned(bounces_s: &[f64], fall_m: f64) -> Result<Option<Estimate>> {
+    if bounces_s.len() < FEWEST_TUNED {
         return Ok(None);
     }
-    let ball = simulator(&scene(fall_m)?, Kind::BounceTimes)?;
-    let seen = Observation::bounce_times(bounces_s.to_vec())?;
-    let outcome = tune(&ball, &[seen], None, &tune::Settings::default())?;
+    tuned_to(&[Observation::bounce_times(bounces_s.to_vec())?], fall_m)
+}
+
+fn tuned_to(seen: &[Observation], fall_m: f64) -> Result<Option<Estimate>> {
+    let ball = simulator(&scene(Some(fall_m))?, Kind::BounceTimes)?;
+    let outcome = tune(&ball, seen, None, &tune::Settings::default())?;
     let Some(found) = outcome.parameters.iter().find(|p| p.name == "restitution" && p.identified) else {
         return Ok(None);
     };
     let verdict = serde_json::to_value(outcome.verdict)?.as_str().unwrap_or_default().to_owned();
-    Ok(Some(Estimate { restitution: (found.value, found.interval95), effects: Vec::new(), verdict }))
+    Ok(Some(Estimate::of((found.value, found.interval95), verdict)))
 }
 
-/// What a diagnosis of several drops of one ball finds; `None` where it finds nothing to plan with.
-pub fn diagnosed(drops: &[Read]) -> Result<Option<Estimate>> {
-    let lists = drops.iter().filter(|d| d.bounces_s.len() >= FEWEST);
-    let seen =
-        lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<Vec<_>>>()?;
-    if seen.is_empty() {
-        return Ok(None);
+/// What several drops of one ball from one height show.
+pub struct Several {
+    seen: Vec<Observation>,
+    fall_m: f64,
+}
+
+impl Several {
+    pub fn new(drops: &[Read], fall_m: f64) -> Result<Self> {
+        let lists = drops.iter().filter(|drop| drop.lists());
+        let seen =
+            lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<_>>()?;
+        Ok(Self { seen, fall_m })
     }
-    let simulator = simulator(&scene(None)?, Kind::BounceTimes)?;
-    let subjects = [Subject { name: "ball".into(), simulator: simulator.as_ref() }];
-    let one = |(i, seen)| Recording { name: format!("drop {}", i + 1), object: 0, held_out: false, seen };
-    let recordings: Vec<Recording> = seen.iter().enumerate().map(one).collect();
-    let settings = diagnose::Settings { set_aside: false, ..diagnose::Settings::default() };
-    let found = diagnose(&subjects, &recordings, &settings, &|_| {})?;
-    let Some(e) = found.parameters.iter().find(|p| p.name == "restitution") else { return Ok(None) };
-    let effects = found.effects.iter().map(|named| {
-        let one = |c: &diagnose::Fitted| Some((c.key.to_owned(), c.values.first().map(|v| (v.value, v.interval95))?));
-        (named.effect.name.to_owned(), named.coefficients.iter().filter_map(one).collect())
-    });
-    let verdict = serde_json::to_value(found.verdict)?.as_str().unwrap_or_default().to_owned();
-    Ok(Some(Estimate { restitution: (e.value, e.interval95), effects: effects.collect(), verdict }))
+
+    /// The restitution alone, tuned to all of them; `None` where none can be tuned to.
+    pub fn tuned(&self) -> Result<Option<Estimate>> {
+        if self.seen.is_empty() { Ok(None) } else { tuned_to(&self.seen, self.fall_m) }
+    }
+
+    /// What a diagnosis of them finds; `None` where it finds nothing to plan with.
+    pub fn diagnosed(&self) -> Result<Option<Estimate>> {
+        if self.seen.is_empty() {
+            return Ok(None);
+        }
+        let simulator = simulator(&scene(Some(self.fall_m))?, Kind::BounceTimes)?;
+        let subjects = [Subject { name: "ball".into(), simulator: simulator.as_ref() }];
+        let recordings: Vec<Recording> = (1..)
+            .zip(&self.seen)
+            .map(|(i, seen)| Recording { name: format!("drop {i}"), object: 0, held_out: false, seen })
+            .collect();
+        let settings = diagnose::Settings { set_aside: false, ..diagnose::Settings::default() };
+        let found = diagnose(&subjects, &recordings, &settings, &|_| {})?;
+        let Some(e) = found.parameters.iter().find(|p| p.name == "restitution") else { return Ok(None) };
+        let effects = found.effects.iter().map(|named| {
+            let one =
+                |c: &diagnose::Fitted| Some((c.key.to_owned(), c.values.first().map(|v| (v.value, v.interval95))?));
+            (named.effect.name.to_owned(), named.coefficients.iter().filter_map(one).collect())
+        });
+        let verdict = serde_json::to_value(found.verdict)?.as_str().unwrap_or_default().to_owned();
+        let effects = effects.collect();
+        let alternatives =
+            if found.verdict == Verdict::OneOf { self.alternatives(simulator.as_ref(), &found) } else { Vec::new() };
+        Ok(Some(Estimate { restitution: (e.value, e.interval95), effects, verdict, alternatives }))
+    }
+
+    /// As `tunenet diagnose` writes them into its file.
+    fn alternatives(&self, simulator: &dyn Simulator, found: &Diagnosis) -> Vec<String> {
+        let named = found.effects.iter().map(|e| e.effect.name);
+        let sure: Vec<&str> = named.filter(|name| !found.names.contains(name)).collect();
+        found
+            .names
+            .iter()
+            .filter_map(|name| fitted(simulator, name, &sure, &self.seen))
+            .map(|t| t.to_string())
+            .collect()
+    }
 }
 
 /// The rule `√(first rebound / fall)` on raw pixels: the lowest place seen is the table.
@@ -177,5 +231,5 @@ pub fn known(ball: &super::ball::Ball) -> Estimate {
     if ball.exponent != 0.0 {
         effects.push(one("speed_dependent_restitution", "exponent", ball.exponent));
     }
-    Estimate { restitution: exact(ball.restitution), effects, verdict: "named".into() }
+    Estimate { effects, ..Estimate::of(exact(ball.restitution), "named".into()) }
 }

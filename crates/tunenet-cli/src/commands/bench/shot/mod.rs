@@ -12,6 +12,7 @@ mod drop;
 mod estimate;
 mod film;
 mod results;
+mod share;
 mod trial;
 mod world;
 
@@ -33,9 +34,9 @@ use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage};
 
-/// Trials of each ball, and of each in a richer world.
+/// Trials of each ball; one in so many is played in a richer world as well.
 const TRIALS: u64 = 200;
-const RICHER: u64 = 50;
+const RICHER: u64 = 4;
 const QUICK: u64 = 10;
 /// Drops of a trial.
 const DROPS: u64 = 3;
@@ -46,7 +47,8 @@ const FALL_M: f64 = 0.6;
 
 pub fn run(options: &BenchShot) -> Result<Exit> {
     let seed = options.common.seed;
-    let (trials, richer) = if options.quick { (QUICK, 0) } else { (options.trials.unwrap_or(TRIALS), RICHER) };
+    let trials = options.trials.unwrap_or(if options.quick { QUICK } else { TRIALS });
+    let richer = if options.quick { 0 } else { trials.div_ceil(RICHER) };
     // The version alone would not tell a rebuilt program from the one that made a piece.
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
     let store = Store::open(&options.out, json!({ "program": program, "seed": seed }))?;
@@ -92,7 +94,7 @@ fn target(ball: Ball, planner: &Planner) -> Result<Target> {
     let quiet = Ball { scatter_rad: 0.0, ..ball.clone() };
     let start = State { x: [0.0, 0.0, FALL_M + RADIUS_M], v: [0.0; 3], w: [0.0; 3] };
     let seen = world::drop(&quiet, start, &drop::clock(), &mut stream(0, "quiet", 0, 0));
-    let shown = estimate::tuned(&seen.impacts_s, Some(FALL_M))?.context("an undisturbed drop shows its restitution")?;
+    let shown = estimate::tuned(&seen.impacts_s, FALL_M)?.context("an undisturbed drop shows its restitution")?;
     Target::new(ball, shown.restitution.0, planner)
 }
 
@@ -106,8 +108,9 @@ fn played(
 ) -> Result<Vec<Trial>> {
     let mut films = Vec::new();
     for number in numbers.clone() {
+        let fall_m = drop::height(&mut stream(seed, name, number, DROPS + 1));
         for drop in 0..DROPS {
-            films.push(Filmed::draw(&target.ball, &mut stream(seed, name, number, drop))?);
+            films.push(Filmed::draw(&target.ball, fall_m, &mut stream(seed, name, number, drop))?);
         }
     }
     let tracks = film::tracks(&films, seed ^ numbers.start)?;

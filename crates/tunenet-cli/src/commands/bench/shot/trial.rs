@@ -1,5 +1,6 @@
 //! One trial: a ball is dropped and filmed, everybody plans, and all shoot in the hidden world.
 
+use std::cmp::Reverse;
 use std::path::Path;
 
 use anyhow::Result;
@@ -13,12 +14,13 @@ use tunenet_sim::shot::{Belief, Rule, Settings, ShotScene, Task, plan};
 use super::super::rehearsal::Track;
 use super::ball::Ball;
 use super::drop::Filmed;
-use super::estimate::{Estimate, Read, apex_on_pixels, diagnosed, known};
+use super::estimate::{Estimate, Read, Several, apex_on_pixels, known};
 use super::world::{RADIUS_M, shoot};
 
 const TASK: &str = include_str!("../../../../../../assets/shot.toml");
-/// Balls that each plan is weighed by.
-const DRAWS: usize = 64;
+/// Balls that a plan is weighed by: many for the plan with everything known, which is made once; intervals are narrow.
+const DRAWS: usize = 32;
+const DRAWS_KNOWN: usize = 512;
 
 /// Who plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,14 +34,17 @@ pub enum Way {
     Nearest,
     /// With the tuned restitution, the surest height.
     Tuned,
-    /// The same with what a diagnosis of three drops names.
+    /// The same with the restitution tuned to up to three drops.
+    Pooled,
+    /// The same with what a diagnosis of these names as well.
     Diagnosed,
     /// With the true ball.
     Known,
 }
 
 impl Way {
-    pub const ALL: [Self; 6] = [Self::Untuned, Self::Apex, Self::Nearest, Self::Tuned, Self::Diagnosed, Self::Known];
+    pub const ALL: [Self; 7] =
+        [Self::Untuned, Self::Apex, Self::Nearest, Self::Tuned, Self::Pooled, Self::Diagnosed, Self::Known];
 
     pub fn words(self) -> &'static str {
         match self {
@@ -47,6 +52,7 @@ impl Way {
             Self::Apex => "apex rule on raw pixels, nearest path",
             Self::Nearest => "restitution alone, nearest path (the paper's rule)",
             Self::Tuned => "restitution alone",
+            Self::Pooled => "restitution alone, from up to three drops",
             Self::Diagnosed => "with named effects, from up to three drops",
             Self::Known => "everything known",
         }
@@ -67,6 +73,12 @@ pub struct Shot {
 pub struct Trial {
     /// Whether the ball fell off the table while it was filmed.
     pub left: bool,
+    /// How often it hit the table, and how often it was seen to.
+    pub impacts: usize,
+    pub bounces: usize,
+    /// Whether the shot planned with the restitution alone misses although chance turns no rebound, where that of who knows
+    /// everything goes in.
+    pub misplanned: bool,
     /// How far the tuned restitution is from what an undisturbed drop shows.
     pub off: f64,
     pub flagged: bool,
@@ -92,10 +104,20 @@ impl Planner {
 
     /// The height that `rule` chooses for a believed ball, m.
     pub fn height(&self, estimate: &Estimate, rule: Rule) -> Result<f64> {
+        self.height_of(estimate, rule, DRAWS)
+    }
+
+    fn height_of(&self, estimate: &Estimate, rule: Rule, draws: usize) -> Result<f64> {
         let belief = Belief::new(&estimate.file()?, &self.task)?;
-        let settings = Settings { rule, draws: DRAWS, ..Settings::default() };
+        let settings = Settings { rule, draws, ..Settings::default() };
         Ok(plan(&self.scene, &belief, self.task.heights_m, &Anywhere, &settings)?.best().height_m)
     }
+}
+
+/// A shot as it would be if nothing were left to chance.
+fn goes_straight_in(ball: &Ball, height_m: f64, random: &ChaCha8Rng) -> bool {
+    let smooth = Ball { scatter_rad: 0.0, ..ball.clone() };
+    shoot(&smooth, height_m, [0.0; 3], &mut random.clone()).goes_in
 }
 
 /// A ball, what an undisturbed drop shows of it, and the height for who knows it.
@@ -108,9 +130,8 @@ pub struct Target {
 
 impl Target {
     pub fn new(ball: Ball, shown: f64, planner: &Planner) -> Result<Self> {
-        let known_m = planner.height(&known(&ball), Rule::Probability)?;
-        let untuned = Estimate { restitution: (0.5, (0.5, 0.5)), effects: Vec::new(), verdict: String::new() };
-        let untuned_m = planner.height(&untuned, Rule::Nearest)?;
+        let known_m = planner.height_of(&known(&ball), Rule::Probability, DRAWS_KNOWN)?;
+        let untuned_m = planner.height(&Estimate::exact(0.5), Rule::Nearest)?;
         Ok(Self { ball, shown, known_m, untuned_m })
     }
 }
@@ -118,9 +139,8 @@ impl Target {
 /// What everybody plans after one drop.
 struct Planned {
     heights_m: Vec<(Way, f64)>,
+    tuned_m: f64,
     restitution: f64,
-    /// Effects that the diagnosis named.
-    named: Vec<String>,
 }
 
 impl Trial {
@@ -133,27 +153,36 @@ impl Trial {
     ) -> Result<Self> {
         let reads: Vec<Read> = films.iter().map(|(_, track)| Read::new(track.as_ref())).collect();
         let flagged = reads[0].flagged();
+        let several = Several::new(&reads, films[0].0.fall_m)?;
+        // Of drops too short for more, the longest.
+        let longest = (0..reads.len()).max_by_key(|i| (reads[*i].bounces_s.len(), Reverse(*i))).unwrap_or(0);
+        let pooled = match several.tuned()? {
+            Some(found) => found,
+            None => reads[longest].tuned(films[longest].0.fall_m)?,
+        };
+        // Where diagnosis has nothing to plan with, the drops that it saw still show the restitution.
+        let effects = several.diagnosed()?.unwrap_or_else(|| pooled.clone());
+        let together = [
+            (Way::Pooled, planner.height(&pooled, Rule::Probability)?),
+            (Way::Diagnosed, planner.height(&effects, Rule::Probability)?),
+            (Way::Untuned, target.untuned_m),
+            (Way::Known, target.known_m),
+        ];
         let planned = |first: usize| -> Result<Planned> {
             let (film, track) = &films[first];
             let tuned = reads[first].tuned(film.fall_m)?;
-            // What was seen of a ball before it left is as good as ever; of drops too short for a diagnosis, the longest.
-            let longest = (0..reads.len()).max_by_key(|i| (reads[*i].bounces_s.len(), *i == first)).unwrap_or(first);
-            let effects = match diagnosed(&reads)? {
-                Some(found) => found,
-                None => reads[longest].tuned(films[longest].0.fall_m)?,
-            };
-            let apex = apex_on_pixels(track.as_ref(), film.fall_m);
-            let apex = Estimate { restitution: (apex, (apex, apex)), effects: Vec::new(), verdict: "tuned".into() };
-            let heights_m = vec![
-                (Way::Untuned, target.untuned_m),
+            let apex = Estimate::exact(apex_on_pixels(track.as_ref(), film.fall_m));
+            let tuned_m = planner.height(&tuned, Rule::Probability)?;
+            let own = [
                 (Way::Apex, planner.height(&apex, Rule::Nearest)?),
                 (Way::Nearest, planner.height(&tuned, Rule::Nearest)?),
-                (Way::Tuned, planner.height(&tuned, Rule::Probability)?),
-                (Way::Diagnosed, planner.height(&effects, Rule::Probability)?),
-                (Way::Known, target.known_m),
+                (Way::Tuned, tuned_m),
             ];
-            let named = effects.effects.into_iter().map(|e| e.0).collect();
-            Ok(Planned { heights_m, restitution: tuned.restitution.0, named })
+            Ok(Planned {
+                heights_m: own.into_iter().chain(together).collect(),
+                tuned_m,
+                restitution: tuned.restitution.0,
+            })
         };
         let shots = |heights: &[(Way, f64)]| -> Vec<Shot> {
             let one = |&(way, height_m): &(Way, f64)| {
@@ -165,10 +194,20 @@ impl Trial {
             };
             heights.iter().map(one).collect()
         };
-        let Planned { heights_m, restitution, named } = planned(0)?;
+        let Planned { heights_m, tuned_m, restitution } = planned(0)?;
         let first = shots(&heights_m);
         let repeated = if flagged && films.len() > 1 { shots(&planned(1)?.heights_m) } else { first.clone() };
-        let off = restitution - target.shown;
-        Ok(Self { left: films[0].0.left, off, flagged, shots: first, repeated, named })
+        let straight = |height_m: f64| goes_straight_in(&target.ball, height_m, random);
+        Ok(Self {
+            left: films[0].0.left,
+            impacts: films[0].0.impacts,
+            bounces: reads[0].bounces_s.len(),
+            misplanned: straight(target.known_m) && !straight(tuned_m),
+            off: restitution - target.shown,
+            flagged,
+            shots: first,
+            repeated,
+            named: effects.effects.into_iter().map(|e| e.0).collect(),
+        })
     }
 }
