@@ -26,6 +26,7 @@ const UPPER: f64 = 0.975;
 pub(super) fn insufficient(uses: Vec<Use>, notes: Vec<Note>) -> Diagnosis {
     Diagnosis {
         verdict: Verdict::Insufficient,
+        objects: Vec::new(),
         effects: Vec::new(),
         names: Vec::new(),
         candidates: Vec::new(),
@@ -85,6 +86,7 @@ pub(super) fn answer(
     let description = (verdict == Verdict::Unknown).then(|| describe(logs, &chosen.best)).transpose()?;
     Ok(Diagnosis {
         verdict,
+        objects: Vec::new(),
         next_experiment: next(logs, verdict, &names),
         names,
         effects,
