@@ -156,7 +156,11 @@ fn each_object_of_a_manifest_has_a_verdict_of_its_own() {
     let line = "diagnose --sim scene.toml --manifest m.toml --report page.html --json";
     let ran = folder.run(line).ends(0);
     let json = ran.json();
-    assert_eq!((&json["verdict"], &json["effects"][0]["name"]), (&"named".into(), &"quadratic_drag".into()), "{json:#}");
+    assert_eq!(
+        (&json["verdict"], &json["effects"][0]["name"]),
+        (&"named".into(), &"quadratic_drag".into()),
+        "{json:#}"
+    );
     let each = list(&json, "objects");
     let verdicts: Vec<(&str, &str)> =
         each.iter().map(|o| (o["object"].as_str().unwrap(), o["verdict"].as_str().unwrap())).collect();

@@ -38,14 +38,7 @@ pub(super) fn by_object(study: &Study, judged: &Judged, last: &Model, intervals:
 }
 
 /// One effect in the recordings of one object.
-fn own(
-    study: &Study,
-    judged: &Judged,
-    last: &Model,
-    intervals: &Intervals,
-    place: &Place,
-    object: usize,
-) -> OwnEffect {
+fn own(study: &Study, judged: &Judged, last: &Model, intervals: &Intervals, place: &Place, object: usize) -> OwnEffect {
     let position = last.structure.effects.iter().position(|&entry| entry == place.entry);
     let all: Vec<usize> = position.map_or_else(Vec::new, |p| last.structure.of_effect(p));
     let mine: Vec<usize> = all.into_iter().filter(|&g| last.structure.globals[g].object == Some(object)).collect();

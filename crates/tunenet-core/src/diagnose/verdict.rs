@@ -62,7 +62,9 @@ pub(super) fn judge(
         if let Some(best) = &found.best
             && study.learn_noise(best, &mut rho)?
         {
-            held_out.iter_mut().for_each(|set| set.colour(rho));
+            for set in &mut held_out {
+                set.colour(rho);
+            }
             found = with_chance(&study, found, &scatter, progress)?;
         }
         tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base));
