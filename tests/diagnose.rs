@@ -131,6 +131,49 @@ fn objects_of_a_manifest_get_a_file_each() {
     }
 }
 
+/// A light ball and a heavy one together: the air that the light one shows is told of both, and that the heavy one needs none
+/// of it is told as well.
+#[test]
+fn each_object_of_a_manifest_has_a_verdict_of_its_own() {
+    let folder = with_throws();
+    let mut manifest = String::new();
+    for (object, mass_kg, file, held_out) in [
+        ("light", 0.0027, "1.csv", false),
+        ("light", 0.0027, "2.csv", false),
+        ("light", 0.0027, "5.csv", true),
+        ("heavy", 0.25, "low.csv", false),
+        ("heavy", 0.25, "high.csv", false),
+    ] {
+        let _ = write!(
+            manifest,
+            "[[observation]]\nfile = \"{file}\"\nobject = \"{object}\"\nheld_out = {held_out}\nball.mass_kg = {mass_kg}\n"
+        );
+    }
+    folder.write("m.toml", manifest);
+    for (name, height_m, seed) in [("low.csv", 0.8, 3), ("high.csv", 1.4, 4)] {
+        folder.write(name, Drop { restitution: 0.7, height_m, noise_m: 0.002, seed, ..Drop::default() }.csv());
+    }
+    let line = "diagnose --sim scene.toml --manifest m.toml --report page.html --json";
+    let ran = folder.run(line).ends(0);
+    let json = ran.json();
+    assert_eq!(
+        (&json["verdict"], &json["effects"][0]["name"]),
+        (&"named".into(), &"quadratic_drag".into()),
+        "{json:#}"
+    );
+    let each = list(&json, "objects");
+    let verdicts: Vec<(&str, &str)> =
+        each.iter().map(|o| (o["object"].as_str().unwrap(), o["verdict"].as_str().unwrap())).collect();
+    assert_eq!(verdicts, [("light", "named"), ("heavy", "none")], "{json:#}");
+    let gain = |i: usize| each[i]["effects"][0]["bic_gain"].as_f64().expect("a gain");
+    assert!(gain(0) > 1000.0 && gain(1) < 6.0, "{each:#?}");
+    let page = String::from_utf8(folder.read("page.html")).expect("text");
+    assert!(page.contains("The recordings of heavy alone do not need it."), "the page names it");
+    // Of a single object the verdict is that of the whole, and the list is empty.
+    let one = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv --json").ends(0).json();
+    assert!(list(&one, "objects").is_empty(), "{one:#}");
+}
+
 /// A refusal: this status, these words on standard error, nothing on standard output.
 #[track_caller]
 fn refused(ran: Ran, code: i32, words: &[&str]) {

@@ -129,8 +129,10 @@ fn another_engine_whose_fast_bounces_return_less() {
 }
 
 #[test]
-#[ignore = "not reached: rebounds of one ball stray by .10 from its law, which changes by .04 (rms, 60 bounces); they rise by \
-            .010 ± .004 per m/s without the effect, which late contacts do, and by -.001 ± .004 with -.015 of it"]
+#[ignore = "not reached: rebounds of one ball stray by .10 from its law, which changes by .04 (rms, 60 bounces). Most of that is \
+            where the contact was found: this engine brakes what it finds above the surface and pushes what it finds below it. \
+            With three numbers for that, .024 is left, and an exponent of .20 shows; but sets without the effect then show .05 \
+            to .17, one of them at p = .004"]
 fn another_engine_with_late_contacts_whose_fast_bounces_return_less() {
     let Some(json) = peers("pybullet_eslope", 10) else { return };
     assert!(offers(&json, "speed_dependent_restitution"), "{}", short(&json));
@@ -193,7 +195,7 @@ fn foam_needs_air_and_rubber_does_not() {
     assert!(white["verdict"] != "named" || named == ["quadratic_drag"], "{}", short(&white));
 }
 
-/// The same three as one manifest: each has its own size, and one of them alone shows it clearly.
+/// The same three as one manifest: each has its own size, foam shows the air clearly and rubber does not need it.
 #[test]
 fn three_balls_together_show_drag() {
     let Some(from) = folder("TUNENET_MEASURED", "three-balls") else { return };
@@ -216,7 +218,10 @@ fn three_balls_together_show_drag() {
     here.write("ball.toml", ball(0.02, None));
     eprintln!("three balls:");
     let json = run(here.command().args(["diagnose", "--sim", "ball.toml", "--manifest", "m.toml"]));
-    assert!(offers(&json, "quadratic_drag") && names(&json["effects"], "name").len() == 1, "{}", short(&json));
+    assert!(is_named(&json, "quadratic_drag") && names(&json["effects"], "name").len() == 1, "{}", short(&json));
+    let own = json["objects"].as_array().expect("one for each");
+    let verdict = |name: &str| own.iter().find(|o| o["object"] == name).map(|o| &o["verdict"]).expect("an object");
+    assert!(verdict("red") == "named" && verdict("black") == "none", "{own:#?}");
     let each = json["effects"][0]["coefficients"]["drag_coefficient"]["objects"].as_array().expect("one for each");
     let of = |name: &str| each.iter().find(|o| o["object"] == name).and_then(|o| o["value"].as_f64()).expect("a value");
     assert!((0.4..1.2).contains(&of("red")), "{each:?}");

@@ -210,11 +210,37 @@ pub struct Use {
     pub notes: Vec<Note>,
 }
 
+/// What one object's own recordings say of an effect of the answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OwnEffect {
+    /// The effect's name.
+    pub name: &'static str,
+    /// How much the Bayesian information criterion of this object's recordings falls by its own coefficients (from their
+    /// squared distance from absence in standard errors; Wald 1943). `None` where all objects share them, or where contacts
+    /// are not understood.
+    pub bic_gain: Option<f64>,
+    /// Whether its recordings show the effect.
+    pub shown: bool,
+}
+
+/// The answer of one object among several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OfObject {
+    /// The object's position among the subjects.
+    pub object: usize,
+    /// The answer: `None` where others show an effect and its own recordings do not need it.
+    pub verdict: Verdict,
+    /// Every effect of the whole answer as this object shows it.
+    pub effects: Vec<OwnEffect>,
+}
+
 /// Everything that a diagnosis found.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
+    /// The answer of each object that has recordings to fit. Empty of an arm's logs, and where nothing could be fitted.
+    pub objects: Vec<OfObject>,
     /// The named effects (`Named`), or the best explanation of an ambiguous one (`OneOf`). Empty otherwise.
     pub effects: Vec<NamedEffect>,
     /// Names that are left: all of the set when `OneOf`, the nearest when `Unknown`, the effects' own when `Named`.

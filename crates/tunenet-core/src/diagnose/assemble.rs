@@ -6,6 +6,7 @@ use super::answer::{
     Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Test, Tuned,
     Use, Value, Verdict,
 };
+use super::by_object::by_object;
 use super::decide::Decision;
 use super::held_out::{HeldOut, rmse};
 use super::intervals::{Intervals, NORMAL_95};
@@ -68,6 +69,7 @@ pub(super) fn assemble(study: &Study, mut judged: Judged, recordings: &[Recordin
     };
     Ok(Diagnosis {
         verdict: judged.decision.verdict,
+        objects: by_object(study, &judged, last, &intervals),
         effects,
         candidates: candidates(study, found, &judged.ratios),
         gap: Some(gap),

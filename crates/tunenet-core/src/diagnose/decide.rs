@@ -65,19 +65,31 @@ pub(super) fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bo
     for place in &found.places {
         let mut near = in_place_of(study, place, widest);
         // One throw cannot tell what is in the catalogue from what is not, so the next best is left beside the best.
-        let doubtful = !confirmed || study.single() && !study.certain(place.entry);
+        let doubtful = doubtful(study, place, confirmed);
         if near.is_empty() && doubtful {
             near.extend(runner_up(study, found, place));
         }
         near.truncate(MOST_ALTERNATIVES);
         alternatives.push(near);
     }
-    let doubt = !confirmed || study.single() && !found.places.iter().all(|p| study.certain(p.entry));
+    let doubt = found.places.iter().any(|place| doubtful(study, place, confirmed));
     let open = doubt || alternatives.iter().any(|near| !near.is_empty());
     let all = found.places.iter().zip(&alternatives);
     let names = names(&mut all.flat_map(|(place, near)| std::iter::once(place.entry).chain(near.iter().copied())));
     let margin = found.places.iter().map(|p| margin_of(study, p, widest)).fold(study.settings.margin, f64::max);
     Decision { verdict: if open { Verdict::OneOf } else { Verdict::Named }, alternatives, names, margin }
+}
+
+/// Whether an effect earns no lone name although nothing comes near it: a single throw shows it, or no recording that was not
+/// fitted bears it out. One that has to be there anyhow does where it is told from everything else by far, several throws or
+/// objects showing it; of a single throw, where what it leaves is noise.
+fn doubtful(study: &Study, place: &Place, confirmed: bool) -> bool {
+    if !study.certain(place.entry) {
+        return !confirmed || study.single();
+    }
+    let offered = |other: usize| !study.stands_back(other, place.entry);
+    let near = |(other, gap): &(usize, f64)| offered(*other) && *gap < SINGLE * study.settings.margin;
+    !confirmed && (study.single() || place.others.iter().any(near))
 }
 
 /// The next best in the place of an effect, whatever its distance.

@@ -25,6 +25,7 @@ pub(super) fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<
     };
     Some(Diagnosis {
         verdict: Verdict::Insufficient,
+        objects: Vec::new(),
         effects: Vec::new(),
         names: Vec::new(),
         candidates: Vec::new(),

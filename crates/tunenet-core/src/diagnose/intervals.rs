@@ -1,5 +1,7 @@
 //! 95 % intervals of free numbers.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::study::{Model, Study};
 
 /// 95 % of a normal distribution lies within so many standard deviations.
@@ -36,5 +38,24 @@ impl<'a> Intervals<'a> {
     pub fn of(&self, g: usize) -> (f64, f64) {
         let (p, value) = (&self.model.structure.globals[g].parameter, self.model.fit.point.globals[g]);
         ((value - self.half[g]).max(p.min), (value + self.half[g]).min(p.max))
+    }
+
+    /// How far the free numbers `places` together lie from absence, squared, in standard errors as wide as the intervals, and
+    /// correlated as the fit has them (Wald 1943).
+    pub fn squared_distance_from_absence(&self, places: &[usize]) -> f64 {
+        let (globals, covariance) = (&self.model.structure.globals, &self.model.fit.covariance);
+        let distance = DVector::from_iterator(
+            places.len(),
+            places.iter().map(|&g| {
+                let absent = globals[g].absent.map_or(0.0, |(value, _)| value);
+                NORMAL_95 * (self.model.fit.point.globals[g] - absent) / self.half[g].max(f64::MIN_POSITIVE)
+            }),
+        );
+        let correlation = DMatrix::from_fn(places.len(), places.len(), |i, j| {
+            let (a, b) = (places[i], places[j]);
+            let scale = (covariance[(a, a)] * covariance[(b, b)]).sqrt();
+            if i == j || scale <= 0.0 { f64::from(i == j) } else { covariance[(a, b)] / scale }
+        });
+        correlation.cholesky().map_or(0.0, |factor| distance.dot(&factor.solve(&distance)))
     }
 }

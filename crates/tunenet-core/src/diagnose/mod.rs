@@ -14,8 +14,10 @@ mod answer;
 mod apart;
 mod assemble;
 mod base;
+mod believed;
 mod between;
 mod by_name;
+mod by_object;
 mod catalogue;
 mod chance;
 mod colour;
@@ -64,8 +66,8 @@ mod verdict;
 mod tests;
 
 pub use answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Test, Tuned,
-    Use, Value, Verdict,
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, OfObject,
+    OwnEffect, Test, Tuned, Use, Value, Verdict,
 };
 pub use input::{Progress, Recording, Settings, Subject};
 

@@ -35,7 +35,7 @@ pub(super) fn judge(
         return Ok(answer);
     }
     say_what_is_alike(&study, &mut notes);
-    let Look { mut found, rho, apart } = first_look(&mut study, &mut held_out, progress)?;
+    let Look { mut found, mut rho, apart } = first_look(&mut study, &mut held_out, progress)?;
     let judged_apart = apart.is_some();
     let (mut practical, open) = apart.unwrap_or((None, false));
     for set in &mut held_out {
@@ -58,6 +58,15 @@ pub(super) fn judge(
     if let Some(scatter) = by_chance {
         study.admit(&scatter, &mut held_out)?;
         found = with_chance(&study, found, &scatter, progress)?;
+        // Tilts that nothing stood for had passed for noise that remembers.
+        if let Some(best) = &found.best
+            && study.learn_noise(best, &mut rho)?
+        {
+            for set in &mut held_out {
+                set.colour(rho);
+            }
+            found = with_chance(&study, found, &scatter, progress)?;
+        }
         tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base));
     }
     progress(Progress::Judging);

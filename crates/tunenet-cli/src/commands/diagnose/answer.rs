@@ -1,6 +1,6 @@
 //! What was found, with what is needed to tell it.
 
-use tunenet_core::diagnose::{Diagnosis, NamedEffect, Value, Verdict};
+use tunenet_core::diagnose::{Diagnosis, NamedEffect, OfObject, Value, Verdict};
 use tunenet_core::observation::Note;
 use tunenet_core::simulator::{Effect, measurement_effects};
 use tunenet_sim::ball::effects::Body;
@@ -78,6 +78,20 @@ impl Answer<'_> {
         let simulator = &self.loaded.objects.first()?.simulator;
         let all = simulator.effects().into_iter().chain(measurement_effects(simulator.kind()));
         all.into_iter().find(|effect| effect.name == name)
+    }
+
+    /// What each of several objects shows, with its name; nothing of a single one, whose answer is that of the whole.
+    pub fn objects(&self) -> impl Iterator<Item = (&str, &OfObject)> {
+        let all = &self.diagnosis.objects;
+        let named = all.iter().filter_map(|one| Some((self.loaded.objects.get(one.object)?.name.as_str(), one)));
+        named.filter(|_| all.len() > 1)
+    }
+
+    /// Names of objects whose own recordings do not need what is told of all together.
+    pub fn without_effect(&self) -> Vec<&str> {
+        let whole = self.diagnosis.verdict;
+        let spared = |one: &OfObject| one.verdict == Verdict::None && whole != Verdict::None;
+        self.objects().filter(|(_, one)| spared(one)).map(|(name, _)| name).collect()
     }
 
     /// The name of the object that a value belongs to.

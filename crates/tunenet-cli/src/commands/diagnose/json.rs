@@ -1,7 +1,9 @@
 //! The answer as JSON, for programs; docs/json.md lists the keys.
 
 use serde_json::{Map, Value as Json, json};
-use tunenet_core::diagnose::{Candidate, Change, Explained, Fitted, Gap, GapOf, NamedEffect, Test, Tuned, Use, Value};
+use tunenet_core::diagnose::{
+    Candidate, Change, Explained, Fitted, Gap, GapOf, NamedEffect, OfObject, OwnEffect, Test, Tuned, Use, Value,
+};
 
 use super::answer::Answer;
 use crate::commands::tune::warning;
@@ -13,6 +15,7 @@ pub fn object(answer: &Answer) -> Json {
     json!({
         "schema": "tunenet.diagnose/1",
         "verdict": diagnosis.verdict,
+        "objects": answer.objects().map(of_object).collect::<Vec<_>>(),
         "effects": diagnosis.effects.iter().map(|e| effect(answer, e)).collect::<Vec<_>>(),
         "candidates": answer.candidates(),
         "scores": diagnosis.candidates.iter().map(score).collect::<Vec<_>>(),
@@ -31,6 +34,11 @@ pub fn object(answer: &Answer) -> Json {
         "seconds": answer.seconds,
         "warnings": warnings,
     })
+}
+
+fn of_object((name, one): (&str, &OfObject)) -> Json {
+    let effect = |e: &OwnEffect| json!({ "name": e.name, "bic_gain": e.bic_gain, "shown": e.shown });
+    json!({ "object": name, "verdict": one.verdict, "effects": one.effects.iter().map(effect).collect::<Vec<_>>() })
 }
 
 fn effect(answer: &Answer, named: &NamedEffect) -> Json {

@@ -168,6 +168,10 @@ fn details(answer: &Answer) -> Vec<String> {
             }
         }
     }
+    let spared = answer.without_effect();
+    if !spared.is_empty() {
+        lines.push(format!("not needed by the recordings of {}", spared.join(", ")));
+    }
     for tuned in &diagnosis.parameters {
         let object = answer.loaded.objects.get(tuned.object).filter(|_| answer.loaded.objects.len() > 1);
         let object = object.map(|o| format!("{}: ", o.name)).unwrap_or_default();

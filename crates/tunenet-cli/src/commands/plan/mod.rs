@@ -13,7 +13,6 @@ use tunenet_sim::simulation_file::Domain;
 
 use tunenet_sim::shot::reach::Anywhere;
 use tunenet_sim::shot::{self, ArmReach, Belief, Candidate, Reach, Rule, Settings, ShotScene, Task};
-use tunenet_sim::simulation_file::Domain;
 
 use super::destination::{self, Output, Product};
 use super::{load, print_json};
@@ -72,10 +71,6 @@ pub fn run(options: &Plan) -> Result<Exit> {
 fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> {
     let began = Instant::now();
     let refused = |message: String, remedy: &str| Error::file(&options.task, message, remedy);
-    if file.domain() != Domain::Ball {
-        let message = "expected the simulation of a ball, found that of an arm";
-        return Err(Error::file(file.path(), message, "give the file of the ball that is to be let go").into());
-    }
     let radius_m = file.number("ball.radius_m").unwrap_or_default();
     let scene = ShotScene::new(task, radius_m).map_err(|e| refused(e.message, e.remedy))?;
     let belief = Belief::new(file, task)?;

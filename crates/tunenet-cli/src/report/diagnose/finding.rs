@@ -22,6 +22,8 @@ pub fn finding(answer: &Answer) -> Markup {
                 @if diagnosis.verdict == Verdict::Named {
                     @for named in &diagnosis.effects { p { (capital(named.effect.sentence)) "." } }
                 }
+                @let spared = answer.without_effect();
+                @if !spared.is_empty() { p { "The recordings of " (joined(&spared.iter().map(ToString::to_string).collect::<Vec<_>>(), "and")) " alone do not need it." } }
                 @if let Some(text) = &diagnosis.description { p { (capital(text)) "." } }
                 @if let Some(gap) = gap(answer) { p { (gap) } }
                 @if diagnosis.verdict == Verdict::Insufficient {

@@ -28,6 +28,7 @@ const UPPER: f64 = 0.975;
 pub(super) fn insufficient(uses: Vec<Use>, notes: Vec<Note>) -> Diagnosis {
     Diagnosis {
         verdict: Verdict::Insufficient,
+        objects: Vec::new(),
         effects: Vec::new(),
         names: Vec::new(),
         candidates: Vec::new(),
@@ -97,6 +98,7 @@ pub(super) fn answer(
     }
     Ok(Diagnosis {
         verdict,
+        objects: Vec::new(),
         next_experiment,
         names,
         effects,
