@@ -290,7 +290,7 @@ fn what_cannot_be_planned_is_refused() {
     let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/arm.toml");
     folder.write("arm.toml", std::fs::read(arm).unwrap());
     let of_an_arm = "plan --sim arm.toml --task shot.toml";
-    refused(&folder, of_an_arm, &["arm.toml: expected the simulation of a ball, found that of an arm"]);
+    refused(&folder, of_an_arm, &["arm.toml: expected the tuned simulation of a ball", "found that of an arm"]);
     folder.write("tuned.toml", &TUNED.as_bytes()[..40]);
     refused(&folder, LINE, &["tuned.toml"]);
     assert!(folder.run(&format!("{LINE} --heights 1")).ends(2).stderr.contains("--heights"));

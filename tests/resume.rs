@@ -108,6 +108,6 @@ fn train_goes_on_after_a_kill() {
     };
     survives(&run, &|folder| {
         folder.write("drop.toml", DROP);
-        folder.run("gen ball --sim drop.toml --pairs 3000 --out pairs.mcap").ends(0);
+        folder.run("gen ball --sim drop.toml --pairs 12000 --out pairs.mcap").ends(0);
     });
 }

@@ -58,16 +58,18 @@ pub(super) fn judge(
     if let Some(scatter) = by_chance {
         study.admit(&scatter, &mut held_out)?;
         found = with_chance(&study, found, &scatter, progress)?;
+        tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base));
         // Tilts that nothing stood for had passed for noise that remembers.
         if let Some(best) = &found.best
+            && tests.iter().any(|t| !t.passed)
             && study.learn_noise(best, &mut rho)?
         {
             for set in &mut held_out {
                 set.colour(rho);
             }
             found = with_chance(&study, found, &scatter, progress)?;
+            tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base));
         }
-        tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base));
     }
     progress(Progress::Judging);
     let after = match &found.best {
