@@ -3,7 +3,7 @@
 //! A real arm has more in it than a catalogue, so that something is left beyond noise whatever is added. An effect that might as
 //! well be another then adds a name that may be wrong to those that nothing could replace: it is told, and not added.
 
-use super::choose::{Chosen, stood, without};
+use super::choose::{Chosen, Stood, without};
 use super::experiment;
 use super::logs::Logs;
 use crate::Result;
@@ -19,25 +19,26 @@ pub(super) struct Further {
 }
 
 impl Chosen {
-    /// Leaves out what could as well be something else, where what stays is certain without it and takes the larger part of
-    /// the gap away.
-    pub fn certain(self, logs: &Logs, settings: &Settings) -> Result<(Self, Option<Further>)> {
+    /// Leaves out what could as well be something else, where nothing could stand in the place of the others beside it, and
+    /// they take the larger part of the gap away without it.
+    pub fn certain(mut self, logs: &Logs, settings: &Settings) -> Result<(Self, Option<Further>)> {
         let doubtful: Vec<usize> =
             self.effects.iter().filter(|s| s.doubtful(settings.margin)).map(|s| s.entry).collect();
-        let kept: Vec<usize> = self.effects.iter().map(|s| s.entry).filter(|e| !doubtful.contains(e)).collect();
         // Where everything is explained down to noise, the set is part of the explanation.
-        if doubtful.is_empty() || kept.is_empty() || logs.judge(&self)?.adequate {
-            return Ok((self, None));
-        }
-        let best = without(logs, &self.best, &doubtful)?;
-        let effects = kept.iter().map(|&entry| stood(logs, &best, &kept, entry)).collect::<Result<Vec<_>>>()?;
-        let stands = effects.iter().all(|s| s.gain > settings.margin && !s.doubtful(settings.margin));
-        let lesser = Self { base: self.base.clone(), best, effects, alone: Vec::new() };
-        if !stands || !logs.judge(&lesser)?.practical {
+        if doubtful.is_empty() || doubtful.len() == self.effects.len() || logs.judge(&self)?.adequate {
             return Ok((self, None));
         }
         let further = self.further(logs, settings)?;
-        Ok((Self { alone: self.alone, ..lesser }, Some(further)))
+        let lesser = without(logs, &self.best, &doubtful)?;
+        let (best, effects) = (std::mem::replace(&mut self.best, lesser), std::mem::take(&mut self.effects));
+        let (open, certain): (Vec<Stood>, Vec<Stood>) = effects.into_iter().partition(|s| s.doubtful(settings.margin));
+        self.effects = certain;
+        if logs.judge(&self)?.practical {
+            return Ok((self, Some(further)));
+        }
+        self.best = best;
+        self.effects.extend(open);
+        Ok((self, None))
     }
 
     fn further(&self, logs: &Logs, settings: &Settings) -> Result<Further> {

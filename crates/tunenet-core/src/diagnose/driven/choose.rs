@@ -243,7 +243,7 @@ pub(super) fn without(logs: &Logs, model: &Fitted, entries: &[usize]) -> Result<
 }
 
 /// How `entry` stands among the `effects` of `best`.
-pub(super) fn stood(logs: &Logs, best: &Fitted, effects: &[usize], entry: usize) -> Result<Stood> {
+fn stood(logs: &Logs, best: &Fitted, effects: &[usize], entry: usize) -> Result<Stood> {
     let candidates = logs.entries.len().max(1) as f64;
     let coefficients = logs.places(entry).len();
     let without = without(logs, best, &[entry])?;
