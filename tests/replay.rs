@@ -287,3 +287,25 @@ fn a_pendulum_shows_what_its_controller_believed_and_its_friction() {
     assert!((moment / 0.337 - 1.0).abs() < 0.05, "{moment} kg·m");
     friction_is_named(&ask("diagnose", "ddp").ends(0).json());
 }
+
+/// A simulation's URDF is read with it, also where `--set` names another, and never written over.
+#[test]
+fn the_urdf_is_never_written_over() {
+    let folder = Folder::new();
+    folder.write("pendulum.urdf", URDF);
+    folder.write("other.urdf", URDF);
+    folder.write("scene.toml", SCENE);
+    folder.write("log.csv", log(Beside { viscous: 0.2, ..Beside::default() }, plain));
+    for (command, urdf) in [
+        ("tune --out pendulum.urdf", "pendulum.urdf"),
+        ("tune --report pendulum.urdf", "pendulum.urdf"),
+        ("tune --set arm.urdf=other.urdf --out other.urdf", "other.urdf"),
+        ("diagnose --out-urdf pendulum.urdf", "pendulum.urdf"),
+        ("diagnose --set arm.urdf=other.urdf --out-urdf other.urdf", "other.urdf"),
+        ("diagnose --out pendulum.urdf", "pendulum.urdf"),
+    ] {
+        let ran = folder.run(&format!("{command} --sim scene.toml --observation log.csv --overwrite")).ends(1);
+        assert!(ran.stderr.contains("found one that is read"), "{command}: {}", ran.stderr);
+        assert_eq!(folder.read(urdf), URDF.as_bytes(), "{command}");
+    }
+}

@@ -139,6 +139,17 @@ pub struct Simulation {
     pub set: Vec<String>,
 }
 
+impl Simulation {
+    /// The URDF that `--set` names instead of the file's own, seen from the file's folder.
+    pub fn urdf_set(&self) -> Option<PathBuf> {
+        let named = |set: &String| {
+            let (key, value) = set.split_once('=')?;
+            (key.trim() == "arm.urdf").then(|| value.trim().trim_matches(['"', '\'']).to_owned())
+        };
+        Some(self.sim.parent()?.join(self.set.iter().rev().find_map(named)?))
+    }
+}
+
 /// How files are read, wherever a command takes observations.
 #[derive(Debug, Args)]
 pub struct Reading {

@@ -73,9 +73,20 @@ impl Output {
     }
 }
 
-/// Refuses, before any work is done, outputs that are one of the `inputs`, that are one another, that cannot be written,
+/// The URDF that a simulation or a task file names, which is read with it.
+fn urdf_beside(input: &Path) -> Option<PathBuf> {
+    if input.extension()? != "toml" {
+        return None;
+    }
+    let file: DocumentMut = std::fs::read_to_string(input).ok()?.parse().ok()?;
+    Some(input.parent()?.join(file.get("arm")?.get("urdf")?.as_str()?))
+}
+
+/// Refuses, before any work is done, outputs that are one of the `inputs` or a URDF that one of them names, that are one another, that cannot be written,
 /// or that would replace what tunenet did not write; the last not where `overwrite` is asked for.
 pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()> {
+    let beside: Vec<PathBuf> = inputs.iter().filter_map(|input| urdf_beside(input)).collect();
+    let inputs: Vec<&Path> = inputs.iter().copied().chain(beside.iter().map(PathBuf::as_path)).collect();
     for (number, output) in outputs.iter().enumerate() {
         let Output { path, flag, product, makes_folder } = output;
         let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());

@@ -14,7 +14,11 @@ use crate::terminal::stage;
 pub fn run(options: &Init) -> Result<Exit> {
     let (domain, name, first) = match options.scene {
         Scene::Ball => (Domain::Ball, "ball.toml", "write your ball's radius into it"),
-        Scene::Arm => (Domain::Arm, "arm.toml", "name your arm's URDF and the payload's link in it"),
+        Scene::Arm => (
+            Domain::Arm,
+            "arm.toml",
+            "name your arm's URDF and the payload's link in it, and for logs of a real arm `motion.kind = \"replay\"`",
+        ),
     };
     let out = options.out.clone().unwrap_or_else(|| name.into());
     load::ending(&out, &["toml"])?;

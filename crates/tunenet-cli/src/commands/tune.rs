@@ -28,7 +28,9 @@ use crate::terminal::{between, four_digits, in_words, list, rounded, stage, tabl
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
-    destination::check(&outputs(options), &inputs(options).collect::<Vec<_>>(), options.writing.overwrite)?;
+    let urdf = options.simulation.urdf_set();
+    let inputs: Vec<&Path> = inputs(options).chain(urdf.as_deref()).collect();
+    destination::check(&outputs(options), &inputs, options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
     start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;

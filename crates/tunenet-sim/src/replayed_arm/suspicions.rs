@@ -1,7 +1,7 @@
 //! What a tuned payload itself says against its answer.
 
 use tunenet_core::observation::preflight::{Check, State};
-use tunenet_core::tune::{Estimate, Outcome};
+use tunenet_core::tune::{Estimate, Outcome, Verdict};
 
 use super::checks::check;
 use crate::SimulationFile;
@@ -18,6 +18,7 @@ const PLACES: [&str; 3] = ["payload_com_x", "payload_com_y", "payload_com_z"];
 pub fn suspect(file: &SimulationFile, outcome: &mut Outcome, referenced: bool) {
     let mut found = Vec::new();
     found.extend(gain(outcome, referenced));
+    found.extend(alone(outcome, referenced));
     found.extend(place(file, outcome));
     found.extend(moved(file, outcome));
     outcome.notes.extend(found.iter().filter_map(Check::note));
@@ -50,6 +51,15 @@ fn gain(outcome: &Outcome, referenced: bool) -> Option<Check> {
         )
     };
     Some(check("payload.gain", State::Noticed, text, remedy))
+}
+
+/// A payload that is weighed with the URDF's own masses, although something is left that they do not explain.
+fn alone(outcome: &Outcome, referenced: bool) -> Option<Check> {
+    estimate(outcome, "payload_mass").filter(|_| !referenced && outcome.verdict == Verdict::PoorFit)?;
+    let text = "no run without payload stands beside this one: friction and errors of the URDF's masses are taken for payload, by \
+                more than its interval says";
+    let remedy = "record the same motion without payload and give it with `--reference`";
+    Some(check("payload.alone", State::Noticed, text, remedy))
 }
 
 /// A centre of mass where no payload of that mass has one.

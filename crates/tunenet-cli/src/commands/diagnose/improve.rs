@@ -47,7 +47,9 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
     outputs.extend(options.report.iter().map(|report| Output::new(report, "--report", Product::Page)));
     let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
     let references = sources.iter().filter_map(|s| s.reference.as_deref());
-    let inputs: Vec<&Path> = inputs.chain(options.manifest.as_deref()).chain(references).collect();
+    let urdf = options.simulation.urdf_set();
+    let inputs: Vec<&Path> =
+        inputs.chain(options.manifest.as_deref()).chain(references).chain(urdf.as_deref()).collect();
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     if let (Some(out), true) = (&options.out, several) {
         // The page may not be the folder itself either.

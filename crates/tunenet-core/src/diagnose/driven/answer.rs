@@ -35,7 +35,8 @@ pub(super) fn insufficient(uses: Vec<Use>, notes: Vec<Note>) -> Diagnosis {
         gap: None,
         adequacy: Vec::new(),
         next_experiment: Some(NextExperiment {
-            text: "record half a minute or more in which every joint moves over its range, with positions and torques"
+            text: "mend what is said of each recording, or record half a minute or more in which every joint moves over its range, \
+                   with positions and torques"
                 .into(),
             settings: vec![("duration_s".into(), 30.0)],
         }),
