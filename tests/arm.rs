@@ -73,6 +73,15 @@ fn a_payload_is_found_from_torques() {
     folder.run("inspect tuned.toml").ends(0);
 }
 
+/// What rounding leaves of torques that the simulation itself made has a shape, and nothing is missing in it.
+#[test]
+fn nothing_is_missing_in_what_rounding_leaves() {
+    let folder = with_arm();
+    folder.run("simulate --sim arm.toml --set parameters.payload_mass.value=0.8 --out held.csv").ends(0);
+    let answer = folder.run("diagnose --sim arm.toml --observation held.csv --json").ends(0).json();
+    assert_eq!(answer["verdict"], "none", "{answer}");
+}
+
 #[test]
 fn four_samples_of_a_circle_are_no_answer() {
     let folder = with_arm();

@@ -123,17 +123,8 @@ impl Set {
     }
 }
 
-/// What counting in binary does to numbers, as a share of the largest: less than this is no noise, and nothing is missing in it.
-const ROUNDING: f64 = 1e-12;
-
-/// Noise of each channel, at least what rounding leaves.
+/// Noise of each channel. Third differences that allow for an uneven clock: weights that cancel any quadratic, of unit norm.
 fn noise(seen: &Observation) -> Vec<f64> {
-    let least = |channel: usize| ROUNDING * seen.column(channel).fold(0.0, |most, value| value.abs().max(most));
-    measured_noise(seen).into_iter().enumerate().map(|(channel, sd)| sd.max(least(channel))).collect()
-}
-
-/// Third differences that allow for an uneven clock: weights that cancel any quadratic, of unit norm.
-fn measured_noise(seen: &Observation) -> Vec<f64> {
     let plain = channel_noise(seen);
     let clock = seen.clock();
     let steps: Vec<f64> = clock.windows(2).map(|w| w[1] - w[0]).collect();
