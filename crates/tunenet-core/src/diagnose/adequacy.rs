@@ -41,7 +41,9 @@ impl Study<'_> {
         tests.extend(self.heterogeneity(model));
         tests.extend(self.size_of_rest(model));
         if self.is_rounding(model) {
-            tests.iter_mut().for_each(|test| test.passed = true);
+            for test in &mut tests {
+                test.passed = true;
+            }
         }
         tests
     }

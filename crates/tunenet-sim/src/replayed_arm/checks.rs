@@ -95,6 +95,9 @@ fn range(seen: &Observation, column: usize) -> (f64, f64) {
     seen.column(column).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
 }
 
+/// So many times its limit, and a position is none in radians.
+const BEYOND: f64 = 3.0;
+
 /// One column of positions: what it is called, how far it may reach (rad), and its place.
 struct Column {
     name: String,
@@ -122,7 +125,7 @@ fn units(seen: &Observation, joints: &[&Joint]) -> Check {
     let speeds = columns(seen, "dq");
     let one = |(k, (joint, position)): (usize, (&&Joint, usize))| {
         let limit = joint.limits.lower.abs().max(joint.limits.upper.abs());
-        let limit_rad = if limit.is_finite() { 3.0 * limit } else { FARTHEST_RAD };
+        let limit_rad = if limit.is_finite() { BEYOND * limit } else { FARTHEST_RAD };
         let turns = joint.kind != JointKind::Prismatic;
         turns.then(|| Column { name: joint.name.clone(), limit_rad, position, speed: speeds.get(k).copied() })
     };
@@ -136,8 +139,11 @@ fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
         let (low, high) = range(seen, position);
         let farthest = low.abs().max(high.abs());
         if farthest > limit_rad {
-            let text =
-                format!("`{name}` reaches {farthest:.1}, which is no angle in radians that it can have: degrees?");
+            let text = format!(
+                "`{name}` reaches {farthest:.1}, which is no angle in radians that it can have (far beyond {:.2}): degrees, or other \
+                 limits than the URDF's?",
+                limit_rad / BEYOND
+            );
             return check(code, State::Failed, text, remedy);
         }
         let Some((ratio, alike)) = speed.and_then(|speed| ratio(seen, position, speed)) else { continue };
