@@ -139,10 +139,14 @@ fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
         let (low, high) = range(seen, position);
         let farthest = low.abs().max(high.abs());
         if farthest > limit_rad {
+            // No arm's own limits stand behind a whole number of turns.
+            let limits = if limit_rad == FARTHEST_RAD {
+                String::new()
+            } else {
+                format!(" Or is its limit of {:.2} wrong?", limit_rad / BEYOND)
+            };
             let text = format!(
-                "`{name}` reaches {farthest:.1}, which is no angle in radians that it can have (far beyond {:.2}): degrees, or other \
-                 limits than the URDF's?",
-                limit_rad / BEYOND
+                "`{name}` reaches {farthest:.1}, which is no angle in radians that it can have: degrees?{limits}"
             );
             return check(code, State::Failed, text, remedy);
         }
