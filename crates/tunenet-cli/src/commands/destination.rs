@@ -8,6 +8,7 @@ use anyhow::Result;
 use toml_edit::DocumentMut;
 use tunenet_core::Error;
 use tunenet_core::network::{DatasetReader, Model};
+use tunenet_core::observation::recording::read_text;
 
 use super::load;
 use crate::report;
@@ -78,7 +79,7 @@ fn urdf_beside(input: &Path) -> Option<PathBuf> {
     if input.extension()? != "toml" {
         return None;
     }
-    let file: DocumentMut = std::fs::read_to_string(input).ok()?.parse().ok()?;
+    let file: DocumentMut = read_text(input).ok()?.parse().ok()?;
     Some(input.parent()?.join(file.get("arm")?.get("urdf")?.as_str()?))
 }
 
