@@ -411,6 +411,9 @@ pub struct Train {
     /// Where to write the model
     #[arg(long, value_name = "MODEL.safetensors")]
     pub out: PathBuf,
+    /// Most memory for what is learned from; more of it waits in a temporary file beside `--out`, the result is the same
+    #[arg(long, value_name = "MIB", default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=1 << 20))]
+    pub memory_mib: u32,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]

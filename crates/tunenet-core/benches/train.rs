@@ -64,7 +64,7 @@ fn training(criterion: &mut Criterion) {
         ("paper, 3200 steps of 50", Preset::paper()),
         ("default, 400 steps of 256", Preset { course: steps, ..Preset::default() }),
     ] {
-        let options = TrainOptions { preset, seed: 0, checkpoint: None };
+        let options = TrainOptions::new(preset, 0);
         group.bench_function(name, |b| {
             b.iter(|| train(black_box(&path), &options, &mut |_| true).expect("a training"));
         });

@@ -54,7 +54,7 @@ fn short() -> Model {
     let drawn = Drawn::new(&file(), Ranges::general()).unwrap();
     let pairs: Vec<_> = (0..150).map(|i| drawn.pair(&mut stream(0, i)).unwrap()).collect();
     let preset = Preset { course: Course::Remixed { steps: 60, noise: 0.02, cut: 0.0 }, ..Preset::general() };
-    let options = TrainOptions { preset, seed: 0, checkpoint: None };
+    let options = TrainOptions::new(preset, 0);
     train_on(&drawn.header("ball/general", 0, 150), &pairs, &options, &mut |_| true).unwrap()
 }
 

@@ -24,7 +24,11 @@ pub fn run(options: &Train) -> Result<Exit> {
     let checkpoint = PathBuf::from(checkpoint);
     let channels = DatasetReader::open(&options.data)?.header().channels.clone();
     let preset = Preset::named_for(options.preset.name(), &channels)?;
-    let settings = TrainOptions { preset, seed: options.common.seed, checkpoint: Some(checkpoint.clone()) };
+    let settings = TrainOptions {
+        checkpoint: Some(checkpoint.clone()),
+        memory_bytes: usize::try_from(options.memory_mib).unwrap_or(usize::MAX >> 20) << 20,
+        ..TrainOptions::new(preset, options.common.seed)
+    };
     let bar = progress(0, "training");
     let mut last = None;
     let mut report = |now: &tunenet_core::network::TrainProgress| {

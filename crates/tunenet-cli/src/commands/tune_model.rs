@@ -186,7 +186,7 @@ fn train(file: &SimulationFile, ranges: &Ranges, preset: Preset, seed: u64) -> t
     let bar = progress(0, "training");
     let pair = |number: u64| drawn.pair(&mut stream(seed, number));
     let pairs = (0..PAIRS).into_par_iter().map(pair).collect::<tunenet_core::Result<Vec<Pair>>>()?;
-    let options = TrainOptions { preset, seed, checkpoint: None };
+    let options = TrainOptions::new(preset, seed);
     let model = train_on(&header, &pairs, &options, &mut |at| {
         bar.set_length(at.steps);
         bar.set_position(at.step);

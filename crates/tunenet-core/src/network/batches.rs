@@ -1,5 +1,7 @@
 //! Which pairs a training step sees.
 
+use std::ops::Range;
+
 use candle_core::{Device, Tensor};
 use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
@@ -7,8 +9,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::preset::{Course, Preset};
-use super::training_set::TrainingSet;
+use super::rows::Rollout;
+use super::training_set::{self, TrainingSet};
 use crate::Result;
+
+/// Pairs that are judged together.
+const JUDGED_AT_ONCE: usize = 1024;
 
 /// Proposed `[batch, width]`, target `[batch, width]` and difference `[batch, parameter]`.
 pub(super) struct Batch {
@@ -24,20 +30,20 @@ pub(super) struct Batches<'a> {
     seed: u64,
     /// Pairs that are trained on; those behind them are held back.
     pairs: usize,
-    /// The whole training set as tensors, with the order of the present epoch.
-    whole: Option<(Batch, u64, Vec<u32>)>,
+    /// Of a training in epochs: the present one, and the order of its pairs.
+    epoch: Option<(u64, Vec<u32>)>,
 }
 
 impl<'a> Batches<'a> {
-    pub(super) fn new(set: &'a TrainingSet, preset: &'a Preset, seed: u64) -> Result<Self> {
+    pub(super) fn new(set: &'a TrainingSet, preset: &'a Preset, seed: u64) -> Self {
         let held_back = (set.pairs() as f64 * preset.held_back).floor();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most half the pairs")]
         let pairs = set.pairs() - held_back as usize;
-        let whole = match preset.course {
-            Course::Epochs { .. } => Some((plain(set, 0..pairs)?, u64::MAX, Vec::new())),
+        let epoch = match preset.course {
+            Course::Epochs { .. } => Some((u64::MAX, Vec::new())),
             Course::Remixed { .. } => None,
         };
-        Ok(Self { set, preset, seed, pairs, whole })
+        Self { set, preset, seed, pairs, epoch }
     }
 
     /// Steps in an epoch: batches that show every pair once.
@@ -53,15 +59,17 @@ impl<'a> Batches<'a> {
         }
     }
 
-    /// The pairs held back, where there are any.
-    pub(super) fn held_back(&self) -> Result<Option<Batch>> {
-        if self.pairs == self.set.pairs() { Ok(None) } else { plain(self.set, self.pairs..self.set.pairs()).map(Some) }
+    /// The pairs held back, so many at a time that their number does not tell in the memory.
+    pub(super) fn held_back(&self) -> impl Iterator<Item = Result<Batch>> + '_ {
+        let (first, end) = (self.pairs, self.set.pairs());
+        let block = move |start: usize| plain(self.set, start..(start + JUDGED_AT_ONCE).min(end));
+        (first..end).step_by(JUDGED_AT_ONCE).map(block)
     }
 
     /// The pairs of step `step`, from 0.
     pub(super) fn draw(&mut self, step: u64) -> Result<Batch> {
         let in_epoch = self.in_epoch();
-        let Some((whole, epoch, order)) = &mut self.whole else { return self.mix(step) };
+        let Some((epoch, order)) = &mut self.epoch else { return self.mix(step) };
         if *epoch != step / in_epoch {
             *epoch = step / in_epoch;
             *order = (0..).take(self.pairs).collect();
@@ -70,12 +78,7 @@ impl<'a> Batches<'a> {
         #[expect(clippy::cast_possible_truncation, reason = "below the number of pairs")]
         let first = (step % in_epoch) as usize * self.preset.batch;
         let chosen = &order[first..(first + self.preset.batch).min(order.len())];
-        let chosen = Tensor::from_slice(chosen, chosen.len(), &Device::Cpu)?;
-        Ok(Batch {
-            proposed: whole.proposed.index_select(&chosen, 0)?,
-            target: whole.target.index_select(&chosen, 0)?,
-            difference: whole.difference.index_select(&chosen, 0)?,
-        })
+        plain(self.set, chosen.iter().map(|pair| *pair as usize))
     }
 
     fn mix(&self, step: u64) -> Result<Batch> {
@@ -92,11 +95,12 @@ impl<'a> Batches<'a> {
                 let pair = 2 * draw.random_range(0..self.pairs);
                 if draw.random() { (pair, pair + 1) } else { (pair + 1, pair) }
             };
-            let mut seen = self.set.common(a, b);
+            build.read(a, b)?;
+            let mut seen = build.common();
             if cut > 0.0 && draw.random_bool(cut) {
                 seen.end = seen.start + draw.random_range(0..=seen.len());
             }
-            build.pair(a, b, &seen);
+            build.push(&seen);
             let share: f32 = draw.random();
             let sd = noise * share * share;
             if sd > 0.0 {
@@ -117,16 +121,19 @@ fn stream(seed: u64, number: u64) -> ChaCha8Rng {
 }
 
 /// The dataset's own pairs, as they are.
-fn plain(set: &TrainingSet, pairs: std::ops::Range<usize>) -> Result<Batch> {
+fn plain(set: &TrainingSet, pairs: impl ExactSizeIterator<Item = usize>) -> Result<Batch> {
     let mut build = Builder::new(set, pairs.len());
     for pair in pairs {
-        build.pair(2 * pair, 2 * pair + 1, &set.common(2 * pair, 2 * pair + 1));
+        build.read(2 * pair, 2 * pair + 1)?;
+        build.push(&build.common());
     }
     build.batch()
 }
 
 struct Builder<'a> {
     set: &'a TrainingSet,
+    /// The two rollouts that were read last.
+    read: [Rollout; 2],
     proposed: Vec<f32>,
     target: Vec<f32>,
     difference: Vec<f32>,
@@ -137,25 +144,38 @@ impl<'a> Builder<'a> {
         let width = set.input.width();
         Self {
             set,
+            read: Default::default(),
             proposed: Vec::with_capacity(pairs * width),
             target: Vec::with_capacity(pairs * width),
             difference: Vec::with_capacity(pairs * set.parameters.len()),
         }
     }
 
-    /// Appends a pair, blank in both outside `seen`; see [`Encoded::pair`](super::input::Encoded::pair).
-    fn pair(&mut self, a: usize, b: usize, seen: &std::ops::Range<usize>) {
-        for (side, rollout) in [(&mut self.proposed, a), (&mut self.target, b)] {
+    /// Takes up two rollouts.
+    fn read(&mut self, a: usize, b: usize) -> Result<()> {
+        let [one, two] = &mut self.read;
+        self.set.rollouts.read(a, one)?;
+        self.set.rollouts.read(b, two)
+    }
+
+    /// What both that were read cover.
+    fn common(&self) -> Range<usize> {
+        training_set::common(&self.read[0], &self.read[1])
+    }
+
+    /// Appends them as a pair, blank in both outside `seen`; see [`Encoded::pair`](super::input::Encoded::pair).
+    fn push(&mut self, seen: &Range<usize>) {
+        let [a, b] = &self.read;
+        for (side, Rollout { row, .. }) in [(&mut self.proposed, a), (&mut self.target, b)] {
             let start = side.len();
-            let row = self.set.row(rollout);
             side.resize(start + row.len(), 0.0);
             side[start + seen.start..start + seen.end].copy_from_slice(&row[seen.clone()]);
         }
-        self.difference.extend(self.set.difference(a, b));
+        self.difference.extend(b.places.iter().zip(&a.places).map(|(b, a)| super::numbers::single(b - a)));
     }
 
     /// The target of the last pair within `seen`.
-    fn last_target(&mut self, seen: &std::ops::Range<usize>) -> &mut [f32] {
+    fn last_target(&mut self, seen: &Range<usize>) -> &mut [f32] {
         let start = self.target.len() - self.set.input.width();
         &mut self.target[start + seen.start..start + seen.end]
     }

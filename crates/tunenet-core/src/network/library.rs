@@ -5,7 +5,9 @@ use std::path::Path;
 
 use candle_core::{DType, Device, Tensor};
 
+use super::grid::Grid;
 use super::input::Encoded;
+use super::rows::Rollout;
 use super::training_set::TrainingSet;
 use super::weights_file::Contents;
 use crate::Result;
@@ -26,36 +28,30 @@ pub(super) struct Library {
 
 impl Library {
     /// At most `most` proposed rollouts of a training set: for one parameter those nearest to an even grid, in its order.
-    pub(super) fn choose(set: &TrainingSet, most: usize) -> Option<Self> {
+    pub(super) fn choose(set: &TrainingSet, most: usize) -> Result<Option<Self>> {
         if most == 0 {
-            return None;
+            return Ok(None);
         }
-        let parameters = set.parameters.len();
-        let longest = (0..set.pairs()).map(|pair| set.covered[2 * pair].len()).max()?;
-        let whole = |pair: &usize| set.covered[2 * pair].len() as f64 >= WHOLE * longest as f64;
-        let mut pairs: Vec<usize> = (0..set.pairs()).filter(whole).collect();
-        if parameters == 1 {
-            pairs.sort_by(|a, b| set.places[2 * a].total_cmp(&set.places[2 * b]));
-            let place = |i: usize| set.places[2 * pairs[i]];
-            let mut chosen: Vec<usize> = (0..most)
-                .map(|i| {
-                    let grid = i as f64 / (most - 1).max(1) as f64;
-                    let after = pairs.partition_point(|p| set.places[2 * p] < grid).min(pairs.len() - 1);
-                    let before = after.saturating_sub(1);
-                    if grid - place(before) < place(after) - grid { before } else { after }
-                })
-                .collect();
-            chosen.dedup();
-            pairs = chosen.into_iter().map(|i| pairs[i]).collect();
+        let whole = |rollout: &Rollout| rollout.covered.len() as f64 >= WHOLE * set.longest as f64;
+        let (mut grid, mut first) = (Grid::new(most), Vec::new());
+        set.rollouts.scan(|number, rollout| {
+            if number % 2 == 1 || !whole(rollout) {
+                return;
+            }
+            grid.look(rollout.places[0], number);
+            if first.len() < most {
+                first.push(number);
+            }
+        })?;
+        let chosen = if set.parameters.len() == 1 { grid.nearest() } else { first };
+        let (mut library, mut rollout) = (Self { rows: Vec::new(), places: Vec::new() }, Rollout::default());
+        for number in chosen {
+            set.rollouts.read(number, &mut rollout)?;
+            let values = rollout.row.iter().map(|v| f64::from(*v)).collect();
+            library.rows.push(Encoded { values, covered: rollout.covered.clone() });
+            library.places.push(rollout.places.clone());
         }
-        pairs.truncate(most);
-        let row = |pair: &usize| Encoded {
-            values: set.row(2 * pair).iter().map(|v| f64::from(*v)).collect(),
-            covered: set.covered[2 * pair].clone(),
-        };
-        let place = |pair: &usize| set.places[2 * pair * parameters..(2 * pair + 1) * parameters].to_vec();
-        (!pairs.is_empty())
-            .then(|| Self { rows: pairs.iter().map(row).collect(), places: pairs.iter().map(place).collect() })
+        Ok((!library.rows.is_empty()).then_some(library))
     }
 
     /// The stored rollout nearest to `seen`, over what both cover, with its parameters; `None` where none overlaps it.

@@ -18,6 +18,7 @@ mod dataset_file;
 mod dataset_stream;
 mod generate;
 mod gradients;
+mod grid;
 mod input;
 mod library;
 mod model;
@@ -25,6 +26,7 @@ mod numbers;
 mod optimiser;
 mod preset;
 mod product;
+mod rows;
 #[cfg(test)]
 mod tests;
 mod train;

@@ -11,7 +11,7 @@ use super::library::Library;
 use super::model::{self, About, MODEL_VERSION, Model, Target};
 use super::optimiser::Descent;
 use super::preset::Preset;
-use super::training_set::TrainingSet;
+use super::training_set::{Room, TrainingSet};
 use super::two_branch::TwoBranch;
 use crate::observation::Channel;
 use crate::{Error, Result};
@@ -32,6 +32,30 @@ pub struct TrainOptions {
     /// Where to keep a checkpoint, if anywhere. It is found again by the same training after a kill, stays when training
     /// is done, and is the caller's to delete once the model is safe.
     pub checkpoint: Option<PathBuf>,
+    /// Most bytes of encoded rollouts in memory. What is more waits in a temporary file beside the checkpoint, else in the
+    /// system's folder for such files; what is learned is the same, bit for bit.
+    pub memory_bytes: usize,
+}
+
+impl TrainOptions {
+    /// [`memory_bytes`](Self::memory_bytes) where nobody says otherwise.
+    pub const MEMORY_BYTES: usize = 256 << 20;
+
+    /// Without a checkpoint, and with the usual memory.
+    #[must_use]
+    pub fn new(preset: Preset, seed: u64) -> Self {
+        Self { preset, seed, checkpoint: None, memory_bytes: Self::MEMORY_BYTES }
+    }
+
+    /// Where the temporary file belongs.
+    fn folder(&self) -> PathBuf {
+        let beside = self.checkpoint.as_deref().and_then(Path::parent);
+        match beside {
+            Some(folder) if folder.as_os_str().is_empty() => PathBuf::from("."),
+            Some(folder) => folder.into(),
+            None => std::env::temp_dir(),
+        }
+    }
 }
 
 /// Where a training stands.
@@ -52,6 +76,7 @@ pub struct TrainProgress {
 
 /// Trains a network on `dataset`.
 ///
+/// The dataset is read from its file once or twice, pair by pair, and may be larger than the memory.
 /// The same dataset, preset and seed give the same weights, bit for bit on one kind of processor, whatever the number of
 /// threads and however often the training was interrupted. Where `progress` answers `false`, a checkpoint is written and
 /// the training stops.
@@ -65,7 +90,8 @@ pub fn train(
     progress: &mut dyn FnMut(&TrainProgress) -> bool,
 ) -> Result<Model> {
     options.preset.check()?;
-    let set = TrainingSet::read(dataset, &options.preset)?;
+    let room = Room { memory_bytes: options.memory_bytes, folder: &options.folder() };
+    let set = TrainingSet::read(dataset, &options.preset, room)?;
     let kept = options.checkpoint.as_deref().map(|checkpoint| (checkpoint, dataset));
     learn(&set, options, kept, progress)
 }
@@ -81,7 +107,8 @@ pub fn train_on(
     progress: &mut dyn FnMut(&TrainProgress) -> bool,
 ) -> Result<Model> {
     options.preset.check()?;
-    learn(&TrainingSet::collect(header, pairs, &options.preset)?, options, None, progress)
+    let room = Room { memory_bytes: options.memory_bytes, folder: &options.folder() };
+    learn(&TrainingSet::collect(header, pairs, &options.preset, room)?, options, None, progress)
 }
 
 /// Trains on `set`; `kept` is where the state is kept and the file that the set was read from.
@@ -104,7 +131,7 @@ fn learn(
     let mut network = TwoBranch::new(model::widths(&about), preset.head, options.seed)?;
     let mut descent = Descent::new(preset.optimiser.clone(), &network)?;
     let gradients = Gradients::new(&network)?;
-    let mut batches = Batches::new(set, preset, options.seed)?;
+    let mut batches = Batches::new(set, preset, options.seed);
     let fingerprint = match kept {
         Some((_, dataset)) => checkpoint::fingerprint(dataset, &about)?,
         None => String::new(),
@@ -119,7 +146,6 @@ fn learn(
     };
 
     let steps = batches.steps();
-    let held_back = batches.held_back()?;
     // Validation costs about as much as the steps between two of its twenty.
     let validate_every = (steps / 20).max(1);
     let mut validation = None;
@@ -129,10 +155,8 @@ fn learn(
         let loss = gradients.of(&network, &batch, preset.loss)?;
         descent.step(&network, gradients.each(), step, steps, step / batches.in_epoch())?;
         let done = step + 1;
-        if let Some(pairs) = &held_back
-            && (done % validate_every == 0 || validation.is_none())
-        {
-            validation = Some(mean_error(&network, pairs)?);
+        if done % validate_every == 0 || done == first + 1 {
+            validation = mean_error(&network, batches.held_back())?;
         }
         if done % REPORT_EVERY == 0 || done == steps {
             let pace = started.elapsed().as_secs_f64() / (done - first) as f64;
@@ -152,7 +176,7 @@ fn learn(
             }
         }
     }
-    let library = Library::choose(set, preset.library);
+    let library = Library::choose(set, preset.library)?;
     Model::new(about, set.header.clock.clone(), network, library)
 }
 
@@ -160,7 +184,14 @@ fn named(channels: &[Channel]) -> Vec<(String, String)> {
     channels.iter().map(|c| (c.name.clone(), c.unit.clone())).collect()
 }
 
-fn mean_error(network: &TwoBranch, pairs: &Batch) -> Result<f64> {
-    let error = (network.forward(&pairs.proposed, &pairs.target)? - &pairs.difference)?;
-    Ok(f64::from(error.abs()?.mean_all()?.to_scalar::<f32>()?))
+/// The mean absolute error on these pairs; `None` where there are none.
+fn mean_error(network: &TwoBranch, pairs: impl Iterator<Item = Result<Batch>>) -> Result<Option<f64>> {
+    let (mut sum, mut count) = (0.0, 0);
+    for batch in pairs {
+        let batch = batch?;
+        let error = (network.forward(&batch.proposed, &batch.target)? - &batch.difference)?;
+        sum += f64::from(error.abs()?.sum_all()?.to_scalar::<f32>()?);
+        count += error.elem_count();
+    }
+    Ok((count > 0).then(|| sum / count as f64))
 }

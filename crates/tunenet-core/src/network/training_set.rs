@@ -7,9 +7,17 @@ use super::dataset::{CoveredParameter, DatasetHeader, Pair};
 use super::dataset_file::DatasetReader;
 use super::input::Input;
 use super::preset::{InputChoice, Preset};
+use super::rows::{Rollout, Rows};
 use crate::{Error, Result};
 
-/// All rollouts of a dataset, encoded. Pair `i` is rows `2 i` (proposed) and `2 i + 1` (target).
+/// Where encoded rollouts are kept: so many bytes in memory, and the folder of a temporary file for more.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Room<'a> {
+    pub(super) memory_bytes: usize,
+    pub(super) folder: &'a Path,
+}
+
+/// All rollouts of a dataset, encoded. Pair `i` is rollouts `2 i` (proposed) and `2 i + 1` (target).
 pub(super) struct TrainingSet {
     pub(super) header: DatasetHeader,
     pub(super) input: Input,
@@ -17,36 +25,32 @@ pub(super) struct TrainingSet {
     pub(super) target: Option<Input>,
     /// The tuned parameters.
     pub(super) parameters: Vec<CoveredParameter>,
-    /// Shape `[rollout, width]`.
-    pub(super) rows: Vec<f32>,
-    /// What each rollout covers of its row.
-    pub(super) covered: Vec<Range<usize>>,
-    /// Tuned parameters less their least value, over their span, shape `[rollout, parameter]`. Double precision: the
-    /// differences are what is learned.
-    pub(super) places: Vec<f64>,
+    pub(super) rollouts: Rows,
+    /// The most that a proposed rollout covers of its row.
+    pub(super) longest: usize,
     /// Whether any rollout can stand beside any other.
     pub(super) mixable: bool,
 }
 
 impl TrainingSet {
     /// From a dataset's file.
-    pub(super) fn read(path: &Path, preset: &Preset) -> Result<Self> {
+    pub(super) fn read(path: &Path, preset: &Preset, room: Room) -> Result<Self> {
         let header = DatasetReader::open(path)?.header().clone();
-        Self::gather(path, header, &|| Ok(Box::new(DatasetReader::open(path)?)), preset)
+        Self::gather(path, header, &|| Ok(Box::new(DatasetReader::open(path)?)), preset, room)
     }
 
     /// From pairs at hand.
-    pub(super) fn collect(header: &DatasetHeader, pairs: &[Pair], preset: &Preset) -> Result<Self> {
+    pub(super) fn collect(header: &DatasetHeader, pairs: &[Pair], preset: &Preset, room: Room) -> Result<Self> {
         let checked = |pair: &Pair| {
             let refuse =
                 |text: String| Error::Model { what: "training".into(), expected: "whole pairs".into(), found: text };
             header.check(pair).map_err(refuse).map(|()| pair.clone())
         };
-        Self::gather(Path::new("pairs"), header.clone(), &|| Ok(Box::new(pairs.iter().map(checked))), preset)
+        Self::gather(Path::new("pairs"), header.clone(), &|| Ok(Box::new(pairs.iter().map(checked))), preset, room)
     }
 
     /// `open` starts the pairs over; `path` names their origin in messages.
-    fn gather(path: &Path, header: DatasetHeader, open: &Pairs, preset: &Preset) -> Result<Self> {
+    fn gather(path: &Path, header: DatasetHeader, open: &Pairs, preset: &Preset, room: Room) -> Result<Self> {
         let tuned: Vec<usize> = (0..header.parameters.len()).filter(|&i| header.parameters[i].tuned).collect();
         let parameters: Vec<CoveredParameter> = tuned.iter().map(|&i| header.parameters[i].clone()).collect();
         if parameters.is_empty() {
@@ -57,20 +61,21 @@ impl TrainingSet {
             return Err(Error::file(path, text, ""));
         }
         let (input, target) = fit_inputs(path, &header, open, preset)?;
-        let mut set =
-            Self { header, input, target, parameters, rows: vec![], covered: vec![], places: vec![], mixable: true };
-        let mut own: Option<Vec<f64>> = None;
+        let rollouts = Rows::new(parameters.len(), input.width(), room.memory_bytes, room.folder);
+        let mut set = Self { header, input, target, parameters, rollouts, longest: 0, mixable: true };
+        let (mut own, mut differ): (Option<Vec<f64>>, bool) = (None, false);
         for pair in open()? {
             let pair = pair?;
-            set.push(&pair, &tuned)?;
+            differ |= set.push(&pair, &tuned)?;
             set.mixable &= own.get_or_insert_with(|| pair.own.clone()) == &pair.own;
         }
+        set.rollouts.finish()?;
         // In units of its own scale a rollout no longer remembers its height.
         set.mixable |= matches!(set.input, Input::Dimensionless { .. });
-        if set.covered.is_empty() {
+        if set.pairs() == 0 {
             return Err(Error::file(path, "expected at least one pair, found none", ""));
         }
-        if (0..set.pairs()).all(|i| set.row(2 * i) == set.row(2 * i + 1)) {
+        if !differ {
             let names: Vec<String> = set.parameters.iter().map(|p| format!("`{}`", p.name)).collect();
             let text = format!("expected rollouts that differ with {}, found none that do", names.join(", "));
             return Err(Error::file(path, text, "learn parameters that change what is observed"));
@@ -78,46 +83,36 @@ impl TrainingSet {
         Ok(set)
     }
 
-    fn push(&mut self, pair: &Pair, tuned: &[usize]) -> Result<()> {
+    /// Appends a pair; says whether its two rollouts differ.
+    fn push(&mut self, pair: &Pair, tuned: &[usize]) -> Result<bool> {
         let header = &self.header;
         let target = self.target.as_ref().unwrap_or(&self.input);
-        let sides = [
-            (&self.input, header.channels.len(), &pair.proposed, &pair.proposed_parameters),
-            (target, header.seen_channels().len(), &pair.target, &pair.target_parameters),
-        ];
-        for (input, channels, values, all) in sides {
+        let encode = |input: &Input, channels: usize, values: &[f64], all: &[f64]| -> Result<Rollout> {
             let seen = input.encode(header.clock_of(pair), values, channels, pair.scale.as_ref())?;
-            self.rows.extend(seen.values.iter().map(|v| super::numbers::single(*v)));
-            self.covered.push(seen.covered);
-            self.places.extend(tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()));
-        }
-        Ok(())
+            Ok(Rollout {
+                covered: seen.covered,
+                places: tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()).collect(),
+                row: seen.values.iter().map(|v| super::numbers::single(*v)).collect(),
+            })
+        };
+        let proposed = encode(&self.input, header.channels.len(), &pair.proposed, &pair.proposed_parameters)?;
+        let target = encode(target, header.seen_channels().len(), &pair.target, &pair.target_parameters)?;
+        self.longest = self.longest.max(proposed.covered.len());
+        self.rollouts.push(&proposed)?;
+        self.rollouts.push(&target)?;
+        Ok(proposed.row != target.row)
     }
 
     /// How many pairs.
     pub(super) fn pairs(&self) -> usize {
-        self.covered.len() / 2
+        self.rollouts.len() / 2
     }
+}
 
-    /// One rollout, shape `[width]`.
-    pub(super) fn row(&self, rollout: usize) -> &[f32] {
-        let width = self.input.width();
-        &self.rows[rollout * width..(rollout + 1) * width]
-    }
-
-    /// What both rollouts cover.
-    pub(super) fn common(&self, a: usize, b: usize) -> Range<usize> {
-        let (a, b) = (&self.covered[a], &self.covered[b]);
-        let start = a.start.max(b.start);
-        start..a.end.min(b.end).max(start)
-    }
-
-    /// The difference `b − a` in units of the span, shape `[parameter]`.
-    pub(super) fn difference(&self, a: usize, b: usize) -> impl Iterator<Item = f32> + '_ {
-        let n = self.parameters.len();
-        let place = move |rollout: usize| self.places[rollout * n..(rollout + 1) * n].iter();
-        place(b).zip(place(a)).map(|(b, a)| super::numbers::single(b - a))
-    }
+/// What both rollouts cover.
+pub(super) fn common(a: &Rollout, b: &Rollout) -> Range<usize> {
+    let start = a.covered.start.max(b.covered.start);
+    start..a.covered.end.min(b.covered.end).max(start)
 }
 
 /// Starts the pairs of a dataset over.
@@ -132,12 +127,10 @@ fn fit_inputs(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset
     let (z, v) = (header.channels.len().saturating_sub(1), header.target_channels.len() - 1);
     match &preset.input {
         InputChoice::Raw { channel: None } if !header.clocks_in_pairs() => {
-            let input = |of: fn(&Pair) -> &[f64], channel, channels| -> Result<Input> {
-                let (low, high) = bounds(open, of, channel, channels)?;
-                Ok(Input::Raw { channel, samples: header.clock.len(), low, high })
-            };
-            let proposed = input(|pair| &pair.proposed, z, header.channels.len())?;
-            Ok((proposed, Some(input(|pair| &pair.target, v, header.target_channels.len())?)))
+            let [proposed, target] = bounds(header, open)?;
+            let samples = header.clock.len();
+            let raw = |channel: usize, (low, high): (f64, f64)| Input::Raw { channel, samples, low, high };
+            Ok((raw(z, proposed[z]), Some(raw(v, target[v]))))
         }
         InputChoice::Dimensionless { channel: None, bins, tau_max } => {
             let (bins, tau_max) = (*bins, *tau_max);
@@ -151,15 +144,26 @@ fn fit_inputs(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset
     }
 }
 
-/// The least and the greatest value of one channel, on one side of all pairs.
-fn bounds(open: &Pairs, side: fn(&Pair) -> &[f64], channel: usize, channels: usize) -> Result<(f64, f64)> {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+/// The least and the greatest value of every channel, of the proposed rollouts and of the targets.
+fn bounds(header: &DatasetHeader, open: &Pairs) -> Result<[Vec<(f64, f64)>; 2]> {
+    let mut bounds =
+        [header.channels.len(), header.seen_channels().len()].map(|n| vec![(f64::INFINITY, f64::NEG_INFINITY); n]);
     for pair in open()? {
-        for value in side(&pair?)[channel..].iter().step_by(channels) {
-            (low, high) = (low.min(*value), high.max(*value));
+        let pair = pair?;
+        for (bounds, values) in bounds.iter_mut().zip([&pair.proposed, &pair.target]) {
+            for sample in values.chunks_exact(bounds.len().max(1)) {
+                for ((low, high), value) in bounds.iter_mut().zip(sample) {
+                    (*low, *high) = (low.min(*value), high.max(*value));
+                }
+            }
         }
     }
-    Ok((low, high))
+    Ok(bounds)
+}
+
+/// Bounds that hold all of these.
+fn around<'a>(all: impl Iterator<Item = &'a (f64, f64)>) -> (f64, f64) {
+    all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), b| (low.min(b.0), high.max(b.1)))
 }
 
 /// What the network is to see, with whatever must be read off the data first.
@@ -178,9 +182,7 @@ fn fit_input(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset)
                 let text = "expected one clock for all pairs, found one in each: raw samples cannot be compared";
                 return Err(Error::file(path, text, "train with another preset"));
             }
-            let of = |side: fn(&Pair) -> &[f64]| bounds(open, side, channel, header.channels.len());
-            let (proposed, target) = (of(|pair| &pair.proposed)?, of(|pair| &pair.target)?);
-            let (low, high) = (proposed.0.min(target.0), proposed.1.max(target.1));
+            let (low, high) = around(bounds(header, open)?.iter().map(|side| &side[channel]));
             Ok(Input::Raw { channel, samples: header.clock.len(), low, high })
         }
         InputChoice::Dimensionless { channel, bins, tau_max } => {
@@ -198,12 +200,7 @@ fn fit_input(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset)
                 return Err(Error::file(path, text, "train with another preset"));
             }
             let (channels, samples) = (header.channels.len(), header.clock.len());
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            let sides: [fn(&Pair) -> &[f64]; 2] = [|pair| &pair.proposed, |pair| &pair.target];
-            for (channel, side) in (0..channels).flat_map(|c| sides.map(|side| (c, side))) {
-                let (least, most) = bounds(open, side, channel, channels)?;
-                (low, high) = (low.min(least), high.max(most));
-            }
+            let (low, high) = around(bounds(header, open)?.iter().flatten());
             Ok(Input::Recorded { channels, samples, low, high })
         }
         InputChoice::Balanced { bins } => balanced(header, open, *bins),

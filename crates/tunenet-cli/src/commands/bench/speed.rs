@@ -63,7 +63,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
     process::run(&["gen", "ball", "--preset", "easy", "--pairs", "800", "--out", &data])?;
 
     stage("training", "preset `paper`, 800 pairs, 200 epochs, one thread");
-    let settings = TrainOptions { preset: Preset::paper(), seed: options.common.seed, checkpoint: None };
+    let settings = TrainOptions::new(Preset::paper(), options.common.seed);
     let began = Instant::now();
     train(data.as_ref(), &settings, &mut |_| true)?.save(&model)?;
     let training_s = began.elapsed().as_secs_f64();

@@ -125,7 +125,7 @@ fn short(steps: u64) -> Preset {
 }
 
 fn options(preset: Preset, checkpoint: Option<PathBuf>) -> TrainOptions {
-    TrainOptions { preset, seed: 7, checkpoint }
+    TrainOptions { checkpoint, ..TrainOptions::new(preset, 7) }
 }
 
 fn seen(restitution: f64, height: f64, samples: u32) -> Observation {

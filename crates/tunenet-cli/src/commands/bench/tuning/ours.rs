@@ -53,7 +53,7 @@ pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result
         process::run(&["gen", "ball", "--preset", pairs, "--pairs", count, "--seed", &seed_text, "--out", out])?;
         let generate = began.elapsed().as_secs_f64();
         let (began, core_began) = (Instant::now(), on_core_s());
-        train(&data, &TrainOptions { preset, seed, checkpoint: None }, &mut |_| true)?.save(&path)?;
+        train(&data, &TrainOptions::new(preset, seed), &mut |_| true)?.save(&path)?;
         let train = began.elapsed().as_secs_f64();
         let train_on_core = on_core_s().zip(core_began).map(|(now, then)| now - then);
         std::fs::remove_file(&data).with_context(|| format!("removing {}", data.display()))?;

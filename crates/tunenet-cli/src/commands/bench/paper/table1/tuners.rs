@@ -81,7 +81,7 @@ impl Tuners {
         let learn = |name: &str, preset: Preset, data: &Path| -> Result<(Model, f64)> {
             let seconds = store.keep(&format!("table1-model-{name}-{seed}"), || {
                 let began = Instant::now();
-                let options = TrainOptions { preset: less(preset), seed, checkpoint: None };
+                let options = TrainOptions::new(less(preset), seed);
                 train(data, &options, &mut |_| true)?.save(path(name))?;
                 Ok(began.elapsed().as_secs_f64())
             })?;
@@ -101,7 +101,7 @@ impl Tuners {
                 ..pair.clone()
             };
             let all: Vec<Pair> = pairs.iter().map(direct).collect();
-            let options = TrainOptions { preset: less(Preset::paper_arm()), seed, checkpoint: None };
+            let options = TrainOptions::new(less(Preset::paper_arm()), seed);
             Ok(train_on(&header, &all, &options, &mut |_| true)?.save(path("direct"))?)
         })?;
         let masses = || pairs.iter().map(|p| p.target_parameters[0]);

@@ -69,7 +69,7 @@ impl Direct {
         if quick && let Course::Epochs { epochs } = &mut preset.course {
             *epochs /= 4;
         }
-        let options = TrainOptions { preset, seed, checkpoint: None };
+        let options = TrainOptions::new(preset, seed);
         Ok(Self { model: train_on(&header, &lessons, &options, &mut |_| true)?, proposed })
     }
 

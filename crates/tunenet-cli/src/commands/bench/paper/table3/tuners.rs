@@ -157,7 +157,7 @@ fn trained(
         let _ = std::fs::remove_file(&data);
         let seed_text = seed.to_string();
         process::run(&["gen", domain, "--preset", pairs, "--pairs", count, "--seed", &seed_text, "--out", out])?;
-        train(&data, &TrainOptions { preset, seed, checkpoint: None }, &mut |_| true)?.save(&path)?;
+        train(&data, &TrainOptions::new(preset, seed), &mut |_| true)?.save(&path)?;
         std::fs::remove_file(&data).with_context(|| format!("removing {}", data.display()))
     })?;
     Ok(Model::load(&path)?)
