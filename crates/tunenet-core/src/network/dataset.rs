@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::shard::Shard;
 use crate::observation::Channel;
 use crate::simulator::Scale;
 use crate::{Error, Result};
@@ -47,6 +48,16 @@ pub(super) const TARGET_DEFINITION: &str = "\
 # What each target observes.
 string[] target_channel_names
 string[] target_channel_units
+";
+
+pub(super) const SHARD_TOPIC: &str = "/shard";
+
+pub(super) const SHARD_DEFINITION: &str = "\
+# Which share of the pairs of the dataset this file holds.
+uint32 index
+uint32 count
+# The tunenet that wrote it.
+string version
 ";
 
 pub(super) const PAIR_DEFINITION: &str = "\
@@ -133,6 +144,28 @@ pub struct Pair {
     /// The instants of both, in s, where the header has none for all.
     #[serde(skip)]
     pub clock: Vec<f64>,
+}
+
+/// See [`SHARD_DEFINITION`].
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct ShardMessage {
+    pub(super) index: u32,
+    pub(super) count: u32,
+    pub(super) version: String,
+}
+
+impl ShardMessage {
+    pub(super) fn new(shard: Shard) -> Self {
+        Self { index: shard.index(), count: shard.count(), version: env!("CARGO_PKG_VERSION").into() }
+    }
+
+    /// What it says, where that can be.
+    pub(super) fn shard(&self, path: &Path) -> Result<Shard> {
+        Shard::new(self.index, self.count).map_err(|_| {
+            let text = format!("expected a shard below its count, found {}/{}", self.index, self.count);
+            Error::file(path, text, "write it again with `tunenet gen`")
+        })
+    }
 }
 
 /// A pair with its own clock, as it stands in the file.

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::dataset::{
     CLOCK_DEFINITION, ClockedPair, DATASET_DEFINITION, DATASET_TOPIC, DatasetHeader, HeaderMessage, PAIR_DEFINITION,
-    PAIR_TOPIC, Pair, TARGET_DEFINITION,
+    PAIR_TOPIC, Pair, SHARD_DEFINITION, SHARD_TOPIC, ShardMessage, TARGET_DEFINITION,
 };
 use super::dataset_stream::{Output, Source};
+use super::shard::Shard;
 use crate::{Error, Result};
 
 /// Pairs in a chunk. A kill loses at most the chunk being filled.
@@ -17,6 +18,9 @@ pub struct DatasetReader {
     path: PathBuf,
     source: Source,
     header: DatasetHeader,
+    shard: Option<ShardMessage>,
+    /// How many pairs there have to be.
+    expected: u64,
     read: u64,
     ended: bool,
 }
@@ -25,17 +29,59 @@ impl DatasetReader {
     /// Opens a dataset and reads its header.
     ///
     /// # Errors
-    /// [`Error::Io`] and [`Error::File`] where the file cannot be read, is not MCAP, holds no dataset, or is of another
-    /// version.
+    /// [`Error::Io`] and [`Error::File`] where the file cannot be read, is not MCAP, holds no dataset, holds a shard of one,
+    /// or is of another version.
     pub fn open(path: impl Into<PathBuf>) -> Result<Self> {
-        let path = path.into();
+        let reader = Self::open_either(path.into())?;
+        match &reader.shard {
+            None => Ok(reader),
+            Some(shard) => {
+                let text = format!("expected a whole dataset, found shard {}/{}", shard.index, shard.count);
+                Err(Error::file(&reader.path, text, "`tunenet merge` puts shards together"))
+            }
+        }
+    }
+
+    /// Opens a shard of a dataset. Its header is the dataset's own; its pairs are those of [`shard`](Self::shard) alone.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); [`Error::File`] for a whole dataset.
+    pub fn open_shard(path: impl Into<PathBuf>) -> Result<Self> {
+        let reader = Self::open_either(path.into())?;
+        if reader.shard.is_some() {
+            return Ok(reader);
+        }
+        let hint = "`tunenet gen --shard` writes shards; a whole dataset needs no merging";
+        Err(Error::file(&reader.path, "expected a shard of a dataset, found a whole one", hint))
+    }
+
+    fn open_either(path: PathBuf) -> Result<Self> {
         let mut source = Source::open(&path)?;
-        let Some(message) = source.next::<HeaderMessage>(DATASET_TOPIC)? else {
+        let Some((shard, message)) = begin(&mut source)? else {
             let text = format!("expected a dataset, found an MCAP file without a message on `{DATASET_TOPIC}`");
             return Err(Error::file(&path, text, "`tunenet gen` writes datasets"));
         };
         let header = message.header(&path)?;
-        Ok(Self { path, source, header, read: 0, ended: false })
+        let block = shard.as_ref().map(|s| s.shard(&path)).transpose()?.map(|s| s.block(header.pairs));
+        let expected = block.map_or(header.pairs, |block| block.end - block.start);
+        Ok(Self { path, source, header, shard, expected, read: 0, ended: false })
+    }
+
+    /// Which share of the dataset this is; `None` for a whole one.
+    #[must_use]
+    pub fn shard(&self) -> Option<Shard> {
+        self.shard.as_ref().and_then(|shard| shard.shard(&self.path).ok())
+    }
+
+    pub(super) fn shard_message(&self) -> Option<&ShardMessage> {
+        self.shard.as_ref()
+    }
+
+    /// Whether `path` is this shard of this dataset, written by this version and complete.
+    #[must_use]
+    pub fn holds(path: &Path, header: &DatasetHeader, shard: Shard) -> bool {
+        let Ok(mut reader) = Self::open_shard(path) else { return false };
+        reader.shard == Some(ShardMessage::new(shard)) && reader.header == *header && reader.all(|pair| pair.is_ok())
     }
 
     /// What all pairs share.
@@ -45,7 +91,7 @@ impl DatasetReader {
     }
 
     fn next_pair(&mut self) -> Result<Option<Pair>> {
-        let expected = self.header.pairs;
+        let expected = self.expected;
         let Some(pair) = next_pair(&mut self.source, &self.header)? else {
             if self.read == expected {
                 return Ok(None);
@@ -85,6 +131,7 @@ pub struct DatasetWriter {
     header: DatasetHeader,
     topic: u16,
     written: u64,
+    end: u64,
 }
 
 impl DatasetWriter {
@@ -93,18 +140,29 @@ impl DatasetWriter {
     /// # Errors
     /// [`Error::Io`] where a file cannot be written; [`Error::File`] where `out.partial` belongs to another dataset.
     pub fn open(out: impl Into<PathBuf>, header: DatasetHeader) -> Result<Self> {
-        let out = out.into();
+        Self::open_either(out.into(), header, None)
+    }
+
+    /// As [`open`](Self::open), for one share of the pairs.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_shard(out: impl Into<PathBuf>, header: DatasetHeader, shard: Shard) -> Result<Self> {
+        Self::open_either(out.into(), header, Some(shard))
+    }
+
+    fn open_either(out: PathBuf, header: DatasetHeader, shard: Option<Shard>) -> Result<Self> {
         if out.is_dir() {
             return Err(Error::io(&out, "writing", std::io::ErrorKind::IsADirectory.into()));
         }
         let partial = with_suffix(&out, ".partial");
         if !partial.exists() {
-            return Self::begin(out, &partial.clone(), partial, header);
+            return Self::begin(out, &partial.clone(), partial, header, shard);
         }
-        let mut earlier = Earlier::open(&partial, &header)?;
+        let mut earlier = Earlier::open(&partial, &header, shard)?;
         // Copied beside it first, so that a second kill finds one of the two whole.
         let copy = with_suffix(&out, ".partial.copy");
-        let mut writer = Self::begin(out, &copy, partial.clone(), header)?;
+        let mut writer = Self::begin(out, &copy, partial.clone(), header, shard)?;
         while let Some(pair) = earlier.next() {
             writer.write(&pair)?;
         }
@@ -112,8 +170,12 @@ impl DatasetWriter {
         Ok(writer)
     }
 
-    fn begin(out: PathBuf, at: &Path, partial: PathBuf, header: DatasetHeader) -> Result<Self> {
+    fn begin(out: PathBuf, at: &Path, partial: PathBuf, header: DatasetHeader, shard: Option<Shard>) -> Result<Self> {
         let mut output = Output::create(at)?;
+        if let Some(shard) = shard {
+            let topic = output.topic(SHARD_TOPIC, "tunenet_msgs/msg/Shard", SHARD_DEFINITION)?;
+            output.write(topic, 0, &ShardMessage::new(shard))?;
+        }
         let targets = if header.target_channels.is_empty() { "" } else { TARGET_DEFINITION };
         let definition = format!("{DATASET_DEFINITION}{targets}");
         let dataset = output.topic(DATASET_TOPIC, "tunenet_msgs/msg/Dataset", &definition)?;
@@ -121,13 +183,20 @@ impl DatasetWriter {
         let topic = output.topic(PAIR_TOPIC, "tunenet_msgs/msg/Pair", &format!("{PAIR_DEFINITION}{clock}"))?;
         output.write(dataset, 0, &HeaderMessage::from(&header))?;
         output.end_chunk()?;
-        Ok(Self { out, partial, output, header, topic, written: 0 })
+        let pairs = shard.map_or(0..header.pairs, |shard| shard.block(header.pairs));
+        Ok(Self { out, partial, output, header, topic, written: pairs.start, end: pairs.end })
     }
 
-    /// How many pairs are there already; the number, from 0, of the pair that is to be written next.
+    /// The number, from 0, of the pair that is to be written next; of a whole dataset, how many are there already.
     #[must_use]
     pub fn written(&self) -> u64 {
         self.written
+    }
+
+    /// The number of the pair at which this file ends.
+    #[must_use]
+    pub fn end(&self) -> u64 {
+        self.end
     }
 
     /// Writes the next pair.
@@ -136,8 +205,8 @@ impl DatasetWriter {
     /// [`Error::Io`] where the disk refuses; [`Error::File`] where the pair does not fit the header or all are there.
     pub fn write(&mut self, pair: &Pair) -> Result<()> {
         let refuse = |text: String| Err(Error::file(&self.out, format!("pair {}: {text}", self.written), ""));
-        if self.written == self.header.pairs {
-            return refuse(format!("expected {} pairs, found more", self.header.pairs));
+        if self.written == self.end {
+            return refuse(format!("expected {} pairs, found more", self.end));
         }
         if let Err(text) = self.header.check(pair) {
             return refuse(text);
@@ -159,8 +228,8 @@ impl DatasetWriter {
     /// # Errors
     /// [`Error::Io`] where the disk refuses; [`Error::File`] where pairs are missing.
     pub fn finish(self) -> Result<()> {
-        if self.written != self.header.pairs {
-            let text = format!("expected {} pairs, found {}", self.header.pairs, self.written);
+        if self.written != self.end {
+            let text = format!("expected pairs up to {}, found {}", self.end, self.written);
             return Err(Error::file(&self.out, text, ""));
         }
         self.output.finish()?;
@@ -175,17 +244,17 @@ struct Earlier {
 }
 
 impl Earlier {
-    fn open(partial: &Path, expected: &DatasetHeader) -> Result<Self> {
+    fn open(partial: &Path, expected: &DatasetHeader, shard: Option<Shard>) -> Result<Self> {
         let mut source = Source::open(partial)?;
         let refuse = |found: &str| {
             let text = format!("expected the beginning of this dataset, found {found}");
             let hint = "delete it, or write to another --out";
             Err(Error::file(partial, text, hint))
         };
-        match source.next::<HeaderMessage>(DATASET_TOPIC) {
-            Ok(Some(message)) => {
+        match begin(&mut source) {
+            Ok(Some((share, message))) => {
                 let found = message.header(partial)?;
-                if found != *expected {
+                if found != *expected || share != shard.map(ShardMessage::new) {
                     return refuse("one with other settings");
                 }
                 Ok(Self { source: Some(source), header: found })
@@ -201,6 +270,18 @@ impl Earlier {
         let pair = next_pair(self.source.as_mut()?, &self.header).ok()??;
         self.header.check(&pair).is_ok().then_some(pair)
     }
+}
+
+/// What a dataset begins with: which share of it this is, where it is one, and the header.
+fn begin(source: &mut Source) -> Result<Option<(Option<ShardMessage>, HeaderMessage)>> {
+    let mut shard = None;
+    while let Some((topic, body)) = source.next_of(&[SHARD_TOPIC, DATASET_TOPIC])? {
+        if topic == DATASET_TOPIC {
+            return Ok(Some((shard, source.decode(DATASET_TOPIC, &body)?)));
+        }
+        shard = Some(source.decode(SHARD_TOPIC, &body)?);
+    }
+    Ok(None)
 }
 
 /// The next pair in the form that the header announces.

@@ -96,22 +96,31 @@ impl Source {
 
     /// The next message on `topic`, `None` at the end of the file.
     pub(super) fn next<M: DeserializeOwned>(&mut self, topic: &str) -> Result<Option<M>> {
+        let Some((_, body)) = self.next_of(&[topic])? else { return Ok(None) };
+        self.decode(topic, &body).map(Some)
+    }
+
+    /// The next message on any of these topics, with its topic, not decoded yet; `None` at the end of the file.
+    pub(super) fn next_of<'t>(&mut self, topics: &[&'t str]) -> Result<Option<(&'t str, Vec<u8>)>> {
         loop {
             let Some(message) = self.reader.next() else { return Ok(None) };
             let message = message.map_err(|e| mcap_error(&self.path, "reading", e))?;
-            if message.channel.topic != topic {
-                continue;
+            if let Some(topic) = topics.iter().find(|topic| **topic == message.channel.topic) {
+                return Ok(Some((topic, message.data.into_owned())));
             }
-            let wrong = |found: String| {
-                let text = format!("expected a message in little-endian CDR on `{topic}`, found {found}");
-                Error::file(&self.path, text, "write the dataset again with `tunenet gen`")
-            };
-            let Some(body) = message.data.strip_prefix(&ENCAPSULATION) else {
-                return Err(wrong("another encapsulation".into()));
-            };
-            let (read, _) = cdr_encoding::from_bytes::<M, LittleEndian>(body).map_err(|e| wrong(e.to_string()))?;
-            return Ok(Some(read));
         }
+    }
+
+    /// What a message on `topic` says.
+    pub(super) fn decode<M: DeserializeOwned>(&self, topic: &str, body: &[u8]) -> Result<M> {
+        let wrong = |found: String| {
+            let text = format!("expected a message in little-endian CDR on `{topic}`, found {found}");
+            Error::file(&self.path, text, "write the dataset again with `tunenet gen`")
+        };
+        let Some(body) = body.strip_prefix(&ENCAPSULATION) else {
+            return Err(wrong("another encapsulation".into()));
+        };
+        cdr_encoding::from_bytes::<M, LittleEndian>(body).map(|(read, _)| read).map_err(|e| wrong(e.to_string()))
     }
 }
 

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::dataset::{DatasetHeader, Pair};
 use super::dataset_file::DatasetWriter;
+use super::shard::Shard;
 use crate::simulator::Scale;
 use crate::simulator::{Simulator, rollout};
 use crate::{Error, Result};
@@ -47,6 +48,21 @@ pub fn generate(
     out: &Path,
     progress: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<()> {
+    generate_shard(simulator, header, None, draw, out, progress)
+}
+
+/// As [`generate`], of one share of the pairs alone where `shard` says so: [`merge`](super::merge) puts shares together.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_shard(
+    simulator: &dyn Simulator,
+    header: &DatasetHeader,
+    shard: Option<Shard>,
+    draw: &(dyn Fn(u64, &mut ChaCha8Rng) -> PairDraw + Sync),
+    out: &Path,
+    progress: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<()> {
     for i in (0..header.parameters.len()).filter(|&i| header.parameters[i].tuned) {
         if !matters(simulator, header, draw, i)? {
             return Err(Error::Setting {
@@ -56,7 +72,8 @@ pub fn generate(
             });
         }
     }
-    fill(header, &|number, random| roll_pair(simulator, header, draw(number, random)), out, progress)
+    let make = |number: u64, random: &mut ChaCha8Rng| roll_pair(simulator, header, draw(number, random));
+    fill_shard(header, shard, &make, out, progress)
 }
 
 /// Writes the pairs of a dataset into `out`, or those that an interrupted run left over: `make` is asked for pair 0, 1, …
@@ -70,19 +87,38 @@ pub fn fill(
     out: &Path,
     progress: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<()> {
-    let mut writer = DatasetWriter::open(out, header.clone())?;
-    while writer.written() < header.pairs {
-        if !progress(writer.written(), header.pairs) {
+    fill_shard(header, None, make, out, progress)
+}
+
+/// As [`fill`], of one share of the pairs alone where `shard` says so.
+///
+/// # Errors
+/// As [`fill`].
+pub fn fill_shard(
+    header: &DatasetHeader,
+    shard: Option<Shard>,
+    make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
+    out: &Path,
+    progress: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<()> {
+    let mut writer = match shard {
+        Some(shard) => DatasetWriter::open_shard(out, header.clone(), shard)?,
+        None => DatasetWriter::open(out, header.clone())?,
+    };
+    let first = shard.map_or(0, |shard| shard.block(header.pairs).start);
+    let all = writer.end() - first;
+    while writer.written() < writer.end() {
+        if !progress(writer.written() - first, all) {
             return Err(Error::Stopped);
         }
-        let block = writer.written()..(writer.written() + BLOCK).min(header.pairs);
+        let block = writer.written()..(writer.written() + BLOCK).min(writer.end());
         let pairs: Vec<Result<Pair>> =
             block.into_par_iter().map(|number| make(number, &mut stream(header.seed, number))).collect();
         for pair in pairs {
             writer.write(&pair?)?;
         }
     }
-    progress(header.pairs, header.pairs);
+    progress(all, all);
     writer.finish()
 }
 

@@ -5,6 +5,7 @@
 //! for the same seed:
 //!
 //! 1. [`generate`] rolls out pairs that differ in their parameters alone and streams them into an MCAP file;
+//!    several machines may each write a [`Shard`], and [`merge`] puts them together;
 //! 2. [`train`] learns from that file, as a [`Preset`] says;
 //! 3. [`Model::estimate`] compares two observations.
 //!
@@ -15,6 +16,7 @@ mod batches;
 mod checkpoint;
 mod dataset;
 mod dataset_file;
+mod dataset_merge;
 mod dataset_stream;
 mod generate;
 mod gradients;
@@ -27,6 +29,7 @@ mod optimiser;
 mod preset;
 mod product;
 mod rows;
+mod shard;
 #[cfg(test)]
 mod tests;
 mod train;
@@ -36,8 +39,10 @@ mod weights_file;
 
 pub use dataset::{CoveredParameter, DATASET_VERSION, DatasetHeader, Pair};
 pub use dataset_file::{DatasetReader, DatasetWriter};
-pub use generate::{PairDraw, fill, generate, stream};
+pub use dataset_merge::{merge, missing};
+pub use generate::{PairDraw, fill, fill_shard, generate, generate_shard, stream};
 pub use input::{Encoded, Input};
 pub use model::{MODEL_VERSION, Model, Side};
 pub use preset::{Course, Head, InputChoice, Loss, Optimiser, Preset};
+pub use shard::Shard;
 pub use train::{TrainOptions, TrainProgress, train, train_on};

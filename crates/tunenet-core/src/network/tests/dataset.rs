@@ -133,3 +133,68 @@ fn pairs_with_clocks_of_their_own_come_back() {
         Err(Error::File { .. })
     ));
 }
+
+#[test]
+fn merged_shards_are_the_whole_file() {
+    let folder = folder();
+    let whole = std::fs::read(dataset(&folder, 150, 30)).unwrap();
+    for count in [1, 3, 4] {
+        let shards: Vec<PathBuf> =
+            (0..count).rev().map(|index| shard(&folder, &header(150, 30), index, count)).collect();
+        let out = folder.path().join("merged.mcap");
+        merge(&shards, &out, &mut |_, _| true).unwrap();
+        assert!(std::fs::read(&out).unwrap() == whole, "{count} shards");
+        // A merge that was killed goes on.
+        std::fs::rename(&out, folder.path().join("merged.mcap.partial")).unwrap();
+        let partial = std::fs::read(folder.path().join("merged.mcap.partial")).unwrap();
+        std::fs::write(folder.path().join("merged.mcap.partial"), &partial[..partial.len() / 2]).unwrap();
+        merge(&shards, &out, &mut |_, _| true).unwrap();
+        assert!(std::fs::read(&out).unwrap() == whole, "{count} shards");
+    }
+}
+
+fn shard(folder: &tempfile::TempDir, header: &DatasetHeader, index: u32, count: u32) -> PathBuf {
+    let shard = Shard::new(index, count).unwrap();
+    let out = folder.path().join(format!("{}-{index}-of-{count}.mcap", header.seed));
+    generate_shard(&Bouncer::new(), header, Some(shard), &draw, &out, &mut |_, _| true).unwrap();
+    out
+}
+
+#[test]
+fn shards_that_do_not_belong_together_are_refused_by_name() {
+    let folder = folder();
+    let make = |header: &DatasetHeader, index, count| shard(&folder, header, index, count);
+    let ours = header(60, 30);
+    let all: Vec<PathBuf> = (0..3).map(|index| make(&ours, index, 3)).collect();
+    let refusal = |shards: &[&PathBuf]| {
+        let shards: Vec<PathBuf> = shards.iter().map(|p| (*p).clone()).collect();
+        let out = folder.path().join("merged.mcap");
+        let text = merge(&shards, &out, &mut |_, _| true).unwrap_err().to_string();
+        assert!(!text.contains('\n') && !out.exists(), "{text}");
+        text
+    };
+    assert!(refusal(&[&all[0], &all[2]]).ends_with("expected all 3 shards, found none that is 1/3"));
+    let doubled = folder.path().join("copy.mcap");
+    std::fs::copy(&all[1], &doubled).unwrap();
+    let text = refusal(&[&all[0], &all[1], &all[2], &doubled]);
+    assert!(text.contains("copy.mcap: expected every shard once, found 1/3 here and in 1-1-of-3.mcap"), "{text}");
+    for (other, expected) in [
+        (make(&DatasetHeader { seed: 2, ..ours.clone() }, 1, 3), "seed 1 as 1-0-of-3.mcap, found one of seed 2"),
+        (make(&DatasetHeader { seed: 3, preset: "hard".into(), ..ours.clone() }, 1, 3), "found one of preset hard"),
+        (make(&DatasetHeader { seed: 4, pairs: 61, ..ours.clone() }, 1, 3), "found one of seed 4"),
+        (make(&ours, 1, 4), "3 shards as 1-0-of-3.mcap, found one of 4 shards"),
+    ] {
+        let text = refusal(&[&all[0], &other, &all[2]]);
+        assert!(text.contains(expected), "{text}");
+    }
+    let bytes = std::fs::read(&all[1]).unwrap();
+    std::fs::write(&all[1], &bytes[..bytes.len() / 2]).unwrap();
+    assert!(refusal(&[&all[0], &all[1], &all[2]]).contains("1-1-of-3.mcap: expected a complete MCAP file"));
+    assert!(!DatasetReader::holds(&all[1], &ours, Shard::new(1, 3).unwrap()));
+    assert!(DatasetReader::holds(&all[2], &ours, Shard::new(2, 3).unwrap()));
+    // A shard is no dataset, and a dataset no shard.
+    let text = DatasetReader::open(&all[0]).err().unwrap().to_string();
+    assert!(text.ends_with("expected a whole dataset, found shard 0/3"), "{text}");
+    let whole = dataset(&folder, 20, 30);
+    assert!(refusal(&[&all[0], &whole]).ends_with("expected a shard of a dataset, found a whole one"));
+}

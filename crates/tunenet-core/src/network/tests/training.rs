@@ -76,6 +76,32 @@ fn threads_do_not_change_the_weights() {
 }
 
 #[test]
+fn rollouts_on_disk_give_the_same_weights() {
+    let folder = folder();
+    let out = dataset(&folder, 60, 400);
+    let presets = [
+        Preset { library: 21, ..short(60) },
+        Preset { course: Course::Epochs { epochs: 10 }, held_back: 0.2, ..Preset::paper() },
+    ];
+    for preset in presets {
+        let learned = |memory_bytes: usize| {
+            let mut validation = None;
+            let options = TrainOptions { memory_bytes, ..options(preset.clone(), None) };
+            let model = train(&out, &options, &mut |at| {
+                validation = at.validation;
+                true
+            });
+            (model.unwrap().to_bytes().unwrap(), validation.unwrap())
+        };
+        let in_memory = learned(TrainOptions::MEMORY_BYTES);
+        // From the first rollout on, and from the middle on.
+        for memory_bytes in [0, 10_000] {
+            assert!(learned(memory_bytes) == in_memory, "{} {memory_bytes}", preset.name);
+        }
+    }
+}
+
+#[test]
 fn without_a_scale_all_channels_are_standardised() {
     let folder = folder();
     let out = folder.path().join("pairs.mcap");
