@@ -2,17 +2,20 @@
 
 pub mod bench;
 pub mod plan;
+pub mod shard;
 pub mod track;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use serde::{Deserialize, Serialize};
 
 pub use bench::{
     Bench, BenchDiagnose, BenchIntervals, BenchPaper, BenchPreflight, BenchRegions, BenchShot, BenchSpeed, BenchTuning,
     DiagnoseRow, Measured, PaperTable, Row,
 };
 pub use plan::{Plan, PlanRule};
+pub use shard::{Merge, Sharing};
 pub use track::Track;
 
 /// Makes a simulator behave like a measured real thing.
@@ -58,6 +61,9 @@ pub enum Command {
     /// Train the two-branch network on a dataset
     #[command(after_help = TRAIN_EXAMPLES)]
     Train(Train),
+    /// Put together what --shard cut
+    #[command(after_help = shard::MERGE_EXAMPLES)]
+    Merge(Merge),
     /// Measure what is claimed
     #[command(after_help = bench::EXAMPLES)]
     Bench(Bench),
@@ -98,6 +104,7 @@ Examples:
   tunenet tune --sim assets/ball.toml --observation assets/observations/drop.csv --out tuned.toml
   tunenet tune --sim ball.toml --observation drop.csv --report drop.html
   tunenet tune --sim ball.toml --set ball.radius_m=0.02 --observation flights/*.csv --each --json
+  tunenet tune --sim ball.toml --observation 'flights/*.csv' --each --out-dir answers --jobs 4 --shard 0/8
   tunenet tune --sim ball.toml --observation log.csv --columns t_s=time,z_m=height
   tunenet tune --sim ball.toml --observation drop.mp4
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
@@ -106,6 +113,7 @@ Examples:
   tunenet diagnose --sim assets/ball.toml --observation assets/observations/light_[1-5].csv --out improved.toml
   tunenet diagnose --sim ball.toml --observation d1.csv d2.csv d3.csv --held-out d4.csv --report answer.html
   tunenet diagnose --sim ball.toml --manifest balls.toml --out improved
+  tunenet diagnose --sim ball.toml --observation 'logs/*.mcap' --each --out-dir answers --jobs 4
 Several throws in varied directions tell effects apart that one throw cannot.
 A manifest lists [[observation]] tables with `file`, and `object`, `held_out` and keys of the scene where they differ.";
 const SIMULATE_EXAMPLES: &str = "\
@@ -122,6 +130,7 @@ Examples:
   tunenet gen ball --preset easy --pairs 800 --seed 0 --out train.mcap
   tunenet gen ball --preset wide --pairs 1000 --seed 1 --out wide.mcap
   tunenet gen arm --sim assets/arm.toml --pairs 1000 --out payloads.mcap
+  tunenet gen ball --preset easy --pairs 1000000 --out all.mcap --shard auto    in a Slurm array; see `merge`
 An interrupted run goes on where it stopped when the same command is given again.";
 const TRAIN_EXAMPLES: &str = "\
 Examples:
@@ -168,14 +177,25 @@ pub struct Reading {
 }
 
 /// What every command takes.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct Common {
     /// Print one JSON object on standard output and nothing else there
+    #[serde(skip)]
     #[arg(long)]
     pub json: bool,
     /// Start of every random draw
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+}
+
+/// Where recordings are treated one by one.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Apart {
+    /// With --each: write the answer to each recording into a file of its own here; what is there already is not done again
+    #[arg(long, value_name = "FOLDER", requires = "each")]
+    pub out_dir: Option<PathBuf>,
+    #[command(flatten)]
+    pub sharing: Sharing,
 }
 
 /// What every command takes that writes a file.
@@ -226,6 +246,11 @@ pub struct Tune {
     /// Tune to each observation on its own
     #[arg(long)]
     pub each: bool,
+    #[command(flatten)]
+    pub apart: Apart,
+    /// Threads [default: one for each core]
+    #[arg(long, value_parser = jobs)]
+    pub jobs: Option<usize>,
     /// Use recordings that their checks reject; the answer may mean nothing
     #[arg(long)]
     pub force: bool,
@@ -276,6 +301,11 @@ pub struct Diagnose {
     /// List of measured files, where there are several objects
     #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
     pub manifest: Option<PathBuf>,
+    /// Diagnose each observation on its own
+    #[arg(long, conflicts_with_all = ["manifest", "held_out", "out", "out_urdf", "report"])]
+    pub each: bool,
+    #[command(flatten)]
+    pub apart: Apart,
     #[command(flatten)]
     pub reading: Reading,
     /// Write the simulation file with the tuned values and the named effects here; a folder where there are several objects
@@ -371,6 +401,8 @@ pub struct Gen {
     /// Where to write (MCAP)
     #[arg(long, value_name = "FILE.mcap")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use serde::{Deserialize, Serialize};
 
+use super::shard::Sharing;
 use super::{Common, jobs};
 
 pub const EXAMPLES: &str = "\
@@ -12,7 +14,8 @@ Examples:
   tunenet bench speed --json
   tunenet bench tuning --quick --only easy-0 easy-2cm
   tunenet bench diagnose --quick --only clean ratio-10
-An interrupted `bench tuning` or `bench diagnose` goes on where it stopped when the same command is given again.";
+  tunenet bench diagnose --shard 0/8        one of eight shares, which `tunenet merge` puts together
+All but `speed` and `grow` go on where they stopped when the same command is given again.";
 
 /// `tunenet bench`.
 #[derive(Debug, Args)]
@@ -23,7 +26,11 @@ pub struct Bench {
 }
 
 /// What is measured.
-#[derive(Debug, Subcommand)]
+///
+/// As a value it says everything that decides what comes out, and nothing else: where it goes and on how many threads is left
+/// out.
+#[derive(Debug, Clone, PartialEq, Subcommand, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Measured {
     /// Rollouts, training and tuning per second
     Speed(BenchSpeed),
@@ -44,7 +51,7 @@ pub enum Measured {
 }
 
 /// A table or figure of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 pub enum PaperTable {
     /// How far a tuned payload is from the real one
     Table1,
@@ -59,9 +66,10 @@ impl PaperTable {
 }
 
 /// `tunenet bench paper`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchPaper {
     /// Where finished cells and results are kept
+    #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-paper")]
     pub out: PathBuf,
     /// Only these
@@ -70,14 +78,18 @@ pub struct BenchPaper {
     /// One seed, few drops, short trainings
     #[arg(long)]
     pub quick: bool,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub common: Common,
 }
 
 /// `tunenet bench shot`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchShot {
     /// Where finished pieces and results are kept
+    #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-shot")]
     pub out: PathBuf,
     /// Trials of each ball [default: 200, with `--quick` 10]
@@ -86,35 +98,49 @@ pub struct BenchShot {
     /// Few trials, and none in richer worlds
     #[arg(long)]
     pub quick: bool,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub common: Common,
 }
 
 /// `tunenet bench regions`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchRegions {
     /// Recordings in each cell
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub draws: u32,
     /// Where finished cells and results are kept
+    #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-regions")]
     pub out: PathBuf,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub common: Common,
 }
 
 /// `tunenet bench preflight`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchPreflight {
     /// Records of each kind
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub records: u32,
+    /// Where finished pieces are kept
+    #[serde(skip)]
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-preflight")]
+    pub out: PathBuf,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub common: Common,
 }
 
 /// A row of `bench diagnose`: what is hidden in its recordings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 pub enum DiagnoseRow {
     /// Nothing
     Clean,
@@ -147,9 +173,10 @@ pub enum DiagnoseRow {
 }
 
 /// `tunenet bench diagnose`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchDiagnose {
     /// Where finished pieces and results are kept
+    #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-diagnose")]
     pub out: PathBuf,
     /// Only these rows
@@ -162,31 +189,45 @@ pub struct BenchDiagnose {
     #[arg(long)]
     pub quick: bool,
     /// Threads [default: one for each core]
+    #[serde(skip)]
     #[arg(long, value_parser = jobs)]
     pub jobs: Option<usize>,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub common: Common,
 }
 
 /// `tunenet bench intervals`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchIntervals {
     /// Drops in each cell
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub drops: u32,
+    /// Where finished pieces are kept
+    #[serde(skip)]
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-intervals")]
+    pub out: PathBuf,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub common: Common,
 }
 
 /// `tunenet bench speed`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchSpeed {
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub common: Common,
 }
 
 /// A row of `bench tuning`: restitutions .3 to .7 (easy) or 0 to 1 (hard), and the noise on the height.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 pub enum Row {
     #[value(name = "easy-0")]
     Easy0,
@@ -207,9 +248,10 @@ pub enum Row {
 }
 
 /// `tunenet bench tuning`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchTuning {
     /// Where finished cells, models and results are kept
+    #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-tuning")]
     pub out: PathBuf,
     /// Only these rows
@@ -221,6 +263,9 @@ pub struct BenchTuning {
     /// One short training of each preset instead of three whole ones
     #[arg(long)]
     pub quick: bool,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
     #[command(flatten)]
     pub common: Common,
 }

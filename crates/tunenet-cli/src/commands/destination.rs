@@ -49,7 +49,7 @@ impl Product {
                 .and_then(|file| Some(file.get("provenance")?.get("tool")?.as_str()?.starts_with("tunenet ")))
                 .unwrap_or(false),
             Self::Page => beginning(path).is_ok_and(|start| report::is_own(&start)),
-            Self::Dataset => DatasetReader::open(path).is_ok(),
+            Self::Dataset => DatasetReader::open(path).is_ok() || DatasetReader::open_shard(path).is_ok(),
             Self::Model => Model::load(path).is_ok(),
             Self::Unmarked => false,
         }
@@ -75,7 +75,7 @@ impl Output {
 }
 
 /// The URDF that a simulation or a task file names, which is read with it.
-fn urdf_beside(input: &Path) -> Option<PathBuf> {
+pub fn urdf_beside(input: &Path) -> Option<PathBuf> {
     if input.extension()? != "toml" {
         return None;
     }

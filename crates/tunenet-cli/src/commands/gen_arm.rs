@@ -4,11 +4,11 @@ use anyhow::Result;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use tunenet_core::Error;
-use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate};
+use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate_shard};
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::{ObservedArm, SimulationFile, simulation_file};
 
-use super::gen_pairs::tell;
+use super::gen_pairs::{place, tell, there};
 use super::load;
 use crate::cli::{Gen, Pairs};
 use crate::failure::Exit;
@@ -37,10 +37,14 @@ pub fn run(options: &Gen) -> Result<Exit> {
         PairDraw { proposed: with(proposed), target: with(target), own: Vec::new(), scale: None }
     };
     let bar = progress(options.pairs, "rollouts");
-    generate(&arm, &header, &draw, &options.out, &mut |done, _| {
+    let mut report = |done: u64, all: u64| {
+        bar.set_length(all);
         bar.set_position(done);
         true
-    })?;
+    };
+    if !there(options, &header) {
+        generate_shard(&arm, &header, options.sharing.shard, &draw, &place(options), &mut report)?;
+    }
     bar.finish_and_clear();
     Ok(tell(options, &header))
 }

@@ -1,20 +1,20 @@
 //! `tunenet gen`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use tunenet_core::Error;
-use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, fill, generate};
+use tunenet_core::network::{CoveredParameter, DatasetHeader, DatasetReader, PairDraw, fill_shard, generate_shard};
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::drawn::{Drawn, Ranges};
 use tunenet_sim::filmed::FilmedDrops;
 
 use super::destination::{self, Output, Product};
-use super::{load, print_json};
+use super::{load, print_json, shard};
 use crate::cli::{Domain, Gen, Pairs};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage};
@@ -29,11 +29,12 @@ const CENTRE_HEIGHT_M: std::ops::Range<f64> = 4.0..5.0;
 pub fn run(options: &Gen) -> Result<Exit> {
     let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
     load::ending(&options.out, &["mcap"])?;
-    let output = Output::new(&options.out, "--out", Product::Dataset);
+    let out = place(options);
+    let output = Output::new(&out, "--out", Product::Dataset);
     destination::check(&[output], &inputs, options.writing.overwrite)?;
-    if options.out.exists() && !options.out.is_file() {
+    if out.exists() && !out.is_file() {
         let message = "expected a file to write to, found a device";
-        return Err(Error::file(&options.out, message, "choose a name that ends in .mcap").into());
+        return Err(Error::file(&out, message, "choose a name that ends in .mcap").into());
     }
     if options.domain == Domain::Arm {
         return super::gen_arm::run(options);
@@ -53,7 +54,8 @@ pub fn run(options: &Gen) -> Result<Exit> {
     }
     load::of_kind(&file, tunenet_sim::simulation_file::Domain::Ball)?;
     let bar = progress(options.pairs, "rollouts");
-    let mut report = |done: u64, _: u64| {
+    let mut report = |done: u64, all: u64| {
+        bar.set_length(all);
         bar.set_position(done);
         true
     };
@@ -64,7 +66,10 @@ pub fn run(options: &Gen) -> Result<Exit> {
         }
         let drawn = Drawn::new(&file, Ranges::general())?;
         let header = drawn.header("ball/general", options.common.seed, options.pairs);
-        fill(&header, &|_, random| drawn.pair(random), &options.out, &mut report)?;
+        let pair = |_: u64, random: &mut ChaCha8Rng| drawn.pair(random);
+        if !there(options, &header) {
+            fill_shard(&header, options.sharing.shard, &pair, &out, &mut report)?;
+        }
         bar.finish_and_clear();
         return Ok(tell(options, &header));
     }
@@ -108,7 +113,9 @@ pub fn run(options: &Gen) -> Result<Exit> {
             let [proposed, target] = [proposed, target].map(|(low, high)| random.random_range(low..=high));
             filmed.pair(proposed, target, top, random)
         };
-        fill(&header, &pair, &options.out, &mut report)?;
+        if !there(options, &header) {
+            fill_shard(&header, options.sharing.shard, &pair, &out, &mut report)?;
+        }
         bar.finish_and_clear();
         return Ok(tell(options, &header));
     }
@@ -119,12 +126,37 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let scale = Some(ball.scale(&own, 0.0));
         PairDraw { proposed, target, own, scale }
     };
-    generate(ball, &header, &draw, &options.out, &mut report)?;
+    if !there(options, &header) {
+        generate_shard(ball, &header, options.sharing.shard, &draw, &out, &mut report)?;
+    }
     bar.finish_and_clear();
     Ok(tell(options, &header))
 }
 
+/// Where the pairs are written: under `--out`, or where a shard of it belongs.
+pub(super) fn place(options: &Gen) -> PathBuf {
+    options.sharing.shard.map_or_else(|| options.out.clone(), |shard| shard::file(&options.out, shard))
+}
+
+/// Whether the shard is complete already, as of a task that is sent off again. One that is not is made again, and told.
+pub(super) fn there(options: &Gen, header: &DatasetHeader) -> bool {
+    let (Some(shard), out) = (options.sharing.shard, place(options)) else { return false };
+    if !out.exists() {
+        return false;
+    }
+    let whole = DatasetReader::holds(&out, header, shard);
+    let (what, why) =
+        if whole { ("kept", "is complete already") } else { ("again", "was not this shard, or not whole") };
+    stage(what, &format!("{} {why}", out.display()));
+    whole
+}
+
 pub(super) fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
+    if let Some(shard) = options.sharing.shard {
+        let block = shard.block(header.pairs);
+        let what = format!("of {} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed);
+        return shard::tell(shard, &place(options), &what, block.end - block.start, options.common.json);
+    }
     stage(
         "wrote",
         &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), options.pairs, header.preset, header.seed),

@@ -202,6 +202,12 @@ pub fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
+/// The SHA-256 of the URDF that a simulation names, where it names one that is there.
+pub fn urdf_hash(options: &Simulation) -> Result<Option<String>> {
+    let named = options.urdf_set().or_else(|| super::destination::urdf_beside(&options.sim));
+    named.filter(|path| path.is_file()).map(|path| hash(&path)).transpose()
+}
+
 /// A pool of so many threads; of as many as the machine has cores where nothing is said.
 pub fn threads(jobs: Option<usize>) -> Result<rayon::ThreadPool> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));

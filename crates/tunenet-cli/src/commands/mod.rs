@@ -3,15 +3,19 @@
 mod bench;
 mod destination;
 pub mod diagnose;
+mod each;
 pub(crate) mod film;
 mod gen_arm;
 mod gen_pairs;
+mod globs;
 mod init;
 mod inspect;
 pub(crate) mod load;
 mod man;
+mod merge;
 mod model_cache;
 pub(crate) mod plan;
+mod shard;
 mod simulate;
 mod simulate_arm;
 mod start;
@@ -29,14 +33,25 @@ use crate::failure::Exit;
 /// Runs what the command line asks for.
 pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
     match arguments.command {
-        Command::Tune(options) => tune::run(&options),
-        Command::Diagnose(options) => diagnose::run(&options),
+        Command::Tune(mut options) => {
+            options.observation = globs::expanded(&options.observation, "--observation")?;
+            tune::run(&options)
+        }
+        Command::Diagnose(mut options) => {
+            options.observation = globs::expanded(&options.observation, "--observation")?;
+            options.held_out = globs::expanded(&options.held_out, "--held-out")?;
+            diagnose::run(&options)
+        }
         Command::Plan(options) => plan::run(&options),
         Command::Track(options) => track::run(&options),
         Command::Simulate(options) => simulate::run(&options),
-        Command::Inspect(options) => inspect::run(&options),
+        Command::Inspect(mut options) => {
+            options.files = globs::expanded(&options.files, "FILE")?;
+            inspect::run(&options)
+        }
         Command::Gen(options) => gen_pairs::run(&options),
         Command::Train(options) => train::run(&options),
+        Command::Merge(options) => merge::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::Init(options) => init::run(&options),
         Command::Man { command } => man::run(command.as_deref()),

@@ -1,6 +1,6 @@
 //! `tunenet tune`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -17,11 +17,12 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
 use super::destination::{self, Output, Product};
+use super::each::{Answered, Work};
 use super::model_cache::Cache;
 use super::tune_model::{self, Chosen};
 use super::{film, load, print_json, start};
 use crate::cli::Tune;
-use crate::failure::{Exit, sentence as error_sentence};
+use crate::failure::Exit;
 use crate::report::{self, tune::Answer};
 use crate::terminal::{between, four_digits, in_words, list, rounded, stage, table, tally, warn};
 
@@ -39,12 +40,15 @@ pub fn run(options: &Tune) -> Result<Exit> {
     }
     let began = Instant::now();
     load::distinct(options.observation.iter().map(AsRef::as_ref))?;
-    let recordings = options.observation.iter().map(|path| read(path, options, &file)).collect::<Result<Vec<_>>>();
+    let threads = load::threads(options.jobs)?;
+    let all = || options.observation.iter().map(|path| read(path, options, &file)).collect::<Result<Vec<_>>>();
+    let recordings = threads.install(all);
     let recordings = match recordings {
         Ok(recordings) => recordings,
         Err(error) => return film::tell_unseen(error, SCHEMA, options.common.json),
     };
-    let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
+    let (outcome, chosen) =
+        threads.install(|| tune_to(options, &file, model.as_ref(), &recordings, &options.observation))?;
     if let Some(out) = &options.out {
         write_tuned(options, &file, &outcome, out)?;
     }
@@ -89,51 +93,51 @@ fn answer(file: &SimulationFile, names: Vec<String>, recordings: Vec<Recording>,
     Ok(Answer::new(&ball, names, seen, outcome)?)
 }
 
-/// Each observation on its own: one that cannot be used does not keep the others from being tuned to.
+/// Each observation on its own.
 fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<Exit> {
     if options.out.is_some() {
         let (expected, found) = ("no `--out` beside `--each`, which has several answers".into(), "both".into());
         return Err(Error::Setting { name: "--out", expected, found }.into());
     }
-    let (mut all, mut worst, mut refused, mut cases) = (Vec::new(), Exit::Done, 0, Vec::new());
-    for path in &options.observation {
+    if options.apart.out_dir.is_some() && options.report.is_some() {
+        let (expected, found) =
+            ("no `--report` beside `--out-dir`, which keeps answers without drawings".into(), "both".into());
+        return Err(Error::Setting { name: "--report", expected, found }.into());
+    }
+    let work = Work {
+        tool: "tune",
+        observation: &options.observation,
+        apart: &options.apart,
+        jobs: options.jobs,
+        json: options.common.json,
+        run: decides(options, file)?,
+    };
+    let (exit, cases) = work.run(&|path| {
         let began = Instant::now();
-        let tuned = read(path, options, file)
-            .and_then(|r| tune_to(options, file, model, std::slice::from_ref(&r)).map(|outcome| (r, outcome)));
-        let name = load::name(path);
-        match tuned {
-            Ok((recording, (outcome, chosen))) => {
-                if exit(outcome.verdict) == Exit::Inconclusive {
-                    worst = Exit::Inconclusive;
-                }
-                let mut one = as_json(&outcome, &chosen, began.elapsed().as_secs_f64());
-                one["file"] = Value::String(name.clone());
-                anstream::eprintln!("{name}: {}", sentence(&outcome));
-                all.push(one);
-                if options.report.is_some() {
-                    cases.push((name.clone(), Ok(answer(file, vec![name], vec![recording], outcome)?)));
-                }
-            }
-            Err(error) => {
-                refused += 1;
-                let text = error_sentence(&error);
-                // Most errors begin with the path already.
-                let place = if text.contains(&name) { String::new() } else { format!("{name}: ") };
-                anstream::eprintln!("{place}{text}");
-                all.push(json!({ "schema": SCHEMA, "file": name, "error": text }));
-                cases.push((name, Err(text)));
-            }
-        }
-    }
-    if options.common.json {
-        print_json(&json!({ "schema": "tunenet.tune.each/1", "observations": all }));
-    }
+        let recording = read(path, options, file)?;
+        let (outcome, chosen) = tune_to(options, file, model, std::slice::from_ref(&recording), &[path.into()])?;
+        let object = as_json(&outcome, &chosen, began.elapsed().as_secs_f64());
+        let line = sentence(&outcome);
+        let drawn = || answer(file, vec![load::name(path)], vec![recording], outcome);
+        let case = options.report.is_some().then(drawn).transpose()?;
+        Ok(Answered { object, line, case })
+    })?;
     if let Some(path) = &options.report {
         report::tune::each(path, &cases, &provenance(options))?;
         stage("report", &path.display().to_string());
     }
-    stage("done", &format!("{} observations, {refused} refused", options.observation.len()));
-    Ok(if refused > 0 { Exit::Refused } else { worst })
+    Ok(exit)
+}
+
+/// Everything but the recordings that decides what comes out.
+fn decides(options: &Tune, file: &SimulationFile) -> Result<Value> {
+    let hash = |path: &Option<PathBuf>| path.as_deref().map(load::hash).transpose();
+    Ok(json!({
+        "simulation": file.text(), "urdf": load::urdf_hash(&options.simulation)?,
+        "reading": format!("{:?}", options.reading), "reference": hash(&options.reference)?,
+        "model": hash(&options.model)?, "initial": options.initial, "iterations": options.iterations,
+        "clamp": options.clamp, "force": options.force, "seed": options.common.seed,
+    }))
 }
 
 fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording> {
@@ -157,14 +161,13 @@ fn tune_to(
     file: &SimulationFile,
     model: Option<&Model>,
     recordings: &[Recording],
+    paths: &[PathBuf],
 ) -> Result<(Outcome, Chosen)> {
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
         let found = recordings[other].observation.kind().name();
-        let message = format!("expected {} as in {}, found {found}", kind.name(), load::name(&options.observation[0]));
-        return Err(
-            Error::file(&options.observation[other], message, "tune to each kind alone, or use `--each`").into()
-        );
+        let message = format!("expected {} as in {}, found {found}", kind.name(), load::name(&paths[0]));
+        return Err(Error::file(&paths[other], message, "tune to each kind alone, or use `--each`").into());
     }
     let arm = file.domain() == Domain::Arm;
     let learned =
@@ -182,14 +185,14 @@ fn tune_to(
     let bare = if filmed || arm || kind == Kind::Joints {
         None
     } else {
-        Some(ObservedBall::new(file, kind).with_context(|| names(options))?)
+        Some(ObservedBall::new(file, kind).with_context(|| names(paths))?)
     };
     let bare = bare.map(|ball| ball.forced(options.force));
     let ball = match &bare {
         Some(bare) => observed::around(file, bare.clone())?,
         // What it refuses is the simulation file's or the URDF's, and says so.
         None if arm => simulator(file, kind)?,
-        None => simulator(file, kind).with_context(|| names(options))?,
+        None => simulator(file, kind).with_context(|| names(paths))?,
     };
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
@@ -198,7 +201,7 @@ fn tune_to(
         // A payload below 0 cannot be simulated.
         clamp: options.clamp || !paper || arm,
         finish: !paper,
-        names: if options.each { Vec::new() } else { options.observation.iter().map(|p| load::name(p)).collect() },
+        names: if options.each { Vec::new() } else { paths.iter().map(|p| load::name(p)).collect() },
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let cache = if options.no_cache { Cache::none() } else { Cache::of_user() };
@@ -215,13 +218,13 @@ fn tune_to(
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
     let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
-    let mut outcome = tuned.with_context(|| names(options))?;
+    let mut outcome = tuned.with_context(|| names(paths))?;
     if replays(file) {
         suspect(file, &mut outcome, options.reference.is_some());
         outcome.notes.splice(0..0, load::lacks(file)?);
     }
     let several = recordings.len() > 1;
-    let named = options.observation.iter().zip(recordings).flat_map(|(path, recording)| {
+    let named = paths.iter().zip(recordings).flat_map(|(path, recording)| {
         recording.notes.iter().map(move |note| {
             let which = if several { format!("{}: ", load::name(path)) } else { String::new() };
             Note { text: format!("{which}{}", note.text), ..note.clone() }
@@ -232,8 +235,8 @@ fn tune_to(
     Ok((outcome, chosen))
 }
 
-fn names(options: &Tune) -> String {
-    if options.observation.len() == 1 { load::name(&options.observation[0]) } else { "these observations".into() }
+fn names(paths: &[PathBuf]) -> String {
+    if paths.len() == 1 { load::name(&paths[0]) } else { "these observations".into() }
 }
 
 fn exit(verdict: Verdict) -> Exit {

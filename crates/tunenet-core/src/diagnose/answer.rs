@@ -2,10 +2,10 @@
 
 use crate::observation::{Note, Observation};
 use crate::simulator::{Effect, Phase};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The answer in one word. Each is a result, none an error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Nothing is missing that these recordings could show.

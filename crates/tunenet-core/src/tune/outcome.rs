@@ -6,10 +6,10 @@ use crate::observation::Note;
 use crate::observation::preflight::Check;
 use crate::simulator::{Parameter, Prepared};
 use nalgebra::DMatrix;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The answer in one word. Each is a result, none an error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The simulator now does what was measured, up to the noise.
@@ -23,7 +23,7 @@ pub enum Verdict {
 }
 
 /// How a parameter stands after tuning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// The data determine it. On a bound, where the truth may lie, its interval is one-sided.

@@ -10,14 +10,17 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tunenet_core::observation::{Kind, Observation};
-use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
+use tunenet_core::tune::{Settings, Verdict, tune};
 use tunenet_sim::{ObservedBall, SimulationFile};
 
+use super::resume::Store;
 use super::tuning::closed_form::Drop;
-use crate::cli::BenchIntervals;
+use crate::cli::{BenchIntervals, Measured};
 use crate::commands::print_json;
+use crate::commands::shard::mark::program;
 use crate::failure::Exit;
 use crate::terminal::{progress, table};
 
@@ -30,6 +33,8 @@ const FALL_M: std::ops::Range<f64> = 3.5..4.5;
 const OWN_SEED: u64 = 0x1A7E_54A1;
 const RESTITUTIONS: [(f64, f64); 3] = [(0.0, 0.1), (0.1, 0.9), (0.9, 1.0)];
 const NOISES_M: [f64; 3] = [0.005, 0.01, 0.03];
+/// Drops that are kept in one piece.
+const PIECE: u32 = 50;
 
 /// What one cell of the table found.
 struct Cell {
@@ -44,25 +49,43 @@ struct Cell {
     median_error: f64,
 }
 
+/// What came of one drop.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Tried {
+    /// Whether the interval holds the truth.
+    holds: bool,
+    error: f64,
+    verdict: Verdict,
+}
+
 pub fn run(options: &BenchIntervals) -> Result<Exit> {
+    let seed = options.common.seed;
+    // The version alone would not tell a rebuilt program from the one that made a piece.
+    let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
     let cells: Vec<(bool, (f64, f64), f64)> = [true, false]
         .into_iter()
         .flat_map(|given| RESTITUTIONS.into_iter().flat_map(move |e| NOISES_M.into_iter().map(move |n| (given, e, n))))
         .collect();
     let bar = progress(cells.len() as u64 * u64::from(options.drops), "drops");
     let mut found = Vec::with_capacity(cells.len());
-    for (given, restitution, noise_m) in cells {
-        let outcomes: Vec<(f64, Outcome)> = (0..options.drops)
-            .into_par_iter()
-            .map(|number| {
-                let outcome = one(options.common.seed, number, given, restitution, noise_m);
-                bar.inc(1);
-                outcome
-            })
-            .collect::<Result<_>>()?;
-        found.push(Cell::of(given, restitution, noise_m, &outcomes));
+    for (cell, (given, restitution, noise_m)) in cells.into_iter().enumerate() {
+        let mut tried: Vec<Tried> = Vec::with_capacity(options.drops as usize);
+        for first in (0..options.drops).step_by(PIECE as usize) {
+            let numbers = first..first.saturating_add(PIECE).min(options.drops);
+            let one = |number| one(seed, number, given, restitution, noise_m);
+            let name = format!("intervals-{cell}-from-{first}-to-{}", numbers.end);
+            let make = || numbers.clone().into_par_iter().map(one).collect::<Result<Vec<Tried>>>();
+            tried.extend(store.piece(&name, make)?.into_iter().flatten());
+            bar.inc(numbers.len() as u64);
+        }
+        if options.sharing.shard.is_none() {
+            found.push(Cell::of(given, restitution, noise_m, &tried));
+        }
     }
     bar.finish_and_clear();
+    if let Some(exit) = store.finished(Measured::Intervals(options.clone()), options.common.json)? {
+        return Ok(exit);
+    }
     let head =
         ["height, surface", "restitution", "noise", "95 % holds", "poor fit", "no answer", "mean error", "median"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
@@ -78,8 +101,8 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// Draws a drop, tunes to it, and returns its true restitution with what was found.
-fn one(seed: u64, number: u32, given: bool, restitution: (f64, f64), noise_m: f64) -> Result<(f64, Outcome)> {
+/// Draws a drop, tunes to it, and holds what was found against the truth.
+fn one(seed: u64, number: u32, given: bool, restitution: (f64, f64), noise_m: f64) -> Result<Tried> {
     let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(OWN_SEED));
     random.set_stream(u64::from(number));
     let drop =
@@ -98,26 +121,28 @@ fn one(seed: u64, number: u32, given: bool, restitution: (f64, f64), noise_m: f6
         drop.heights(&clock).into_iter().map(|z| [noise(), noise(), RADIUS_M + z + noise()]).collect();
     let ball = ObservedBall::new(&file, Kind::Positions)?;
     let seen = Observation::positions(clock, &positions)?;
-    Ok((drop.restitution, tune(&ball, &[seen], None, &Settings::default())?))
+    let outcome = tune(&ball, &[seen], None, &Settings::default())?;
+    let (first, truth) = (outcome.parameters.first(), drop.restitution);
+    Ok(Tried {
+        holds: first.is_some_and(|p| (p.interval95.0..=p.interval95.1).contains(&truth)),
+        error: first.map_or(1.0, |p| (p.value - truth).abs()),
+        verdict: outcome.verdict,
+    })
 }
 
 impl Cell {
-    fn of(given: bool, restitution: (f64, f64), noise_m: f64, outcomes: &[(f64, Outcome)]) -> Self {
-        let count = outcomes.len() as f64;
-        let share = |is: &dyn Fn(&(f64, Outcome)) -> bool| outcomes.iter().filter(|o| is(o)).count() as f64 / count;
-        let holds = |(truth, outcome): &(f64, Outcome)| {
-            outcome.parameters.first().is_some_and(|p| (p.interval95.0..=p.interval95.1).contains(truth))
-        };
-        let mut errors: Vec<f64> =
-            outcomes.iter().map(|(truth, o)| o.parameters.first().map_or(1.0, |p| (p.value - truth).abs())).collect();
+    fn of(given: bool, restitution: (f64, f64), noise_m: f64, tried: &[Tried]) -> Self {
+        let count = tried.len() as f64;
+        let share = |is: &dyn Fn(&Tried) -> bool| tried.iter().filter(|o| is(o)).count() as f64 / count;
+        let mut errors: Vec<f64> = tried.iter().map(|one| one.error).collect();
         errors.sort_by(f64::total_cmp);
         Self {
             given,
             restitution,
             noise_m,
-            covered: share(&holds),
-            called_poor: share(&|o| o.1.verdict == Verdict::PoorFit),
-            unanswered: share(&|o| matches!(o.1.verdict, Verdict::Rejected | Verdict::NotIdentifiable)),
+            covered: share(&|o| o.holds),
+            called_poor: share(&|o| o.verdict == Verdict::PoorFit),
+            unanswered: share(&|o| matches!(o.verdict, Verdict::Rejected | Verdict::NotIdentifiable)),
             mean_error: errors.iter().sum::<f64>() / count,
             median_error: errors[errors.len() / 2],
         }

@@ -13,13 +13,36 @@ mod shot;
 mod speed;
 mod tuning;
 
+use std::path::Path;
+
 use anyhow::Result;
 
 use crate::cli::{Bench, Measured};
 use crate::failure::Exit;
 
 pub fn run(options: &Bench) -> Result<Exit> {
-    match &options.what {
+    measure(&options.what)
+}
+
+/// The whole answer from the pieces that shards have brought to `out`.
+pub fn merged(mut bench: Measured, out: &Path, as_json: bool) -> Result<Exit> {
+    let (folder, common) = match &mut bench {
+        Measured::Tuning(options) => (&mut options.out, &mut options.common),
+        Measured::Diagnose(options) => (&mut options.out, &mut options.common),
+        Measured::Intervals(options) => (&mut options.out, &mut options.common),
+        Measured::Regions(options) => (&mut options.out, &mut options.common),
+        Measured::Preflight(options) => (&mut options.out, &mut options.common),
+        Measured::Paper(options) => (&mut options.out, &mut options.common),
+        Measured::Shot(options) => (&mut options.out, &mut options.common),
+        Measured::Speed(_) => anyhow::bail!("`bench speed` has no shards"),
+    };
+    *folder = out.into();
+    common.json = as_json;
+    measure(&bench)
+}
+
+fn measure(bench: &Measured) -> Result<Exit> {
+    match bench {
         Measured::Speed(options) => speed::run(options),
         Measured::Tuning(options) => tuning::run(options),
         Measured::Diagnose(options) => diagnose::run(options),

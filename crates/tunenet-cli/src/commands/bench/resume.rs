@@ -1,25 +1,73 @@
 //! What is finished, kept on disk, so that an interrupted run goes on where it stopped.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::{Context, Result};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
+use tunenet_core::network::Shard;
 use tunenet_core::observation::recording::write_atomically;
+
+use crate::cli::{Measured, Sharing};
+use crate::commands::shard::{self, Job, Mark, mark};
+use crate::failure::Exit;
 
 /// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and whatever
 /// else decides what comes out.
+///
+/// Of a run in shards, [`piece`](Self::piece) makes every n-th alone, in a folder of the shard's own.
 pub struct Store {
     folder: PathBuf,
     run: Value,
+    shard: Option<Shard>,
+    /// How many pieces were asked for, and how many of them are this shard's.
+    pieces: AtomicU64,
+    mine: AtomicU64,
 }
 
 impl Store {
-    pub fn open(folder: &Path, run: Value) -> Result<Self> {
-        let store = Self { folder: folder.into(), run };
+    pub fn open(folder: &Path, run: Value, sharing: &Sharing) -> Result<Self> {
+        let folder = shard::folder(folder, sharing.shard);
+        if sharing.shard.is_some() {
+            mark::clear_damage(&folder)?;
+        }
+        let (pieces, mine) = (AtomicU64::new(0), AtomicU64::new(0));
+        let store = Self { folder, run, shard: sharing.shard, pieces, mine };
         store.room("cells")?;
         Ok(store)
+    }
+
+    /// Whether this is one share of a run.
+    pub fn sharded(&self) -> bool {
+        self.shard.is_some()
+    }
+
+    /// Whether the next piece is this shard's. Asked once for each piece, in the same order in every run; without shards
+    /// every piece is.
+    pub fn turn(&self) -> bool {
+        let number = self.pieces.fetch_add(1, Ordering::Relaxed);
+        let mine = self.shard.is_none_or(|shard| shard.takes(number));
+        self.mine.fetch_add(u64::from(mine), Ordering::Relaxed);
+        mine
+    }
+
+    /// As [`keep`](Self::keep), for a piece that can be made apart from all others; `None` where it is another shard's.
+    pub fn piece<T: Serialize + DeserializeOwned>(
+        &self,
+        name: &str,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Option<T>> {
+        if self.turn() { self.keep(name, make).map(Some) } else { Ok(None) }
+    }
+
+    /// Of a run in shards: marks this one as finished and says so. `None` where the whole answer is to follow.
+    pub fn finished(&self, bench: Measured, as_json: bool) -> Result<Option<Exit>> {
+        let Some(shard) = self.shard else { return Ok(None) };
+        Mark::write(&self.folder, shard, Job::Bench(bench))?;
+        let of = format!("of {} pieces", self.pieces.load(Ordering::Relaxed));
+        Ok(Some(shard::tell(shard, &self.folder, &of, self.mine.load(Ordering::Relaxed), as_json)))
     }
 
     /// A folder of its own within, made where it is missing.
@@ -56,9 +104,24 @@ mod tests {
     #[test]
     fn a_piece_is_made_once_for_a_run() {
         let folder = tempfile::tempdir().unwrap();
-        let store = |seed: u64| Store::open(folder.path(), json!({ "seed": seed })).unwrap();
+        let store = |seed: u64| Store::open(folder.path(), json!({ "seed": seed }), &Sharing::default()).unwrap();
         assert_eq!(store(1).keep("a", || Ok(0.1 + 0.2)).unwrap(), 0.1 + 0.2);
         assert_eq!(store(1).keep::<f64>("a", || anyhow::bail!("made twice")).unwrap(), 0.1 + 0.2);
         assert_eq!(store(2).keep("a", || Ok(0.5)).unwrap(), 0.5);
+    }
+
+    #[test]
+    fn shards_share_the_pieces_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let made: Vec<Vec<u64>> = (0..3)
+            .map(|index| {
+                let shard = Some(Shard::new(index, 3).unwrap());
+                let store = Store::open(&folder.path().join("out"), json!({}), &Sharing { shard }).unwrap();
+                (0..8).filter_map(|i| store.piece(&format!("p{i}"), || Ok(i)).unwrap()).collect()
+            })
+            .collect();
+        assert_eq!(made, [vec![0, 3, 6], vec![1, 4, 7], vec![2, 5]]);
+        assert!(folder.path().join("out.shard-2-of-3/cells/p5.json").is_file());
+        assert!(!folder.path().join("out").exists());
     }
 }

@@ -47,6 +47,11 @@ interval95 = { restitution = [0.70, 0.74] }
 ";
 
 pub fn run(options: &BenchSpeed) -> Result<Exit> {
+    if let Some(shard) = options.sharing.shard {
+        let (expected, found) =
+            ("none: `bench speed` times one machine, and has nothing to cut".into(), format!("`{shard}`"));
+        return Err(tunenet_core::Error::Setting { name: "--shard", expected, found }.into());
+    }
     let clock: Vec<f64> = (0..FRAMES).map(|i| i as f64 / RATE_HZ).collect();
     let mut random = ChaCha8Rng::seed_from_u64(options.common.seed);
     let drops: Vec<(f64, f64)> =

@@ -29,6 +29,14 @@ pub struct Source {
     pub scene: Vec<(String, String)>,
 }
 
+impl Source {
+    /// A file by itself.
+    pub fn alone(path: &Path, reference: Option<PathBuf>) -> Self {
+        let (path, object) = (path.to_path_buf(), ONLY.to_owned());
+        Self { path, object, held_out: false, reference, scene: Vec::new() }
+    }
+}
+
 /// Everything that is to be read, in the order given. A recording that is given twice is refused, be it for training, held
 /// out or as both.
 pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {

@@ -15,9 +15,11 @@ mod tell;
 use std::time::Instant;
 
 use anyhow::Result;
+use serde_json::json;
 use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
 
 use self::answer::Answer;
+use super::each::{Answered, Work};
 use super::print_json;
 use crate::cli::Diagnose;
 use crate::failure::Exit;
@@ -25,6 +27,9 @@ use crate::report;
 use crate::terminal::stage;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
+    if options.each {
+        return each(options);
+    }
     let sources = manifest::sources(options)?;
     improve::writable(options, &sources)?;
     let loaded = load::load(options, &sources)?;
@@ -49,6 +54,27 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         Verdict::None | Verdict::Named => Exit::Done,
         Verdict::OneOf | Verdict::Unknown | Verdict::Insufficient => Exit::Inconclusive,
     })
+}
+
+/// Each recording on its own.
+fn each(options: &Diagnose) -> Result<Exit> {
+    let file = super::load::simulation(&options.simulation)?;
+    let reference = options.reference.as_deref().map(super::load::hash).transpose()?;
+    let run = json!({
+        "simulation": file.text(), "urdf": super::load::urdf_hash(&options.simulation)?,
+        "reading": format!("{:?}", options.reading), "reference": reference, "seed": options.common.seed,
+    });
+    let (observation, jobs, json) = (&options.observation, options.jobs, options.common.json);
+    let work = Work { tool: "diagnose", observation, apart: &options.apart, jobs, json, run };
+    let (exit, _) = work.run::<()>(&|path| {
+        let sources = [manifest::Source::alone(path, options.reference.clone())];
+        let loaded = load::load(options, &sources)?;
+        let began = Instant::now();
+        let diagnosis = ask(&loaded, options.common.seed)?;
+        let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
+        Ok(Answered { object: json::object(&answer), line: tell::sentence(&answer), case: None })
+    })?;
+    Ok(exit)
 }
 
 fn provenance(options: &Diagnose, sources: &[manifest::Source]) -> report::Provenance {

@@ -122,7 +122,7 @@ fn given_as_held_out(answer: &Answer, name: &str) -> bool {
 }
 
 /// The verdict in one sentence.
-fn sentence(answer: &Answer) -> String {
+pub fn sentence(answer: &Answer) -> String {
     let diagnosis = answer.diagnosis;
     match diagnosis.verdict {
         Verdict::None => "NONE  nothing is missing that these recordings could show".into(),

@@ -28,7 +28,7 @@ use self::results::Results;
 use self::rows::{Cell, Counts};
 use self::trial::Trial;
 use super::resume::Store;
-use crate::cli::{BenchDiagnose, DiagnoseRow as Row};
+use crate::cli::{BenchDiagnose, DiagnoseRow as Row, Measured};
 use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage};
@@ -47,7 +47,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     let seed = options.common.seed;
     // The version alone would not tell a rebuilt program from the one that made a cell.
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
-    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }))?;
+    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }), &options.sharing)?;
     let cells: Vec<Cell> = rows.iter().flat_map(|row| row.cells(counts)).collect();
     let bar = progress(cells.iter().map(|c| c.count).sum(), "sets");
     let threads = load::threads(options.jobs)?;
@@ -55,7 +55,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     let asked = Asked::new()?;
     let mut tables = Vec::new();
     for row in rows {
-        let those: Vec<&Cell> = cells.iter().filter(|c| c.row == row).collect();
+        let those: Vec<&Cell> = cells.iter().filter(|c| c.row == row && store.turn()).collect();
         let keep = |cell: &&Cell, alone: bool| {
             let name = format!("{}-from-{}-{}", cell.name, cell.first, cell.count);
             let trials = store.keep(&name, || trials(&asked, cell, seed, PURPOSE, alone));
@@ -67,9 +67,14 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
         } else {
             threads.install(|| those.par_iter().map(|cell| keep(cell, false)).collect::<Result<_>>())?
         };
-        tables.push(results::table(row, &pieces.concat()));
+        if options.sharing.shard.is_none() {
+            tables.push(results::table(row, &pieces.concat()));
+        }
     }
     bar.finish_and_clear();
+    if let Some(exit) = store.finished(Measured::Diagnose(options.clone()), options.common.json)? {
+        return Ok(exit);
+    }
     let results = Results {
         schema: "tunenet.bench.diagnose/1",
         command: command(options),

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use serde_json::{Map, json};
 
 use super::resume::Store;
-use crate::cli::{BenchPaper, PaperTable};
+use crate::cli::{BenchPaper, Measured, PaperTable};
 use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::stage;
@@ -18,22 +18,22 @@ pub fn run(options: &BenchPaper) -> Result<Exit> {
     // The version alone would not tell a rebuilt program from the one that made a cell.
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
     let key = json!({ "program": program, "seed": seed, "quick": options.quick });
-    let store = Store::open(&options.out, key)?;
+    let store = Store::open(&options.out, key, &options.sharing)?;
     let mut all = Map::from_iter([("schema".into(), json!("tunenet.bench.paper/1"))]);
     for table in if options.only.is_empty() { &PaperTable::ALL[..] } else { &options.only } {
         let (name, text, value) = match table {
             PaperTable::Table1 => {
-                let results = table1::run(&store, seed, options.quick)?;
+                let Some(results) = table1::run(&store, seed, options.quick)? else { continue };
                 table1::write(&options.out, &results)?;
                 ("table1", table1::markdown(&results), table1::as_json(&results))
             }
             PaperTable::Table2 => {
-                let results = table2::run(&store, seed, options.quick)?;
+                let Some(results) = table2::run(&store, seed, options.quick)? else { continue };
                 table2::write(&options.out, &results)?;
                 ("table2", table2::markdown(&results), table2::as_json(&results))
             }
             PaperTable::Table3 => {
-                let results = table3::run(&store, seed, options.quick)?;
+                let Some(results) = table3::run(&store, seed, options.quick)? else { continue };
                 table3::write(&options.out, &results)?;
                 ("table3", table3::markdown(&results), table3::as_json(&results))
             }
@@ -41,6 +41,9 @@ pub fn run(options: &BenchPaper) -> Result<Exit> {
         anstream::eprintln!("{text}");
         stage("wrote", &options.out.join(format!("{name}.md")).display().to_string());
         all.insert(name.into(), value);
+    }
+    if let Some(exit) = store.finished(Measured::Paper(options.clone()), options.common.json)? {
+        return Ok(exit);
     }
     if options.common.json {
         print_json(&all.into());

@@ -134,7 +134,7 @@ fn clock(end_s: f64, rate_hz: f64) -> Vec<f64> {
 }
 
 /// What came of one recording.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Found {
     /// For each parameter: its name, whether its interval holds the truth, and how it stands.
     pub parameters: Vec<(String, bool, Status)>,

@@ -21,10 +21,13 @@ use tunenet_core::tune::Status;
 
 use self::cell::{Cell, Found};
 use super::resume::Store;
-use crate::cli::BenchRegions;
+use crate::cli::{BenchRegions, Measured};
 use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage};
+
+/// Recordings that are kept in one piece.
+const PIECE: u32 = 50;
 
 /// What one cell found: shares of its recordings.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -57,24 +60,28 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
     let seed = options.common.seed;
     // The version alone would not tell a rebuilt program from the one that made a cell.
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
-    let store = Store::open(&options.out, json!({ "program": program, "seed": seed, "draws": options.draws }))?;
+    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }), &options.sharing)?;
     let cells = Cell::all();
     let bar = progress(cells.len() as u64 * u64::from(options.draws), "recordings");
     let mut rows = Vec::with_capacity(cells.len());
     for (number, cell) in cells.into_iter().enumerate() {
-        let make = || {
-            let one = |draw: u32| {
-                let found = cell.one(seed, ((number as u64) << 32) + u64::from(draw));
-                bar.inc(1);
-                found
-            };
-            Ok(Row::of(cell, &(0..options.draws).into_par_iter().map(one).collect::<Result<Vec<_>>>()?))
-        };
-        let row: Row = store.keep(&format!("region-{number}"), make)?;
-        bar.set_position((number as u64 + 1) * u64::from(options.draws));
-        rows.push(row);
+        let mut found: Vec<Found> = Vec::with_capacity(options.draws as usize);
+        for first in (0..options.draws).step_by(PIECE as usize) {
+            let draws = first..first.saturating_add(PIECE).min(options.draws);
+            let one = |draw: u32| cell.one(seed, ((number as u64) << 32) + u64::from(draw));
+            let make = || draws.clone().into_par_iter().map(one).collect::<Result<Vec<_>>>();
+            let name = format!("region-{number}-from-{first}-to-{}", draws.end);
+            found.extend(store.piece(&name, make)?.into_iter().flatten());
+            bar.inc(draws.len() as u64);
+        }
+        if options.sharing.shard.is_none() {
+            rows.push(Row::of(cell, &found));
+        }
     }
     bar.finish_and_clear();
+    if let Some(exit) = store.finished(Measured::Regions(options.clone()), options.common.json)? {
+        return Ok(exit);
+    }
     let command = format!("tunenet bench regions --draws {} --seed {seed}", options.draws);
     let text = markdown(&command, &rows);
     let object: Value = json!({

@@ -29,7 +29,7 @@ use self::results::{Results, Series};
 use self::trial::{Planner, Target, Trial};
 use self::world::{RADIUS_M, State};
 use super::resume::Store;
-use crate::cli::BenchShot;
+use crate::cli::{BenchShot, Measured};
 use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage};
@@ -51,7 +51,7 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
     let richer = if options.quick { 0 } else { trials.div_ceil(RICHER) };
     // The version alone would not tell a rebuilt program from the one that made a piece.
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
-    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }))?;
+    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }), &options.sharing)?;
     let planner = Planner::new()?;
     let balls = ball::all(&mut stream(seed, "balls", 0, 0));
     let bar = progress(6 * (trials + richer), "shots");
@@ -65,7 +65,8 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
             for first in (0..count).step_by(usize::try_from(PIECE)?) {
                 let numbers = first..(first + PIECE).min(count);
                 let piece = format!("{name}-from-{first}-to-{}", numbers.end);
-                all.extend(store.keep(&piece, || played(&target, &name, seed, numbers.clone(), &planner))?);
+                let played = store.piece(&piece, || played(&target, &name, seed, numbers.clone(), &planner))?;
+                all.extend(played.into_iter().flatten());
                 bar.inc(numbers.end - first);
             }
             if count > 0 {
@@ -74,6 +75,9 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
         }
     }
     bar.finish_and_clear();
+    if let Some(exit) = store.finished(Measured::Shot(options.clone()), options.common.json)? {
+        return Ok(exit);
+    }
     let results = Results { seed, quick: options.quick, trials, series };
     results.write(&options.out)?;
     anstream::eprintln!("{}", results.markdown());

@@ -35,7 +35,7 @@ use self::rivals::Stored;
 use self::rows::{BUDGETS, Goal, Limit, Statistic};
 use self::targets::{Simulation, Target};
 use super::resume::Store;
-use crate::cli::{BenchTuning, Row};
+use crate::cli::{BenchTuning, Measured, Row};
 use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage};
@@ -56,7 +56,7 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
     // The version alone would not tell a rebuilt program from the one that made a cell.
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
     let key = json!({ "program": program, "seed": seed, "targets": targets, "quick": options.quick });
-    let store = Store::open(&options.out, key)?;
+    let store = Store::open(&options.out, key, &options.sharing)?;
 
     let per_row = 2 * trainings.len() as u64 + 4;
     let in_row = |row: &Row| match row {
@@ -77,7 +77,7 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
         if row == Row::General {
             for set in general::SETS {
                 let make = || general::table(set, seed, targets);
-                general.push(store.keep(&format!("general-{}", set.0), make)?);
+                general.extend(store.piece(&format!("general-{}", set.0), make)?);
                 bar.inc(1);
             }
             continue;
@@ -92,6 +92,9 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
         }
     }
     bar.finish_and_clear();
+    if let Some(exit) = store.finished(Measured::Tuning(options.clone()), options.common.json)? {
+        return Ok(exit);
+    }
     let results = Results {
         schema: "tunenet.bench.tuning/1",
         command: command(options, targets),
@@ -176,8 +179,11 @@ impl Bench<'_> {
             Ok(measure::accuracy(&measure::courses(self.simulation, tuner, &targets)?, &targets))
         })?;
         let fit = || Ok(measure::reference(self.simulation, conditions, &targets));
-        let reference = Some(self.store.keep(&format!("{}-likelihood", row.name()), fit)?);
+        let reference = self.store.piece(&format!("{}-likelihood", row.name()), fit)?;
         self.bar.inc(1);
+        if self.store.sharded() {
+            return Ok(None);
+        }
         let goals = row.goals().iter().filter_map(|g| results::hold(g, &methods, reference.as_ref())).collect();
         Ok(Some(Table {
             row: row.name().into(),
@@ -200,6 +206,9 @@ impl Bench<'_> {
                 measure::distances_cm(self.simulation, &measure::courses(self.simulation, tuner, &targets)?, &targets)
             })?;
             self.bar.inc(1);
+            if self.store.sharded() {
+                continue;
+            }
             let goal = Goal { rollouts: 5, statistic: Statistic::Mean, limit: Limit::Absolute(rival_cm) };
             let goals = results::hold(&goal, &methods, None).into_iter().collect();
             let unit = "mean distance in height, cm";
@@ -210,23 +219,26 @@ impl Bench<'_> {
         Ok(tables)
     }
 
-    /// All ways of tuning, `default` first.
+    /// All ways of tuning, `default` first; of a shard what it made of them.
     fn methods(&self, row: &str, measure: impl Fn(&Tuner) -> Result<Accuracy>) -> Result<Vec<Method>> {
         let mut methods = Vec::new();
         for preset in ["default", "paper"] {
             let mut runs = Vec::new();
             for (seed, model) in self.models.of(preset) {
                 let run = || measure(&Tuner::Network(model));
-                runs.push(self.store.keep(&format!("{row}-{preset}-{seed}"), run)?);
+                runs.extend(self.store.piece(&format!("{row}-{preset}-{seed}"), run)?);
                 self.bar.inc(1);
+            }
+            if self.store.sharded() {
+                continue;
             }
             let title = format!("preset `{preset}`, {} trainings", runs.len());
             methods.push(Method::of(preset, title, &runs));
         }
         for rival in Rival::ALL {
             let run = || measure(&Tuner::Rival(rival, self.stored));
-            let accuracy = self.store.keep(&format!("{row}-{}", rival.name()), run)?;
-            methods.push(Method::of(rival.name(), rival.title().into(), &[accuracy]));
+            let accuracy = self.store.piece(&format!("{row}-{}", rival.name()), run)?;
+            methods.extend(accuracy.map(|accuracy| Method::of(rival.name(), rival.title().into(), &[accuracy])));
             self.bar.inc(1);
         }
         Ok(methods)

@@ -5,7 +5,8 @@ mod world;
 
 use anyhow::Result;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use tunenet_core::diagnose::{Recording, Settings, Subject, Verdict, diagnose};
 use tunenet_core::observation::recording::write_atomically;
 use tunenet_core::simulator::Parameter;
@@ -15,7 +16,9 @@ use tunenet_sim::arm::{Frame, Model, urdf};
 
 use self::set::{Hidden, PAYLOAD_COM_M, draw};
 use super::blind::stream;
-use crate::cli::BenchDiagnose;
+use crate::cli::{BenchDiagnose, Measured};
+use crate::commands::bench::resume::Store;
+use crate::commands::shard::mark::program;
 use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage, table};
@@ -26,6 +29,8 @@ const WHOLE: u64 = 10;
 const CLEAN: u64 = 200;
 const OUTSIDE: u64 = 20;
 const QUICK: u64 = 1;
+/// Logs that are kept in one piece.
+const PIECE: usize = 8;
 const RATIOS: [f64; 3] = [0.3, 1.0, 3.0];
 /// Goals: exact names at or above the noise, unknown where it is in no catalogue, any name where nothing is hidden.
 const EXACT: f64 = 0.95;
@@ -33,18 +38,18 @@ const UNKNOWN: f64 = 0.95;
 const FALSE: f64 = 0.01;
 
 /// The answer to one log.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Trial {
-    truth: &'static str,
+    truth: String,
     ratio: f64,
     outside: bool,
     verdict: Verdict,
-    names: Vec<&'static str>,
+    names: Vec<String>,
 }
 
 impl Trial {
     fn exact(&self) -> bool {
-        self.verdict == Verdict::Named && self.names == [self.truth]
+        self.verdict == Verdict::Named && self.names == [self.truth.as_str()]
     }
 
     fn in_set(&self) -> bool {
@@ -107,9 +112,19 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
         bar.inc(1);
         trial
     };
-    let trials: Vec<Trial> =
-        load::threads(options.jobs)?.install(|| sets.par_iter().map(one).collect::<Result<_>>())?;
+    // The version alone would not tell a rebuilt program from the one that made a piece.
+    let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
+    let threads = load::threads(options.jobs)?;
+    let mut trials: Vec<Trial> = Vec::with_capacity(sets.len());
+    for (number, piece) in sets.chunks(PIECE).enumerate() {
+        let quick = if options.quick { "quick-" } else { "" };
+        let make = || threads.install(|| piece.par_iter().map(one).collect::<Result<Vec<_>>>());
+        trials.extend(store.piece(&format!("arm-{quick}{number}"), make)?.into_iter().flatten());
+    }
     bar.finish_and_clear();
+    if let Some(exit) = store.finished(Measured::Diagnose(options.clone()), options.common.json)? {
+        return Ok(exit);
+    }
     let lines = lines(&trials);
     let mut rows = vec![["hidden", "logs", "exact", "in the set", "unknown", "none"].map(String::from).to_vec()];
     rows.extend(lines.iter().map(Line::cells));
@@ -192,17 +207,18 @@ fn trial(model: &Model, frame: &Frame, hidden: Hidden, ratio: f64, seed: u64, nu
     } else {
         found.effects.iter().map(|e| e.effect.name).collect()
     };
-    Ok(Trial { truth: hidden.name(), ratio, outside, verdict: found.verdict, names })
+    let names = names.into_iter().map(str::to_owned).collect();
+    Ok(Trial { truth: hidden.name().into(), ratio, outside, verdict: found.verdict, names })
 }
 
 fn lines(trials: &[Trial]) -> Vec<Line> {
-    let mut keys: Vec<(&'static str, f64)> = Vec::new();
+    let mut keys: Vec<(&str, f64)> = Vec::new();
     for trial in trials {
-        if !keys.contains(&(trial.truth, trial.ratio)) {
-            keys.push((trial.truth, trial.ratio));
+        if !keys.contains(&(trial.truth.as_str(), trial.ratio)) {
+            keys.push((&trial.truth, trial.ratio));
         }
     }
-    let line = |(truth, ratio): (&'static str, f64)| {
+    let line = |(truth, ratio): (&str, f64)| {
         let those: Vec<&Trial> = trials.iter().filter(|t| t.truth == truth && t.ratio == ratio).collect();
         Line::of(format!("{truth}, {ratio} σ"), &those)
     };

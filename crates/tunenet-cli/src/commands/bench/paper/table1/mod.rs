@@ -27,7 +27,8 @@ pub const NOISE_NM: f64 = 0.5;
 const PAIRS: (u64, u64) = (1000, 300);
 const QUICK_PAIRS: (u64, u64) = (100, 30);
 
-pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
+/// `None` where only a shard of it was made.
+pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<Results>> {
     let pairs = if quick { QUICK_PAIRS } else { PAIRS };
     let bar = progress(4 + 4 * ROWS.len() as u64, "table 1");
     let sets = Sets::make(store, seed, pairs)?;
@@ -44,25 +45,26 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
                     continue;
                 }
                 let name = format!("table1-{}-{}-{noise_nm}-{seed}", row.key, set.name());
-                let errors = store.keep(&name, || {
+                let errors = store.piece(&name, || {
                     let one = |number: usize| tuners.errors(row.key, &sets, &sets.pair(set, number, noise_nm)?);
                     (0..sets.len(set)).into_par_iter().map(one).collect::<Result<Vec<_>>>()
                 })?;
-                cells.push(Cell { set, noise_nm, errors });
+                cells.extend(errors.map(|errors| Cell { set, noise_nm, errors }));
             }
         }
         rows.push(Row { title: row, cells });
     }
     let bounds = [Set::Validation, Set::Test].map(|set| {
         let name = format!("table1-bound-{}-{seed}", set.name());
-        store.keep(&name, || {
+        store.piece(&name, || {
             let one = |number: usize| sets.bound_kg(set, number, NOISE_NM);
             (0..sets.len(set)).into_par_iter().map(one).collect::<Result<Vec<f64>>>()
         })
     });
     let [validation, test] = bounds;
     bar.finish_and_clear();
-    let bounds = vec![Bound::new(Set::Validation, &validation?), Bound::new(Set::Test, &test?)];
+    let (Some(validation), Some(test), false) = (validation?, test?, store.sharded()) else { return Ok(None) };
+    let bounds = vec![Bound::new(Set::Validation, &validation), Bound::new(Set::Test, &test)];
     let (data, training) = (sets.cost, tuners.cost);
-    Ok(Results { seed, pairs, quick, rows, bounds, data, training })
+    Ok(Some(Results { seed, pairs, quick, rows, bounds, data, training }))
 }

@@ -47,7 +47,8 @@ pub const SETS: [(&str, Conditions); 4] = [
 /// Rows of the tuning bench end below; its targets are never these.
 const FIRST_STREAM: u64 = 0x200;
 
-pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
+/// `None` where only a shard of it was made.
+pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<Results>> {
     let (seeds, count) = if quick { (1, QUICK_TARGETS) } else { (SEEDS, TARGETS) };
     let simulation = Simulation::new()?;
     let stored = Stored::new(&simulation)?;
@@ -68,7 +69,7 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
             for method in Method::ALL {
                 let key = format!("table2-{set}-{}-{own}", method.key());
                 let measure = || Accuracy::of(&tuner, method, &targets, own);
-                let accuracy = store.keep(&key, measure)?;
+                let Some(accuracy) = store.piece(&key, measure)? else { continue };
                 match cells.iter_mut().find(|c| c.set == set && c.method == method) {
                     Some(cell) => cell.seeds.push(accuracy),
                     None => cells.push(Cell { set, method, seeds: vec![accuracy] }),
@@ -78,5 +79,5 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
         }
     }
     bar.finish_and_clear();
-    Ok(Results { seed, seeds, targets: count, quick, cells })
+    Ok((!store.sharded()).then_some(Results { seed, seeds, targets: count, quick, cells }))
 }

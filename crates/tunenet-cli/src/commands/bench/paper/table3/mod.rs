@@ -27,7 +27,8 @@ const QUICK_SEEDS: u64 = 1;
 const DROPS: u64 = 100;
 const QUICK_DROPS: u64 = 20;
 
-pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
+/// `None` where only a shard of it was made.
+pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<Results>> {
     let (seeds, count) = if quick { (QUICK_SEEDS, QUICK_DROPS) } else { (SEEDS, DROPS) };
     let drops = Drops::new()?;
     let bar = progress(seeds * (3 + Tuners::ROWS.len() as u64), "table 3");
@@ -57,10 +58,10 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Results> {
                     .map(one)
                     .collect::<Result<Vec<_>>>()
             };
-            row.seeds.push(store.keep(&format!("table3-{}-{own}", row.key), make)?);
+            row.seeds.extend(store.piece(&format!("table3-{}-{own}", row.key), make)?);
             bar.inc(1);
         }
     }
     bar.finish_and_clear();
-    Ok(Results { seed, seeds, drops: count, quick, rows })
+    Ok((!store.sharded()).then_some(Results { seed, seeds, drops: count, quick, rows }))
 }

@@ -1,0 +1,72 @@
+//! What the answer to each recording is called: as the recording, within the folder that all of them share.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+use anyhow::{Context, Result};
+use tunenet_core::Error;
+
+/// Names of files for the answers to `recordings`, in their order: `b/drop.csv.json` for `runs/b/drop.csv` beside
+/// `runs/a/drop.csv`. They depend on how the recordings lie to each other, not on where they lie: every machine has the same.
+///
+/// # Errors
+/// [`Error::File`] where a recording is given twice.
+pub fn of(recordings: &[PathBuf]) -> Result<Vec<String>> {
+    let places: Vec<PathBuf> = recordings.iter().map(|path| straight(path)).collect::<Result<_>>()?;
+    let mut shared: PathBuf = places.first().and_then(|p| p.parent()).unwrap_or(Path::new("")).into();
+    while !places.iter().all(|place| place.parent().is_some_and(|folder| folder.starts_with(&shared))) {
+        if !shared.pop() {
+            break;
+        }
+    }
+    let (mut names, mut known) = (Vec::with_capacity(places.len()), BTreeMap::new());
+    for (path, place) in recordings.iter().zip(&places) {
+        let within = place.strip_prefix(&shared).unwrap_or(place);
+        let parts: Vec<&str> = within
+            .components()
+            .filter_map(|part| if let Component::Normal(name) = part { Some(name.to_str()) } else { None })
+            .collect::<Option<_>>()
+            .with_context(|| format!("the name of {} is not Unicode", path.display()))?;
+        let name = format!("{}.json", parts.join("/"));
+        if known.insert(name.clone(), path).is_some() {
+            let message = "expected every recording once, found this one twice";
+            return Err(Error::file(path, message, "give every recording once").into());
+        }
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// The path from the root on, without `.` and `..`; links stay what they are.
+fn straight(path: &Path) -> Result<PathBuf> {
+    let mut place = PathBuf::new();
+    let whole = std::path::absolute(path).with_context(|| format!("the place of {}", path.display()))?;
+    for part in whole.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => drop(place.pop()),
+            other => place.push(other),
+        }
+    }
+    Ok(place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(paths: &[&str]) -> Result<Vec<String>> {
+        of(&paths.iter().map(PathBuf::from).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn answers_lie_as_recordings_do() {
+        assert_eq!(named(&["runs/a/drop.csv", "runs/b/drop.csv"]).unwrap(), ["a/drop.csv.json", "b/drop.csv.json"]);
+        assert_eq!(named(&["a/../one.csv", "./two.csv"]).unwrap(), ["one.csv.json", "two.csv.json"]);
+        assert_eq!(named(&["/x/y/one.csv"]).unwrap(), ["one.csv.json"]);
+        assert_eq!(named(&["/x/y/one.csv", "/x/two.csv"]).unwrap(), ["y/one.csv.json", "two.csv.json"]);
+        assert_eq!(named(&["x/ab/1.csv", "x/a/1.csv"]).unwrap(), ["ab/1.csv.json", "a/1.csv.json"]);
+        assert!(named(&["a/1.csv", "a/../a/1.csv"]).unwrap_err().to_string().contains("found this one twice"));
+        assert!(named(&[]).unwrap().is_empty());
+    }
+}

@@ -1,0 +1,107 @@
+//! Folders of shards: what a bench or `--each` has kept, brought into one folder, and the ordinary answer printed from it.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use tunenet_core::Error;
+
+use super::complete;
+use crate::cli::Merge;
+use crate::commands::shard::{Job, Mark, mark};
+use crate::commands::{bench, each, load};
+use crate::failure::Exit;
+use crate::terminal::stage;
+
+/// Where all shards make the same files, these have to be equal byte for byte: every trial rests on them.
+const LEARNED: [&str; 2] = ["safetensors", "mcap"];
+
+pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
+    let mut marks: Vec<(&Path, Mark)> = Vec::with_capacity(folders.len());
+    for folder in folders {
+        marks.push((folder, Mark::read(folder)?));
+    }
+    let Some((first, like)) = marks.first() else { return Ok(Exit::Done) };
+    if like.program != mark::program()? {
+        let message = "expected a shard by this very program, found one by another build of the same version";
+        return Err(Error::file(*first, message, "merge with the program that wrote the shards").into());
+    }
+    for (folder, mark) in &marks[1..] {
+        if let Some((expected, found)) = foreign(like, mark) {
+            let message = format!("expected a shard of {expected} as {}, found one of {found}", load::name(first));
+            return Err(Error::file(*folder, message, "merge the shards of one command alone").into());
+        }
+    }
+    complete(&marks.iter().map(|(folder, mark)| (*folder, mark.shard)).collect::<Vec<_>>())?;
+    for (folder, mark) in &marks {
+        mark.check(folder)?;
+    }
+    let job = like.job.clone();
+    marks.sort_by_key(|(_, mark)| mark.shard);
+    for (folder, mark) in &marks {
+        gather(folder, mark, &marks, &options.out)?;
+    }
+    stage("merged", &format!("{} shards", marks.len()));
+    match job {
+        Job::Bench(measured) => bench::merged(measured, &options.out, options.common.json),
+        Job::Each { tool, recordings, .. } => each::merged(&tool, &recordings, &options.out, options.common.json),
+    }
+}
+
+/// The first thing in which a shard differs from the others, as it should be and as it is.
+fn foreign(like: &Mark, mark: &Mark) -> Option<(String, String)> {
+    if like.program != mark.program {
+        return Some(("one build of tunenet".into(), "another build".into()));
+    }
+    let count = |mark: &Mark| format!("{} shards", mark.shard.count());
+    if like.job == mark.job {
+        return (like.shard.count() != mark.shard.count()).then(|| (count(like), count(mark)));
+    }
+    Some(match (&like.job, &mark.job) {
+        (Job::Bench(like), Job::Bench(found)) => (told(like), told(found)),
+        (Job::Each { tool, run, recordings }, Job::Each { tool: other, run: ran, recordings: treated }) => {
+            if tool != other {
+                (format!("`{tool} --each`"), format!("`{other} --each`"))
+            } else if recordings != treated {
+                (format!("{} recordings", recordings.len()), format!("{} others", treated.len()))
+            } else {
+                debug_assert_ne!(run, ran);
+                (format!("one `{tool}`"), "one with another simulation, seed or setting".into())
+            }
+        }
+        (Job::Bench(like), Job::Each { tool, .. }) => (told(like), format!("`{tool} --each`")),
+        (Job::Each { tool, .. }, Job::Bench(found)) => (format!("`{tool} --each`"), told(found)),
+    })
+}
+
+/// A bench with what decides its result, in one line.
+fn told(bench: &crate::cli::Measured) -> String {
+    let text = serde_json::to_string(bench).unwrap_or_default();
+    format!("`bench` {}", text.replace(['"', '{', '}'], "").replace(':', " "))
+}
+
+/// Copies what a shard has kept into `out`. What an earlier shard brought already stays.
+fn gather(folder: &Path, mark: &Mark, all: &[(&Path, Mark)], out: &Path) -> Result<()> {
+    for (path, hash) in &mark.files {
+        let brought = all
+            .iter()
+            .take_while(|(_, other)| other.shard != mark.shard)
+            .find_map(|(from, other)| other.files.get(path).map(|known| (*from, known)));
+        if let Some((from, known)) = brought {
+            let ending = Path::new(path).extension().and_then(|e| e.to_str()).unwrap_or_default();
+            if known != hash && LEARNED.contains(&ending) {
+                let message = format!("expected the same as in {}, found something else", load::name(from));
+                let hint = "run all shards on one kind of processor: the same seed gives the same bytes there alone";
+                return Err(Error::file(folder.join(path), message, hint).into());
+            }
+            continue;
+        }
+        let to = out.join(path);
+        if let Some(within) = to.parent() {
+            std::fs::create_dir_all(within).map_err(|source| Error::io(within, "creating", source))?;
+        }
+        let bytes = folder.join(path);
+        let mut from = std::fs::File::open(&bytes).map_err(|source| Error::io(&bytes, "reading", source))?;
+        tunenet_core::observation::recording::write_atomically(&to, |file| std::io::copy(&mut from, file).map(|_| ()))?;
+    }
+    Ok(())
+}

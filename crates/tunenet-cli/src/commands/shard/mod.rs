@@ -1,0 +1,68 @@
+//! One share of a work: where it is written, and what says that it is finished.
+//!
+//! Every shard writes to a place of its own, whose name follows from `--out` and the shard: the same command line serves all
+//! tasks of an array, and no two of them ever touch one file.
+
+pub mod mark;
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+use tunenet_core::network::Shard;
+
+pub use self::mark::{Job, Mark};
+use super::print_json;
+use crate::failure::Exit;
+use crate::terminal::stage;
+
+/// Where a shard of the file `out` is written: `pairs.mcap` becomes `pairs.shard-02-of-16.mcap`.
+pub fn file(out: &Path, shard: Shard) -> PathBuf {
+    let mut name = out.file_stem().map(OsString::from).unwrap_or_default();
+    name.push(suffix(shard));
+    if let Some(ending) = out.extension() {
+        name.push(".");
+        name.push(ending);
+    }
+    out.with_file_name(name)
+}
+
+/// Where a shard of the folder `out` is written: `results` becomes `results.shard-02-of-16`.
+pub fn folder(out: &Path, shard: Option<Shard>) -> PathBuf {
+    let Some(shard) = shard else { return out.into() };
+    // Without the slash that may stand at its end.
+    let mut name: OsString = out.components().collect::<PathBuf>().into();
+    name.push(suffix(shard));
+    name.into()
+}
+
+fn suffix(shard: Shard) -> String {
+    let width = (shard.count() - 1).to_string().len();
+    format!(".shard-{:0width$}-of-{}", shard.index(), shard.count())
+}
+
+/// Says that a shard is finished.
+pub fn tell(shard: Shard, at: &Path, what: &str, pieces: u64, as_json: bool) -> Exit {
+    stage("wrote", &format!("{}, shard {shard}, {pieces} {what}", at.display()));
+    if as_json {
+        print_json(&json!({
+            "schema": "tunenet.shard/1", "file": super::load::name(at), "shard": shard.to_string(), "pieces": pieces,
+            "warnings": [],
+        }));
+    }
+    Exit::Done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shard_has_a_place_of_its_own() {
+        let shard = |index, count| Shard::new(index, count).unwrap();
+        assert_eq!(file(Path::new("a/pairs.mcap"), shard(2, 16)), Path::new("a/pairs.shard-02-of-16.mcap"));
+        assert_eq!(file(Path::new("p.q.mcap"), shard(0, 1)), Path::new("p.q.shard-0-of-1.mcap"));
+        assert_eq!(folder(Path::new("a/out/"), Some(shard(9, 10))), Path::new("a/out.shard-9-of-10"));
+        assert_eq!(folder(Path::new("a/out"), None), Path::new("a/out"));
+    }
+}
