@@ -11,8 +11,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde::{Deserialize, Serialize};
 
 pub use bench::{
-    Bench, BenchDiagnose, BenchIntervals, BenchPaper, BenchPreflight, BenchRegions, BenchShot, BenchSpeed, BenchTuning,
-    DiagnoseRow, Measured, PaperTable, Row,
+    Bench, BenchDiagnose, BenchGrow, BenchIntervals, BenchPaper, BenchPreflight, BenchRegions, BenchShot, BenchSpeed,
+    BenchTuning, DiagnoseRow, Measured, PaperTable, Row,
 };
 pub use plan::{Plan, PlanRule};
 pub use shard::{Merge, Sharing};

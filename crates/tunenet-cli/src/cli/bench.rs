@@ -48,6 +48,8 @@ pub enum Measured {
     Paper(BenchPaper),
     /// How often a ball that was filmed once goes through a hoop
     Shot(BenchShot),
+    /// What more pairs cost in seconds, memory and bytes, and what a cluster would need
+    Grow(BenchGrow),
 }
 
 /// A table or figure of the paper.
@@ -98,6 +100,35 @@ pub struct BenchShot {
     /// Few trials, and none in richer worlds
     #[arg(long)]
     pub quick: bool,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench grow`.
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
+pub struct BenchGrow {
+    /// Sizes that are measured
+    #[arg(long, value_name = "N", num_args = 1.., default_values_t = [1_000, 10_000, 100_000], value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub pairs: Vec<u64>,
+    /// Threads of every process
+    #[arg(long, default_value_t = 2, value_parser = jobs)]
+    pub threads: usize,
+    /// Say what a cluster would need for so many pairs
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub want: Option<u64>,
+    /// Of so many nodes
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub nodes: u32,
+    /// Of so many cores each
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub cores: u32,
+    /// Where data sets lie while they are measured, and results are kept
+    #[serde(skip)]
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-grow")]
+    pub out: PathBuf,
     #[serde(skip)]
     #[command(flatten)]
     pub sharing: Sharing,

@@ -2,6 +2,7 @@
 
 mod diagnose;
 mod film_speed;
+mod grow;
 mod intervals;
 mod paper;
 mod preflight;
@@ -34,7 +35,7 @@ pub fn merged(mut bench: Measured, out: &Path, as_json: bool) -> Result<Exit> {
         Measured::Preflight(options) => (&mut options.out, &mut options.common),
         Measured::Paper(options) => (&mut options.out, &mut options.common),
         Measured::Shot(options) => (&mut options.out, &mut options.common),
-        Measured::Speed(_) => anyhow::bail!("`bench speed` has no shards"),
+        Measured::Speed(_) | Measured::Grow(_) => anyhow::bail!("this bench has no shards"),
     };
     *folder = out.into();
     common.json = as_json;
@@ -51,5 +52,6 @@ fn measure(bench: &Measured) -> Result<Exit> {
         Measured::Preflight(options) => preflight::run(options),
         Measured::Paper(options) => paper::run(options),
         Measured::Shot(options) => shot::run(options),
+        Measured::Grow(options) => grow::run(options),
     }
 }

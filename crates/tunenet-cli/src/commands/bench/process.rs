@@ -23,10 +23,22 @@ pub fn run(arguments: &[&str]) -> Result<Cost> {
     run_program(&std::env::current_exe().context("this program's own path")?, arguments)
 }
 
+/// Runs this executable with `arguments` on so many threads.
+pub fn run_on(threads: usize, arguments: &[&str]) -> Result<Cost> {
+    let mut command = Command::new(std::env::current_exe().context("this program's own path")?);
+    command.env("RAYON_NUM_THREADS", threads.to_string());
+    run_command(command, arguments)
+}
+
 /// Runs `program` with `arguments`.
 pub fn run_program(program: &Path, arguments: &[&str]) -> Result<Cost> {
+    run_command(Command::new(program), arguments)
+}
+
+fn run_command(mut command: Command, arguments: &[&str]) -> Result<Cost> {
+    let program = std::path::PathBuf::from(command.get_program());
     let began = Instant::now();
-    let mut child = Command::new(program)
+    let mut child = command
         .args(arguments)
         .stdin(Stdio::null())
         .stdout(Stdio::null())

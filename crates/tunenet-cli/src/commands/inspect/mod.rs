@@ -10,7 +10,7 @@ use std::path::Path;
 use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_core::Error;
-use tunenet_core::network::{DatasetHeader, DatasetReader, Model};
+use tunenet_core::network::{DatasetHeader, DatasetReader, Model, Shard};
 use tunenet_core::observation::Kind;
 use tunenet_core::observation::preflight::{ApparentGravity, Expected};
 use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
@@ -54,12 +54,12 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
         _ => match contents_with(path, &load::reading(&options.reading))? {
             Contents::Table(found) => series(&found, path, options),
             // What `gen` writes is a log too, though none of measurements.
-            Contents::Log(found) => match DatasetReader::open(path) {
+            Contents::Log(found) => match DatasetReader::open(path).or_else(|_| DatasetReader::open_shard(path)) {
                 Ok(reader) => {
-                    let header = reader.header().clone();
+                    let (header, shard) = (reader.header().clone(), reader.shard());
                     // Whether it is whole shows only at its end.
                     let broken = reader.into_iter().find_map(Result::err);
-                    plain(dataset(&header, broken.as_ref()), broken.is_none())
+                    plain(dataset(&header, shard, broken.as_ref()), broken.is_none() && shard.is_none())
                 }
                 Err(_) => log(&found, path, options),
             },
@@ -298,8 +298,12 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
     Found { object, usable: good, motion }
 }
 
-fn dataset(header: &DatasetHeader, broken: Option<&Error>) -> Value {
-    stage("dataset", &format!("{} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed));
+fn dataset(header: &DatasetHeader, shard: Option<Shard>, broken: Option<&Error>) -> Value {
+    let of = shard.map_or_else(String::new, |shard| {
+        let block = shard.block(header.pairs);
+        format!("shard {shard}, {} of ", block.end - block.start)
+    });
+    stage("dataset", &format!("{of}{} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed));
     let rows: Vec<Vec<String>> = header
         .parameters
         .iter()
@@ -309,12 +313,14 @@ fn dataset(header: &DatasetHeader, broken: Option<&Error>) -> Value {
         })
         .collect();
     anstream::eprintln!("{}", table(&rows));
-    match broken {
-        None => stage("usable", "train a network"),
-        Some(error) => stage("unusable", &error.to_string()),
+    match (broken, shard) {
+        (None, None) => stage("usable", "train a network"),
+        (None, Some(_)) => stage("unusable", "a shard alone: `tunenet merge` puts shards together"),
+        (Some(error), _) => stage("unusable", &error.to_string()),
     }
     json!({
-        "kind": "dataset", "reason": broken.map(ToString::to_string), "preset": header.preset, "pairs": header.pairs, "seed": header.seed,
+        "kind": if shard.is_some() { "shard" } else { "dataset" }, "shard": shard.map(|shard| shard.to_string()),
+        "reason": broken.map(ToString::to_string), "preset": header.preset, "pairs": header.pairs, "seed": header.seed,
         "frames": header.clock.len(),
         "parameters": header.parameters.iter().map(|p| json!({
             "name": p.name, "min": p.min, "max": p.max, "unit": p.unit, "tune": p.tuned,

@@ -198,3 +198,35 @@ fn shards_that_do_not_belong_together_are_refused_by_name() {
     let whole = dataset(&folder, 20, 30);
     assert!(refusal(&[&all[0], &whole]).ends_with("expected a shard of a dataset, found a whole one"));
 }
+
+#[test]
+fn shards_of_another_version_are_refused() {
+    use super::super::dataset::{
+        DATASET_DEFINITION, DATASET_TOPIC, HeaderMessage, SHARD_DEFINITION, SHARD_TOPIC, ShardMessage,
+    };
+    let folder = folder();
+    let other = folder.path().join("other.mcap");
+    let mut output = super::super::dataset_stream::Output::create(&other).unwrap();
+    let shard = output.topic(SHARD_TOPIC, "tunenet_msgs/msg/Shard", SHARD_DEFINITION).unwrap();
+    let dataset = output.topic(DATASET_TOPIC, "tunenet_msgs/msg/Dataset", DATASET_DEFINITION).unwrap();
+    let message = ShardMessage { version: "0.0.1".into(), ..ShardMessage::new(Shard::new(1, 2).unwrap()) };
+    output.write(shard, 0, &message).unwrap();
+    output.write(dataset, 0, &HeaderMessage::from(&header(20, 30))).unwrap();
+    output.finish().unwrap();
+    let ours = shard_of(&folder);
+    let refusal = |shards: &[&PathBuf]| {
+        let shards: Vec<PathBuf> = shards.iter().map(|p| (*p).clone()).collect();
+        merge(&shards, &folder.path().join("merged.mcap"), &mut |_, _| true).unwrap_err().to_string()
+    };
+    let version = env!("CARGO_PKG_VERSION");
+    let first = refusal(&[&other, &ours]);
+    assert!(first.ends_with(&format!("expected a shard by tunenet {version}, found one by 0.0.1")), "{first}");
+    let second = refusal(&[&ours, &other]);
+    assert!(second.ends_with("found one of tunenet 0.0.1"), "{second}");
+    // A shard that was begun by another version is not gone on with.
+    assert!(!DatasetReader::holds(&other, &header(20, 30), Shard::new(1, 2).unwrap()));
+}
+
+fn shard_of(folder: &tempfile::TempDir) -> PathBuf {
+    shard(folder, &header(20, 30), 0, 2)
+}
