@@ -9,7 +9,7 @@ SHELL := /bin/bash
 # What building with video needs on Debian and Ubuntu.
 PACKAGES := libopencv-dev clang libclang-dev pkg-config
 
-.PHONY: help test test-mcap build demo model fmt packages mcap-packages cargo
+.PHONY: help test test-mcap test-slurm build demo model fmt packages mcap-packages cargo
 
 help: ## list these targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
@@ -29,6 +29,21 @@ test-mcap: mcap-packages cargo ## read what simulate, gen and plan write with th
 	@echo "==> MCAP read by others"
 	@cargo build --release -p tunenet-cli --no-default-features --quiet
 	@target/mcap-venv/bin/python tests/mcap/check.py $${CARGO_TARGET_DIR:-target}/release/tunenet
+
+test-slurm: cargo ## run shards on a one-node Slurm, on a local Ray, and check the Kubernetes manifest; says what it skips and why
+	@echo "==> shards on engines that people run"
+	@cargo build --release -p tunenet-cli --no-default-features --quiet
+	@if why=$$(tests/cluster/packages.sh); then \
+	    tests/cluster/slurm.sh $${CARGO_TARGET_DIR:-target}/release/tunenet; \
+	else \
+	    echo "Slurm: skipped, $$why"; \
+	fi
+	@if why=$$($(MAKE) --silent target/cluster-venv/ready 2>&1); then \
+	    tests/cluster/ray.sh $${CARGO_TARGET_DIR:-target}/release/tunenet target/cluster-venv/bin/python && \
+	    tests/cluster/kubernetes.sh target/cluster-venv/bin/kubernetes-validate; \
+	else \
+	    echo "Ray, Kubernetes: skipped, $$(tail -n 1 <<< "$$why")"; \
+	fi
 
 build: packages ## build the executables with video into target/release
 	@echo "==> release build with video"
@@ -65,12 +80,17 @@ packages: cargo
 	quiet=("$${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0); \
 	"$${quiet[@]}" update > /dev/null && "$${quiet[@]}" install --yes --no-install-recommends "$${missing[@]}" > /dev/null
 
-# The only thing here that asks a package index for something; nothing else needs it.
+# The only things here that ask a package index for something; nothing else needs them.
 mcap-packages: target/mcap-venv/ready
 
 target/mcap-venv/ready: tests/mcap/requirements.txt
 	@python3 -m venv target/mcap-venv || { echo 'Python cannot make a virtual environment: install python3-venv' >&2; exit 1; }
 	@target/mcap-venv/bin/pip install --quiet --disable-pip-version-check --retries 1 --timeout 20 -r $<
+	@touch $@
+
+target/cluster-venv/ready: tests/cluster/requirements.txt
+	@python3 -m venv target/cluster-venv || { echo 'Python cannot make a virtual environment: install python3-venv' >&2; exit 1; }
+	@target/cluster-venv/bin/pip install --quiet --disable-pip-version-check --retries 1 --timeout 20 -r $<
 	@touch $@
 
 cargo:

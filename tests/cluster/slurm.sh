@@ -2,7 +2,7 @@
 # A one-node Slurm on loopback, started here and taken down again: the array job of assets/cluster makes a data set in four
 # shards, one task is killed midway and requeued, and the merged file has to have the bytes of one run.
 #
-#   tests/slurm/check.sh TUNENET
+#   tests/cluster/slurm.sh TUNENET
 #
 # Needs root, and Debian's munge, slurmctld, slurmd and slurm-client. No cgroups, no other daemon, nothing outside a
 # temporary folder.
