@@ -149,7 +149,9 @@ fn shards_that_do_not_belong_together_are_refused() {
     // Half a shard is told, and made again by its command; a whole one is kept.
     let whole = folder.read("p.shard-1-of-3.mcap");
     folder.write("p.shard-1-of-3.mcap", &whole[..whole.len() / 2]);
-    refused(&folder, &merge("p.shard-1-of-3.mcap"), &["p.shard-1-of-3.mcap: expected a complete MCAP file", "again"]);
+    let half = folder.run(&merge("p.shard-1-of-3.mcap")).ends(1).stderr;
+    assert!(half.contains("p.shard-1-of-3.mcap: expected a complete MCAP file") && half.contains("again"), "{half}");
+    assert!(!folder.path("merged.mcap").exists());
     let again = folder.run(&format!("{line} --shard 1/3")).ends(0).stderr;
     assert!(again.contains("again") && again.contains("not whole"), "{again}");
     let kept = folder.run(&format!("{line} --shard 1/3")).ends(0).stderr;
@@ -181,7 +183,7 @@ fn a_full_disk_leaves_no_half_file_under_the_final_name() {
     // The rollouts that do not fit into the memory of a training need room too.
     let train = "train --data p.mcap --preset paper --memory-mib 0 --out m.safetensors";
     let ran = full(train);
-    assert!(ran.stderr.contains("writing failed: File too large"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("temporary file of the training: writing failed: File too large"), "{}", ran.stderr);
     assert!(!folder.path("m.safetensors").exists());
 }
 
@@ -190,9 +192,9 @@ fn benches_from_shards_say_what_one_run_says() {
     let folder = Folder::new();
     for (line, count) in [
         ("bench diagnose --quick --only dropped --jobs 2", 3),
-        ("bench intervals --drops 60", 2),
+        ("bench intervals --drops 2", 2),
         ("bench regions --draws 2", 3),
-        ("bench preflight --records 210", 2),
+        ("bench preflight --records 5", 2),
     ] {
         let whole = folder.run(&format!("{line} --out whole --json")).ends(0).json();
         in_shards(&folder, &format!("{line} --out out"), count);
@@ -275,7 +277,7 @@ fn recordings_are_tuned_to_in_shards() {
     assert_eq!(timeless(plain), timeless(object.clone()));
     for index in 0..3 {
         let ran = folder.run(&format!("{line} --out-dir out --json --shard {index}/3"));
-        let code = if index == 0 { 1 } else { 0 };
+        let code = i32::from(index == 0);
         assert_eq!(ran.ends(code).json()["shard"], format!("{index}/3"));
     }
     let merged = folder.run("merge out.shard-*-of-3 --out out --json").ends(1).json();

@@ -8,11 +8,10 @@ use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate_
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::{ObservedArm, SimulationFile, simulation_file};
 
-use super::gen_pairs::{place, tell, there};
+use super::gen_pairs::{made, place};
 use super::load;
 use crate::cli::{Gen, Pairs};
 use crate::failure::Exit;
-use crate::terminal::progress;
 
 pub fn run(options: &Gen) -> Result<Exit> {
     let preset = options.preset.unwrap_or(Pairs::Paper);
@@ -36,17 +35,8 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let mut with = |(low, high): (f64, f64)| [&[random.random_range(low..=high)], rest.as_slice()].concat();
         PairDraw { proposed: with(proposed), target: with(target), own: Vec::new(), scale: None }
     };
-    let bar = progress(options.pairs, "rollouts");
-    let mut report = |done: u64, all: u64| {
-        bar.set_length(all);
-        bar.set_position(done);
-        true
-    };
-    if !there(options, &header) {
-        generate_shard(&arm, &header, options.sharing.shard, &draw, &place(options), &mut report)?;
-    }
-    bar.finish_and_clear();
-    Ok(tell(options, &header))
+    let (shard, out) = (options.sharing.shard, place(options));
+    made(options, &header, |report| generate_shard(&arm, &header, shard, &draw, &out, report))
 }
 
 /// The payloads that proposed and target are drawn from, kg.

@@ -53,12 +53,6 @@ pub fn run(options: &Gen) -> Result<Exit> {
         file.set(assignment)?;
     }
     load::of_kind(&file, tunenet_sim::simulation_file::Domain::Ball)?;
-    let bar = progress(options.pairs, "rollouts");
-    let mut report = |done: u64, all: u64| {
-        bar.set_length(all);
-        bar.set_position(done);
-        true
-    };
     if preset == Pairs::General {
         if options.domain == Domain::BallVideo {
             let (expected, found) = ("`easy`, `hard` or `wide` for ball-video".into(), "`general`".into());
@@ -67,11 +61,8 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let drawn = Drawn::new(&file, Ranges::general())?;
         let header = drawn.header("ball/general", options.common.seed, options.pairs);
         let pair = |_: u64, random: &mut ChaCha8Rng| drawn.pair(random);
-        if !there(options, &header) {
-            fill_shard(&header, options.sharing.shard, &pair, &out, &mut report)?;
-        }
-        bar.finish_and_clear();
-        return Ok(tell(options, &header));
+        let shard = options.sharing.shard;
+        return made(options, &header, |report| fill_shard(&header, shard, &pair, &out, report));
     }
     // Every pair is dropped from a height of its own, at rest, at the record's first instant.
     file.unset("release.height_m");
@@ -113,11 +104,8 @@ pub fn run(options: &Gen) -> Result<Exit> {
             let [proposed, target] = [proposed, target].map(|(low, high)| random.random_range(low..=high));
             filmed.pair(proposed, target, top, random)
         };
-        if !there(options, &header) {
-            fill_shard(&header, options.sharing.shard, &pair, &out, &mut report)?;
-        }
-        bar.finish_and_clear();
-        return Ok(tell(options, &header));
+        let shard = options.sharing.shard;
+        return made(options, &header, |report| fill_shard(&header, shard, &pair, &out, report));
     }
     let draw = |_: u64, random: &mut ChaCha8Rng| {
         let own = vec![0.0, 0.0, floor + random.random_range(CENTRE_HEIGHT_M)];
@@ -126,11 +114,25 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let scale = Some(ball.scale(&own, 0.0));
         PairDraw { proposed, target, own, scale }
     };
-    if !there(options, &header) {
-        generate_shard(ball, &header, options.sharing.shard, &draw, &out, &mut report)?;
+    made(options, &header, |report| generate_shard(ball, &header, options.sharing.shard, &draw, &out, report))
+}
+
+/// Makes the pairs with `make`, where they are not there already, and says so.
+pub(super) fn made(
+    options: &Gen,
+    header: &DatasetHeader,
+    make: impl FnOnce(&mut dyn FnMut(u64, u64) -> bool) -> tunenet_core::Result<()>,
+) -> Result<Exit> {
+    if !there(options, header) {
+        let bar = progress(options.pairs, "rollouts");
+        make(&mut |done, all| {
+            bar.set_length(all);
+            bar.set_position(done);
+            true
+        })?;
+        bar.finish_and_clear();
     }
-    bar.finish_and_clear();
-    Ok(tell(options, &header))
+    Ok(tell(options, header))
 }
 
 /// Where the pairs are written: under `--out`, or where a shard of it belongs.
@@ -139,7 +141,7 @@ pub(super) fn place(options: &Gen) -> PathBuf {
 }
 
 /// Whether the shard is complete already, as of a task that is sent off again. One that is not is made again, and told.
-pub(super) fn there(options: &Gen, header: &DatasetHeader) -> bool {
+fn there(options: &Gen, header: &DatasetHeader) -> bool {
     let (Some(shard), out) = (options.sharing.shard, place(options)) else { return false };
     if !out.exists() {
         return false;
@@ -151,7 +153,7 @@ pub(super) fn there(options: &Gen, header: &DatasetHeader) -> bool {
     whole
 }
 
-pub(super) fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
+fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
     if let Some(shard) = options.sharing.shard {
         let block = shard.block(header.pairs);
         let what = format!("of {} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed);

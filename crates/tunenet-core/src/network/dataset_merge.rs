@@ -83,6 +83,7 @@ fn gather(paths: &[PathBuf]) -> Result<(DatasetHeader, Vec<(&PathBuf, Shard)>)> 
 }
 
 /// What is said where shards are missing beside `first`.
+#[must_use]
 pub fn missing(first: &Path, count: u32, lacking: &[String]) -> Error {
     const NAMED: usize = 8;
     let more = lacking.len().saturating_sub(NAMED);

@@ -90,7 +90,7 @@ mod tests {
                     _ => random.random(),
                 }
             };
-            let values: Vec<f64> = (0..1 + case % 60).map(|_| draw()).collect();
+            let values: Vec<f64> = (0..=case % 60).map(|_| draw()).collect();
             let mut grid = Grid::new(count);
             values.iter().enumerate().for_each(|(i, v)| grid.look(*v, i));
             assert_eq!(grid.nearest(), sorted(&values, count), "{values:?} {count}");

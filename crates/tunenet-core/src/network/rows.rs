@@ -35,8 +35,9 @@ pub(super) struct Rows {
     kept: Kept,
     /// Most bytes in memory.
     limit_bytes: usize,
-    /// Where the temporary file is made.
+    /// Where the temporary file is made, and what it is called where something is wrong with it.
     folder: PathBuf,
+    called: PathBuf,
 }
 
 impl Rows {
@@ -44,7 +45,8 @@ impl Rows {
     /// without a name in `folder`, which the system takes away with the process.
     pub(super) fn new(parameters: usize, width: usize, limit_bytes: usize, folder: &Path) -> Self {
         let kept = Kept::Memory(Vec::new());
-        Self { parameters, width, count: 0, kept, limit_bytes, folder: folder.into() }
+        let called = folder.join("temporary file of the training");
+        Self { parameters, width, count: 0, kept, limit_bytes, folder: folder.into(), called }
     }
 
     /// How many rollouts.
@@ -69,7 +71,7 @@ impl Rows {
         }
         match &mut self.kept {
             Kept::Memory(bytes) => bytes.extend(record),
-            Kept::File(file) => file.write_all(&record).map_err(|e| Error::io(&self.folder, "writing", e))?,
+            Kept::File(file) => file.write_all(&record).map_err(|e| Error::io(&self.called, "writing", e))?,
         }
         self.count += 1;
         Ok(())
@@ -79,7 +81,7 @@ impl Rows {
     pub(super) fn finish(&mut self) -> Result<()> {
         match &mut self.kept {
             Kept::Memory(_) => Ok(()),
-            Kept::File(file) => file.flush().map_err(|e| Error::io(&self.folder, "writing", e)),
+            Kept::File(file) => file.flush().map_err(|e| Error::io(&self.called, "writing", e)),
         }
     }
 
@@ -144,7 +146,7 @@ impl Rows {
     }
 
     fn failed(&self, action: &'static str, source: std::io::Error) -> Error {
-        Error::io(&self.folder, action, source)
+        Error::io(&self.called, action, source)
     }
 
     /// Whether they are in a file.
@@ -194,6 +196,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut rows = Rows::new(2, 5, 0, &folder.path().join("none"));
         let refused = rows.push(&rollout(0)).unwrap_err().to_string();
-        assert!(refused.contains("none: creating failed"), "{refused}");
+        assert!(refused.contains("none/temporary file of the training: creating failed"), "{refused}");
     }
 }

@@ -88,13 +88,11 @@ impl FromStr for Shard {
 
     fn from_str(text: &str) -> Result<Self> {
         let number = |text: &str| text.trim().parse().ok();
-        match text.split_once('/').map(|(i, n)| (number(i), number(n))) {
-            Some((Some(index), Some(count))) => Self::new(index, count),
-            _ => {
-                let (expected, found) = ("i/n with i from 0 to n − 1, such as 0/4".into(), format!("`{text}`"));
-                Err(Error::Setting { name: "--shard", expected, found })
-            }
+        if let Some((Some(index), Some(count))) = text.split_once('/').map(|(i, n)| (number(i), number(n))) {
+            return Self::new(index, count);
         }
+        let (expected, found) = ("i/n with i from 0 to n − 1, such as 0/4".into(), format!("`{text}`"));
+        Err(Error::Setting { name: "--shard", expected, found })
     }
 }
 

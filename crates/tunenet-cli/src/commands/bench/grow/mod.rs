@@ -100,7 +100,7 @@ fn measured(options: &BenchGrow, pairs: u64, step: &mut dyn FnMut()) -> Result<R
     let shards: Vec<&str> = parts.iter().map(|part| text(part)).collect::<Result<_>>()?;
     let merge = spent(&[&["merge"][..], &shards, &["--out", text(&merged)?]].concat())?;
     step();
-    ensure!(load::hash(&whole)? == load::hash(&merged)?, "{} merged shards are not the whole file", SHARDS);
+    ensure!(load::hash(&whole)? == load::hash(&merged)?, "{SHARDS} merged shards are not the whole file");
     let bytes = std::fs::metadata(&whole).with_context(|| format!("reading {}", whole.display()))?.len();
     // Its number of steps is the same for any number of pairs: what grows is the reading.
     let train = spent(&["train", "--data", text(&whole)?, "--preset", "default", "--out", text(&model)?])?;

@@ -120,7 +120,7 @@ fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut out = String::new();
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             out.push(',');
         }
         out.push(digit);
@@ -170,7 +170,7 @@ mod tests {
     fn figures_are_told_in_words() {
         assert_eq!(grouped(1_000_000), "1,000,000");
         assert_eq!(grouped(999), "999");
-        assert_eq!(duration(3.14), "3.1 s");
+        assert_eq!(duration(2.34), "2.3 s");
         assert_eq!(duration(125.0), "2.1 min");
         assert_eq!(duration(8000.0), "2.2 h");
         assert_eq!(size(2.5e9), "2.50 GB");
