@@ -30,6 +30,7 @@ fn help_of_the_tool_and_of_every_command() {
         " inspect",
         " gen",
         " train",
+        " merge",
         " bench",
         " completions",
     ];
