@@ -101,6 +101,8 @@ fn measured(options: &BenchGrow, pairs: u64, step: &mut dyn FnMut()) -> Result<R
     let merge = spent(&[&["merge"][..], &shards, &["--out", text(&merged)?]].concat())?;
     step();
     ensure!(load::hash(&whole)? == load::hash(&merged)?, "{SHARDS} merged shards are not the whole file");
+    // What is known to be equal need not lie there three times while the training takes room too.
+    parts.iter().chain([&merged]).try_for_each(|file| clear(file))?;
     let bytes = std::fs::metadata(&whole).with_context(|| format!("reading {}", whole.display()))?.len();
     // Its number of steps is the same for any number of pairs: what grows is the reading.
     let train = spent(&["train", "--data", text(&whole)?, "--preset", "default", "--out", text(&model)?])?;
