@@ -4,9 +4,7 @@ use std::cmp::Reverse;
 use std::path::Path;
 
 use anyhow::Result;
-use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 use tunenet_sim::shot::reach::Anywhere;
 use tunenet_sim::shot::{Belief, Rule, Settings, ShotScene, Task, plan};
@@ -107,6 +105,11 @@ impl Planner {
         self.height_of(estimate, rule, DRAWS)
     }
 
+    /// The surest height for a ball that is believed exactly, m.
+    pub fn carefully(&self, estimate: &Estimate) -> Result<f64> {
+        self.height_of(estimate, Rule::Probability, DRAWS_KNOWN)
+    }
+
     fn height_of(&self, estimate: &Estimate, rule: Rule, draws: usize) -> Result<f64> {
         let belief = Belief::new(&estimate.file()?, &self.task)?;
         let settings = Settings { rule, draws, ..Settings::default() };
@@ -130,7 +133,7 @@ pub struct Target {
 
 impl Target {
     pub fn new(ball: Ball, shown: f64, planner: &Planner) -> Result<Self> {
-        let known_m = planner.height_of(&known(&ball), Rule::Probability, DRAWS_KNOWN)?;
+        let known_m = planner.carefully(&known(&ball))?;
         let untuned_m = planner.height(&Estimate::exact(0.5), Rule::Nearest)?;
         Ok(Self { ball, shown, known_m, untuned_m })
     }
@@ -187,8 +190,7 @@ impl Trial {
         let shots = |heights: &[(Way, f64)]| -> Vec<Shot> {
             let one = |&(way, height_m): &(Way, f64)| {
                 let mut random = random.clone();
-                let mut normal = || target.ball.spin_rad_s * random.sample::<f64, _>(StandardNormal);
-                let spin = [normal(), normal(), 0.0];
+                let spin = target.ball.spin(&mut random);
                 let landing = shoot(&target.ball, height_m, spin, &mut random);
                 Shot { way, height_m, miss_m: landing.miss_m.min(9.0), goes_in: landing.goes_in }
             };
