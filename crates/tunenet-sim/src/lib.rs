@@ -9,6 +9,7 @@
 //! | [`observed_arm`] | an arm that follows a motion, as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
+//! | [`open_drag`] | the drag that recordings leave open |
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`filmed`] | drops in front of a camera that nobody knows |
 //! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
@@ -24,6 +25,7 @@ pub mod filmed_ball;
 pub mod observed;
 pub mod observed_arm;
 pub mod observed_ball;
+pub mod open_drag;
 pub mod replayed_arm;
 pub mod shot;
 pub mod simulation_file;

@@ -17,6 +17,7 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
 use super::destination::{self, Output, Product};
+use super::diagnose::alternatives;
 use super::model_cache::Cache;
 use super::tune_model::{self, Chosen};
 use super::{film, load, print_json, start};
@@ -46,7 +47,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     };
     let (outcome, chosen) = tune_to(options, &file, model.as_ref(), &recordings)?;
     if let Some(out) = &options.out {
-        write_tuned(options, &file, &outcome, out)?;
+        write_tuned(options, &file, &recordings, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
@@ -396,7 +397,13 @@ fn is_written(outcome: &Outcome) -> bool {
     matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
 }
 
-fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &Path) -> Result<()> {
+fn write_tuned(
+    options: &Tune,
+    file: &SimulationFile,
+    recordings: &[Recording],
+    outcome: &Outcome,
+    out: &Path,
+) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
     let mut tuned = file.clone();
     let joints = outcome.recordings.first().map_or(0, |r| r.seen.channels().len());
@@ -438,6 +445,14 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
     entries.extend([
         ("interval95", intervals.into()),
         ("estimated", estimated.into()),
+    ]);
+    if outcome.verdict == Verdict::Tuned && !forced(outcome) {
+        let seen: Vec<Observation> = recordings.iter().map(|r| r.observation.clone()).collect();
+        // What only plans go by must not cost the answer.
+        let open = alternatives::open_to(&tuned, &[], &seen).unwrap_or_default();
+        entries.extend((!open.is_empty()).then(|| ("open_drag", open.into())));
+    }
+    entries.extend([
         ("gap_unit", gap.unit.as_str().into()),
         ("gap_before", gap.before.into()),
         ("gap_after", gap.after.into()),

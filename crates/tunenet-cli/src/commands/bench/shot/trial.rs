@@ -51,7 +51,7 @@ impl Way {
             Self::Nearest => "restitution alone, nearest path (the paper's rule)",
             Self::Tuned => "restitution alone",
             Self::Pooled => "restitution alone, from up to three drops",
-            Self::Diagnosed => "with named effects, from up to three drops",
+            Self::Diagnosed => "with named effects and open drag, from up to three drops",
             Self::Known => "everything known",
         }
     }
@@ -163,8 +163,11 @@ impl Trial {
             Some(found) => found,
             None => reads[longest].tuned(films[longest].0.fall_m)?,
         };
-        // Where diagnosis has nothing to plan with, the drops that it saw still show the restitution.
-        let effects = several.diagnosed()?.unwrap_or_else(|| pooled.clone());
+        // Where diagnosis has nothing to plan with, the drops that it saw still show the restitution, and something of drag.
+        let effects = match several.diagnosed()? {
+            Some(found) => found,
+            None => several.with_open_drag(pooled.clone())?,
+        };
         let together = [
             (Way::Pooled, planner.height(&pooled, Rule::Probability)?),
             (Way::Diagnosed, planner.height(&effects, Rule::Probability)?),
