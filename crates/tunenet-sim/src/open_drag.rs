@@ -53,7 +53,9 @@ pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> R
     }
     found.retain(counts);
     let total: f64 = found.iter().map(|h| h.share).sum();
-    found.iter_mut().for_each(|h| h.share /= total);
+    for one in &mut found {
+        one.share /= total;
+    }
     Ok(if found.iter().all(|h| h.value == 0.0) { Vec::new() } else { found })
 }
 
@@ -105,7 +107,8 @@ mod tests {
 
     #[test]
     fn few_bounces_exclude_little() {
-        let shaken: Vec<f64> = bounces(0.75, 0.03, 3).clock().iter().zip([0.004, -0.004, 0.004]).map(|(t, d)| t + d).collect();
+        let shaken: Vec<f64> =
+            bounces(0.75, 0.03, 3).clock().iter().zip([0.004, -0.004, 0.004]).map(|(t, d)| t + d).collect();
         let found = possible(&file(""), &[], &[Observation::bounce_times(shaken).unwrap()]).unwrap();
         assert!(found.len() >= 5 && found.iter().all(|p| p.share < 0.6), "{found:?}");
     }

@@ -442,10 +442,7 @@ fn write_tuned(
         ("observations", observations.into()),
     ];
     entries.extend(reference.map(|reference| ("reference", reference.into())));
-    entries.extend([
-        ("interval95", intervals.into()),
-        ("estimated", estimated.into()),
-    ]);
+    entries.extend([("interval95", intervals.into()), ("estimated", estimated.into())]);
     if outcome.verdict == Verdict::Tuned && !forced(outcome) {
         let seen: Vec<Observation> = recordings.iter().map(|r| r.observation.clone()).collect();
         // What only plans go by must not cost the answer.

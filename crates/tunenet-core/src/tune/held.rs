@@ -27,12 +27,7 @@ pub struct Held {
 ///
 /// # Errors
 /// [`Error::Setting`] where no parameter is called so; whatever the simulator refuses. Empty where no recording can be used.
-pub fn held(
-    simulator: &dyn Simulator,
-    observations: &[Observation],
-    name: &str,
-    values: &[f64],
-) -> Result<Vec<Held>> {
+pub fn held(simulator: &dyn Simulator, observations: &[Observation], name: &str, values: &[f64]) -> Result<Vec<Held>> {
     let parameters = simulator.parameters();
     let Some(position) = parameters.iter().position(|p| p.name == name) else {
         let expected = parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
@@ -117,7 +112,8 @@ mod tests {
         let line = Line(vec![parameter("a"), parameter("b")], vec![channel.clone()]);
         let clock: Vec<f64> = (0..24).map(|i| 0.1 * f64::from(i)).collect();
         // Errors without correlation between neighbours.
-        let errors = [0.03, -0.05, 0.01, 0.04, -0.02, -0.03, 0.06, -0.01, 0.02, -0.04, 0.0, 0.05, -0.06, 0.01, 0.03, -0.03];
+        let errors =
+            [0.03, -0.05, 0.01, 0.04, -0.02, -0.03, 0.06, -0.01, 0.02, -0.04, 0.0, 0.05, -0.06, 0.01, 0.03, -0.03];
         let y: Vec<f64> = clock.iter().enumerate().map(|(i, t)| 1.0 - 0.5 * t + errors[i % 16]).collect();
         let n = clock.len() as f64;
         let (mean_t, mean_y) = (clock.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
@@ -128,9 +124,7 @@ mod tests {
         let found = held(&line, &[seen], "b", &values).unwrap();
         // Held at the best slope, the intercept alone was fitted.
         let freedom = n - 1.0;
-        let rest = |b: f64| -> f64 {
-            clock.iter().zip(&y).map(|(t, y)| (y - mean_y - b * (t - mean_t)).powi(2)).sum()
-        };
+        let rest = |b: f64| -> f64 { clock.iter().zip(&y).map(|(t, y)| (y - mean_y - b * (t - mean_t)).powi(2)).sum() };
         let variance = rest(slope) / freedom;
         let density = |b: f64| (1.0 + (rest(b) - rest(slope)) / variance / freedom).powf(-0.5 * (freedom + 1.0));
         let total: f64 = values.iter().map(|b| density(*b)).sum();

@@ -99,4 +99,3 @@ impl Answer<'_> {
         Some(self.loaded.objects.get(value.object?)?.name.as_str())
     }
 }
-

@@ -63,7 +63,8 @@ impl Body {
     pub fn usual_drag_1_m(&self) -> Option<(f64, f64)> {
         let (low, high) = USUAL_DRAG_COEFFICIENT;
         let volume = 4.0 / 3.0 * std::f64::consts::PI * self.radius_m.powi(3);
-        let (heaviest, lightest) = self.mass_kg.map_or((DENSITY_KG_M3.1 * volume, DENSITY_KG_M3.0 * volume), |m| (m, m));
+        let (heaviest, lightest) =
+            self.mass_kg.map_or((DENSITY_KG_M3.1 * volume, DENSITY_KG_M3.0 * volume), |m| (m, m));
         let unit = 0.5 * AIR_KG_M3 * self.area_m2();
         self.in_air.then_some((low * unit / heaviest, high * unit / lightest))
     }

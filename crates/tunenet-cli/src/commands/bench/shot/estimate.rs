@@ -81,7 +81,8 @@ impl Estimate {
             let intervals = coefficients.iter().map(|(key, (_, i))| format!(", {key}_interval95 = {}", list(*i)));
             effects.push(format!("{{ name = \"{name}\"{} }}", intervals.collect::<String>()));
         }
-        let list_of = |key: &str, tables: &str| if tables == NOTHING { String::new() } else { format!("{key} = {tables}\n") };
+        let list_of =
+            |key: &str, tables: &str| if tables == NOTHING { String::new() } else { format!("{key} = {tables}\n") };
         let text = format!(
             "{}\n[provenance]\nverdict = \"{}\"\ninterval95 = {{ restitution = {} }}\neffects = [{}]\n{}{}",
             file.text(),

@@ -4,11 +4,12 @@ use anyhow::Result;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use tunenet_sim::shot::Rule;
 
 use super::ball::Ball;
 use super::estimate::{Estimate, known};
 use super::share::Share;
-use super::trial::Planner;
+use super::trial::{Planner, Target};
 use super::world::shoot;
 
 /// Shots of each plan: enough for a standard error below .01.
@@ -79,16 +80,15 @@ impl Cost {
 }
 
 /// Plans and shoots. `chance` draws what happens to a shot of this number, the same for every plan.
-pub fn costs(
-    ball: &Ball,
-    shown: f64,
-    planner: &Planner,
-    chance: &(dyn Fn(u64) -> ChaCha8Rng + Sync),
-) -> Result<Vec<Cost>> {
+pub fn costs(target: &Target, planner: &Planner, chance: &(dyn Fn(u64) -> ChaCha8Rng + Sync)) -> Result<Vec<Cost>> {
+    let ball = &target.ball;
     Lacking::EACH
         .into_iter()
         .map(|lacking| {
-            let height_m = planner.carefully(&lacking.believed(ball, shown))?;
+            let height_m = match lacking {
+                Lacking::Nothing => target.known_m,
+                _ => planner.height(&lacking.believed(ball, target.shown), Rule::Probability)?,
+            };
             let one = |n: u64| {
                 let mut random = chance(n);
                 let spin = ball.spin(&mut random);
@@ -98,4 +98,30 @@ pub fn costs(
             Ok(Cost { lacking, height_m, goes_in: hits as f64 / SHOTS as f64 })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+
+    use super::*;
+
+    /// Of a ball without friction, drag and scatter nothing is lost by not knowing them; friction that nobody knows of brings
+    /// the ball down short, so that who does not know of it lets go lower.
+    #[test]
+    fn only_what_is_there_costs() {
+        let planner = Planner::new().unwrap();
+        let smooth = Ball { friction: 0.0, drag_1_m: 1e-9, scatter_rad: 0.0, ..super::super::ball::FIXED[0].clone() };
+        let rough = Ball { friction: 0.04, ..smooth.clone() };
+        let chance = |n: u64| ChaCha8Rng::seed_from_u64(n);
+        let of = |ball: Ball| {
+            let shown = ball.restitution;
+            costs(&Target::new(ball, shown, &planner).unwrap(), &planner, &chance).unwrap()
+        };
+        let (smooth, rough) = (of(smooth), of(rough));
+        let height = smooth[0].height_m;
+        assert!(smooth.iter().all(|c| c.goes_in == 1.0 && (c.height_m - height).abs() < 0.011), "{smooth:?}");
+        let low = rough.iter().find(|c| c.lacking == Lacking::Friction).unwrap().height_m;
+        assert!(rough[0].height_m > low + 0.015 && (low - height).abs() < 0.011, "{rough:?}");
+    }
 }

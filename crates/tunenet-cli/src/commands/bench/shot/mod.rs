@@ -73,9 +73,8 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
             }
             if count > 0 {
                 let chance = |shot: u64| stream(seed, &name, shot, LACKING);
-                let lacking = store.keep(&format!("{name}-lacking"), || {
-                    lacking::costs(&target.ball, target.shown, &planner, &chance)
-                })?;
+                let costs = || lacking::costs(&target, &planner, &chance);
+                let lacking = if options.quick { Vec::new() } else { store.keep(&format!("{name}-lacking"), costs)? };
                 series.push(Series { ball: target.ball, rich, trials: all, lacking });
             }
         }

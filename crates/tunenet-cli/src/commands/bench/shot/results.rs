@@ -199,7 +199,9 @@ impl Results {
             difference(&trials, Way::Tuned, Way::Pooled).words(),
             difference(&trials, Way::Tuned, Way::Diagnosed).words(),
         );
-        lacking(&mut out, &self.series);
+        if !self.quick {
+            lacking(&mut out, &self.series);
+        }
         let richer = self.trials(true);
         if !richer.is_empty() {
             let _ = writeln!(out, "\nIn richer worlds (spin, restitution that falls with speed):\n");
@@ -303,7 +305,8 @@ mod tests {
         ];
         let spoilt: Vec<bool> = trials.iter().map(Trial::spoilt).collect();
         assert_eq!(spoilt, [true, true, false, false, true]);
-        let series = vec![Series { ball: super::super::ball::FIXED[0].clone(), rich: false, trials, lacking: Vec::new() }];
+        let series =
+            vec![Series { ball: super::super::ball::FIXED[0].clone(), rich: false, trials, lacking: Vec::new() }];
         let results = Results { seed: 0, quick: true, trials: 5, series };
         let [rightly, misled, wrongly] = results.flags();
         assert_eq!((rightly.value, rightly.count), (1.0 / 3.0, 3));

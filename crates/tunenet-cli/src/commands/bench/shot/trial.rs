@@ -105,11 +105,6 @@ impl Planner {
         self.height_of(estimate, rule, DRAWS)
     }
 
-    /// The surest height for a ball that is believed exactly, m.
-    pub fn carefully(&self, estimate: &Estimate) -> Result<f64> {
-        self.height_of(estimate, Rule::Probability, DRAWS_KNOWN)
-    }
-
     fn height_of(&self, estimate: &Estimate, rule: Rule, draws: usize) -> Result<f64> {
         let belief = Belief::new(&estimate.file()?, &self.task)?;
         let settings = Settings { rule, draws, ..Settings::default() };
@@ -133,7 +128,7 @@ pub struct Target {
 
 impl Target {
     pub fn new(ball: Ball, shown: f64, planner: &Planner) -> Result<Self> {
-        let known_m = planner.carefully(&known(&ball))?;
+        let known_m = planner.height_of(&known(&ball), Rule::Probability, DRAWS_KNOWN)?;
         let untuned_m = planner.height(&Estimate::exact(0.5), Rule::Nearest)?;
         Ok(Self { ball, shown, known_m, untuned_m })
     }
