@@ -26,6 +26,9 @@ pub fn run(options: &Simulate) -> Result<Exit> {
     if file.domain() == Domain::Arm {
         return super::simulate_arm::run(options, &file, &output);
     }
+    if file.domain() == Domain::Process {
+        return super::simulate_process::run(options, &file, &output);
+    }
     let release = file.release();
     if release.height_m.is_none() && release.position_m.is_none() {
         let message = "expected where the ball starts, found neither `release.height_m` nor `release.position_m`";

@@ -7,6 +7,7 @@ use tunenet_core::diagnose;
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::replayed_arm::replays;
+use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, simulator};
 
 use super::manifest::{KNOWN_PAYLOAD, Source};
@@ -104,6 +105,13 @@ fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
 /// The simulation file with what a manifest entry says of the scene.
 fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Result<SimulationFile> {
     let mut file = file.clone();
+    let program = source.scene.iter().find(|(key, _)| file.domain() == Domain::Process && key.starts_with("process."));
+    if let Some((key, _)) = program {
+        // Leave was given to the program of the simulation file, and to no other.
+        let message = format!("{}: expected settings and parameters, found `{key}`", source.path.display());
+        let hint = "which program runs, and how, stands in the simulation file alone";
+        return Err(Error::file(options.manifest.clone().unwrap_or_default(), message, hint).into());
+    }
     for (key, value) in source.scene.iter().flat_map(|(key, value)| known_payload(key, value)) {
         file.set(&format!("{key}={value}")).map_err(|e| match e {
             // Not the command line's fault.
