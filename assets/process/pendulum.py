@@ -12,15 +12,15 @@ def slope(angle, rate, parameters, gravity):
 
 def swing(parameters, times_s, settings):
     gravity = settings.get("gravity_m_s2", 9.81)
-    angle, rate, now, values = 0.5, 0.0, 0.0, []  # let go half a radian off the vertical, at time 0
+    angle, rate, now, values = settings.get("start_rad", 0.5), 0.0, 0.0, []  # let go at time 0
     for time in times_s:
-        steps = max(1, math.ceil(abs(time - now) / STEP_S))
-        h = (time - now) / steps
+        steps = max(0, math.ceil((time - now) / STEP_S))  # none before time 0: it is held until then
         for _ in range(steps):  # midpoint steps
+            h = (time - now) / steps
             v, a = slope(angle, rate, parameters, gravity)
             v, a = slope(angle + h / 2 * v, rate + h / 2 * a, parameters, gravity)
             angle, rate = angle + h * v, rate + h * a
-        now = time
+        now = max(now, time)
         values.append([angle])  # one number for each channel
     return values
 

@@ -31,7 +31,8 @@ pub fn run(options: &Init) -> Result<Exit> {
     let program = (domain == Domain::Process).then(|| out.with_file_name(PROGRAM.0));
     let same = |path: &&Path| std::fs::read(path).is_ok_and(|there| there == PROGRAM.1.as_bytes());
     let program = program.as_deref().filter(|path| !same(path));
-    let outputs = std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
+    let outputs =
+        std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
     destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
     write_atomically(&out, |file| file.write_all(template(domain).as_bytes()))?;
     let path = out.display();

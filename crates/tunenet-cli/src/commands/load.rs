@@ -10,9 +10,9 @@ use toml_edit::InlineTable;
 use tunenet_core::Error;
 use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
-use tunenet_sim::{SimulationFile, process};
 use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{SimulationFile, process};
 
 use super::film;
 use crate::cli::{Reading, Simulation};

@@ -211,9 +211,9 @@ fn tune_to(
         (None, None) if arm => {
             tune_model::none("not needed: torques all but follow a straight line in the payload".into())
         }
-        (None, None) if process => {
-            tune_model::none("none: the fit has starts of its own; one that learned from `gen process` goes with --model".into())
-        }
+        (None, None) if process => tune_model::none(
+            "none: the fit has starts of its own; one that learned from `gen process` goes with --model".into(),
+        ),
         (None, None) => tune_model::none("none: give one that learned from `gen ball-video` with --model".into()),
     };
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);

@@ -71,7 +71,8 @@ impl Channel {
     #[must_use]
     pub fn from_header(header: &str) -> Option<Self> {
         let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-        if header.len() > LONGEST || !header.starts_with(|c: char| c.is_ascii_lowercase()) || !header.chars().all(plain) {
+        if header.len() > LONGEST || !header.starts_with(|c: char| c.is_ascii_lowercase()) || !header.chars().all(plain)
+        {
             return None;
         }
         let named = |(ending, unit): &(&str, &str)| {

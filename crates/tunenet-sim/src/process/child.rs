@@ -37,7 +37,10 @@ impl Child {
         let mut process = command.spawn().map_err(|error| unstarted(program, &error))?;
         let piped = (process.stdin.take(), process.stdout.take(), process.stderr.take());
         let failed = |error: &dyn std::fmt::Display| {
-            Failure::new(format!("{} could not be spoken with: {error}", program.shown()), "close other programs and try again")
+            Failure::new(
+                format!("{} could not be spoken with: {error}", program.shown()),
+                "close other programs and try again",
+            )
         };
         let (Some(mut stdin), Some(stdout), Some(stderr)) = piped else { return Err(failed(&"a pipe is missing")) };
         let (input, lines) = channel::<Vec<u8>>();
@@ -97,11 +100,13 @@ impl Child {
         match self.answers.next(within) {
             Some(Heard::Line(line)) => Ok(line),
             Some(Heard::TooLong(most)) => {
-                let message = format!("{name}, {what}: expected an answer of at most {most} bytes, found a longer line");
+                let message =
+                    format!("{name}, {what}: expected an answer of at most {most} bytes, found a longer line");
                 Err(self.gone(message, "print nothing but answers on standard output, one on each line"))
             }
             None => {
-                let message = format!("{name}, {what}: expected an answer within {seconds} s, found none, and stopped it");
+                let message =
+                    format!("{name}, {what}: expected an answer within {seconds} s, found none, and stopped it");
                 let hint = format!(
                     "let it flush what it prints (Python: `print(…, flush=True)`) and read its input line by line, or give it \
                      more time with `{key}`"
@@ -139,7 +144,11 @@ impl Child {
         match words.as_slice() {
             [] => Failure::new(message, hint),
             [.., last] => {
-                let before = if words.len() > 1 { format!("\n  standard error ended with:\n    {}", words.join("\n    ")) } else { String::new() };
+                let before = if words.len() > 1 {
+                    format!("\n  standard error ended with:\n    {}", words.join("\n    "))
+                } else {
+                    String::new()
+                };
                 Failure::new(format!("{message}; its last words: `{last}`"), format!("{hint}{before}"))
             }
         }
@@ -187,7 +196,9 @@ fn unstarted(program: &Program, error: &std::io::Error) -> Failure {
             "check `process.command`: its path is seen from the folder in which it runs"
         }
         ErrorKind::NotFound => "install it, or write its path into `process.command`",
-        ErrorKind::PermissionDenied => "make it executable (`chmod +x`), or name its interpreter first: [\"python3\", \"program.py\"]",
+        ErrorKind::PermissionDenied => {
+            "make it executable (`chmod +x`), or name its interpreter first: [\"python3\", \"program.py\"]"
+        }
         _ => "name the program and each argument as a text of its own in `process.command`; no shell is used",
     };
     Failure::new(message, hint)

@@ -30,9 +30,9 @@ impl Failure {
 pub(super) fn printable(text: &str) -> String {
     let text = text.trim();
     // What is told apart by sight alone, such as marks that turn the direction of writing, is no text for a message either.
-    let hidden = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c) || ('\u{2066}'..='\u{2069}').contains(&c);
-    let mut shown: String =
-        text.chars().take(LONGEST_SHOWN).map(|c| if hidden(c) { '\u{fffd}' } else { c }).collect();
+    let hidden =
+        |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c) || ('\u{2066}'..='\u{2069}').contains(&c);
+    let mut shown: String = text.chars().take(LONGEST_SHOWN).map(|c| if hidden(c) { '\u{fffd}' } else { c }).collect();
     if text.chars().nth(LONGEST_SHOWN).is_some() {
         shown.push('…');
     }

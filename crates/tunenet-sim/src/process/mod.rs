@@ -35,7 +35,13 @@ use pool::Pool;
 use program::Program;
 use protocol::Answer;
 
-pub use program::channels;
+pub use program::{channels, words};
+
+/// The program that `file` names, in backquotes and fit for a terminal.
+#[must_use]
+pub fn command(file: &SimulationFile) -> String {
+    program::shown(&program::words(file))
+}
 
 /// A program of one's own as a simulator that core can tune and diagnose.
 ///
@@ -61,9 +67,13 @@ impl ProcessSimulator {
             return Err(Error::file(file.path(), message, "`tunenet init process` writes one to start from"));
         }
         let Some(permission) = file.permission() else {
-            let named = program::shown(&program::command(file));
-            let expected = format!("it, since {} names the program {named}, which runs as you", file.path().display());
-            return Err(Error::Setting { name: "--allow-process", expected, found: "none: give it to files that you trust".into() });
+            let (path, named) = (file.path().display(), command(file));
+            let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
+            return Err(Error::Setting {
+                name: "--allow-process",
+                expected,
+                found: "none: give it for files that you trust".into(),
+            });
         };
         file.program_failed()?;
         let program = Program::of(file)?;

@@ -163,4 +163,27 @@ mod tests {
         let troubles = Troubles::of(Cursor::new(text)).unwrap();
         assert_eq!(troubles.last_words(), (9995..10_000).map(|i| format!("line {i}")).collect::<Vec<_>>());
     }
+
+    proptest::proptest! {
+        /// Whatever comes, in whatever pieces, is cut at its line ends and nowhere else.
+        #[test]
+        fn lines_do_not_depend_on_how_they_come(bytes: Vec<u8>, piece in 1..20_usize) {
+            let limit = AtomicUsize::new(1 << 20);
+            let (send, receive) = sync_channel(1 + bytes.len() + 2);
+            listen(BufReader::with_capacity(piece, Cursor::new(bytes.clone())), &limit, &send);
+            drop(send);
+            let found: Vec<Vec<u8>> = receive
+                .iter()
+                .filter_map(|line| match line {
+                    Heard::Line(line) => Some(line),
+                    Heard::TooLong(_) | Heard::End => None,
+                })
+                .collect();
+            let mut expected: Vec<&[u8]> = bytes.split(|byte| *byte == b'\n').collect();
+            if expected.last().is_some_and(|last| last.is_empty()) {
+                expected.pop();
+            }
+            proptest::prop_assert_eq!(found, expected);
+        }
+    }
 }

@@ -126,7 +126,8 @@ fn agree(program: &Program, child: &mut Child, agreed: &Answer, how: &str) -> Re
         }
         _ => "numbers once and an error once".into(),
     };
-    let message = format!("{}: expected the same answer to the same parameters, found {difference} when {how}", program.shown());
+    let message =
+        format!("{}: expected the same answer to the same parameters, found {difference} when {how}", program.shown());
     let hint = "begin every rollout anew, and start every draw of chance from a fixed seed within it";
     Err(Failure::new(message, hint))
 }

@@ -56,7 +56,7 @@ impl Program {
             return Err(Error::file(file.path(), message, "leave the effect out: it scales lengths alone"));
         }
         Ok(Self {
-            command: command(file),
+            command: words(file),
             folder,
             timeout: seconds("process.timeout_s", TIMEOUT_S),
             start_timeout: seconds("process.start_timeout_s", START_TIMEOUT_S),
@@ -72,7 +72,11 @@ impl Program {
     /// What is started: a name without a folder is looked for on the path, any other from the program's folder.
     pub fn executable(&self) -> PathBuf {
         let name = &self.command[0];
-        if name.contains('/') || name.contains(MAIN_SEPARATOR) { self.folder.join(name) } else { Path::new(name).into() }
+        if name.contains('/') || name.contains(MAIN_SEPARATOR) {
+            self.folder.join(name)
+        } else {
+            Path::new(name).into()
+        }
     }
 
     /// `python3 bouncer.py`, in backquotes.
@@ -81,9 +85,11 @@ impl Program {
     }
 }
 
-/// The command of a file, word by word.
-pub(super) fn command(file: &SimulationFile) -> Vec<String> {
-    let words: Vec<String> = file.item("process.command").map(texts).unwrap_or_default().into_iter().map(str::to_owned).collect();
+/// The program that `file` names and its arguments, word by word; never empty.
+#[must_use]
+pub fn words(file: &SimulationFile) -> Vec<String> {
+    let words: Vec<String> =
+        file.item("process.command").map(texts).unwrap_or_default().into_iter().map(str::to_owned).collect();
     // The schema asks for one; what asks for a program's first word must find it.
     if words.is_empty() { vec![String::new()] } else { words }
 }
@@ -104,7 +110,8 @@ fn headers(file: &SimulationFile) -> Vec<String> {
 pub fn channels(file: &SimulationFile) -> Result<Vec<Channel>> {
     let one = |header: String| {
         Channel::from_header(&header).ok_or_else(|| {
-            let message = format!("`process.channels`: expected names with their units, found `{}`", printable(&header));
+            let message =
+                format!("`process.channels`: expected names with their units, found `{}`", printable(&header));
             Error::file(file.path(), message, "write \"z_m\" or \"angle_rad\"")
         })
     };

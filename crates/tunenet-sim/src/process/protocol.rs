@@ -107,7 +107,11 @@ struct Said {
 pub(super) fn greeted(line: &[u8]) -> Result<(), Wrong> {
     let said = said(line)?;
     if let Some(error) = said.error {
-        return wrong(&format!("`{{\"tunenet\":{VERSION}}}`"), &format!("the error {}", quoted(&error)), "see what it says");
+        return wrong(
+            &format!("`{{\"tunenet\":{VERSION}}}`"),
+            &format!("the error {}", quoted(&error)),
+            "see what it says",
+        );
     }
     match said.tunenet {
         Some(version) if version == VERSION => Ok(()),
@@ -125,8 +129,16 @@ pub(super) fn answered(line: &[u8], id: u64, samples: usize, headers: &[String])
     let said = said(line)?;
     match &said.id {
         Some(found) if *found == id => {}
-        Some(found) => return wrong(&format!("the answer to request {id}"), &format!("`\"id\": {}`", quoted(found)), LINES),
-        None => return wrong(&format!("`\"id\": {id}`"), &format!("`{}`", start(line)), "answer with the id of the request"),
+        Some(found) => {
+            return wrong(&format!("the answer to request {id}"), &format!("`\"id\": {}`", quoted(found)), LINES);
+        }
+        None => {
+            return wrong(
+                &format!("`\"id\": {id}`"),
+                &format!("`{}`", start(line)),
+                "answer with the id of the request",
+            );
+        }
     }
     if let Some(error) = said.error.filter(|error| !error.is_null()) {
         let text = error.as_str().map_or_else(|| quoted(&error), printable);
@@ -198,11 +210,15 @@ fn start(line: &[u8]) -> String {
 }
 
 fn quoted(value: &Json) -> String {
-    value.as_str().map_or_else(|| start(value.to_string().as_bytes()), |text| format!("\u{201c}{}\u{201d}", printable(text)))
+    value
+        .as_str()
+        .map_or_else(|| start(value.to_string().as_bytes()), |text| format!("\u{201c}{}\u{201d}", printable(text)))
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn told(line: &str) -> String {
@@ -264,6 +280,72 @@ mod tests {
         ] {
             let message = greeted(line.as_bytes()).unwrap_err().message;
             assert!(message.contains(expected), "{message}");
+        }
+    }
+
+    /// Text that begins as an answer does and then goes anywhere.
+    fn nearly() -> impl Strategy<Value = Vec<u8>> {
+        let part = proptest::sample::select(vec![
+            "{",
+            "}",
+            "[",
+            "]",
+            ",",
+            ":",
+            "\"id\"",
+            "\"values\"",
+            "\"error\"",
+            "\"tunenet\"",
+            "3",
+            "1",
+            "-0.5",
+            "1e308",
+            "1e999",
+            "NaN",
+            "-Infinity",
+            "null",
+            "true",
+            "\"x\"",
+            "\u{1f600}",
+            " ",
+            "\\",
+            "[[1],[2]]",
+        ]);
+        let parts = proptest::collection::vec(part, 0..30).prop_map(|parts| parts.concat().into_bytes());
+        prop_oneof![
+            proptest::collection::vec(any::<u8>(), 0..200),
+            parts.clone(),
+            parts.clone().prop_map(|rest| [&b"{\"id\":3,\"values\":["[..], &rest].concat()),
+            parts.prop_map(|rest| [&b"{\"id\":3,\"values\":[[1],[2]]"[..], &rest, b"}"].concat()),
+        ]
+    }
+
+    proptest! {
+        /// Whatever a program prints is an answer of the right shape, or is told in one line.
+        #[test]
+        fn any_line_is_an_answer_or_a_sentence(line in nearly(), width in 1..3_usize) {
+            let headers: Vec<String> = ["a_m", "b_m"][..width].iter().map(|h| (*h).to_owned()).collect();
+            for told in [answered(&line, 3, 2, &headers), greeted(&line).map(|()| Answer::Values(vec![0.0; 2 * width]))] {
+                match told {
+                    Ok(Answer::Values(values)) => {
+                        prop_assert!(values.len() == 2 * width && values.iter().all(|v| v.is_finite()));
+                    }
+                    Ok(Answer::Refused(text)) => prop_assert!(!text.is_empty() && !text.contains('\n')),
+                    Err(wrong) => prop_assert!(!wrong.message.contains(char::is_control), "{:?}", wrong.message),
+                }
+            }
+        }
+
+        /// Every double comes back to the bit, as written and as a program in another language writes it.
+        #[test]
+        fn every_double_comes_back(bits in any::<u64>()) {
+            let value = f64::from_bits(bits);
+            prop_assume!(value.is_finite());
+            for text in [format!("{value:?}"), format!("{value:e}"), format!("{value:.17e}"), json!(value).to_string()] {
+                let line = format!("{{\"id\":1,\"values\":[[{text}]]}}");
+                let found = answered(line.as_bytes(), 1, 1, &["a_m".to_owned()]).unwrap();
+                prop_assert!(found.is(&Answer::Values(vec![value])), "{}", text);
+            }
         }
     }
 }

@@ -44,7 +44,9 @@ impl SimulationFile {
     pub fn program_failed(&self) -> Result<()> {
         let Some(permission) = &self.permission else { return Ok(()) };
         let failure = permission.failure.lock().unwrap_or_else(PoisonError::into_inner);
-        failure.as_ref().map_or(Ok(()), |(message, hint)| Err(Error::file(self.path(), message.as_str(), hint.as_str())))
+        failure
+            .as_ref()
+            .map_or(Ok(()), |(message, hint)| Err(Error::file(self.path(), message.as_str(), hint.as_str())))
     }
 
     /// The folder in which the program runs: that of the file, and what `process.folder` adds to it.
@@ -56,7 +58,9 @@ impl SimulationFile {
 
     /// Where the file is to be written to `out`, in another folder: names the folder of the program as it is seen from there.
     pub fn move_program(&mut self, out: &Path) {
-        if self.domain() != Domain::Process || self.text_at("process.folder").is_some_and(|f| Path::new(f).is_absolute()) {
+        if self.domain() != Domain::Process
+            || self.text_at("process.folder").is_some_and(|f| Path::new(f).is_absolute())
+        {
             return;
         }
         let there = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -125,7 +125,8 @@ pub(super) fn contradiction(root: &Table) -> Option<(String, Range<usize>, Strin
     let wrong = |path: &str, expected: &str, found: String| Some((path.into(), place(path), expected.into(), found));
     let channels = at("process.channels").map(texts).unwrap_or_default();
     for (i, header) in channels.iter().enumerate() {
-        let expected = "names with their units in small letters, such as \"z_m\", \"angle_rad\" or, without a unit, \"slip_1\"";
+        let expected =
+            "names with their units in small letters, such as \"z_m\", \"angle_rad\" or, without a unit, \"slip_1\"";
         match Channel::from_header(header) {
             None => return wrong("process.channels", expected, shown(header)),
             Some(channel) if matches!(channel.name.as_str(), "t" | "time") && channel.unit == "s" => {

@@ -116,6 +116,7 @@ const SETTINGS: &str = "
 [settings]
 # Whatever the program wants to know beside its parameters. It is handed to it as it stands here, with every request.
 gravity_m_s2 = 9.81
+start_rad = 0.5
 ";
 
 /// The parameters that are written: all that there are, or, where a file names its own, some to start from.

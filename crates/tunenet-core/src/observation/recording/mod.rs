@@ -132,7 +132,11 @@ fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
         Format::Mcap => {
             let recording = mcap_series::read(path, options.topic.as_deref(), &options.joints)?;
             refuse_too_large(path, &recording.observation)?;
-            if options.channels.is_empty() { Ok(recording) } else { own_columns::chosen(path, recording, &options.channels) }
+            if options.channels.is_empty() {
+                Ok(recording)
+            } else {
+                own_columns::chosen(path, recording, &options.channels)
+            }
         }
     }
 }

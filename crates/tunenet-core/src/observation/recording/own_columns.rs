@@ -36,7 +36,8 @@ pub(super) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
     if header.named {
         let by_hand: Vec<usize> = clock.iter().chain(values.iter().flatten()).map(|source| source.column).collect();
         let mut ignored = Vec::new();
-        for (column, cell) in cells.iter().enumerate().filter(|(i, cell)| !by_hand.contains(i) && !cell.text.is_empty()) {
+        for (column, cell) in cells.iter().enumerate().filter(|(i, cell)| !by_hand.contains(i) && !cell.text.is_empty())
+        {
             match asked(cell.text, channels) {
                 // The first column of a name counts, and one that was mapped by hand before it.
                 Some((quantity, scale)) => {
@@ -67,7 +68,11 @@ pub(super) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
 }
 
 /// Where a quantity's source is kept.
-fn place<'a>(quantity: Quantity, clock: &'a mut Option<Source>, values: &'a mut [Option<Source>]) -> &'a mut Option<Source> {
+fn place<'a>(
+    quantity: Quantity,
+    clock: &'a mut Option<Source>,
+    values: &'a mut [Option<Source>],
+) -> &'a mut Option<Source> {
     match quantity {
         Quantity::Own(number) => &mut values[usize::from(number)],
         _ => clock,

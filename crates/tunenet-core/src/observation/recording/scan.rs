@@ -196,7 +196,8 @@ impl Scan {
             let broken = |why: &str, expected: &str| {
                 // Damaged numbers can be hundreds of digits long.
                 let shown = shortened(text);
-                let message = format!("`{}` is {why}: expected {expected}, found `{shown}`", self.layout.header(source));
+                let message =
+                    format!("`{}` is {why}: expected {expected}, found `{shown}`", self.layout.header(source));
                 let hint = "correct the cell, or empty it to leave the sample out";
                 Box::new(Broken::at(&line, self.separator, source.column, message, hint))
             };
