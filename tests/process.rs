@@ -227,12 +227,13 @@ fn pairs_are_generated_and_a_network_learns_from_them() {
 fn what_is_not_a_programs_is_refused() {
     let folder = pendulum();
     folder.write("task.toml", include_str!("../assets/shot.toml"));
+    folder.write("a.mp4", b"\0\0\0\x18ftypisom");
     for (line, code, wanted) in [
-        ("plan --sim pendulum.toml --task task.toml --allow-process", 1, "found that of a program"),
+        ("plan --sim pendulum.toml --task task.toml", 1, "found that of a program"),
         ("simulate --sim pendulum.toml --allow-process --bounces --out a.csv", 2, "`--bounces`"),
         ("simulate --sim pendulum.toml --allow-process --out a.mcap", 2, "ends in .csv"),
         ("gen ball --sim pendulum.toml --out a.mcap", 1, "expected `kind = \"ball\"` here, found \"process\""),
-        ("tune --sim pendulum.toml --observation a.mp4 --allow-process", 1, "a.mp4"),
+        ("tune --sim pendulum.toml --observation a.mp4 --allow-process", 1, "found a film"),
         ("tune --sim pendulum.toml --observation swing.csv --set parameters.weight.value=1", 2, "(length, damping)"),
         (
             "tune --sim pendulum.toml --observation swing.csv --set process.channels=[\"<b>\"]",
@@ -286,12 +287,12 @@ fn no_file_is_run_without_leave() {
     let before = folder.names();
     for (line, code) in [
         ("tune --sim evil.toml --observation swing.csv", 2),
-        ("tune --sim evil.toml --observation swing.csv --each", 1),
+        ("tune --sim evil.toml --observation swing.csv --each", 2),
         ("tune --sim setting.toml --observation swing.csv --set process.command=[\"touch\",\"ran\"]", 2),
         ("tune --sim allowing.toml --observation swing.csv", 1),
         ("tune --sim evil.toml --observation swing.csv --set allow_process=true", 2),
         ("diagnose --sim evil.toml --observation swing.csv", 2),
-        ("diagnose --sim evil.toml --manifest manifest.toml", 1),
+        ("diagnose --sim evil.toml --manifest manifest.toml", 2),
         // Leave for one program is none for another that a manifest names.
         ("diagnose --sim pendulum.toml --allow-process --manifest manifest.toml", 1),
         ("simulate --sim evil.toml --out a.csv", 2),

@@ -143,6 +143,11 @@ pub struct Simulation {
     /// Override a key of the simulation file; may be repeated
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
+}
+
+/// Leave to run a program, wherever a command simulates by one.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Leave {
     /// Run the program that a simulation file of `kind = "process"` names; only with files that you trust
     #[arg(long)]
     pub allow_process: bool,
@@ -226,6 +231,8 @@ pub struct Init {
 pub struct Tune {
     #[command(flatten)]
     pub simulation: Simulation,
+    #[command(flatten)]
+    pub leave: Leave,
     /// Measured files (CSV, MCAP or film); several are tuned to together
     #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
     pub observation: Vec<PathBuf>,
@@ -272,6 +279,8 @@ pub struct Tune {
 pub struct Diagnose {
     #[command(flatten)]
     pub simulation: Simulation,
+    #[command(flatten)]
+    pub leave: Leave,
     /// Measured files (CSV, MCAP or film) of one object
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "manifest")]
     pub observation: Vec<PathBuf>,
@@ -309,6 +318,8 @@ pub struct Diagnose {
 pub struct Simulate {
     #[command(flatten)]
     pub simulation: Simulation,
+    #[command(flatten)]
+    pub leave: Leave,
     /// Where to write: .csv or .mcap
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
@@ -384,9 +395,8 @@ pub struct Gen {
     /// Override a key of the scene; may be repeated
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
-    /// Run the program that the scene names, of `gen process`; only with files that you trust
-    #[arg(long)]
-    pub allow_process: bool,
+    #[command(flatten)]
+    pub leave: Leave,
     /// Where to write (MCAP)
     #[arg(long, value_name = "FILE.mcap")]
     pub out: PathBuf,

@@ -29,7 +29,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         file.set(assignment)?;
     }
     load::of_kind(&file, simulation_file::Domain::Process)?;
-    if options.allow_process {
+    if options.leave.allow_process {
         file.allow_process();
     }
     let program = observed::simulator(&file, tunenet_core::observation::Kind::Other)?;

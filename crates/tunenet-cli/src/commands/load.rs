@@ -15,7 +15,7 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
 use super::film;
-use crate::cli::{Reading, Simulation};
+use crate::cli::{Leave, Reading, Simulation};
 
 /// A simulation file with its overrides.
 pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
@@ -23,8 +23,18 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
     for assignment in &options.set {
         file.set(assignment)?;
     }
-    if options.allow_process {
+    Ok(file)
+}
+
+/// The same, with leave to run the program that it names where that is given; without it such a file is refused before anything
+/// else is done.
+pub fn simulation_with(options: &Simulation, leave: Leave) -> Result<SimulationFile> {
+    let mut file = simulation(options)?;
+    if leave.allow_process {
         file.allow_process();
+    }
+    if file.domain() == Domain::Process {
+        process::leave(&file)?;
     }
     Ok(file)
 }

@@ -31,7 +31,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let urdf = options.simulation.urdf_set();
     let inputs: Vec<&Path> = inputs(options).chain(urdf.as_deref()).collect();
     destination::check(&outputs(options), &inputs, options.writing.overwrite)?;
-    let file = load::simulation(&options.simulation)?;
+    let file = load::simulation_with(&options.simulation, options.leave)?;
     start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {

@@ -43,6 +43,19 @@ pub fn command(file: &SimulationFile) -> String {
     program::shown(&program::words(file))
 }
 
+/// The leave that was given to run the program of `file`.
+///
+/// # Errors
+/// [`Error::Setting`] where none was given.
+pub fn leave(file: &SimulationFile) -> Result<&Permission> {
+    file.permission().ok_or_else(|| {
+        let (path, named) = (file.path().display(), command(file));
+        let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
+        let found = "none: give it for files that you trust".into();
+        Error::Setting { name: "--allow-process", expected, found }
+    })
+}
+
 /// A program of one's own as a simulator that core can tune and diagnose.
 ///
 /// Rollouts ask one running copy of the program each, of which there are as many as threads ask at a time. The same parameters
@@ -66,15 +79,7 @@ impl ProcessSimulator {
             let message = format!("expected `kind = \"process\"`, found \"{}\"", file.domain().name());
             return Err(Error::file(file.path(), message, "`tunenet init process` writes one to start from"));
         }
-        let Some(permission) = file.permission() else {
-            let (path, named) = (file.path().display(), command(file));
-            let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
-            return Err(Error::Setting {
-                name: "--allow-process",
-                expected,
-                found: "none: give it for files that you trust".into(),
-            });
-        };
+        let permission = leave(file)?;
         file.program_failed()?;
         let program = Program::of(file)?;
         let (parameters, channels) = (program.parameters.clone(), program.channels.clone());

@@ -59,7 +59,7 @@ impl Loaded {
 
 pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
-    let file = load::simulation(&options.simulation)?;
+    let file = load::simulation_with(&options.simulation, options.leave)?;
     for source in sources {
         let name = load::name(&source.path);
         // A film's scale goes by what its own entry says of the ball.
@@ -126,7 +126,7 @@ fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Resul
 }
 
 fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
-    let file = in_scene(options, source, &load::simulation(&options.simulation)?)?;
+    let file = in_scene(options, source, &load::simulation_with(&options.simulation, options.leave)?)?;
     let mut simulator = simulator(&file, kind).with_context(|| load::name(&source.path))?;
     // A coefficient that stands there may be wrong, and is tuned with the parameters; else it looks like something missing.
     let present = file.effects();

@@ -194,11 +194,11 @@ mod tests {
 
     #[test]
     fn foreign_names_go_through_the_mapping_that_is_proposed() {
-        let (_folder, path) = file("a.csv", "time [s],theta\n0,1\n1,2\n2,3\n");
+        let (_folder, path) = file("a.csv", "stamp [s],theta\n0,1\n1,2\n2,3\n");
         let (message, hint) = told(&read(&path, &options(&["angle_rad"], &[])).unwrap_err());
         assert!(message.contains("expected a column `t_s` (`t_s`, `angle_rad` are what"), "{message}");
-        assert!(hint.contains("`--columns 't_s=time [s],angle_rad=theta'`"), "{hint}");
-        let mapped = options(&["angle_rad"], &[("t_s", "time [s]"), ("angle_rad", "theta")]);
+        assert!(hint.contains("`--columns 't_s=stamp [s],angle_rad=theta'`"), "{hint}");
+        let mapped = options(&["angle_rad"], &[("t_s", "stamp [s]"), ("angle_rad", "theta")]);
         assert_eq!(read(&path, &mapped).unwrap().observation.values(), [1.0, 2.0, 3.0]);
         let wrong = options(&["angle_rad"], &[("z_m", "theta")]);
         assert!(read(&path, &wrong).unwrap_err().to_string().contains("`t_s`, `angle_rad` before the `=`"));
