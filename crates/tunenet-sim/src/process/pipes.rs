@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn the_last_lines_of_standard_error_are_kept() {
-        let text: String = (0..10_000).map(|i| format!("line {i}\n")).collect();
+        let text = (0..10_000).map(|i| format!("line {i}")).collect::<Vec<_>>().join("\n");
         let troubles = Troubles::of(Cursor::new(text)).unwrap();
         assert_eq!(troubles.last_words(), (9995..10_000).map(|i| format!("line {i}")).collect::<Vec<_>>());
     }

@@ -48,7 +48,7 @@ impl Program {
             Error::file(file.path(), message, "make it, or correct the path, which is seen from the simulation file")
         })?;
         let seconds = |path: &str, default: f64| Duration::from_secs_f64(file.number(path).unwrap_or(default));
-        let workers = file.number("process.workers").map_or_else(rayon::current_num_threads, |n| n as usize);
+        let workers = file.item("process.workers").and_then(Item::as_integer).and_then(|n| usize::try_from(n).ok());
         let channels = channels(file)?;
         let lengths = channels.iter().any(|channel| channel.unit == "m");
         if !lengths && file.effects().iter().any(|effect| effect.name == "length_scale") {
@@ -60,7 +60,7 @@ impl Program {
             folder,
             timeout: seconds("process.timeout_s", TIMEOUT_S),
             start_timeout: seconds("process.start_timeout_s", START_TIMEOUT_S),
-            workers: workers.max(1),
+            workers: workers.unwrap_or_else(rayon::current_num_threads).max(1),
             headers: headers(file),
             channels,
             parameters: file.parameters()?,

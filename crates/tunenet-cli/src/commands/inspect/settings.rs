@@ -49,7 +49,7 @@ fn simulation(file: &SimulationFile) -> Result<Value> {
     let program = (file.domain() == Domain::Process).then(|| process::command(file));
     match &program {
         Some(program) => {
-            stage("process", &format!("a simulation file that runs {program}, with `--allow-process` alone"))
+            stage("process", &format!("a simulation file that runs {program}, with `--allow-process` alone"));
         }
         None => stage(file.domain().name(), "a simulation file"),
     }
