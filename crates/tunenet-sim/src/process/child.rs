@@ -203,3 +203,45 @@ fn unstarted(program: &Program, error: &std::io::Error) -> Failure {
     };
     Failure::new(message, hint)
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::SimulationFile;
+
+    fn shell(script: &str) -> Program {
+        let text = format!(
+            "kind = \"process\"\n[process]\ncommand = [\"sh\", \"-c\", '''{script}''']\nchannels = [\"z_m\"]\ntimeout_s = 0.2\n\
+             [parameters.k]\nvalue = 1\nmin = 0\nmax = 2\n"
+        );
+        Program::of(&SimulationFile::parse(Path::new("a.toml"), &text).unwrap()).unwrap()
+    }
+
+    /// Neither a process nor its remains, which nobody waited for, stay behind.
+    #[test]
+    fn nothing_stays_of_it() {
+        const GREETS: &str = "read first; echo '{\"tunenet\":1}'; ";
+        let stays = |child: &Child| Path::new(&format!("/proc/{}", child.process.id())).exists();
+        for (rest, asked) in [
+            ("cat > none", false),          // ends with its input
+            ("exec sleep 100", false),      // goes on: it is killed
+            ("exit 3", false),              // is over already
+            ("exec sleep 100", true),       // hangs when it is asked
+            ("echo hello; exec cat", true), // says what it should not
+        ] {
+            let rest = rest.replace("none", "/dev/null");
+            let program = shell(&format!("{GREETS}{rest}"));
+            let mut child = Child::start(&program).unwrap();
+            let place = format!("/proc/{}", child.process.id());
+            if asked {
+                child.ask(&program, &[1.0], &[0.0, 1.0]).unwrap_err();
+                // A failure ends it at once, before whoever asked lets go of it.
+                assert!(!stays(&child), "{rest}");
+            }
+            drop(child);
+            assert!(!Path::new(&place).exists(), "{rest}");
+        }
+    }
+}
