@@ -191,7 +191,7 @@ fn inspect_knows_the_channels_and_runs_nothing() {
 fn what_init_writes_can_be_tuned_with() {
     let folder = Folder::new();
     let json = folder.run("init process --json").ends(0).json();
-    assert_eq!(json["file"], "process.toml");
+    assert_eq!((json["file"].as_str(), json["program"].as_str()), (Some("process.toml"), Some("pendulum.py")));
     assert_eq!(folder.read("pendulum.py"), PENDULUM.as_bytes());
     folder.run("inspect process.toml").ends(0);
     common::refused(&folder, "init process", &["process.toml: expected a new name"]);

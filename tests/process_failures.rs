@@ -200,6 +200,21 @@ fn nothing_is_left_where_tunenet_is_killed() {
     gone(&mark);
 }
 
+/// The program that a simulation file names is read with it, and never written over.
+#[test]
+fn a_program_is_never_written_over() {
+    let folder = pendulum();
+    let tune = "tune --sim pendulum.toml --allow-process --observation swing.csv --overwrite";
+    for output in ["--out pendulum.py", "--report pendulum.py"] {
+        common::refused(
+            &folder,
+            &format!("{tune} {output}"),
+            &["pendulum.py: expected another file", "one that is read"],
+        );
+    }
+    assert!(folder.read("pendulum.py") == programs::PENDULUM.as_bytes());
+}
+
 /// A flood on standard error fills no pipe.
 #[test]
 fn much_on_standard_error_holds_up_nobody() {

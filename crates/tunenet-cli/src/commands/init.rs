@@ -44,7 +44,11 @@ pub fn run(options: &Init) -> Result<Exit> {
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
     stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} --observation FILE`"));
     if options.common.json {
-        print_json(&json!({ "schema": "tunenet.init/1", "file": load::name(&out), "warnings": [] }));
+        let mut object = json!({ "schema": "tunenet.init/1", "file": load::name(&out), "warnings": [] });
+        if domain == Domain::Process {
+            object["program"] = PROGRAM.0.into();
+        }
+        print_json(&object);
     }
     Ok(Exit::Done)
 }
