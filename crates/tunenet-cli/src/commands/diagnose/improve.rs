@@ -102,6 +102,7 @@ pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
         file.set_provenance(&provenance(options, answer, gap, number)?);
         let path =
             if answer.loaded.objects.len() == 1 { out.clone() } else { out.join(format!("{}.toml", object.name)) };
+        file.move_program(&path);
         put(&path, &file)?;
         written.push(path);
     }
