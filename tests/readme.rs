@@ -6,7 +6,7 @@ use std::process::Command;
 
 use tunenet_sim::shot::task::TASK_KEYS;
 use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
-use tunenet_sim::simulation_file::{ARM_EFFECT_KEYS, ARM_KEYS};
+use tunenet_sim::simulation_file::{ARM_EFFECT_KEYS, ARM_KEYS, PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 
 /// Commands that are shown but not run here, and why.
 const NOT_RUN: [(&str, &str); 3] = [
@@ -169,11 +169,13 @@ fn rows(keys: &[Key]) -> String {
 #[test]
 fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     let page = text("docs/files.md");
-    let all: [(&str, &[Key]); 6] = [
+    let all: [(&str, &[Key]); 8] = [
         ("keys", BALL_KEYS),
         ("arm", ARM_KEYS),
         ("effects", &EFFECT_KEYS),
         ("arm effects", &ARM_EFFECT_KEYS),
+        ("process", PROCESS_KEYS),
+        ("process effects", &PROCESS_EFFECT_KEYS),
         ("parameters", PARAMETER_KEYS),
         ("task", TASK_KEYS),
     ];

@@ -32,7 +32,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let urdf = options.simulation.urdf_set();
     let inputs: Vec<&Path> = inputs(options).chain(urdf.as_deref()).collect();
     destination::check(&outputs(options), &inputs, options.writing.overwrite)?;
-    let file = load::simulation(&options.simulation)?;
+    let file = load::simulation_with(&options.simulation, options.leave)?;
     start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {
@@ -168,8 +168,10 @@ fn tune_to(
         );
     }
     let arm = file.domain() == Domain::Arm;
-    let learned =
-        |model: &Model| arm || kind == Kind::Positions || kind == Kind::Pixels && !model.target_channels().is_empty();
+    let process = file.domain() == Domain::Process;
+    let learned = |model: &Model| {
+        arm || process || kind == Kind::Positions || kind == Kind::Pixels && !model.target_channels().is_empty()
+    };
     if !model.is_none_or(learned) {
         let why = if kind == Kind::Pixels { "this model does not see" } else { "need no model" };
         let (expected, found) = ("positions".into(), format!("{}, which {why}", kind.name()));
@@ -180,7 +182,7 @@ fn tune_to(
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
     let filmed = kind == Kind::Pixels;
-    let bare = if filmed || arm || kind == Kind::Joints {
+    let bare = if filmed || arm || process || kind == Kind::Joints {
         None
     } else {
         Some(ObservedBall::new(file, kind).with_context(|| names(options))?)
@@ -189,7 +191,7 @@ fn tune_to(
     let ball = match &bare {
         Some(bare) => observed::around(file, bare.clone())?,
         // What it refuses is the simulation file's or the URDF's, and says so.
-        None if arm => simulator(file, kind)?,
+        None if arm || process => simulator(file, kind)?,
         None => simulator(file, kind).with_context(|| names(options))?,
     };
     let paper = model.is_some_and(|m| m.preset().name == "paper");
@@ -210,12 +212,17 @@ fn tune_to(
         (None, None) if arm => {
             tune_model::none("not needed: torques all but follow a straight line in the payload".into())
         }
+        (None, None) if process => tune_model::none(
+            "none: the fit has starts of its own; one that learned from `gen process` goes with --model".into(),
+        ),
         (None, None) => tune_model::none("none: give one that learned from `gen ball-video` with --model".into()),
     };
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
     let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
+    // A fit takes a rollout that fails for bad values; a program that is gone is none of that.
+    file.program_failed()?;
     let mut outcome = tuned.with_context(|| names(options))?;
     if replays(file) {
         suspect(file, &mut outcome, options.reference.is_some());
@@ -456,6 +463,7 @@ fn write_tuned(
         ("gap_noise_floor", gap.noise_floor.into()),
     ]);
     tuned.set_provenance(&entries);
+    tuned.move_program(out);
     write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
     Ok(())
 }

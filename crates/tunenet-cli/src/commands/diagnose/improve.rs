@@ -103,6 +103,7 @@ pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
         file.set_provenance(&entries);
         let path =
             if answer.loaded.objects.len() == 1 { out.clone() } else { out.join(format!("{}.toml", object.name)) };
+        file.move_program(&path);
         put(&path, &file)?;
         written.push(path);
     }
