@@ -45,6 +45,14 @@ min = 0.0
 max = 1.0
 ";
 
+/// Writes a script that can be run.
+#[cfg(unix)]
+pub fn executable(path: &std::path::Path, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::write(path, script).expect("a script");
+    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).expect("permissions");
+}
+
 /// How a process ended.
 pub struct Ran {
     /// Its exit status; `None` where a signal ended it.
