@@ -93,6 +93,23 @@ impl Ran {
     }
 }
 
+/// A JSON text without what differs from run to run: how long it took.
+pub fn timeless(text: &[u8]) -> Vec<u8> {
+    fn strip(value: &mut Value) {
+        match value {
+            Value::Object(object) => {
+                object.retain(|key, _| !key.contains("seconds") && !key.ends_with("_s_spent"));
+                object.values_mut().for_each(strip);
+            }
+            Value::Array(all) => all.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    let mut value: Value = serde_json::from_slice(text).expect("JSON");
+    strip(&mut value);
+    value.to_string().into_bytes()
+}
+
 /// A temporary folder that commands run in, so that every path in their output is a bare name.
 pub struct Folder(tempfile::TempDir);
 
