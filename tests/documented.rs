@@ -13,9 +13,11 @@ use std::process::{Command, Output};
 use page::{Page, Shown, pages, root};
 
 /// Commands that are shown but not run: the page or `*`, how they begin, and why. Their flags are parsed all the same.
-const NOT_RUN: [(&str, &str, &str); 5] = [
+const NOT_RUN: [(&str, &str, &str); 7] = [
     ("*", "make ", "builds and tests everything, this test included; the target has to exist"),
     ("*", "cargo ", "builds for minutes; CI installs, and tests run the example"),
+    ("CONTRIBUTING.md", "TUNENET_KILLS", "kills for minutes; cargo test does it with fewer kills"),
+    ("CONTRIBUTING.md", "time ", "needs a release build without video, which takes minutes"),
     ("*", "docker ", "needs a daemon; the Dockerfile is held against this workspace below"),
     ("docs/arm-logs.md", "", "recordings of others, which are not here; tests/replay.rs runs these where they are"),
     (
@@ -181,6 +183,22 @@ fn what_is_not_run_is_parsed_and_every_flag_exists() {
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
     assert!(parsed > 60, "only {parsed} commands were parsed");
+}
+
+/// No daemon runs it here: at least what it names has to be there, and be what `make build` asks for.
+#[test]
+fn the_dockerfile_installs_what_this_workspace_needs() {
+    let text = |name: &str| std::fs::read_to_string(root().join(name)).unwrap();
+    let (image, makefile) = (text("Dockerfile"), text("Makefile"));
+    let packages = makefile.lines().find_map(|line| line.strip_prefix("PACKAGES := ")).unwrap();
+    for package in packages.split_whitespace() {
+        assert!(image.split_whitespace().any(|word| word == package), "the Dockerfile lacks {package}");
+    }
+    let path = image.split_once("--path ").unwrap().1.split_whitespace().next().unwrap();
+    assert!(root().join(path).join("Cargo.toml").exists() && root().join("rust-toolchain.toml").exists(), "{path}");
+    let manifest = text("crates/tunenet-cli/Cargo.toml");
+    let entry = image.split_once("ENTRYPOINT [\"").unwrap().1.split('"').next().unwrap();
+    assert!(manifest.contains(&format!("name = \"{entry}\"")), "{entry}");
 }
 
 #[test]
