@@ -89,7 +89,7 @@ impl Page {
             command.contains('=') && !command.contains(' ') && name.chars().all(|c| c.is_ascii_uppercase())
         };
         let commands = self.commands().into_iter().map(|shown| shown.command);
-        commands.filter(|c| assigns(c)).map(|c| format!("{c}; ")).collect()
+        commands.filter(|c| assigns(c)).flat_map(|c| [c, "; ".to_owned()]).collect()
     }
 
     /// Lines in blocks of other kinds that look like commands: they would never be run.
