@@ -40,3 +40,8 @@ pub use observed_ball::ObservedBall;
 pub use process::ProcessSimulator;
 pub use replayed_arm::ReplayedArm;
 pub use simulation_file::SimulationFile;
+
+/// The code of the book's page on embedding, compiled and run with the doctests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/embedding.md")]
+pub struct EmbeddingPage;

@@ -53,7 +53,7 @@ pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_
 pub use csv_write::write_csv;
 pub use encoding::read_text;
 #[allow(unused_imports, reason = "the reader of other files made of messages")]
-pub(crate) use mcap_read::{ChannelInfo, Messages, RawMessage, messages};
+pub(crate) use mcap_read::{ChannelInfo, Messages, PIECE, RawMessage, longest_record, messages};
 pub use mcap_write::write_mcap;
 pub use source::open;
 pub use topics::Topic;
