@@ -9,7 +9,11 @@ SHELL := /bin/bash
 # What building with video needs on Debian and Ubuntu.
 PACKAGES := libopencv-dev clang libclang-dev pkg-config
 
-.PHONY: help test test-mcap test-slurm build demo model fmt packages mcap-packages cargo
+# Tools that are not needed to build, at the versions that were tried.
+MDBOOK := 0.5.4
+CARGO_DENY := 0.20.2
+
+.PHONY: help test test-mcap test-slurm build demo book licences model fmt packages mcap-packages cargo
 
 help: ## list these targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
@@ -52,6 +56,12 @@ build: packages ## build the executables with video into target/release
 demo: cargo ## build without video, then inspect, tune and simulate with ready observations
 	@assets/demo.sh
 
+book: target/tools/bin/mdbook ## build docs/ as a book into target/book
+	@$< build docs
+
+licences: target/tools/bin/cargo-deny ## check licences, sources and bans of every dependency (deny.toml)
+	@$< --workspace check licenses bans sources
+
 model: cargo ## make the built-in network again: the same bytes on the same kind of CPU
 	@assets/networks/make.sh
 
@@ -92,6 +102,13 @@ target/cluster-venv/ready: tests/cluster/requirements.txt
 	@python3 -m venv target/cluster-venv || { echo 'Python cannot make a virtual environment: install python3-venv' >&2; exit 1; }
 	@target/cluster-venv/bin/pip install --quiet --disable-pip-version-check --retries 1 --timeout 20 -r $<
 	@touch $@
+
+# Tools are compiled once, about a minute each, and kept where the build is.
+target/tools/bin/mdbook: | cargo
+	@cargo install --quiet --locked --root target/tools --no-default-features --version $(MDBOOK) mdbook
+
+target/tools/bin/cargo-deny: | cargo
+	@cargo install --quiet --locked --root target/tools --no-default-features --version $(CARGO_DENY) cargo-deny
 
 cargo:
 	@command -v cargo > /dev/null || { echo 'cargo is not there: install Rust with rustup (https://rustup.rs)' >&2; exit 1; }

@@ -45,6 +45,14 @@ min = 0.0
 max = 1.0
 ";
 
+/// Writes a script that can be run.
+#[cfg(unix)]
+pub fn executable(path: &std::path::Path, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::write(path, script).expect("a script");
+    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).expect("permissions");
+}
+
 /// How a process ended.
 pub struct Ran {
     /// Its exit status; `None` where a signal ended it.
@@ -83,6 +91,23 @@ impl Ran {
         assert!(value.is_object(), "{value}");
         value
     }
+}
+
+/// A JSON text without what differs from run to run: how long it took.
+pub fn timeless(text: &[u8]) -> Vec<u8> {
+    fn strip(value: &mut Value) {
+        match value {
+            Value::Object(object) => {
+                object.retain(|key, _| !key.contains("seconds") && !key.ends_with("_s_spent"));
+                object.values_mut().for_each(strip);
+            }
+            Value::Array(all) => all.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    let mut value: Value = serde_json::from_slice(text).expect("JSON");
+    strip(&mut value);
+    value.to_string().into_bytes()
 }
 
 /// A temporary folder that commands run in, so that every path in their output is a bare name.

@@ -97,6 +97,7 @@ Examples:
   tunenet init ball
   tunenet init ball --out tennis.toml
   tunenet init arm
+  tunenet init process
 Without a word about the release or the surface's height, both are estimated from each recording.";
 
 const TUNE_EXAMPLES: &str = "\
@@ -107,6 +108,7 @@ Examples:
   tunenet tune --sim ball.toml --observation 'flights/*.csv' --each --out-dir answers --jobs 4 --shard 0/8
   tunenet tune --sim ball.toml --observation log.csv --columns t_s=time,z_m=height
   tunenet tune --sim ball.toml --observation drop.mp4
+  tunenet tune --sim process.toml --allow-process --observation swing.csv
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
 const DIAGNOSE_EXAMPLES: &str = "\
 Examples:
@@ -114,23 +116,27 @@ Examples:
   tunenet diagnose --sim ball.toml --observation d1.csv d2.csv d3.csv --held-out d4.csv --report answer.html
   tunenet diagnose --sim ball.toml --manifest balls.toml --out improved
   tunenet diagnose --sim ball.toml --observation 'logs/*.mcap' --each --out-dir answers --jobs 4
+  tunenet diagnose --sim process.toml --allow-process --observation swing.csv
 Several throws in varied directions tell effects apart that one throw cannot.
 A manifest lists [[observation]] tables with `file`, and `object`, `held_out` and keys of the scene where they differ.";
 const SIMULATE_EXAMPLES: &str = "\
 Examples:
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.csv
-  tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.mcap";
+  tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.mcap
+  tunenet simulate --sim process.toml --allow-process --out swing.csv";
 const INSPECT_EXAMPLES: &str = "\
 Examples:
   tunenet inspect drop.csv
   tunenet inspect throws/*.csv
-  tunenet inspect log.mcap --json";
+  tunenet inspect log.mcap --json
+  tunenet inspect swing.csv --sim process.toml";
 const GEN_EXAMPLES: &str = "\
 Examples:
   tunenet gen ball --preset easy --pairs 800 --seed 0 --out train.mcap
   tunenet gen ball --preset wide --pairs 1000 --seed 1 --out wide.mcap
   tunenet gen arm --sim assets/arm.toml --pairs 1000 --out payloads.mcap
   tunenet gen ball --preset easy --pairs 1000000 --out all.mcap --shard auto    in a Slurm array; see `merge`
+  tunenet gen process --sim process.toml --allow-process --pairs 500 --out swings.mcap
 An interrupted run goes on where it stopped when the same command is given again.";
 const TRAIN_EXAMPLES: &str = "\
 Examples:
@@ -146,6 +152,14 @@ pub struct Simulation {
     /// Override a key of the simulation file; may be repeated
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
+}
+
+/// Leave to run a program, wherever a command simulates by one.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Leave {
+    /// Run the program that a simulation file of `kind = "process"` names; only with files that you trust
+    #[arg(long)]
+    pub allow_process: bool,
 }
 
 impl Simulation {
@@ -213,6 +227,8 @@ pub enum Scene {
     Ball,
     /// An arm that moves a payload
     Arm,
+    /// A program of yours, in any language; one to start from is written beside it
+    Process,
 }
 
 /// `tunenet init`.
@@ -220,7 +236,7 @@ pub enum Scene {
 pub struct Init {
     /// Of what
     pub scene: Scene,
-    /// Where to write [default: ball.toml or arm.toml]
+    /// Where to write [default: ball.toml, arm.toml or process.toml]
     #[arg(long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
@@ -235,6 +251,8 @@ pub struct Init {
 pub struct Tune {
     #[command(flatten)]
     pub simulation: Simulation,
+    #[command(flatten)]
+    pub leave: Leave,
     /// Measured files (CSV, MCAP or film); several are tuned to together
     #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
     pub observation: Vec<PathBuf>,
@@ -286,6 +304,8 @@ pub struct Tune {
 pub struct Diagnose {
     #[command(flatten)]
     pub simulation: Simulation,
+    #[command(flatten)]
+    pub leave: Leave,
     /// Measured files (CSV, MCAP or film) of one object
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "manifest")]
     pub observation: Vec<PathBuf>,
@@ -328,6 +348,8 @@ pub struct Diagnose {
 pub struct Simulate {
     #[command(flatten)]
     pub simulation: Simulation,
+    #[command(flatten)]
+    pub leave: Leave,
     /// Where to write: .csv or .mcap
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
@@ -349,6 +371,9 @@ pub struct Inspect {
     /// What to look at: CSV, MCAP, film, simulation file, dataset or model; of several recordings, gravity together as well
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
+    /// Simulation file of a program of yours, whose channels are looked for; the program is not run
+    #[arg(long, value_name = "FILE.toml")]
+    pub sim: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
     #[command(flatten)]
@@ -364,6 +389,8 @@ pub enum Domain {
     BallVideo,
     /// An arm that draws a circle with a payload, as in the paper
     Arm,
+    /// What a program of yours simulates
+    Process,
 }
 
 /// Which parameters the pairs are drawn from.
@@ -373,7 +400,7 @@ pub enum Pairs {
     Easy,
     /// Proposed .3 to .7, target 0 to 1: the paper's Hard set; of an arm, targets 1 kg heavier: its test set
     Hard,
-    /// 0 to 1, both sides: for preset `default`; of an arm, 0 to 2 kg
+    /// 0 to 1, both sides: for preset `default`; of an arm, 0 to 2 kg; of a program, its parameters' bounds
     Wide,
     /// Noisy recordings of drops from .3 to 10 m, release and floor unknown: for preset `general`
     General,
@@ -386,18 +413,20 @@ pub enum Pairs {
 pub struct Gen {
     /// Of what
     pub domain: Domain,
-    /// Distribution of the pairs [default: easy; paper of an arm]
+    /// Distribution of the pairs [default: easy; paper of an arm; wide of a program]
     #[arg(long, value_enum)]
     pub preset: Option<Pairs>,
     /// How many
     #[arg(long, default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
     pub pairs: u64,
     /// Scene, instead of the paper's
-    #[arg(long = "sim", value_name = "FILE.toml", required_if_eq("domain", "arm"))]
+    #[arg(long = "sim", value_name = "FILE.toml", required_if_eq_any([("domain", "arm"), ("domain", "process")]))]
     pub sim: Option<PathBuf>,
     /// Override a key of the scene; may be repeated
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
+    #[command(flatten)]
+    pub leave: Leave,
     /// Where to write (MCAP)
     #[arg(long, value_name = "FILE.mcap")]
     pub out: PathBuf,

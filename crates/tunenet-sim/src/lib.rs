@@ -9,6 +9,8 @@
 //! | [`observed_arm`] | an arm that follows a motion, as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
+//! | [`open_drag`] | the drag that recordings leave open |
+//! | [`process`] | a simulator of any language: a program that speaks lines of JSON |
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`filmed`] | drops in front of a camera that nobody knows |
 //! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
@@ -24,6 +26,8 @@ pub mod filmed_ball;
 pub mod observed;
 pub mod observed_arm;
 pub mod observed_ball;
+pub mod open_drag;
+pub mod process;
 pub mod replayed_arm;
 pub mod shot;
 pub mod simulation_file;
@@ -33,5 +37,11 @@ pub use filmed_ball::FilmedBall;
 pub use observed::simulator;
 pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;
+pub use process::ProcessSimulator;
 pub use replayed_arm::ReplayedArm;
 pub use simulation_file::SimulationFile;
+
+/// The code of the book's page on embedding, compiled and run with the doctests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/embedding.md")]
+pub struct EmbeddingPage;

@@ -6,7 +6,7 @@ use tunenet_core::{Error, Result};
 
 use crate::replayed_arm::{replayed, replays};
 use crate::simulation_file::Domain;
-use crate::{FilmedBall, ObservedArm, ObservedBall, SimulationFile};
+use crate::{FilmedBall, ObservedArm, ObservedBall, ProcessSimulator, SimulationFile};
 
 /// The simulator that `file` describes, observed as `kind`: its physical effects in the world, its effects of the
 /// measurement around it. Those that this kind of observation cannot show are passed over.
@@ -17,9 +17,11 @@ pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>
     match (file.domain(), kind) {
         (Domain::Arm, Kind::Joints) if replays(file) => return replayed(file),
         (Domain::Arm, Kind::Joints) => return Ok(Box::new(ObservedArm::new(file)?)),
-        (Domain::Arm, _) | (Domain::Ball, Kind::Joints) => {
+        (Domain::Process, Kind::Other) => return around_program(file, ProcessSimulator::start(file)?),
+        (Domain::Arm | Domain::Process, _) | (Domain::Ball, Kind::Joints | Kind::Other) => {
             let (is, other) = match file.domain() {
                 Domain::Arm => ("joint series of an arm", "give recordings of its joints, or a ball's simulation file"),
+                Domain::Process => ("a series on its own channels", "read recordings with the channels of the file"),
                 Domain::Ball => (
                     "positions or bounces of a ball",
                     "give an arm's simulation file: `tunenet init arm` writes one to start from",
@@ -34,6 +36,17 @@ pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>
         return Ok(Box::new(FilmedBall::new(file)?));
     }
     around(file, ObservedBall::new(file, kind)?)
+}
+
+/// As [`simulator`], around a program of `file` that was started before.
+///
+/// # Errors
+/// As [`Measured::fixed`].
+pub fn around_program(file: &SimulationFile, program: ProcessSimulator) -> Result<Box<dyn Simulator>> {
+    if measured(file, Kind::Other).is_empty() {
+        return Ok(Box::new(program));
+    }
+    Ok(Box::new(seen(file, program)?))
 }
 
 /// As [`simulator`], around a ball of `file` that was made before.

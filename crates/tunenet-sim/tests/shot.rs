@@ -201,6 +201,30 @@ fn every_alternative_has_its_weight() {
     assert_eq!(Belief::new(&file(""), &task()).unwrap().notes()[0].code, "plan.untuned");
 }
 
+/// Of a file whose drag is open, every strength has its share; the file's own numbers stay what is drawn and what `nearest`
+/// goes by, and a drag that the file holds closes the matter.
+#[test]
+fn a_drag_that_is_open_is_planned_for() {
+    let open = "\n[provenance]\nverdict = \"tuned\"\nopen_drag = [\
+        { c_1_m = 0.0, restitution = 0.7, weight = 0.75 }, { c_1_m = 9.0, restitution = 0.7, weight = 0.25 }]\n";
+    let found = planned(&file(open), Rule::Probability);
+    assert_eq!(found.best().probability, Some(0.75));
+    let belief = Belief::new(&file(open), &task()).unwrap();
+    assert_eq!(belief.notes()[0].code, "plan.open_drag");
+    assert_eq!(belief.nominal(), Belief::new(&file(""), &task()).unwrap().nominal());
+    let closed = Belief::new(&file(&format!("[effects.quadratic_drag]\nc_1_m = 0.02\n{open}")), &task()).unwrap();
+    assert!(closed.notes().is_empty(), "{:?}", closed.notes());
+    // An interval beside a value is drawn from; one that does not hold it is not believed.
+    let spread = |interval: &str| {
+        let one = format!(
+            "\n[provenance]\nverdict = \"tuned\"\nopen_drag = [{{ c_1_m = 0.0, restitution = 0.7, \
+             restitution_interval95 = {interval}, weight = 1.0 }}]\n"
+        );
+        planned(&file(&one), Rule::Probability).best().probability.unwrap()
+    };
+    assert!(spread("[0.5, 0.9]") < 0.8 && spread("[0.1, 0.2]") == 1.0);
+}
+
 #[test]
 fn what_scatters_lowers_the_chance() {
     let sure = planned(&file("[effects.bounce_scatter]\nsd_rad = 0.0\n"), Rule::Probability);

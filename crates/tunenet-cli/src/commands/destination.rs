@@ -9,6 +9,8 @@ use toml_edit::DocumentMut;
 use tunenet_core::Error;
 use tunenet_core::network::{DatasetReader, Model};
 use tunenet_core::observation::recording::read_text;
+use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{SimulationFile, process};
 
 use super::load;
 use crate::report;
@@ -83,10 +85,25 @@ pub fn urdf_beside(input: &Path) -> Option<PathBuf> {
     Some(input.parent()?.join(file.get("arm")?.get("urdf")?.as_str()?))
 }
 
-/// Refuses, before any work is done, outputs that are one of the `inputs` or a URDF that one of them names, that are one another, that cannot be written,
+/// The files among the words of the command that a simulation file names: the program, or what its interpreter reads.
+fn programs_beside(input: &Path) -> Vec<PathBuf> {
+    if input.extension().is_none_or(|ending| ending != "toml") {
+        return Vec::new();
+    }
+    let Ok(file) = SimulationFile::read(input) else { return Vec::new() };
+    if file.domain() != Domain::Process {
+        return Vec::new();
+    }
+    let folder = file.program_folder();
+    process::words(&file).into_iter().map(|word| folder.join(word)).filter(|path| path.is_file()).collect()
+}
+
+/// Refuses, before any work is done, outputs that are one of the `inputs` or a URDF or a program that one of them names, that are one another, that cannot be written,
 /// or that would replace what tunenet did not write; the last not where `overwrite` is asked for.
 pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()> {
-    let beside: Vec<PathBuf> = inputs.iter().filter_map(|input| urdf_beside(input)).collect();
+    let urdfs = inputs.iter().filter_map(|input| urdf_beside(input));
+    let programs = inputs.iter().flat_map(|input| programs_beside(input));
+    let beside: Vec<PathBuf> = urdfs.chain(programs).collect();
     let inputs: Vec<&Path> = inputs.iter().copied().chain(beside.iter().map(PathBuf::as_path)).collect();
     for (number, output) in outputs.iter().enumerate() {
         let Output { path, flag, product, makes_folder } = output;

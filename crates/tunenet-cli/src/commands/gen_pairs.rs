@@ -39,6 +39,9 @@ pub fn run(options: &Gen) -> Result<Exit> {
     if options.domain == Domain::Arm {
         return super::gen_arm::run(options);
     }
+    if options.domain == Domain::Process {
+        return super::gen_process::run(options);
+    }
     let preset = options.preset.unwrap_or(Pairs::Easy);
     if preset == Pairs::Paper {
         let (expected, found) = ("`easy`, `hard`, `wide` or `general` for a ball".into(), "`paper`".into());

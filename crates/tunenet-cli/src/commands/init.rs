@@ -1,5 +1,7 @@
 //! `tunenet init`.
 
+use std::path::Path;
+
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::observation::recording::write_atomically;
@@ -11,6 +13,9 @@ use crate::cli::{Init, Scene};
 use crate::failure::Exit;
 use crate::terminal::stage;
 
+/// The program that the simulation file of a program names.
+const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../assets/process/pendulum.py"));
+
 pub fn run(options: &Init) -> Result<Exit> {
     let (domain, name, first) = match options.scene {
         Scene::Ball => (Domain::Ball, "ball.toml", "write your ball's radius into it"),
@@ -19,16 +24,31 @@ pub fn run(options: &Init) -> Result<Exit> {
             "arm.toml",
             "name your arm's URDF and the payload's link in it, and for logs of a real arm `motion.kind = \"replay\"`",
         ),
+        Scene::Process => (Domain::Process, "process.toml", "put your simulator into the program"),
     };
     let out = options.out.clone().unwrap_or_else(|| name.into());
     load::ending(&out, &["toml"])?;
-    destination::check(&[Output::new(&out, "--out", Product::Unmarked)], &[], options.writing.overwrite)?;
+    let program = (domain == Domain::Process).then(|| out.with_file_name(PROGRAM.0));
+    let same = |path: &&Path| std::fs::read(path).is_ok_and(|there| there == PROGRAM.1.as_bytes());
+    let program = program.as_deref().filter(|path| !same(path));
+    let outputs =
+        std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
+    destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
     write_atomically(&out, |file| file.write_all(template(domain).as_bytes()))?;
     let path = out.display();
     stage("wrote", &format!("{path}"));
-    stage("next", &format!("{first}, then `tunenet tune --sim {path} --observation FILE`"));
+    if let Some(program) = program {
+        write_atomically(program, |file| file.write_all(PROGRAM.1.as_bytes()))?;
+        stage("wrote", &format!("{}", program.display()));
+    }
+    let leave = if domain == Domain::Process { " --allow-process" } else { "" };
+    stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} --observation FILE`"));
     if options.common.json {
-        print_json(&json!({ "schema": "tunenet.init/1", "file": load::name(&out), "warnings": [] }));
+        let mut object = json!({ "schema": "tunenet.init/1", "file": load::name(&out), "warnings": [] });
+        if domain == Domain::Process {
+            object["program"] = PROGRAM.0.into();
+        }
+        print_json(&object);
     }
     Ok(Exit::Done)
 }

@@ -10,18 +10,31 @@ use toml_edit::InlineTable;
 use tunenet_core::Error;
 use tunenet_core::observation::Note;
 use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
-use tunenet_sim::SimulationFile;
 use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{SimulationFile, process};
 
 use super::film;
-use crate::cli::{Reading, Simulation};
+use crate::cli::{Leave, Reading, Simulation};
 
 /// A simulation file with its overrides.
 pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
     let mut file = SimulationFile::read(&options.sim)?;
     for assignment in &options.set {
         file.set(assignment)?;
+    }
+    Ok(file)
+}
+
+/// The same, with leave to run the program that it names where that is given; without it such a file is refused before anything
+/// else is done.
+pub fn simulation_with(options: &Simulation, leave: Leave) -> Result<SimulationFile> {
+    let mut file = simulation(options)?;
+    if leave.allow_process {
+        file.allow_process();
+    }
+    if file.domain() == Domain::Process {
+        process::leave(&file)?;
     }
     Ok(file)
 }
@@ -60,6 +73,9 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
     if replays(file) {
         return log(file, path, reading);
     }
+    if file.domain() == Domain::Process {
+        return of_channels(file, path, reading, most);
+    }
     if !film::is_film(path) {
         return at_most(most, read(path, &self::reading(reading))?);
     }
@@ -72,6 +88,17 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
         .with("--camera-rate", reading.camera_rate.map(|r| r.to_string()));
     let found = asked.of(file).track(path)?;
     at_most(most, film::positions(path, &found)?)
+}
+
+/// A series on the channels that the program of `file` predicts; it is not run for that.
+pub fn of_channels(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+    if film::is_film(path) {
+        let message = "expected a series on the channels of the simulation, found a film";
+        let hint = "`tunenet track` makes a CSV file of a ball's positions in it";
+        return Err(Error::file(path, message, hint).into());
+    }
+    let options = ReadOptions { channels: process::channels(file)?, ..self::reading(reading) };
+    at_most(most, read(path, &options)?)
 }
 
 /// Most samples of a log of joints: torques are averaged, so that more of them are of use, and each costs little.
@@ -120,7 +147,7 @@ pub fn reading(reading: &Reading) -> ReadOptions {
         columns: reading.columns.clone(),
         topic: reading.topic.clone(),
         skip_broken: reading.skip_broken,
-        joints: Vec::new(),
+        ..ReadOptions::default()
     }
 }
 

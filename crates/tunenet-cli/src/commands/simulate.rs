@@ -22,9 +22,12 @@ pub fn run(options: &Simulate) -> Result<Exit> {
     let output = Output::new(&options.out, "--out", Product::Unmarked);
     // What stands there may be the very same; that shows only when it is made.
     destination::check(std::slice::from_ref(&output), &[&options.simulation.sim], true)?;
-    let mut file = load::simulation(&options.simulation)?;
+    let mut file = load::simulation_with(&options.simulation, options.leave)?;
     if file.domain() == Domain::Arm {
         return super::simulate_arm::run(options, &file, &output);
+    }
+    if file.domain() == Domain::Process {
+        return super::simulate_process::run(options, &file, &output);
     }
     let release = file.release();
     if release.height_m.is_none() && release.position_m.is_none() {

@@ -17,6 +17,7 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
 use super::destination::{self, Output, Product};
+use super::diagnose::alternatives;
 use super::each::{Answered, Work};
 use super::model_cache::Cache;
 use super::tune_model::{self, Chosen};
@@ -32,7 +33,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let urdf = options.simulation.urdf_set();
     let inputs: Vec<&Path> = inputs(options).chain(urdf.as_deref()).collect();
     destination::check(&outputs(options), &inputs, options.writing.overwrite)?;
-    let file = load::simulation(&options.simulation)?;
+    let file = load::simulation_with(&options.simulation, options.leave)?;
     start::check(options, &file)?;
     let model = options.model.as_ref().map(Model::load).transpose()?;
     if options.each {
@@ -50,7 +51,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let (outcome, chosen) =
         threads.install(|| tune_to(options, &file, model.as_ref(), &recordings, &options.observation))?;
     if let Some(out) = &options.out {
-        write_tuned(options, &file, &outcome, out)?;
+        write_tuned(options, &file, &recordings, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
@@ -170,8 +171,10 @@ fn tune_to(
         return Err(Error::file(&paths[other], message, "tune to each kind alone, or use `--each`").into());
     }
     let arm = file.domain() == Domain::Arm;
-    let learned =
-        |model: &Model| arm || kind == Kind::Positions || kind == Kind::Pixels && !model.target_channels().is_empty();
+    let process = file.domain() == Domain::Process;
+    let learned = |model: &Model| {
+        arm || process || kind == Kind::Positions || kind == Kind::Pixels && !model.target_channels().is_empty()
+    };
     if !model.is_none_or(learned) {
         let why = if kind == Kind::Pixels { "this model does not see" } else { "need no model" };
         let (expected, found) = ("positions".into(), format!("{}, which {why}", kind.name()));
@@ -182,7 +185,7 @@ fn tune_to(
         return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
     }
     let filmed = kind == Kind::Pixels;
-    let bare = if filmed || arm || kind == Kind::Joints {
+    let bare = if filmed || arm || process || kind == Kind::Joints {
         None
     } else {
         Some(ObservedBall::new(file, kind).with_context(|| names(paths))?)
@@ -191,7 +194,7 @@ fn tune_to(
     let ball = match &bare {
         Some(bare) => observed::around(file, bare.clone())?,
         // What it refuses is the simulation file's or the URDF's, and says so.
-        None if arm => simulator(file, kind)?,
+        None if arm || process => simulator(file, kind)?,
         None => simulator(file, kind).with_context(|| names(paths))?,
     };
     let paper = model.is_some_and(|m| m.preset().name == "paper");
@@ -212,12 +215,17 @@ fn tune_to(
         (None, None) if arm => {
             tune_model::none("not needed: torques all but follow a straight line in the payload".into())
         }
+        (None, None) if process => tune_model::none(
+            "none: the fit has starts of its own; one that learned from `gen process` goes with --model".into(),
+        ),
         (None, None) => tune_model::none("none: give one that learned from `gen ball-video` with --model".into()),
     };
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
     let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
+    // A fit takes a rollout that fails for bad values; a program that is gone is none of that.
+    file.program_failed()?;
     let mut outcome = tuned.with_context(|| names(paths))?;
     if replays(file) {
         suspect(file, &mut outcome, options.reference.is_some());
@@ -399,7 +407,13 @@ fn is_written(outcome: &Outcome) -> bool {
     matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
 }
 
-fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &Path) -> Result<()> {
+fn write_tuned(
+    options: &Tune,
+    file: &SimulationFile,
+    recordings: &[Recording],
+    outcome: &Outcome,
+    out: &Path,
+) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
     let mut tuned = file.clone();
     let joints = outcome.recordings.first().map_or(0, |r| r.seen.channels().len());
@@ -438,15 +452,21 @@ fn write_tuned(options: &Tune, file: &SimulationFile, outcome: &Outcome, out: &P
         ("observations", observations.into()),
     ];
     entries.extend(reference.map(|reference| ("reference", reference.into())));
+    entries.extend([("interval95", intervals.into()), ("estimated", estimated.into())]);
+    if outcome.verdict == Verdict::Tuned && !forced(outcome) {
+        let seen: Vec<Observation> = recordings.iter().map(|r| r.observation.clone()).collect();
+        // What only plans go by must not cost the answer.
+        let open = alternatives::open_to(&tuned, &[], &seen).unwrap_or_default();
+        entries.extend((!open.is_empty()).then(|| ("open_drag", open.into())));
+    }
     entries.extend([
-        ("interval95", intervals.into()),
-        ("estimated", estimated.into()),
         ("gap_unit", gap.unit.as_str().into()),
         ("gap_before", gap.before.into()),
         ("gap_after", gap.after.into()),
         ("gap_noise_floor", gap.noise_floor.into()),
     ]);
     tuned.set_provenance(&entries);
+    tuned.move_program(out);
     write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
     Ok(())
 }

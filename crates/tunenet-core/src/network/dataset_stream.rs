@@ -1,16 +1,17 @@
 //! MCAP in and out, one message at a time.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter};
+use std::io::{BufWriter, Read as _};
 use std::path::{Path, PathBuf};
 
 use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
-use mcap::sans_io::LinearReaderOptions;
+use mcap::sans_io::{LinearReaderOptions, MessageReadEvent, MessageReader};
 use mcap::{McapError, WriteOptions, Writer};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::observation::recording::{PIECE, longest_record};
 use crate::{Error, Result};
 
 /// Plain CDR, little-endian, as ROS 2 writes it before every message.
@@ -80,7 +81,8 @@ impl Output {
 /// A file being read, front to back, with the memory of one chunk.
 pub(super) struct Source {
     path: PathBuf,
-    reader: mcap::io::MessageReader<BufReader<File>>,
+    file: File,
+    reader: MessageReader,
 }
 
 impl Source {
@@ -88,10 +90,27 @@ impl Source {
     pub(super) fn open(path: &Path) -> Result<Self> {
         let file = crate::observation::recording::open(path)?;
         // A chunk is checked before any of it is believed: half a chunk yields nothing.
-        let options =
-            LinearReaderOptions::default().with_prevalidate_chunk_crcs(true).with_record_length_limit(LONGEST_RECORD);
-        let reader = mcap::io::MessageReader::new_with_options(BufReader::new(file), options);
-        Ok(Self { path: path.to_owned(), reader })
+        let bytes = file.metadata().map_err(|e| Error::io(path, "opening", e))?.len();
+        let options = LinearReaderOptions::default()
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(longest_record(bytes, LONGEST_RECORD));
+        Ok(Self { path: path.to_owned(), file, reader: MessageReader::new_with_options(options) })
+    }
+
+    /// The next message of any topic, `None` at the end of the file.
+    fn message(&mut self) -> Result<Option<mcap::Message<'static>>> {
+        while let Some(event) = self.reader.next_event() {
+            match event.map_err(|e| mcap_error(&self.path, "reading", e))? {
+                MessageReadEvent::Message(message) => return Ok(Some(message)),
+                // In small pieces, so that no more memory is taken than the file has bytes for.
+                MessageReadEvent::ReadRequest(need) => {
+                    let piece = self.reader.insert(need.clamp(1, PIECE));
+                    let read = self.file.read(piece).map_err(|e| Error::io(&self.path, "reading", e))?;
+                    self.reader.notify_read(read);
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// The next message on `topic`, `None` at the end of the file.
@@ -103,8 +122,7 @@ impl Source {
     /// The next message on any of these topics, with its topic, not decoded yet; `None` at the end of the file.
     pub(super) fn next_of<'t>(&mut self, topics: &[&'t str]) -> Result<Option<(&'t str, Vec<u8>)>> {
         loop {
-            let Some(message) = self.reader.next() else { return Ok(None) };
-            let message = message.map_err(|e| mcap_error(&self.path, "reading", e))?;
+            let Some(message) = self.message()? else { return Ok(None) };
             if let Some(topic) = topics.iter().find(|topic| **topic == message.channel.topic) {
                 return Ok(Some((topic, message.data.into_owned())));
             }

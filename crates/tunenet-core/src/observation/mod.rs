@@ -6,6 +6,7 @@
 mod arcs;
 mod bounce_noise;
 mod first_fall;
+mod header;
 mod lasting;
 mod line;
 mod local;

@@ -143,3 +143,25 @@ pub struct Outcome {
     /// For each recording given: every check that was made of it.
     pub preflight: Vec<Vec<Check>>,
 }
+
+/// How much each of several fits to the same recordings is to be believed; in their order, adding up to 1, and 0 for one that
+/// fitted nothing. Gaussian errors of an unknown size, with that size integrated out: Student's t. Each unknown more than the
+/// least costs half the logarithm of the number of samples (Schwarz 1978).
+#[must_use]
+pub fn shares(fits: &[Outcome]) -> Vec<f64> {
+    let unknowns = |o: &Outcome| o.free.len() + o.own.iter().map(Vec::len).sum::<usize>();
+    let samples = |o: &Outcome| o.recordings.iter().map(|r| r.seen.len() * r.seen.channels().len()).sum::<usize>();
+    let gap = |o: &Outcome| Some(o.gap.as_ref().filter(|_| o.verdict != Verdict::Rejected)?.after);
+    let fitted = || fits.iter().filter(|o| gap(o).is_some());
+    let most = fitted().map(unknowns).max().unwrap_or(0);
+    let log = |o: &Outcome| {
+        let left = samples(o).saturating_sub(most) as f64;
+        let cost = 0.5 * unknowns(o) as f64 * (samples(o).max(1) as f64).ln();
+        gap(o).map_or(f64::NEG_INFINITY, |gap| -left * gap.max(f64::MIN_POSITIVE).ln() - cost)
+    };
+    let logs: Vec<f64> = fits.iter().map(log).collect();
+    let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let each: Vec<f64> = logs.iter().map(|log| if log.is_finite() { (log - best).exp() } else { 0.0 }).collect();
+    let total: f64 = each.iter().sum();
+    each.into_iter().map(|share| if total > 0.0 { share / total } else { 0.0 }).collect()
+}

@@ -85,9 +85,7 @@ impl ObservedBall {
         };
         let parameters = file.parameters()?;
         let scene = scene(file);
-        let mass_kg = file.number("ball.mass_kg");
-        let (radius_m, gravity_m_s2) = (scene.radius_m, scene.gravity_m_s2);
-        let body = Body { radius_m, mass_kg, gravity_m_s2, in_air: file.in_air() };
+        let body = body(file);
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
         let (free, own) = (Vec::new(), Vec::new());
         let (forced, aloft) = (false, false);
@@ -280,6 +278,13 @@ fn unknown_start(release: &Release, surface_height_m: Option<f64>) -> Vec<Unknow
         unknown.push(Unknown::Surface);
     }
     unknown
+}
+
+/// What is known of a ball from its file before anything is tuned.
+#[must_use]
+pub fn body(file: &SimulationFile) -> Body {
+    let Scene { radius_m, gravity_m_s2, .. } = scene(file);
+    Body { radius_m, mass_kg: file.number("ball.mass_kg"), gravity_m_s2, in_air: file.in_air() }
 }
 
 /// The scene of a ball's file without its effects; its restitution and friction come from the parameters.

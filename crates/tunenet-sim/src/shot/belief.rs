@@ -3,13 +3,14 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use toml_edit::{InlineTable, Item, Value};
+use toml_edit::{InlineTable, Value};
 use tunenet_core::observation::Note;
 use tunenet_core::{Error, Result};
 
 use super::Task;
+use super::provenance::Provenance;
 use crate::SimulationFile;
-use crate::ball::effects::BallEffect;
+use crate::ball::effects::{BallEffect, DRAG};
 use crate::ball::{Scene, State};
 use crate::observed_ball::scene;
 use crate::simulation_file::schema::number;
@@ -18,6 +19,12 @@ use crate::simulation_file::schema::number;
 const INTERVAL: f64 = 1.959_964;
 /// The effect that turns every bounce by chance.
 const SCATTER: &str = "bounce_scatter";
+
+/// Where a file keeps the drag that recordings leave open.
+const OPEN_DRAG: &str = "open_drag";
+
+/// An open drag of less than this is worth no word, 1/m: it moves a shot over a metre by about a centimetre.
+const WIDE_1_M: f64 = 0.01;
 
 /// What a number of a ball is.
 #[derive(Debug, Clone)]
@@ -50,6 +57,8 @@ struct Alternative {
 #[derive(Debug, Clone)]
 pub struct Belief {
     base: Scene,
+    /// The ball of the file; of one among several explanations, the first.
+    nominal: Vec<Quantity>,
     alternatives: Vec<Alternative>,
     release_sd: (f64, f64),
     notes: Vec<Note>,
@@ -108,10 +117,10 @@ impl Belief {
                 });
             }
         }
-        let known = vec![Alternative { weight: 1.0, quantities }];
         let mut belief = Self {
             base: scene(file),
-            alternatives: known,
+            nominal: quantities.clone(),
+            alternatives: vec![Alternative { weight: 1.0, quantities }],
             release_sd: (task.release_position_sd_m, task.release_velocity_sd_m_s),
             notes: provenance.notes().into_iter().chain(changed).collect(),
         };
@@ -128,9 +137,8 @@ impl Belief {
     /// The ball at the values of the file.
     #[must_use]
     pub fn nominal(&self) -> Scene {
-        let alternative = &self.alternatives[0];
-        let values: Vec<f64> = alternative.quantities.iter().map(|q| q.value).collect();
-        self.scene(alternative, &values, None)
+        let values: Vec<f64> = self.nominal.iter().map(|q| q.value).collect();
+        self.scene(&self.nominal, &values, None)
     }
 
     /// So many balls, drawn with this seed. Explanations take turns by their weight.
@@ -159,14 +167,14 @@ impl Belief {
         };
         let kick = [normal(), normal()];
         let values: Vec<f64> = alternative.quantities.iter().map(|q| q.draw(normal())).collect();
-        Draw { ball: self.scene(alternative, &values, Some(kick)), offset }
+        Draw { ball: self.scene(&alternative.quantities, &values, Some(kick)), offset }
     }
 
     /// The ball with these values; `kick` are standard normal numbers for its bounce.
-    fn scene(&self, alternative: &Alternative, values: &[f64], kick: Option<[f64; 2]>) -> Scene {
+    fn scene(&self, quantities: &[Quantity], values: &[f64], kick: Option<[f64; 2]>) -> Scene {
         let mut scene = self.base.clone();
         let mut i = 0;
-        while let Some(quantity) = alternative.quantities.get(i) {
+        while let Some(quantity) = quantities.get(i) {
             match &quantity.role {
                 Role::Restitution => scene.restitution = values[i],
                 Role::Friction => scene.friction += values[i],
@@ -184,36 +192,81 @@ impl Belief {
         scene
     }
 
-    /// Takes in the explanations among which a diagnosis could not choose.
+    /// Takes in the explanations among which a diagnosis could not choose, or every drag that recordings left open.
     fn weigh(&mut self, provenance: &Provenance) {
-        let Some(listed) = provenance.alternatives() else { return };
         let known = self.alternatives[0].clone();
-        let mut alternatives: Vec<Alternative> = Vec::new();
-        for table in listed {
-            let Some(name) = table.get("name").and_then(Value::as_str) else { continue };
-            let mut one = known.clone();
-            // The explanation that the file holds is one of them, and stands for itself alone.
-            one.quantities.retain(|q| !matches!(&q.role, Role::Coefficient(e) if provenance.is_alternative(e.name)));
-            for quantity in &mut one.quantities {
-                if let Some(value) = table.get(&quantity.name.replace('.', "_")).and_then(number) {
-                    (quantity.value, quantity.interval) = (value.clamp(quantity.bounds.0, quantity.bounds.1), None);
-                }
+        if let Some(listed) = provenance.list("alternatives") {
+            let name = |table: &InlineTable| table.get("name").and_then(Value::as_str).and_then(BallEffect::find);
+            let explained = listed.into_iter().filter(|table| table.contains_key("name"));
+            let all: Vec<Alternative> = explained.map(|table| known.with(name(table), table, provenance)).collect();
+            if let Some(first) = all.first() {
+                (self.nominal, self.alternatives) = (first.quantities.clone(), all);
             }
-            // An effect of the measurement leaves the ball as it is.
-            if let Some(effect) = BallEffect::find(name) {
-                for c in effect.coefficients {
-                    let value = table.get(c.key).and_then(number).unwrap_or(c.absent).clamp(c.min, c.max);
-                    let (name, role) = (format!("{}.{}", effect.name, c.key), Role::Coefficient(Box::new(effect)));
-                    one.quantities.push(Quantity { name, role, value, interval: None, bounds: (c.min, c.max) });
-                }
+        } else if let (Some(listed), false) = (provenance.list(OPEN_DRAG), self.holds(DRAG)) {
+            let drag = BallEffect::find(DRAG);
+            let all: Vec<Alternative> = listed.into_iter().map(|table| known.with(drag, table, provenance)).collect();
+            if !all.is_empty() {
+                self.notes.extend(range(&all));
+                self.alternatives = all;
             }
-            one.weight = table.get("weight").and_then(number).filter(|w| *w > 0.0).unwrap_or(1.0);
-            alternatives.push(one);
-        }
-        if !alternatives.is_empty() {
-            self.alternatives = alternatives;
         }
     }
+
+    /// Whether the file holds an effect of this name.
+    fn holds(&self, name: &str) -> bool {
+        self.nominal.iter().any(|q| matches!(&q.role, Role::Coefficient(effect) if effect.name == name))
+    }
+}
+
+impl Alternative {
+    /// The same ball with one more effect (an effect of the measurement leaves it as it is), all numbers as in `table`.
+    fn with(&self, effect: Option<BallEffect>, table: &InlineTable, provenance: &Provenance) -> Self {
+        let mut one = self.clone();
+        // The explanation that the file holds is one of them, and stands for itself alone.
+        one.quantities.retain(|q| !matches!(&q.role, Role::Coefficient(e) if provenance.is_alternative(e.name)));
+        for quantity in &mut one.quantities {
+            let key = quantity.name.replace('.', "_");
+            if let Some(value) = table.get(&key).and_then(number) {
+                quantity.value = value.clamp(quantity.bounds.0, quantity.bounds.1);
+                quantity.interval = interval(table, &key, quantity.value);
+            }
+        }
+        if let Some(effect) = effect {
+            for c in effect.coefficients {
+                let value = table.get(c.key).and_then(number).unwrap_or(c.absent).clamp(c.min, c.max);
+                one.quantities.push(Quantity {
+                    name: format!("{}.{}", effect.name, c.key),
+                    role: Role::Coefficient(Box::new(effect)),
+                    value,
+                    interval: interval(table, c.key, value),
+                    bounds: (c.min, c.max),
+                });
+            }
+        }
+        one.weight = table.get("weight").and_then(number).filter(|w| *w >= 0.0).unwrap_or(1.0);
+        one
+    }
+}
+
+/// The 95 % interval beside a number of a table, where it holds that number.
+fn interval(table: &InlineTable, key: &str, value: f64) -> Option<(f64, f64)> {
+    let list = table.get(&format!("{key}_interval95"))?.as_array()?;
+    let (low, high) = (number(list.get(0)?)?, number(list.get(1)?)?);
+    (low..=high).contains(&value).then_some((low, high))
+}
+
+/// Says how far drag is open; `None` where it hardly is.
+fn range(open: &[Alternative]) -> Option<Note> {
+    let of = |a: &Alternative| a.quantities.last().map_or(0.0, |q| q.value);
+    let least = open.iter().filter(|a| a.weight > 0.0).map(of).fold(f64::INFINITY, f64::min);
+    let greatest = open.iter().filter(|a| a.weight > 0.0).map(of).fold(f64::NEG_INFINITY, f64::max);
+    (greatest - least > WIDE_1_M).then(|| {
+        let text = format!(
+            "what was measured leaves open how much the air brakes this ball (c from {least:.3} to {greatest:.3} 1/m): the \
+             height is chosen for all of it"
+        );
+        Note::new("plan.open_drag", text, "a recording with more or higher bounces says more of it")
+    })
 }
 
 impl Quantity {
@@ -223,75 +276,4 @@ impl Quantity {
         let half = if normal < 0.0 { self.value - low } else { high - self.value };
         (self.value + normal * half.max(0.0) / INTERVAL).clamp(self.bounds.0, self.bounds.1)
     }
-}
-
-/// What wrote a file, and how sure it was.
-struct Provenance<'a> {
-    file: &'a SimulationFile,
-}
-
-impl Provenance<'_> {
-    fn item(&self, key: &str) -> Option<&Item> {
-        self.file.item("provenance")?.as_table_like()?.get(key)
-    }
-
-    fn word(&self, key: &str) -> &str {
-        self.item(key).and_then(Item::as_str).unwrap_or_default()
-    }
-
-    /// The 95 % interval of a parameter.
-    fn interval(&self, name: &str) -> Option<(f64, f64)> {
-        pair(self.item("interval95")?.as_table_like()?.get(&name.replace('.', "_"))?)
-    }
-
-    /// The 95 % interval of a coefficient: of a named effect, or tuned like a parameter.
-    fn of_effect(&self, effect: &str, key: &str) -> Option<(f64, f64)> {
-        let named = self.item("effects").and_then(Item::as_array).and_then(|all| {
-            let tables = all.iter().filter_map(Value::as_inline_table);
-            let mut own = tables.filter(|t| t.get("name").and_then(|n| n.as_str()) == Some(effect));
-            let interval = own.next()?.get(&format!("{key}_interval95"))?.as_array()?;
-            Some((number(interval.get(0)?)?, number(interval.get(1)?)?))
-        });
-        named.or_else(|| self.interval(&format!("{effect}.{key}")))
-    }
-
-    /// What a diagnosis was left with, each with its numbers.
-    fn alternatives(&self) -> Option<Vec<&InlineTable>> {
-        let listed = self.item("alternatives")?.as_array()?;
-        Some(listed.iter().filter_map(Value::as_inline_table).collect())
-    }
-
-    fn is_alternative(&self, name: &str) -> bool {
-        let named = |t: &&InlineTable| t.get("name").and_then(Value::as_str) == Some(name);
-        self.alternatives().is_some_and(|all| all.iter().any(named))
-    }
-
-    fn notes(&self) -> Vec<Note> {
-        let again = "tune it to a drop of this ball: `tunenet tune … --out tuned.toml`";
-        match self.word("verdict") {
-            "" => vec![Note::new(
-                "plan.untuned",
-                "nobody tuned this simulation: its values are taken as they stand, and the chance of success says nothing \
-                 of how wrong they are",
-                again,
-            )],
-            "poor_fit" => vec![Note::new(
-                "plan.poor_fit",
-                "this simulation was tuned, but does not do what was measured",
-                "ask `tunenet diagnose` what it lacks, and plan with the file that it writes",
-            )],
-            "one_of" if self.alternatives().is_none() => vec![Note::new(
-                "plan.one_explanation",
-                "several effects explain what was measured, and the file holds the numbers of one alone",
-                "record what `tunenet diagnose` proposes next, and diagnose again",
-            )],
-            _ => Vec::new(),
-        }
-    }
-}
-
-fn pair(item: &Item) -> Option<(f64, f64)> {
-    let array = item.as_array()?;
-    let (low, high) = (number(array.get(0)?)?, number(array.get(1)?)?);
-    (low <= high).then_some((low, high))
 }

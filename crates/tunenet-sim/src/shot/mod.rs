@@ -22,6 +22,7 @@ pub mod belief;
 pub mod flight;
 pub mod pass;
 pub mod plan;
+mod provenance;
 pub mod reach;
 pub mod scene;
 pub mod task;

@@ -7,6 +7,7 @@ use toml_edit::{Item, Table, TableLike};
 use tunenet_core::{Error, Result};
 
 use super::domain::Domain;
+use super::process_schema;
 use super::schema::{Key, PARAMETER_KEYS, item_number};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing.
@@ -20,14 +21,18 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
             return Err(Error::file(path, message, format!("add `{name} = …` under [{table}]")));
         }
     }
-    for name in domain.parameters().iter().map(|p| p.name) {
+    if domain == Domain::Process && names(domain, root).is_empty() {
+        let message = "expected at least one [parameters.NAME] (a number that the program takes), found none";
+        return Err(Error::file(path, message, "a parameter needs value, min and max"));
+    }
+    for name in names(domain, root) {
         let Some(table) = lookup(root, &format!("parameters.{name}")).and_then(Item::as_table_like) else { continue };
         if let Some(key) = PARAMETER_KEYS.iter().find(|k| k.required && table.get(&k.path).is_none()) {
             let message = format!("expected `{}` ({}) in [parameters.{name}], found none", key.path, key.meaning);
             return Err(Error::file(path, message, "a parameter needs value, min and max"));
         }
     }
-    if let Some((key, span, expected, found)) = parameters(domain, root) {
+    if let Some((key, span, expected, found)) = contradiction(domain, root) {
         return Err(located(
             path,
             text,
@@ -55,10 +60,23 @@ fn domain(path: &Path, text: &str, root: &Table) -> Result<Domain> {
     })
 }
 
-/// The first parameter whose bounds and value contradict each other: its path, place, what is expected and found.
-pub(super) fn parameters(domain: Domain, root: &Table) -> Option<(String, Range<usize>, String, String)> {
-    for known in domain.parameters() {
-        let name = known.name;
+/// The parameters that a file may describe, or, where it names them itself, those that it describes.
+pub(super) fn names(domain: Domain, root: &Table) -> Vec<&str> {
+    if domain != Domain::Process {
+        return domain.parameters().iter().map(|p| p.name).collect();
+    }
+    let all = lookup(root, "parameters").and_then(Item::as_table_like);
+    all.map_or_else(Vec::new, |all| all.iter().map(|(name, _)| name).collect())
+}
+
+/// The first value that contradicts another, a parameter's its bounds, say: its path, place, what is expected and found.
+pub(super) fn contradiction(domain: Domain, root: &Table) -> Option<(String, Range<usize>, String, String)> {
+    if domain == Domain::Process
+        && let Some(found) = process_schema::contradiction(root)
+    {
+        return Some(found);
+    }
+    for name in names(domain, root) {
         let table = lookup(root, &format!("parameters.{name}")).and_then(Item::as_table_like);
         let Some(table) = table else { continue };
         let get =
@@ -78,6 +96,7 @@ pub(super) fn parameters(domain: Domain, root: &Table) -> Option<(String, Range<
         if !(min..=max).contains(&value) {
             return Some((format!("parameters.{name}.value"), span, format!("{min} to {max}"), value.to_string()));
         }
+        let Some(known) = domain.parameter(name) else { continue };
         let (least, most) = known.bounds;
         if min < least || max > most {
             let what = if min < least { ("min", min) } else { ("max", max) };
@@ -88,7 +107,7 @@ pub(super) fn parameters(domain: Domain, root: &Table) -> Option<(String, Range<
     None
 }
 
-fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
+pub(super) fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
     let mut parts = path.split('.');
     let mut item = root.get(parts.next()?)?;
     for part in parts {
@@ -118,7 +137,7 @@ impl Vocabulary for Domain {
 
     fn has_table(&self, path: &str) -> bool {
         let inside = format!("{path}.");
-        let parameter = path.strip_prefix("parameters.").is_some_and(|name| self.parameter(name).is_some());
+        let parameter = path.strip_prefix("parameters.").is_some_and(|name| self.has_parameter(name));
         path == "parameters" || parameter || self.keys().any(|k| k.path.starts_with(&inside))
     }
 
@@ -141,7 +160,7 @@ impl Vocabulary for Domain {
     }
 
     fn passes_over(&self, path: &str) -> bool {
-        path == "provenance"
+        path == "provenance" || *self == Domain::Process && path == "settings"
     }
 }
 

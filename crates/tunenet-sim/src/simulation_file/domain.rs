@@ -2,6 +2,7 @@
 
 use super::arm_effects::ARM_EFFECT_KEYS;
 use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
+use super::process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS, SETTING, is_name};
 use super::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
 
 /// What a simulation file describes.
@@ -11,6 +12,8 @@ pub enum Domain {
     Ball,
     /// An arm that moves a payload.
     Arm,
+    /// Whatever a program of one's own simulates; its parameters have names of their own.
+    Process,
 }
 
 /// A parameter that a kind of file may have.
@@ -56,7 +59,7 @@ const BALL_PARAMETERS: &[Definition] = &[
 
 impl Domain {
     /// Every kind.
-    pub const ALL: [Self; 2] = [Self::Ball, Self::Arm];
+    pub const ALL: [Self; 3] = [Self::Ball, Self::Arm, Self::Process];
 
     /// As `kind` has it.
     #[must_use]
@@ -64,6 +67,7 @@ impl Domain {
         match self {
             Self::Ball => "ball",
             Self::Arm => "arm",
+            Self::Process => "process",
         }
     }
 
@@ -78,16 +82,19 @@ impl Domain {
         let (own, effects): (_, &[Key]) = match self {
             Self::Ball => (BALL_KEYS, &EFFECT_KEYS),
             Self::Arm => (ARM_KEYS, &ARM_EFFECT_KEYS),
+            Self::Process => (PROCESS_KEYS, &PROCESS_EFFECT_KEYS),
         };
         own.iter().chain(effects)
     }
 
-    /// The parameters that `[parameters.NAME]` may describe, in the order in which simulators take them.
+    /// The parameters that `[parameters.NAME]` may describe, in the order in which simulators take them; none of a program, whose
+    /// file names them itself.
     #[must_use]
     pub fn parameters(self) -> &'static [Definition] {
         match self {
             Self::Ball => BALL_PARAMETERS,
             Self::Arm => ARM_PARAMETERS,
+            Self::Process => &[],
         }
     }
 
@@ -97,13 +104,24 @@ impl Domain {
         self.parameters().iter().find(|known| known.name == name)
     }
 
+    /// Whether a file may describe a parameter of this name.
+    #[must_use]
+    pub fn has_parameter(self, name: &str) -> bool {
+        self.parameter(name).is_some() || self == Self::Process && is_name(name)
+    }
+
     /// The key at `path`, parameters included.
     #[must_use]
     pub fn find(self, path: &str) -> Option<Key> {
         if let Some(rest) = path.strip_prefix("parameters.") {
             let (name, field) = rest.split_once('.')?;
-            self.parameter(name)?;
+            if !self.has_parameter(name) {
+                return None;
+            }
             return PARAMETER_KEYS.iter().find(|k| k.path == field).cloned();
+        }
+        if self == Self::Process && path.starts_with("settings.") {
+            return Some(SETTING);
         }
         self.keys().find(|k| k.path == path).cloned()
     }
@@ -112,14 +130,18 @@ impl Domain {
     #[must_use]
     pub fn siblings(self, path: &str) -> Vec<String> {
         let table = path.rsplit_once('.').map_or("", |(table, _)| table);
-        let parameters = || self.parameters().iter().map(|p| format!("parameters.{}", p.name)).collect();
+        let parameters = || match self {
+            Self::Process => vec!["parameters.NAME, of letters, digits and _".to_owned()],
+            _ => self.parameters().iter().map(|p| format!("parameters.{}", p.name)).collect(),
+        };
         if table == "parameters" {
             return parameters();
         }
         if let Some(name) = table.strip_prefix("parameters.") {
-            return match self.parameter(name) {
-                Some(_) => PARAMETER_KEYS.iter().map(|k| k.path.to_string()).collect(),
-                None => parameters(),
+            return if self.has_parameter(name) {
+                PARAMETER_KEYS.iter().map(|k| k.path.to_string()).collect()
+            } else {
+                parameters()
             };
         }
         // Of an effect's table the coefficients; of an unknown effect, the effects.
@@ -134,6 +156,7 @@ impl Domain {
         let mut near: Vec<String> =
             self.keys().filter(|k| depth == 1 || k.path.starts_with("effects.")).map(head).collect();
         if depth == 1 {
+            near.extend((self == Self::Process).then(|| "settings".to_string()));
             near.extend(["parameters".to_string(), "provenance".to_string()]);
         }
         near.dedup();

@@ -6,6 +6,8 @@ mod arm_schema;
 pub(crate) mod check;
 mod domain;
 mod effects;
+mod permission;
+pub(crate) mod process_schema;
 pub mod schema;
 mod template;
 
@@ -20,6 +22,8 @@ pub use arm_effects::{ARM_EFFECT_KEYS, PresentArmEffect};
 pub use arm_schema::ARM_KEYS;
 pub use domain::{Definition, Domain};
 pub use effects::PresentEffect;
+pub use permission::Permission;
+pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 pub use template::template;
 
 use schema::item_number;
@@ -67,6 +71,7 @@ impl Default for Record {
 pub struct SimulationFile {
     path: PathBuf,
     document: DocumentMut,
+    permission: Option<Permission>,
 }
 
 impl SimulationFile {
@@ -95,7 +100,7 @@ impl SimulationFile {
             )
         })?;
         check::document(path, text, document.as_table())?;
-        Ok(Self { path: path.to_path_buf(), document: document.into_mut() })
+        Ok(Self { path: path.to_path_buf(), document: document.into_mut(), permission: None })
     }
 
     /// Overrides one key, as `--set TABLE.KEY=VALUE` does.
@@ -116,6 +121,12 @@ impl SimulationFile {
         if !key.shape.accepts(&value) {
             return refuse(format!("{} for `{path}`", key.shape.expected()), format!("`{text}`"));
         }
+        if let (Domain::Process, ["parameters", name, ..]) = (self.domain(), &*path.split('.').collect::<Vec<_>>()) {
+            let known = check::names(Domain::Process, self.document.as_table());
+            if !known.contains(name) {
+                return refuse(format!("a parameter of the file ({})", known.join(", ")), format!("`{name}`"));
+            }
+        }
         let mut table = self.document.as_table_mut();
         let parts: Vec<&str> = path.split('.').collect();
         for part in &parts[..parts.len() - 1] {
@@ -130,7 +141,7 @@ impl SimulationFile {
             // Who says a value knows it: what an earlier tuning was sure of it is another value's.
             self.unset(&format!("provenance.interval95.{name}"));
         }
-        check::parameters(self.domain(), self.document.as_table())
+        check::contradiction(self.domain(), self.document.as_table())
             .map_or(Ok(()), |(path, _, expected, found)| refuse(format!("{expected} for `{path}`"), found))
     }
 
@@ -165,11 +176,15 @@ impl SimulationFile {
         self.item("kind").and_then(Item::as_str).and_then(Domain::named).unwrap_or(Domain::Ball)
     }
 
-    /// The parameters in the order of [`Domain::parameters`]; those left out stand at their default.
+    /// The parameters in the order of [`Domain::parameters`]; those left out stand at their default. Of a program those that the
+    /// file describes, in its order.
     ///
     /// # Errors
     /// [`Error::Parameter`] where bounds and value contradict each other.
     pub fn parameters(&self) -> Result<Vec<Parameter>> {
+        if self.domain() == Domain::Process {
+            return self.named_parameters();
+        }
         let each = self.domain().parameters().iter().map(|known| {
             let (name, [value, min, max]) = (known.name, known.default);
             let Some(table) = self.item(&format!("parameters.{name}")).and_then(Item::as_table_like) else {
@@ -181,6 +196,17 @@ impl SimulationFile {
             let parameter = Parameter::new(name, unit, number("value", value), number("min", min), number("max", max))?;
             let known95 = if tune { None } else { self.known95(name, parameter.value) };
             Ok(Parameter { tune, known95, ..parameter })
+        });
+        each.collect()
+    }
+
+    fn named_parameters(&self) -> Result<Vec<Parameter>> {
+        let each = check::names(Domain::Process, self.document.as_table()).into_iter().map(|name| {
+            let field = |field: &str| self.item(&format!("parameters.{name}.{field}"));
+            let number = |key: &str| field(key).and_then(item_number).unwrap_or(0.0);
+            let unit = field("unit").and_then(Item::as_str).unwrap_or("1");
+            let parameter = Parameter::new(name, unit, number("value"), number("min"), number("max"))?;
+            Ok(Parameter { tune: field("tune").and_then(Item::as_bool).unwrap_or(true), ..parameter })
         });
         each.collect()
     }

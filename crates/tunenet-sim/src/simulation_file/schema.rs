@@ -24,6 +24,10 @@ pub enum Shape {
     Word(&'static [&'static str]),
     /// `true` or `false`.
     Flag,
+    /// Texts in a list, at least one.
+    Texts,
+    /// Whatever TOML can hold.
+    Anything,
 }
 
 impl Shape {
@@ -38,6 +42,8 @@ impl Shape {
             Self::Word([]) => "a text in quotes".into(),
             Self::Word(words) => words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(" or "),
             Self::Flag => "true or false".into(),
+            Self::Texts => "[\"text\", …], at least one".into(),
+            Self::Anything => "anything".into(),
         }
     }
 
@@ -56,6 +62,8 @@ impl Shape {
             }
             Self::Word(words) => value.as_str().is_some_and(|w| words.is_empty() || words.contains(&w)),
             Self::Flag => value.is_bool(),
+            Self::Texts => value.as_array().is_some_and(|a| !a.is_empty() && a.iter().all(Value::is_str)),
+            Self::Anything => true,
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::domain::{Definition, Domain};
+use super::process_schema::SAMPLES;
 use super::schema::{Key, PARAMETER_KEYS, Shape};
 
 /// What stands above everything else.
@@ -27,6 +28,24 @@ const ARM_HEAD: &str = "\
 # centre + radius (0, cos, sin) of rate times time.
 ";
 
+const PROCESS_HEAD: &str = "\
+# A simulation by a program of yours, in any language, that speaks lines of JSON. The program beside this file is one to start
+# from; it is run with --allow-process alone, since it may do whatever you may:
+#
+#   tunenet simulate --sim process.toml --allow-process --out swing.csv
+#   tunenet tune --sim process.toml --allow-process --observation swing.csv --out tuned.toml
+#
+# It reads a line and answers with a line, until its input ends:
+#
+#   {\"tunenet\": 1, \"channels\": [\"angle_rad\"], \"parameters\": [...], \"settings\": {...}}
+#   {\"tunenet\": 1}
+#   {\"id\": 1, \"parameters\": {\"length\": 1.0, \"damping\": 0.1}, \"times_s\": [0.0, 0.01], \"settings\": {...}}
+#   {\"id\": 1, \"values\": [[0.5], [0.4998]]}
+#
+# A line `# key = value` is optional: take the mark away to use it, and the mark before its [table] where there is one. Above
+# each key stand its meaning, its unit and its range.
+";
+
 /// Keys that are written without a mark, and the values to start from. Others begin at 0, or at their least value.
 const VALUES: &[(Domain, &str, bool, &str)] = &[
     (Domain::Ball, "world.gravity_m_s2", true, "9.81"),
@@ -47,6 +66,14 @@ const VALUES: &[(Domain, &str, bool, &str)] = &[
     (Domain::Arm, "motion.duration_s", false, "5.0"),
     (Domain::Arm, "motion.cutoff_hz", false, "10.0"),
     (Domain::Arm, "record.rate_hz", true, "240.0"),
+    (Domain::Process, "process.command", true, "[\"python3\", \"pendulum.py\"]"),
+    (Domain::Process, "process.channels", true, "[\"angle_rad\"]"),
+    (Domain::Process, "process.folder", false, "\"programs\""),
+    (Domain::Process, "process.timeout_s", true, "10.0"),
+    (Domain::Process, "process.start_timeout_s", false, "60.0"),
+    (Domain::Process, "process.workers", false, "2"),
+    (Domain::Process, "record.rate_hz", true, "72.0"),
+    (Domain::Process, "record.frames", true, "216"),
 ];
 
 /// A commented simulation file with every key that there is: required ones with a value, optional ones behind a mark. It is
@@ -56,6 +83,7 @@ pub fn template(domain: Domain) -> String {
     let head = match domain {
         Domain::Ball => BALL_HEAD,
         Domain::Arm => ARM_HEAD,
+        Domain::Process => PROCESS_HEAD,
     };
     let mut text = String::from(head);
     let mut table = "";
@@ -74,10 +102,26 @@ pub fn template(domain: Domain) -> String {
         let mark = if active { "" } else { "# " };
         text.push_str(&line(&format!("{mark}{name} = {value}")));
     }
-    for known in domain.parameters() {
+    if domain == Domain::Process {
+        text.push_str(SETTINGS);
+    }
+    for known in samples(domain) {
         parameter(&mut text, known);
     }
     text
+}
+
+/// What is shown of the settings of a program, which have no keys of ours.
+const SETTINGS: &str = "
+[settings]
+# Whatever the program wants to know beside its parameters. It is handed to it as it stands here, with every request.
+gravity_m_s2 = 9.81
+start_rad = 0.5
+";
+
+/// The parameters that are written: all that there are, or, where a file names its own, some to start from.
+fn samples(domain: Domain) -> &'static [Definition] {
+    if domain == Domain::Process { SAMPLES } else { domain.parameters() }
 }
 
 fn parameter(text: &mut String, known: &Definition) {
@@ -121,6 +165,8 @@ fn value_of(shape: Shape, path: &str) -> String {
         Shape::List(min, max) => format!("[{}]", nearest(min, max)),
         Shape::Word(words) => format!("\"{}\"", words.first().unwrap_or(&path)),
         Shape::Flag => "false".into(),
+        Shape::Texts => format!("[\"{path}\"]"),
+        Shape::Anything => "0".into(),
     }
 }
 
@@ -181,7 +227,9 @@ mod tests {
         for domain in Domain::ALL {
             let text = template(domain);
             let parameters = parsed(&text).parameters().unwrap();
-            assert!(parameters[0].tune && parameters[1..].iter().all(|p| !p.tune));
+            let tuned: Vec<bool> = parameters.iter().map(|p| p.tune).collect();
+            assert_eq!(tuned, samples(domain).iter().map(|p| p.tune).collect::<Vec<_>>());
+            assert!(tuned[0]);
             for key in domain.keys() {
                 let name = key.path.rsplit_once('.').map_or(&*key.path, |(_, name)| name);
                 let count =

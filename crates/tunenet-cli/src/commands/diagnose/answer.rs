@@ -3,7 +3,7 @@
 use tunenet_core::diagnose::{Diagnosis, NamedEffect, OfObject, Value, Verdict};
 use tunenet_core::observation::Note;
 use tunenet_core::simulator::{Effect, measurement_effects};
-use tunenet_sim::ball::effects::Body;
+use tunenet_sim::observed_ball::body;
 
 use super::load::Loaded;
 
@@ -43,7 +43,7 @@ impl Answer<'_> {
     pub fn drag_coefficient(&self, effect: &NamedEffect, value: &Value) -> Option<Value> {
         // A value of all objects together is only ever that of the measurement.
         let object = self.loaded.objects.get(value.object.unwrap_or(0)).filter(|_| effect.effect.name == DRAG)?;
-        let unit = body(object)?.drag_1_m()?;
+        let unit = body(&object.file).drag_1_m()?;
         let (low, high) = value.interval95;
         Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
     }
@@ -98,11 +98,4 @@ impl Answer<'_> {
     pub fn object(&self, value: &Value) -> Option<&str> {
         Some(self.loaded.objects.get(value.object?)?.name.as_str())
     }
-}
-
-fn body(object: &super::load::Object) -> Option<Body> {
-    let number = |path: &str| object.file.number(path);
-    let gravity_m_s2 = number("world.gravity_m_s2").unwrap_or(0.0);
-    let in_air = object.file.in_air();
-    Some(Body { radius_m: number("ball.radius_m")?, mass_kg: number("ball.mass_kg"), gravity_m_s2, in_air })
 }

@@ -99,9 +99,11 @@ pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
     let mut written = Vec::new();
     for (number, object) in answer.loaded.objects.iter().enumerate() {
         let mut file = improved(answer, number)?;
-        file.set_provenance(&provenance(options, answer, gap, number)?);
+        let entries = provenance(options, answer, gap, number, &file)?;
+        file.set_provenance(&entries);
         let path =
             if answer.loaded.objects.len() == 1 { out.clone() } else { out.join(format!("{}.toml", object.name)) };
+        file.move_program(&path);
         put(&path, &file)?;
         written.push(path);
     }
@@ -206,7 +208,13 @@ fn of(fitted: &Fitted, object: usize) -> Option<&Value> {
     fitted.values.iter().find(|v| v.object.is_none_or(|o| o == object))
 }
 
-fn provenance(options: &Diagnose, answer: &Answer, gap: &Gap, object: usize) -> Result<Vec<(&'static str, Toml)>> {
+fn provenance(
+    options: &Diagnose,
+    answer: &Answer,
+    gap: &Gap,
+    object: usize,
+    file: &SimulationFile,
+) -> Result<Vec<(&'static str, Toml)>> {
     let diagnosis = answer.diagnosis;
     let verdict = serde_json::to_value(diagnosis.verdict)?;
     let mut observations = Array::new();
@@ -243,6 +251,10 @@ fn provenance(options: &Diagnose, answer: &Answer, gap: &Gap, object: usize) -> 
         // Of what cannot be told apart only one is written, never all together.
         entries.push(("chosen", answer.chosen().into_iter().collect::<Array>().into()));
         entries.push(("alternatives", super::alternatives::alternatives(answer, object).into()));
+    }
+    if matches!(diagnosis.verdict, Verdict::None | Verdict::Named) {
+        let open = super::alternatives::open(answer, object, file)?;
+        entries.extend((!open.is_empty()).then(|| ("open_drag", open.into())));
     }
     entries.extend([
         ("gap_of", Toml::from(gap_of(gap))),

@@ -7,6 +7,7 @@ use tunenet_core::diagnose;
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::replayed_arm::replays;
+use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, simulator};
 
 use super::manifest::{KNOWN_PAYLOAD, Source};
@@ -58,7 +59,7 @@ impl Loaded {
 
 pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
-    let file = load::simulation(&options.simulation)?;
+    let file = load::simulation_with(&options.simulation, options.leave)?;
     for source in sources {
         let name = load::name(&source.path);
         // A film's scale goes by what its own entry says of the ball.
@@ -104,6 +105,13 @@ fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
 /// The simulation file with what a manifest entry says of the scene.
 fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Result<SimulationFile> {
     let mut file = file.clone();
+    let program = source.scene.iter().find(|(key, _)| file.domain() == Domain::Process && key.starts_with("process."));
+    if let Some((key, _)) = program {
+        // Leave was given to the program of the simulation file, and to no other.
+        let message = format!("{}: expected settings and parameters, found `{key}`", source.path.display());
+        let hint = "which program runs, and how, stands in the simulation file alone";
+        return Err(Error::file(options.manifest.clone().unwrap_or_default(), message, hint).into());
+    }
     for (key, value) in source.scene.iter().flat_map(|(key, value)| known_payload(key, value)) {
         file.set(&format!("{key}={value}")).map_err(|e| match e {
             // Not the command line's fault.
@@ -118,7 +126,7 @@ fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Resul
 }
 
 fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
-    let file = in_scene(options, source, &load::simulation(&options.simulation)?)?;
+    let file = in_scene(options, source, &load::simulation_with(&options.simulation, options.leave)?)?;
     let mut simulator = simulator(&file, kind).with_context(|| load::name(&source.path))?;
     // A coefficient that stands there may be wrong, and is tuned with the parameters; else it looks like something missing.
     let present = file.effects();

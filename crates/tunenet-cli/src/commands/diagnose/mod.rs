@@ -92,5 +92,7 @@ fn ask(loaded: &load::Loaded, seed: u64) -> Result<Diagnosis> {
     let settings = Settings { seed, ..Settings::default() };
     let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| tell::progress(&working, at));
     working.finish_and_clear();
+    // A program that is gone says more than that the fit failed.
+    loaded.objects.iter().try_for_each(|object| object.file.program_failed())?;
     Ok(diagnosis?)
 }

@@ -11,9 +11,11 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_core::Error;
 use tunenet_core::network::{DatasetHeader, DatasetReader, Model, Shard};
-use tunenet_core::observation::Kind;
 use tunenet_core::observation::preflight::{ApparentGravity, Expected};
-use tunenet_core::observation::recording::{Contents, Log, Table, contents_with};
+use tunenet_core::observation::recording::{Contents, Log, ReadOptions, Recording, Table, contents_with};
+use tunenet_core::observation::{Channel, Kind};
+use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{SimulationFile, process};
 
 use super::film::is_film;
 use super::{load, print_json};
@@ -51,7 +53,7 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
             let (object, usable) = film::look(path, options.reading.camera_rate)?;
             plain(object, usable)
         }
-        _ => match contents_with(path, &load::reading(&options.reading))? {
+        _ => match contents_with(path, &reading(options)?)? {
             Contents::Table(found) => series(&found, path, options),
             // What `gen` writes is a log too, though none of measurements.
             Contents::Log(found) => match DatasetReader::open(path).or_else(|_| DatasetReader::open_shard(path)) {
@@ -69,6 +71,25 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
     found.object["file"] = json!(load::name(path));
     found.object["usable"] = json!(found.usable);
     Ok(found)
+}
+
+/// How files are read; where a program simulates, by its channels.
+fn reading(options: &Inspect) -> Result<ReadOptions> {
+    let mut reading = load::reading(&options.reading);
+    if let Some(sim) = &options.sim {
+        let file = SimulationFile::read(sim)?;
+        load::of_kind(&file, Domain::Process)?;
+        reading.channels = process::channels(&file)?;
+    }
+    Ok(reading)
+}
+
+/// The recording in a file, as `tune` looks at it.
+fn recording(path: &Path, options: &Inspect) -> Result<Recording> {
+    match &options.sim {
+        Some(sim) => load::of_channels(&SimulationFile::read(sim)?, path, &options.reading, load::MOST_SAMPLES),
+        None => load::recording(path, &options.reading),
+    }
 }
 
 /// Several files: each on its own, then what all of them say of gravity.
@@ -135,7 +156,7 @@ fn purpose(kind: Kind) -> &'static str {
         Kind::BounceTimes => "tune a ball's restitution",
         Kind::Pixels => "nothing yet: pixels need a camera",
         Kind::Joints => "tune an arm's payload",
-        _ => "a simulator of your own",
+        _ => "tune a simulator of your own",
     }
 }
 
@@ -143,7 +164,7 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
     // With `--columns` the file is what the mapping makes of it.
     let mapped = !options.reading.columns.is_empty();
     let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()) };
-    let read = readable.and_then(|()| load::recording(path, &options.reading).map_err(|e| sentence(&e)));
+    let read = readable.and_then(|()| recording(path, options).map_err(|e| sentence(&e)));
     let usable = read.as_ref().map(|r| r.observation.kind()).map_err(Clone::clone);
     // What reading it as a recording says goes further than what the table alone shows.
     let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
@@ -174,13 +195,14 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
     notes.iter().for_each(warn);
     let units = read.as_ref().and_then(|r| joints::units(&r.observation));
     let usable = judged(usable, motion.as_ref());
-    if usable.is_err() && !found.remedy.is_empty() {
-        anstream::eprintln!("  try: {}", found.remedy.strip_prefix("try ").unwrap_or(&found.remedy));
+    let remedy = remedy(found, options);
+    if usable.is_err() && !remedy.is_empty() {
+        anstream::eprintln!("  try: {}", remedy.strip_prefix("try ").unwrap_or(&remedy));
     }
     let mut object = json!({
         "kind": usable.as_ref().map(|k| k.name()).ok(),
         "reason": usable.as_ref().err(),
-        "remedy": usable.as_ref().err().map(|_| &found.remedy),
+        "remedy": usable.as_ref().err().map(|_| &remedy),
         "for": usable.as_ref().ok().map(|k| motion.as_ref().and_then(Motion::purpose).unwrap_or_else(|| purpose(*k))),
         "rows": found.rows, "samples": found.samples,
         "columns": found.columns.iter().map(|c| json!({ "name": c.name, "read_as": c.read_as })).collect::<Vec<_>>(),
@@ -196,6 +218,19 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
         joints::add_to(units, &mut object);
     }
     Found { object, usable: usable.is_ok(), motion }
+}
+
+/// What to type; where columns could be the channels of a program, that as well.
+fn remedy(found: &Table, options: &Inspect) -> String {
+    let timed = found.columns.iter().any(|c| c.read_as.as_deref() == Some("t_s"));
+    let named = found.columns.iter().filter(|c| c.read_as.is_none() && Channel::from_header(&c.name).is_some());
+    let channels: Vec<String> = named.map(|c| format!("`{}`", c.name)).collect();
+    if options.sim.is_some() || !timed || channels.is_empty() {
+        return found.remedy.clone();
+    }
+    let program =
+        format!("where a program of yours simulates {}, give its simulation file with `--sim`", channels.join(", "));
+    if found.remedy.is_empty() { program } else { format!("{}; {program}", found.remedy) }
 }
 
 /// Tells what its motion shows, and the verdict.
@@ -259,7 +294,7 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
     anstream::eprintln!("{}", table(&rows));
     let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
     let chosen = usable.len() == 1 || options.reading.topic.is_some();
-    let read = (chosen && found.ended.is_none()).then(|| load::recording(path, &options.reading).ok()).flatten();
+    let read = (chosen && found.ended.is_none()).then(|| recording(path, options).ok()).flatten();
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
     notes.iter().for_each(warn);
     let units = read.as_ref().and_then(|r| joints::units(&r.observation));

@@ -5,9 +5,11 @@ use std::path::Path;
 use anyhow::Result;
 use serde_json::{Value, json};
 use toml_edit::DocumentMut;
+use tunenet_core::observation::Channel;
 use tunenet_core::observation::recording::read_text;
-use tunenet_sim::SimulationFile;
 use tunenet_sim::shot::Task;
+use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{SimulationFile, process};
 
 use crate::terminal::{stage, table};
 
@@ -44,13 +46,24 @@ fn simulation(file: &SimulationFile) -> Result<Value> {
             vec![p.name.clone(), p.value.to_string(), format!("{} to {}", p.min, p.max), p.unit.clone(), tuned.into()]
         })
         .collect();
-    stage(file.domain().name(), "a simulation file");
+    let program = (file.domain() == Domain::Process).then(|| process::command(file));
+    match &program {
+        Some(program) => {
+            stage("process", &format!("a simulation file that runs {program}, with `--allow-process` alone"));
+        }
+        None => stage(file.domain().name(), "a simulation file"),
+    }
     anstream::eprintln!("{}", table(&rows));
-    Ok(json!({
+    let mut object = json!({
         "kind": "simulation",
         "parameters": parameters.iter().map(|p| json!({
             "name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit, "tune": p.tune,
         })).collect::<Vec<_>>(),
         "warnings": [],
-    }))
+    });
+    if program.is_some() {
+        object["command"] = process::words(file).into();
+        object["channels"] = process::channels(file)?.iter().map(Channel::header).collect();
+    }
+    Ok(object)
 }

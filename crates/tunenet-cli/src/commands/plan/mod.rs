@@ -40,8 +40,9 @@ pub fn run(options: &Plan) -> Result<Exit> {
     options.out.iter().try_for_each(|out| load::ending(out, &["mcap"]))?;
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
-    if file.domain() == Domain::Arm {
-        let message = "expected the tuned simulation of a ball (`kind = \"ball\"`), found that of an arm";
+    if file.domain() != Domain::Ball {
+        let other = if file.domain() == Domain::Arm { "an arm" } else { "a program" };
+        let message = format!("expected the tuned simulation of a ball (`kind = \"ball\"`), found that of {other}");
         let hint = "give the ball's file with --sim; an arm that lets the ball go stands in the task file, under [arm]";
         return Err(Error::file(file.path(), message, hint).into());
     }

@@ -33,6 +33,16 @@ pub(super) struct Layout {
     pub notes: Vec<Note>,
 }
 
+impl Layout {
+    /// The header under which a column is read.
+    pub fn header(&self, source: &Source) -> String {
+        match source.quantity {
+            Quantity::Own(number) => self.channels[usize::from(number)].header(),
+            known => known.header(),
+        }
+    }
+}
+
 /// The first line of a table.
 #[derive(Debug)]
 pub(super) struct Header<'a> {
@@ -46,12 +56,12 @@ pub(super) struct Header<'a> {
 }
 
 impl Header<'_> {
-    fn cells(&self) -> Vec<Cell<'_>> {
+    pub fn cells(&self) -> Vec<Cell<'_>> {
         cells(&self.line.text, self.separator)
     }
 
     /// Refuses the header, pointing at one of its columns or at all of it.
-    fn refuse<T>(&self, column: Option<usize>, message: String, hint: impl Into<String>) -> Result<T> {
+    pub fn refuse<T>(&self, column: Option<usize>, message: String, hint: impl Into<String>) -> Result<T> {
         let (column, width) = match column {
             Some(index) => self.cells()[index].place(&self.line.text),
             None => (1, self.line.text.chars().count().max(1)),
@@ -68,7 +78,7 @@ impl Header<'_> {
     }
 
     /// What is there, for a person.
-    fn found(&self) -> String {
+    pub fn found(&self) -> String {
         if self.named {
             list(self.cells().iter().map(|cell| cell.text).filter(|text| !text.is_empty()), 12)
         } else {

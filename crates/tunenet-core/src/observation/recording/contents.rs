@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::lines::{Lines, cells, named, separator};
-use super::quantity::{Meaning, meaning};
+use super::quantity::{Meaning, Quantity, meaning};
 use super::ranges::written_out;
 use super::scan::scan;
 use super::source::unchanged;
 use super::topics::{Topic, survey};
-use super::{Format, Note, ReadOptions, format};
+use super::{Format, Note, ReadOptions, format, own_columns};
 use crate::observation::Kind;
 use crate::{Error, Result};
 
@@ -100,7 +100,7 @@ pub fn contents_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Co
 
 fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
     match format(path)? {
-        Format::Csv => table(path, &options.columns).map(Contents::Table),
+        Format::Csv => table(path, options).map(Contents::Table),
         Format::Mcap => {
             let found = survey(path)?;
             let ended = found.ended.map(|error| match error {
@@ -114,9 +114,9 @@ fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
     }
 }
 
-fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
+fn table(path: &Path, options: &ReadOptions) -> Result<Table> {
     let mut table = Table {
-        columns: columns(path, mapping)?,
+        columns: columns(path, options)?,
         usable: Err(String::new()),
         remedy: String::new(),
         rows: 0,
@@ -128,7 +128,7 @@ fn table(path: &Path, mapping: &[(String, String)]) -> Result<Table> {
         broken_count: 0,
         notes: Vec::new(),
     };
-    let scan = match scan(path, mapping, &[]) {
+    let scan = match scan(path, options) {
         Ok(scan) => scan,
         Err(Error::Text { message, hint, .. }) => {
             (table.usable, table.remedy, table.rows) = (Err(message), hint, rows(path)?);
@@ -169,9 +169,11 @@ fn rows(path: &Path) -> Result<usize> {
     Ok(rows)
 }
 
-fn columns(path: &Path, mapping: &[(String, String)]) -> Result<Vec<Column>> {
+fn columns(path: &Path, options: &ReadOptions) -> Result<Vec<Column>> {
     let Some(first) = Lines::open(path)?.next()? else { return Ok(Vec::new()) };
     let read_as = |name: &str| match meaning(name) {
+        Meaning::Known(Quantity::Time, _) => Some(Quantity::Time.header()),
+        _ if !options.channels.is_empty() => own_columns::header_of(name, &options.channels),
         Meaning::Known(quantity, _) => Some(quantity.header()),
         _ => None,
     };
@@ -182,7 +184,7 @@ fn columns(path: &Path, mapping: &[(String, String)]) -> Result<Vec<Column>> {
     let mut columns: Vec<Column> =
         cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect();
     let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
-    for (ours, theirs) in &written_out(mapping, if named { &names } else { &[] })? {
+    for (ours, theirs) in &written_out(&options.columns, if named { &names } else { &[] })? {
         let by_name = columns.iter().position(|column| column.name == *theirs);
         let by_number = || theirs.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
         if let Some(column) = by_name.or_else(by_number).and_then(|at| columns.get_mut(at)) {

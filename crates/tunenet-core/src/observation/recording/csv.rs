@@ -9,7 +9,7 @@ use crate::observation::{FEWEST_SAMPLES, Kind, Observation};
 use crate::{Error, Result};
 
 pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
-    let scan = scan(path, &options.columns, &options.joints)?;
+    let scan = scan(path, options)?;
     scan.check(options.skip_broken)?;
     let mut notes = scan.notes();
     let samples = scan.values.len() / scan.layout.channels.len();

@@ -3,23 +3,23 @@
 use std::path::Path;
 
 use super::bounces::doubt;
-use super::quantity::header;
 use super::write_atomically;
 use crate::Result;
-use crate::observation::{Kind, Observation};
+use crate::observation::{Channel, Kind, Observation};
 
 /// Writes `observation` as CSV under the headers that [`read`](super::read) knows, each number with the fewest digits that
 /// give the same bits back.
 ///
 /// Bounce times get a column `bounce_number` where their numbers cannot be seen from the times alone. A series of
-/// [`Kind::Other`] is written too, but its names are its own and `read` does not know them. The file is replaced in one step.
+/// [`Kind::Other`] is written under its own names, which `read` finds where [`ReadOptions::channels`](super::ReadOptions::channels)
+/// holds them. The file is replaced in one step.
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io) where the system refuses.
 pub fn write_csv(observation: &Observation, path: impl AsRef<Path>) -> Result<()> {
     let numbered = observation.kind() != Kind::BounceTimes || !countable(observation);
     write_atomically(path, |out| {
-        let mut names: Vec<String> = observation.channels().iter().map(header).collect();
+        let mut names: Vec<String> = observation.channels().iter().map(Channel::header).collect();
         if numbered {
             let clock = if observation.kind() == Kind::BounceTimes { "bounce_number" } else { "t_s" };
             names.insert(0, clock.into());

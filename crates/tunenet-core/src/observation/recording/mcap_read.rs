@@ -18,8 +18,19 @@ use crate::{Error, Result};
 /// Longest record in bytes. An uncompressed 4K picture has 25 MB; a length beyond this is a broken file.
 const LONGEST_RECORD: usize = 256 << 20;
 
-/// How much is asked of the file at a time.
-const PIECE: usize = 64 << 10;
+/// Longest record of a small file, in bytes: a picture of one colour shrinks to nearly nothing.
+const LONGEST_SMALL: usize = 32 << 20;
+
+/// How much a file may grow as it is unpacked beyond that. What a broken length promises is set aside before it is read.
+const MOST_GROWTH: u64 = 64;
+
+/// How much is asked of the file at a time, in bytes, whatever a record promises.
+pub(crate) const PIECE: usize = 64 << 10;
+
+/// The longest record that a file of `bytes` is believed to hold, in bytes, and never more than `most`.
+pub(crate) fn longest_record(bytes: u64, most: usize) -> usize {
+    usize::try_from(bytes.saturating_mul(MOST_GROWTH)).unwrap_or(usize::MAX).max(LONGEST_SMALL).min(most)
+}
 
 /// A channel of an MCAP file, with its schema.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,11 +73,14 @@ pub(crate) struct Messages {
 /// last item, where the file is cut off or broken, and says how many messages came before.
 pub(crate) fn messages(path: impl AsRef<Path>) -> Result<Messages> {
     let path = path.as_ref();
-    let options =
-        LinearReaderOptions::default().with_prevalidate_chunk_crcs(true).with_record_length_limit(LONGEST_RECORD);
+    let file = open(path)?;
+    let bytes = file.metadata().map_err(|e| Error::io(path, "opening", e))?.len();
+    let options = LinearReaderOptions::default()
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(longest_record(bytes, LONGEST_RECORD));
     Ok(Messages {
         path: path.into(),
-        file: open(path)?,
+        file,
         reader: LinearReader::new_with_options(options),
         schemas: BTreeMap::new(),
         channels: BTreeMap::new(),

@@ -6,7 +6,7 @@
 //!
 //! | file | subject |
 //! |---|---|
-//! | `lines`, `quantity`, `ranges`, `columns`, `guess`, `guess_joints`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, ranges of columns, what the columns make or could make, the numbers, an observation from them |
+//! | `lines`, `quantity`, `ranges`, `columns`, `own_columns`, `guess`, `guess_joints`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, ranges of columns, what the columns make, for a simulator of one's own as well, or could make, the numbers, an observation from them |
 //! | `mcap_read`, `topics`, `message`, `ros`, `json`, `joints`, `mcap_series`, `stamps` | MCAP: records, topics, messages, an observation from them |
 //! | `source`, `encoding` | the file itself: what is opened, whether it changed meanwhile, and how its text is written |
 //! | `csv_write`, `mcap_write`, `approach_write`, `definitions`, `atomic` | writing |
@@ -30,6 +30,7 @@ mod mcap_read;
 mod mcap_series;
 mod mcap_write;
 mod message;
+mod own_columns;
 pub mod pictures;
 mod quantity;
 mod ranges;
@@ -52,12 +53,12 @@ pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_
 pub use csv_write::write_csv;
 pub use encoding::read_text;
 #[allow(unused_imports, reason = "the reader of other files made of messages")]
-pub(crate) use mcap_read::{ChannelInfo, Messages, RawMessage, messages};
+pub(crate) use mcap_read::{ChannelInfo, Messages, PIECE, RawMessage, longest_record, messages};
 pub use mcap_write::write_mcap;
 pub use source::open;
 pub use topics::Topic;
 
-use super::{Note, Observation};
+use super::{Channel, Note, Observation};
 use crate::{Error, Result};
 use source::LARGEST_TEXT;
 
@@ -91,6 +92,10 @@ pub struct ReadOptions {
     /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them, and hints on the
     /// columns of a CSV file speak of them. Where empty, the first message decides.
     pub joints: Vec<String>,
+    /// The channels that a simulator of one's own predicts, in its order: they are looked for by their
+    /// [headers](Channel::header), and the series becomes one of [`Kind::Other`](super::Kind::Other). Empty where the file's
+    /// columns or messages decide.
+    pub channels: Vec<Channel>,
 }
 
 /// What a file is, judged by its first bytes and, where they say nothing, by its name.
@@ -127,7 +132,11 @@ fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
         Format::Mcap => {
             let recording = mcap_series::read(path, options.topic.as_deref(), &options.joints)?;
             refuse_too_large(path, &recording.observation)?;
-            Ok(recording)
+            if options.channels.is_empty() {
+                Ok(recording)
+            } else {
+                own_columns::chosen(path, recording, &options.channels)
+            }
         }
     }
 }

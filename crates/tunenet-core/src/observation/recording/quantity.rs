@@ -1,5 +1,6 @@
 //! What a column's name says: the quantity and its unit.
 
+pub(super) use crate::observation::header::plain;
 use crate::observation::{Channel, Kind};
 
 /// A quantity that an observation can hold. Joints count from 1. The order is the order of an observation's channels.
@@ -17,6 +18,8 @@ pub(super) enum Quantity {
     Speed(u16),
     Torque(u16),
     Current(u16),
+    /// A channel of a simulator of one's own, by its number from 0 among those that are asked for.
+    Own(u16),
 }
 
 impl Quantity {
@@ -28,6 +31,7 @@ impl Quantity {
             Self::U | Self::V => Some(Kind::Pixels),
             Self::BounceNumber | Self::BounceTime => Some(Kind::BounceTimes),
             Self::Angle(_) | Self::Speed(_) | Self::Torque(_) | Self::Current(_) => Some(Kind::Joints),
+            Self::Own(_) => Some(Kind::Other),
         }
     }
 
@@ -46,12 +50,14 @@ impl Quantity {
             Self::Speed(joint) => Channel::new(format!("dq{joint}"), "rad/s"),
             Self::Torque(joint) => Channel::new(format!("tau{joint}"), "N·m"),
             Self::Current(joint) => Channel::new(format!("i{joint}"), "A"),
+            // Its name and unit stand in the layout.
+            Self::Own(number) => Channel::new(format!("channel{}", number + 1), "1"),
         }
     }
 
     /// The header of its column.
     pub fn header(self) -> String {
-        header(&self.channel())
+        self.channel().header()
     }
 
     /// The units that are read, each with its scale. The first is the project's own.
@@ -75,23 +81,9 @@ impl Quantity {
             Self::Speed(_) => &[("rad_s", Scale::Keep), ("deg_s", DEGREE)],
             Self::Torque(_) => &[("nm", Scale::Keep), ("n_m", Scale::Keep)],
             Self::Current(_) => &[("a", Scale::Keep), ("ma", Scale::Divide(1e3))],
+            Self::Own(_) => &[],
         }
     }
-}
-
-/// The header of a channel's column: `z_m`, `dq1_rad_s`.
-pub(super) fn header(channel: &Channel) -> String {
-    match channel.unit.as_str() {
-        "1" => channel.name.clone(),
-        "N·m" => format!("{}_nm", channel.name),
-        unit => format!("{}_{}", channel.name, plain(unit)),
-    }
-}
-
-/// Lower case, with every run of other signs as one `_`: "Time (s)" is `time_s`, "rad/s" is `rad_s`.
-pub(super) fn plain(name: &str) -> String {
-    let name = name.to_lowercase().replace('μ', "µ");
-    name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_")
 }
 
 /// From the file's unit to the project's. Divisors, because 1e-3 has no exact double and 1e3 has.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::columns::{Header, Layout, Source, layout};
 use super::lines::{Line, Lines, MOST_IDLE, cells, idle, named, number, separator};
-use super::{LARGEST, MOST_NUMBERS, Note, shortened};
+use super::{LARGEST, MOST_NUMBERS, Note, ReadOptions, own_columns, shortened};
 use crate::observation::Kind;
 use crate::{Error, Result};
 
@@ -93,12 +93,11 @@ pub(super) struct Scan {
 }
 
 /// Reads all lines of a table. `Err` is a file that has no layout; broken lines are in the result.
-/// `joints` are those that it should be about, where that is known.
-pub(super) fn scan(path: &Path, mapping: &[(String, String)], joints: &[String]) -> Result<Scan> {
-    scan_at_most(path, mapping, joints, MOST_NUMBERS)
+pub(super) fn scan(path: &Path, options: &ReadOptions) -> Result<Scan> {
+    scan_at_most(path, options, MOST_NUMBERS)
 }
 
-fn scan_at_most(path: &Path, mapping: &[(String, String)], joints: &[String], most: usize) -> Result<Scan> {
+fn scan_at_most(path: &Path, options: &ReadOptions, most: usize) -> Result<Scan> {
     let mut lines = Lines::open(path)?;
     let Some(first) = lines.next()? else {
         let hint = "give a file with a header such as `t_s,x_m,y_m,z_m` and one sample a line";
@@ -107,7 +106,12 @@ fn scan_at_most(path: &Path, mapping: &[(String, String)], joints: &[String], mo
     let separator = separator(&first.text);
     let names = cells(&first.text, separator);
     let (width, named) = (names.len(), named(&names, separator));
-    let layout = layout(&Header { path, line: &first, separator, named, joints }, mapping)?;
+    let header = Header { path, line: &first, separator, named, joints: &options.joints };
+    let layout = if options.channels.is_empty() {
+        layout(&header, &options.columns)?
+    } else {
+        own_columns::layout(&header, &options.columns, &options.channels)?
+    };
     let mut scan = Scan {
         path: path.into(),
         separator,
@@ -192,7 +196,8 @@ impl Scan {
             let broken = |why: &str, expected: &str| {
                 // Damaged numbers can be hundreds of digits long.
                 let shown = shortened(text);
-                let message = format!("`{}` is {why}: expected {expected}, found `{shown}`", source.quantity.header());
+                let message =
+                    format!("`{}` is {why}: expected {expected}, found `{shown}`", self.layout.header(source));
                 let hint = "correct the cell, or empty it to leave the sample out";
                 Box::new(Broken::at(&line, self.separator, source.column, message, hint))
             };
@@ -377,8 +382,8 @@ mod tests {
     #[test]
     fn too_large_a_table_is_refused_with_its_size() {
         let (_folder, path) = file("a.csv", "t_s,u_px,v_px\n0,1,2\n1,1,2\n2,1,2\n");
-        assert_eq!(scan_at_most(&path, &[], &[], 6).unwrap().values.len(), 6);
-        let (message, hint) = told(&scan_at_most(&path, &[], &[], 5).unwrap_err());
+        assert_eq!(scan_at_most(&path, &ReadOptions::default(), 6).unwrap().values.len(), 6);
+        let (message, hint) = told(&scan_at_most(&path, &ReadOptions::default(), 5).unwrap_err());
         assert_eq!(message, "a.csv: expected at most 5 numbers, found more in its 32 bytes");
         assert_eq!(hint, "cut it into pieces, or keep fewer samples per second");
     }
@@ -392,7 +397,7 @@ mod tests {
             (format!("t_s,z_m\n0,1\n{}", "x\n".repeat(MOST_IDLE + 1)), "lines without one"),
         ] {
             let (_folder, path) = file("a.csv", text);
-            let (message, _) = told(&scan(&path, &[], &[]).unwrap_err());
+            let (message, _) = told(&scan(&path, &ReadOptions::default()).unwrap_err());
             assert_eq!(message, format!("a.csv: expected samples, found more than {MOST_IDLE} {what}"));
         }
     }

@@ -23,6 +23,13 @@ use super::Scene;
 /// Density of air at 20 °C and sea level, kg/m³.
 pub const AIR_KG_M3: f64 = 1.2;
 
+/// The effect that is there wherever there is air.
+pub const DRAG: &str = quadratic_drag::EFFECT.name;
+/// Drag coefficients of smooth and of felted balls at the speeds of a hand's throw (Achenbach 1972; Mehta 2008).
+const USUAL_DRAG_COEFFICIENT: (f64, f64) = (0.35, 0.65);
+/// From foam and hollow balls (a table-tennis ball: 80) to solid rubber.
+const DENSITY_KG_M3: (f64, f64) = (50.0, 1200.0);
+
 /// What is known of a ball before anything is tuned: it decides what is plausible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
@@ -47,8 +54,23 @@ impl Body {
     /// The quadratic drag (1/m) of a drag coefficient of 1: c = ρ A / (2 m), where it moves in air and its mass is known.
     #[must_use]
     pub fn drag_1_m(&self) -> Option<f64> {
-        let area = std::f64::consts::PI * self.radius_m * self.radius_m;
-        self.mass_kg.filter(|_| self.in_air).map(|mass| 0.5 * AIR_KG_M3 * area / mass)
+        self.mass_kg.filter(|_| self.in_air).map(|mass| 0.5 * AIR_KG_M3 * self.area_m2() / mass)
+    }
+
+    /// Between which quadratic drags (1/m) the air brakes a usual ball of this size; absent where there is no air. Where its
+    /// mass is not known, between those of solid rubber and of a hollow or foamed ball.
+    #[must_use]
+    pub fn usual_drag_1_m(&self) -> Option<(f64, f64)> {
+        let (low, high) = USUAL_DRAG_COEFFICIENT;
+        let volume = 4.0 / 3.0 * std::f64::consts::PI * self.radius_m.powi(3);
+        let (heaviest, lightest) =
+            self.mass_kg.map_or((DENSITY_KG_M3.1 * volume, DENSITY_KG_M3.0 * volume), |m| (m, m));
+        let unit = 0.5 * AIR_KG_M3 * self.area_m2();
+        self.in_air.then_some((low * unit / heaviest, high * unit / lightest))
+    }
+
+    fn area_m2(&self) -> f64 {
+        std::f64::consts::PI * self.radius_m * self.radius_m
     }
 }
 

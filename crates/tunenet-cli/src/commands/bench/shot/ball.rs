@@ -2,6 +2,7 @@
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 /// What a ball of the hidden world is.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,5 +54,11 @@ impl Ball {
     /// The same in a richer world: hard hits rebound less, and hands let go with spin.
     pub fn richer(self) -> Self {
         Self { exponent: 0.08, spin_rad_s: 15.0, ..self }
+    }
+
+    /// With which spin a hand lets it go, rad/s.
+    pub fn spin(&self, random: &mut ChaCha8Rng) -> [f64; 3] {
+        let mut normal = || self.spin_rad_s * random.sample::<f64, _>(StandardNormal);
+        [normal(), normal(), 0.0]
     }
 }

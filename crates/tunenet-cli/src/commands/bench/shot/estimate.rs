@@ -7,9 +7,8 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
-use tunenet_core::diagnose::{self, Diagnosis, Recording, Subject, Verdict, diagnose};
+use tunenet_core::diagnose::{self, Recording, Subject, Verdict, diagnose};
 use tunenet_core::observation::{Kind, Observation, bounces};
-use tunenet_core::simulator::Simulator;
 use tunenet_core::tune::{self, tune};
 use tunenet_sim::{SimulationFile, simulator};
 
@@ -17,7 +16,7 @@ use super::super::rehearsal::Track;
 use super::super::tuning::apex;
 use super::drop::clock;
 use super::world::{GRAVITY_M_S2, RADIUS_M};
-use crate::commands::diagnose::alternatives::fitted;
+use crate::commands::diagnose::alternatives::{fitted, open_to};
 
 /// Before a ball vanishes over an edge it flies lower than the table.
 const LAST_FRAMES: usize = 3;
@@ -30,6 +29,9 @@ const FEWEST_TUNED: usize = 3;
 /// What is planned with where a film shows nothing.
 const UNKNOWN: f64 = 0.7;
 
+/// A list without tables.
+const NOTHING: &str = "[]";
+
 /// A number with its 95 % interval.
 type Ranged = (f64, (f64, f64));
 
@@ -41,8 +43,10 @@ pub struct Estimate {
     pub effects: Vec<(String, Vec<(String, Ranged)>)>,
     /// As `tune` or `diagnose` says it; empty where nothing could be tuned to.
     pub verdict: String,
-    /// The explanations that are left where several are, as TOML tables with their numbers.
-    pub alternatives: Vec<String>,
+    /// The explanations that are left where several are, as a list of TOML tables with their numbers.
+    pub alternatives: String,
+    /// The drag that is left open, in the same way.
+    pub open_drag: String,
 }
 
 impl Estimate {
@@ -52,30 +56,41 @@ impl Estimate {
     }
 
     fn of(restitution: Ranged, verdict: String) -> Self {
-        Self { restitution, effects: Vec::new(), verdict, alternatives: Vec::new() }
+        let (alternatives, open_drag) = (NOTHING.into(), NOTHING.into());
+        Self { restitution, effects: Vec::new(), verdict, alternatives, open_drag }
+    }
+
+    /// Writes its values into a simulation file.
+    fn put_into(&self, file: &mut SimulationFile) -> Result<()> {
+        // Without any rebound there is no shot to plan.
+        file.set_value("restitution", self.restitution.0.max(0.05));
+        for (name, coefficients) in &self.effects {
+            let values: Vec<(&str, f64)> = coefficients.iter().map(|(key, (v, _))| (key.as_str(), *v)).collect();
+            file.add_effect(name, &values)?;
+        }
+        Ok(())
     }
 
     /// The simulation file that it makes, with its provenance.
     pub fn file(&self) -> Result<SimulationFile> {
         let mut file = scene(None)?;
-        // Without any rebound there is no shot to plan.
-        file.set_value("restitution", self.restitution.0.max(0.05));
+        self.put_into(&mut file)?;
         let list = |(low, high): (f64, f64)| format!("[{low:?}, {high:?}]");
         let mut effects = Vec::new();
         for (name, coefficients) in &self.effects {
-            let values: Vec<(&str, f64)> = coefficients.iter().map(|(key, (v, _))| (key.as_str(), *v)).collect();
-            file.add_effect(name, &values)?;
             let intervals = coefficients.iter().map(|(key, (_, i))| format!(", {key}_interval95 = {}", list(*i)));
             effects.push(format!("{{ name = \"{name}\"{} }}", intervals.collect::<String>()));
         }
-        let left = &self.alternatives;
+        let list_of =
+            |key: &str, tables: &str| if tables == NOTHING { String::new() } else { format!("{key} = {tables}\n") };
         let text = format!(
-            "{}\n[provenance]\nverdict = \"{}\"\ninterval95 = {{ restitution = {} }}\neffects = [{}]\n{}",
+            "{}\n[provenance]\nverdict = \"{}\"\ninterval95 = {{ restitution = {} }}\neffects = [{}]\n{}{}",
             file.text(),
             self.verdict,
             list(self.restitution.1),
             effects.join(", "),
-            if left.is_empty() { String::new() } else { format!("alternatives = [{}]\n", left.join(", ")) }
+            list_of("alternatives", &self.alternatives),
+            list_of("open_drag", &self.open_drag),
         );
         Ok(SimulationFile::parse(Path::new("tuned.toml"), &text)?)
     }
@@ -190,21 +205,27 @@ impl Several {
         });
         let verdict = serde_json::to_value(found.verdict)?.as_str().unwrap_or_default().to_owned();
         let effects = effects.collect();
-        let alternatives =
-            if found.verdict == Verdict::OneOf { self.alternatives(simulator.as_ref(), &found) } else { Vec::new() };
-        Ok(Some(Estimate { restitution: (e.value, e.interval95), effects, verdict, alternatives }))
-    }
-
-    /// As `tunenet diagnose` writes them into its file.
-    fn alternatives(&self, simulator: &dyn Simulator, found: &Diagnosis) -> Vec<String> {
+        // As `tunenet diagnose` writes them into its file.
         let named = found.effects.iter().map(|e| e.effect.name);
         let sure: Vec<&str> = named.filter(|name| !found.names.contains(name)).collect();
-        found
-            .names
-            .iter()
-            .filter_map(|name| fitted(simulator, name, &sure, &self.seen))
-            .map(|t| t.to_string())
-            .collect()
+        let alternatives = match found.verdict {
+            Verdict::OneOf => fitted(simulator.as_ref(), &found.names, &sure, &self.seen).to_string(),
+            _ => NOTHING.into(),
+        };
+        let restitution = (e.value, e.interval95);
+        let estimate = Estimate { restitution, effects, verdict, alternatives, open_drag: NOTHING.into() };
+        let closed = matches!(found.verdict, Verdict::None | Verdict::Named);
+        Ok(Some(if closed { self.with_open_drag(estimate)? } else { estimate }))
+    }
+
+    /// An estimate from them with the drag that they leave open beside it, as `tunenet tune` and `tunenet diagnose` write it
+    /// into their files.
+    pub fn with_open_drag(&self, estimate: Estimate) -> Result<Estimate> {
+        let mut tuned = scene(Some(self.fall_m))?;
+        estimate.put_into(&mut tuned)?;
+        let sure: Vec<&str> = estimate.effects.iter().map(|e| e.0.as_str()).collect();
+        let open_drag = open_to(&tuned, &sure, &self.seen)?.to_string();
+        Ok(Estimate { open_drag, ..estimate })
     }
 }
 

@@ -11,6 +11,7 @@ mod ball;
 mod drop;
 mod estimate;
 mod film;
+mod lacking;
 mod results;
 mod share;
 mod trial;
@@ -40,6 +41,8 @@ const RICHER: u64 = 4;
 const QUICK: u64 = 10;
 /// Drops of a trial.
 const DROPS: u64 = 3;
+/// Part of a stream: after the drops of a trial, its shots and its height.
+const LACKING: u64 = DROPS + 2;
 /// Trials that are filmed and kept together.
 const PIECE: u64 = 25;
 /// The fall of an undisturbed drop, m.
@@ -70,7 +73,10 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
                 bar.inc(numbers.end - first);
             }
             if count > 0 {
-                series.push(Series { ball: target.ball, rich, trials: all });
+                let chance = |shot: u64| stream(seed, &name, shot, LACKING);
+                let costs = || lacking::costs(&target, &planner, &chance);
+                let lacking = if options.quick { Vec::new() } else { store.keep(&format!("{name}-lacking"), costs)? };
+                series.push(Series { ball: target.ball, rich, trials: all, lacking });
             }
         }
     }

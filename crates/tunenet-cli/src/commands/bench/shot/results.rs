@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
 use super::ball::Ball;
+use super::lacking::{Cost, Lacking, SHOTS};
 use super::share::{Difference, Share};
 use super::trial::{Trial, Way};
 
@@ -25,6 +26,8 @@ pub struct Series {
     pub ball: Ball,
     pub rich: bool,
     pub trials: Vec<Trial>,
+    /// What each thing costs that is not known of it.
+    pub lacking: Vec<Cost>,
 }
 
 pub struct Results {
@@ -101,6 +104,7 @@ impl Results {
                 "worth_of_naming": difference(&own, Way::Pooled, Way::Diagnosed).json(),
                 "worth_of_diagnosis": difference(&own, Way::Tuned, Way::Diagnosed).json(),
                 "named": counted(&named),
+                "lacking": series.lacking,
             })
         };
         json!({
@@ -195,6 +199,9 @@ impl Results {
             difference(&trials, Way::Tuned, Way::Pooled).words(),
             difference(&trials, Way::Tuned, Way::Diagnosed).words(),
         );
+        if !self.quick {
+            lacking(&mut out, &self.series);
+        }
         let richer = self.trials(true);
         if !richer.is_empty() {
             let _ = writeln!(out, "\nIn richer worlds (spin, restitution that falls with speed):\n");
@@ -219,6 +226,23 @@ fn table(out: &mut String, trials: &[&Trial]) {
         let found = Success::of(way, trials);
         let cells = [found.all, found.accepted, found.after_repeat].map(Share::words);
         let _ = writeln!(out, "| {} | {} |", way.words(), cells.join(" | "));
+    }
+}
+
+/// What each thing costs that is not known of a ball.
+fn lacking(out: &mut String, series: &[Series]) {
+    let _ = writeln!(
+        out,
+        "\nWhat each thing costs that a drop may not show: success over {SHOTS} shots of somebody who knows everything but \
+         that, and the height from which.\n"
+    );
+    let _ = writeln!(out, "| ball | unknown: {} |", Lacking::EACH.map(Lacking::words).join(" | "));
+    let _ = writeln!(out, "|---{}|", "|---".repeat(Lacking::EACH.len()));
+    for one in series {
+        let cell = |cost: &Cost| format!("{} ({:.2} m)", cost.share().words(), cost.height_m);
+        let cells: Vec<String> = one.lacking.iter().map(cell).collect();
+        let rich = if one.rich { ", richer" } else { "" };
+        let _ = writeln!(out, "| {}{rich} | {} |", one.ball.name, cells.join(" | "));
     }
 }
 
@@ -281,7 +305,8 @@ mod tests {
         ];
         let spoilt: Vec<bool> = trials.iter().map(Trial::spoilt).collect();
         assert_eq!(spoilt, [true, true, false, false, true]);
-        let series = vec![Series { ball: super::super::ball::FIXED[0].clone(), rich: false, trials }];
+        let series =
+            vec![Series { ball: super::super::ball::FIXED[0].clone(), rich: false, trials, lacking: Vec::new() }];
         let results = Results { seed: 0, quick: true, trials: 5, series };
         let [rightly, misled, wrongly] = results.flags();
         assert_eq!((rightly.value, rightly.count), (1.0 / 3.0, 3));

@@ -4,9 +4,7 @@ use std::cmp::Reverse;
 use std::path::Path;
 
 use anyhow::Result;
-use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 use tunenet_sim::shot::reach::Anywhere;
 use tunenet_sim::shot::{Belief, Rule, Settings, ShotScene, Task, plan};
@@ -53,7 +51,7 @@ impl Way {
             Self::Nearest => "restitution alone, nearest path (the paper's rule)",
             Self::Tuned => "restitution alone",
             Self::Pooled => "restitution alone, from up to three drops",
-            Self::Diagnosed => "with named effects, from up to three drops",
+            Self::Diagnosed => "with named effects and open drag, from up to three drops",
             Self::Known => "everything known",
         }
     }
@@ -160,8 +158,11 @@ impl Trial {
             Some(found) => found,
             None => reads[longest].tuned(films[longest].0.fall_m)?,
         };
-        // Where diagnosis has nothing to plan with, the drops that it saw still show the restitution.
-        let effects = several.diagnosed()?.unwrap_or_else(|| pooled.clone());
+        // Where diagnosis has nothing to plan with, the drops that it saw still show the restitution, and something of drag.
+        let effects = match several.diagnosed()? {
+            Some(found) => found,
+            None => several.with_open_drag(pooled.clone())?,
+        };
         let together = [
             (Way::Pooled, planner.height(&pooled, Rule::Probability)?),
             (Way::Diagnosed, planner.height(&effects, Rule::Probability)?),
@@ -187,8 +188,7 @@ impl Trial {
         let shots = |heights: &[(Way, f64)]| -> Vec<Shot> {
             let one = |&(way, height_m): &(Way, f64)| {
                 let mut random = random.clone();
-                let mut normal = || target.ball.spin_rad_s * random.sample::<f64, _>(StandardNormal);
-                let spin = [normal(), normal(), 0.0];
+                let spin = target.ball.spin(&mut random);
                 let landing = shoot(&target.ball, height_m, spin, &mut random);
                 Shot { way, height_m, miss_m: landing.miss_m.min(9.0), goes_in: landing.goes_in }
             };

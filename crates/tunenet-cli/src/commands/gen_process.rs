@@ -1,0 +1,73 @@
+//! `tunenet gen process`.
+
+use anyhow::Result;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use tunenet_core::Error;
+use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate};
+use tunenet_core::simulator::{Parameter, Simulator};
+use tunenet_sim::{SimulationFile, observed, simulation_file};
+
+use super::gen_pairs::tell;
+use super::load;
+use crate::cli::{Gen, Pairs};
+use crate::failure::Exit;
+use crate::terminal::progress;
+
+pub fn run(options: &Gen) -> Result<Exit> {
+    let preset = options.preset.unwrap_or(Pairs::Wide);
+    if preset != Pairs::Wide {
+        let (expected, found) = ("`wide` for a program".into(), format!("`{preset:?}`").to_lowercase());
+        return Err(Error::Setting { name: "--preset", expected, found }.into());
+    }
+    let Some(path) = &options.sim else {
+        let expected = "a program's simulation file, such as `tunenet init process` writes".into();
+        return Err(Error::Setting { name: "--sim", expected, found: "none".into() }.into());
+    };
+    let mut file = SimulationFile::read(path)?;
+    for assignment in &options.set {
+        file.set(assignment)?;
+    }
+    load::of_kind(&file, simulation_file::Domain::Process)?;
+    if options.leave.allow_process {
+        file.allow_process();
+    }
+    let program = observed::simulator(&file, tunenet_core::observation::Kind::Other)?;
+    if !program.parameters().iter().any(|p| p.tune) {
+        let message = "expected at least one parameter with `tune = true`, found none";
+        return Err(Error::file(path, message, "pairs differ in what is tuned").into());
+    }
+    let covered = |p: &Parameter| CoveredParameter {
+        name: p.name.clone(),
+        unit: p.unit.clone(),
+        min: p.min,
+        max: p.max,
+        tuned: p.tune,
+    };
+    let header = DatasetHeader {
+        preset: "process/wide".into(),
+        seed: options.common.seed,
+        pairs: options.pairs,
+        parameters: program.parameters().iter().map(covered).collect(),
+        channels: program.channels().to_vec(),
+        target_channels: Vec::new(),
+        clock: file.record().clock(),
+        scene: file.text(),
+    };
+    let draw = |_: u64, random: &mut ChaCha8Rng| {
+        let mut values = || {
+            let one = |p: &Parameter| if p.tune { random.random_range(p.min..=p.max) } else { p.value };
+            program.parameters().iter().map(one).collect::<Vec<f64>>()
+        };
+        PairDraw { proposed: values(), target: values(), own: Vec::new(), scale: None }
+    };
+    let bar = progress(options.pairs, "rollouts");
+    let generated = generate(&program, &header, &draw, &options.out, &mut |done, _| {
+        bar.set_position(done);
+        true
+    });
+    bar.finish_and_clear();
+    file.program_failed()?;
+    generated?;
+    Ok(tell(options, &header))
+}

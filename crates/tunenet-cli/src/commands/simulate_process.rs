@@ -1,0 +1,28 @@
+//! `tunenet simulate` of a program of one's own.
+
+use anyhow::Result;
+use tunenet_core::Error;
+use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::simulator::{Measured, Simulator, rollout};
+use tunenet_sim::{ProcessSimulator, SimulationFile, observed};
+
+use super::destination::Output;
+use super::load;
+use super::simulate::write;
+use crate::cli::Simulate;
+use crate::failure::Exit;
+
+pub fn run(options: &Simulate, file: &SimulationFile, output: &Output) -> Result<Exit> {
+    if options.bounces {
+        let (expected, found) = ("`--bounces` with a ball's file only".into(), "a program's".into());
+        return Err(Error::Setting { name: "--bounces", expected, found }.into());
+    }
+    load::ending(&options.out, &["csv"])?;
+    let program = ProcessSimulator::start(file)?;
+    let seen = if options.truth { Measured::new(program, &[])? } else { observed::seen(file, program)? };
+    let parameters: Vec<f64> = seen.parameters().iter().map(|p| p.value).collect();
+    let clock = file.record().clock();
+    let values = rollout(&seen, &parameters, &[], &clock);
+    file.program_failed()?;
+    write(options, output, &Observation::new(Kind::Other, seen.channels().to_vec(), clock, values?)?)
+}

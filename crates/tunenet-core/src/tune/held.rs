@@ -1,0 +1,144 @@
+//! The answer beside other values of a parameter: what recordings leave of it where they do not determine it.
+
+use super::fit::{Fit, Problem};
+use super::interval::{self, Spread};
+use super::residual;
+use super::unknowns::{Point, free};
+use crate::observation::Observation;
+use crate::simulator::{Preparation, Simulator};
+use crate::{Error, Result};
+
+/// The answer beside one value of a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held {
+    /// The value at which it was held.
+    pub value: f64,
+    /// What was fitted beside it: name, value and 95 % interval by the curvature, within the bounds.
+    pub fitted: Vec<(String, f64, (f64, f64))>,
+    /// How likely the recordings are beside it; those of all values add up to 1.
+    pub share: f64,
+}
+
+/// Holds the parameter `name` at each of `values` in turn and fits everything else again, from where the fit before it ended;
+/// the first starts at the simulator's own values, which should be tuned ones.
+///
+/// A share is the density of Student's t at the distance from the best of them in standard deviations, the spread of the
+/// residuals and what their correlation widens it taken from that best one.
+///
+/// # Errors
+/// [`Error::Setting`] where no parameter is called so; whatever the simulator refuses. Empty where no recording can be used.
+pub fn held(simulator: &dyn Simulator, observations: &[Observation], name: &str, values: &[f64]) -> Result<Vec<Held>> {
+    let parameters = simulator.parameters();
+    let Some(position) = parameters.iter().position(|p| p.name == name) else {
+        let expected = parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
+        return Err(Error::Setting { name: "parameter", expected, found: format!("`{name}`") });
+    };
+    let mut recordings = Vec::new();
+    for seen in observations {
+        if let Preparation::Usable(prepared) = simulator.prepare(seen)? {
+            recordings.push(*prepared);
+        }
+    }
+    if recordings.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut others = free(parameters, &recordings);
+    others.retain(|i| *i != position);
+    residual::weigh(simulator, &mut recordings, &others)?;
+    let noise: Vec<Vec<f64>> = recordings.iter().map(residual::weights).collect();
+    let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &others };
+    let mut point = Point::start(simulator, &recordings);
+    let mut fits: Vec<Fit> = Vec::with_capacity(values.len());
+    let mut spread = None;
+    for &value in values {
+        point.parameters[position] = value;
+        let fit = match &spread {
+            None => problem.fit(point, 1.0)?,
+            Some(spread) => interval::held(&problem, point, &[position], spread)?,
+        };
+        spread.get_or_insert_with(|| Spread::of(&problem, &fit));
+        point = fit.point.clone();
+        fits.push(fit);
+    }
+    let Some(best) = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)) else { return Ok(Vec::new()) };
+    let spread = Spread::of(&problem, best);
+    let density = |fit: &Fit| {
+        let excess = spread.excess(fit.cost - best.cost);
+        (-0.5 * (spread.freedom + 1.0) * (excess / spread.freedom).ln_1p()).exp()
+    };
+    let total: f64 = fits.iter().map(density).sum();
+    let of = |fit: &Fit| {
+        let each = others.iter().enumerate().map(|(k, &i)| {
+            let (p, value) = (&parameters[i], fit.point.parameters[i]);
+            let reach = spread.quantile() * spread.sd(fit.covariance[(k, k)]);
+            let reach = if reach.is_finite() { reach } else { p.span() };
+            (p.name.clone(), value, ((value - reach).max(p.min), (value + reach).min(p.max)))
+        });
+        Held { value: fit.point.parameters[position], fitted: each.collect(), share: density(fit) / total }
+    };
+    Ok(fits.iter().map(of).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::{Channel, Kind};
+    use crate::simulator::Parameter;
+
+    /// y = a + b t.
+    struct Line(Vec<Parameter>, Vec<Channel>);
+
+    impl Simulator for Line {
+        fn parameters(&self) -> &[Parameter] {
+            &self.0
+        }
+
+        fn channels(&self) -> &[Channel] {
+            &self.1
+        }
+
+        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
+            clock.iter().zip(values).for_each(|(t, v)| *v = p[0] + p[1] * t);
+            Ok(())
+        }
+    }
+
+    /// Of a straight line with white noise the profile over the slope is Student's t around the slope of least squares, and
+    /// the intercept beside a slope is the mean of what is left.
+    #[test]
+    fn of_a_straight_line_it_is_the_closed_form() {
+        let channel = Channel::new("y", "m");
+        let parameter = |name: &str| Parameter::new(name, "m", 0.0, -10.0, 10.0).unwrap();
+        let line = Line(vec![parameter("a"), parameter("b")], vec![channel.clone()]);
+        let clock: Vec<f64> = (0..24).map(|i| 0.1 * f64::from(i)).collect();
+        // Errors without correlation between neighbours.
+        let errors =
+            [0.03, -0.05, 0.01, 0.04, -0.02, -0.03, 0.06, -0.01, 0.02, -0.04, 0.0, 0.05, -0.06, 0.01, 0.03, -0.03];
+        let y: Vec<f64> = clock.iter().enumerate().map(|(i, t)| 1.0 - 0.5 * t + errors[i % 16]).collect();
+        let n = clock.len() as f64;
+        let (mean_t, mean_y) = (clock.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+        let stt: f64 = clock.iter().map(|t| (t - mean_t).powi(2)).sum();
+        let slope = clock.iter().zip(&y).map(|(t, y)| (t - mean_t) * (y - mean_y)).sum::<f64>() / stt;
+        let seen = Observation::new(Kind::Other, vec![channel], clock.clone(), y.clone()).unwrap();
+        let values: Vec<f64> = (-4..=4).map(|i| slope + 0.02 * f64::from(i)).collect();
+        let found = held(&line, &[seen], "b", &values).unwrap();
+        // Held at the best slope, the intercept alone was fitted.
+        let freedom = n - 1.0;
+        let rest = |b: f64| -> f64 { clock.iter().zip(&y).map(|(t, y)| (y - mean_y - b * (t - mean_t)).powi(2)).sum() };
+        let variance = rest(slope) / freedom;
+        let density = |b: f64| (1.0 + (rest(b) - rest(slope)) / variance / freedom).powf(-0.5 * (freedom + 1.0));
+        let total: f64 = values.iter().map(|b| density(*b)).sum();
+        for (one, b) in found.iter().zip(&values) {
+            assert!((one.share - density(*b) / total).abs() < 0.01, "{b}: {} {}", one.share, density(*b) / total);
+            assert!((one.fitted[0].1 - (mean_y - b * mean_t)).abs() < 1e-6, "{one:?}");
+        }
+        assert!((found.iter().map(|h| h.share).sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_name_that_is_none_is_refused() {
+        let line = Line(vec![Parameter::new("a", "m", 0.0, -1.0, 1.0).unwrap()], vec![Channel::new("y", "m")]);
+        let error = held(&line, &[], "c", &[0.0]).unwrap_err().to_string();
+        assert!(error.contains('a') && error.contains("`c`"), "{error}");
+    }
+}

@@ -1,0 +1,51 @@
+//! Why a program cannot go on, in one sentence for people.
+
+use std::path::Path;
+
+use tunenet_core::Error;
+
+/// Most characters of what a program printed that a sentence repeats.
+const LONGEST_SHOWN: usize = 160;
+
+/// What went wrong with a program, and what to try. Other parameters would not mend it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Failure {
+    pub message: String,
+    pub hint: String,
+}
+
+impl Failure {
+    pub fn new(message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: hint.into() }
+    }
+
+    /// As an error of the simulation file.
+    pub fn error(self, file: &Path) -> Error {
+        Error::file(file, self.message, self.hint)
+    }
+}
+
+/// What a stranger's program printed, fit for a terminal and a sentence: one line without control characters, cut where it is
+/// long.
+pub(super) fn printable(text: &str) -> String {
+    let text = text.trim();
+    // What is told apart by sight alone, such as marks that turn the direction of writing, is no text for a message either.
+    let hidden =
+        |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c) || ('\u{2066}'..='\u{2069}').contains(&c);
+    let mut shown: String = text.chars().take(LONGEST_SHOWN).map(|c| if hidden(c) { '\u{fffd}' } else { c }).collect();
+    if text.chars().nth(LONGEST_SHOWN).is_some() {
+        shown.push('…');
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_program_prints_cannot_write_on_the_terminal() {
+        assert_eq!(printable(" a\u{1b}[31mb\r\nc\u{202e} "), "a\u{fffd}[31mb\u{fffd}\u{fffd}c\u{fffd}");
+        assert_eq!(printable(&"x".repeat(1000)).chars().count(), LONGEST_SHOWN + 1);
+    }
+}

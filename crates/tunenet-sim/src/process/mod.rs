@@ -1,0 +1,150 @@
+//! A simulator of any language: a program that speaks lines of JSON.
+//!
+//! ```text
+//! simulation file → Program → Pool of Children ⇄ protocol (one line asks, one line answers)
+//! ```
+//!
+//! | file | subject |
+//! |---|---|
+//! | `program` | what a simulation file says of the program |
+//! | `protocol` | what is said to it, and what may be answered |
+//! | `pipes` | reading what it prints, within limits |
+//! | `child` | one of it that runs |
+//! | `pool` | as many of it as threads ask, which have to agree |
+//! | `failure` | what could go wrong, in one sentence |
+//!
+//! The program is never trusted with more than its answers: lines have a greatest length, answers a time, and numbers a place.
+//! That it is run at all needs [leave](crate::simulation_file::Permission), which no file can give.
+
+mod child;
+mod failure;
+mod pipes;
+mod pool;
+mod program;
+mod protocol;
+
+use std::sync::Arc;
+
+use tunenet_core::observation::{Channel, Kind, Observation};
+use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Simulator};
+use tunenet_core::{Error, Result};
+
+use crate::SimulationFile;
+use crate::simulation_file::{Domain, Permission};
+use pool::Pool;
+use program::Program;
+use protocol::Answer;
+
+pub use program::{channels, words};
+
+/// The program that `file` names, in backquotes and fit for a terminal.
+#[must_use]
+pub fn command(file: &SimulationFile) -> String {
+    program::shown(&program::words(file))
+}
+
+/// The leave that was given to run the program of `file`.
+///
+/// # Errors
+/// [`Error::Setting`] where none was given.
+pub fn leave(file: &SimulationFile) -> Result<&Permission> {
+    file.permission().ok_or_else(|| {
+        let (path, named) = (file.path().display(), command(file));
+        let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
+        let found = "none: give it for files that you trust".into();
+        Error::Setting { name: "--allow-process", expected, found }
+    })
+}
+
+/// A program of one's own as a simulator that core can tune and diagnose.
+///
+/// Rollouts ask one running copy of the program each, of which there are as many as threads ask at a time. The same parameters
+/// give the same bits whichever copy answers: every copy is asked the same first, and has to answer as the others did.
+#[derive(Debug, Clone)]
+pub struct ProcessSimulator {
+    parameters: Vec<Parameter>,
+    channels: Vec<Channel>,
+    pool: Arc<Pool>,
+    permission: Permission,
+}
+
+impl ProcessSimulator {
+    /// Starts the program that `file` names, in its [folder](SimulationFile::program_folder).
+    ///
+    /// # Errors
+    /// [`Error::Setting`] where no [leave](SimulationFile::allow_process) was given to run it; [`Error::File`] where the file
+    /// describes no program, or its program cannot be started or does not speak as it should.
+    pub fn start(file: &SimulationFile) -> Result<Self> {
+        if file.domain() != Domain::Process {
+            let message = format!("expected `kind = \"process\"`, found \"{}\"", file.domain().name());
+            return Err(Error::file(file.path(), message, "`tunenet init process` writes one to start from"));
+        }
+        let permission = leave(file)?;
+        file.program_failed()?;
+        let program = Program::of(file)?;
+        let (parameters, channels) = (program.parameters.clone(), program.channels.clone());
+        let pool = Pool::start(program).map_err(|failure| failure.error(file.path()))?;
+        Ok(Self { parameters, channels, pool: Arc::new(pool), permission: permission.clone() })
+    }
+}
+
+impl Simulator for ProcessSimulator {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Other
+    }
+
+    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+        if seen.kind() != Kind::Other || seen.channels() != self.channels {
+            let names = |channels: &[Channel]| channels.iter().map(Channel::header).collect::<Vec<_>>().join(", ");
+            return Err(Error::Observation {
+                what: "the channels".into(),
+                expected: names(&self.channels),
+                found: names(seen.channels()),
+            });
+        }
+        Ok(Preparation::Usable(Box::new(Prepared::whole(seen.clone(), self.parameters.len()))))
+    }
+
+    /// None: what the program leaves out nobody here knows. Effects of the measurement go around it.
+    fn effects(&self) -> Vec<Effect> {
+        Vec::new()
+    }
+
+    fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
+        if names.is_empty() {
+            return Ok(Box::new(self.clone()));
+        }
+        let expected = "effects of the measurement, since a program has no others".into();
+        Err(Error::Setting { name: "effects", expected, found: names.join(", ") })
+    }
+
+    fn rollout(
+        &self,
+        parameters: &[f64],
+        _own: &[f64],
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        match self.pool.ask(parameters, clock) {
+            Ok(Answer::Values(answered)) if answered.len() == values.len() => {
+                values.copy_from_slice(&answered);
+                Ok(())
+            }
+            // Its length was held against the request already.
+            Ok(Answer::Values(answered)) => Err(format!("expected {} numbers, found {}", values.len(), answered.len())),
+            Ok(Answer::Refused(message)) => Err(message),
+            Err(failure) => {
+                self.permission.note(&failure.message, &failure.hint);
+                Err(failure.message)
+            }
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! What a simulation file says of the program that simulates.
+
+use std::path::{MAIN_SEPARATOR, Path, PathBuf};
+use std::time::Duration;
+
+use serde_json::{Map, Value as Json};
+use toml_edit::{Item, TableLike, Value};
+use tunenet_core::observation::Channel;
+use tunenet_core::simulator::Parameter;
+use tunenet_core::{Error, Result};
+
+use super::failure::printable;
+use crate::SimulationFile;
+use crate::simulation_file::process_schema::{START_TIMEOUT_S, TIMEOUT_S, texts};
+
+/// How many instants every copy of the program is asked for first.
+const PROBED: usize = 16;
+
+/// A program, and how to speak with it.
+#[derive(Debug, Clone)]
+pub(super) struct Program {
+    /// Its name or path, then its arguments.
+    pub command: Vec<String>,
+    /// Where it runs.
+    pub folder: PathBuf,
+    /// How long it may take to answer.
+    pub timeout: Duration,
+    /// How long it may take to start.
+    pub start_timeout: Duration,
+    /// How many of it may run at a time.
+    pub workers: usize,
+    pub channels: Vec<Channel>,
+    /// The names of the channels with their units, as the file has them.
+    pub headers: Vec<String>,
+    pub parameters: Vec<Parameter>,
+    pub settings: Json,
+    /// The instants that every copy is asked for first, s.
+    pub probe: Vec<f64>,
+}
+
+impl Program {
+    /// # Errors
+    /// [`Error::File`] where its folder is none, or a channel cannot be one.
+    pub fn of(file: &SimulationFile) -> Result<Self> {
+        let folder = file.program_folder();
+        let folder = folder.canonicalize().ok().filter(|folder| folder.is_dir()).ok_or_else(|| {
+            let message = format!("`process.folder`: expected a folder, found none at {}", folder.display());
+            Error::file(file.path(), message, "make it, or correct the path, which is seen from the simulation file")
+        })?;
+        let seconds = |path: &str, default: f64| Duration::from_secs_f64(file.number(path).unwrap_or(default));
+        let workers = file.item("process.workers").and_then(Item::as_integer).and_then(|n| usize::try_from(n).ok());
+        let channels = channels(file)?;
+        let lengths = channels.iter().any(|channel| channel.unit == "m");
+        if !lengths && file.effects().iter().any(|effect| effect.name == "length_scale") {
+            let message = "expected a channel in m beside [effects.length_scale], found none";
+            return Err(Error::file(file.path(), message, "leave the effect out: it scales lengths alone"));
+        }
+        Ok(Self {
+            command: words(file),
+            folder,
+            timeout: seconds("process.timeout_s", TIMEOUT_S),
+            start_timeout: seconds("process.start_timeout_s", START_TIMEOUT_S),
+            workers: workers.unwrap_or_else(rayon::current_num_threads).max(1),
+            headers: headers(file),
+            channels,
+            parameters: file.parameters()?,
+            settings: file.item("settings").and_then(json).unwrap_or_else(|| Json::Object(Map::new())),
+            probe: file.record().clock().into_iter().take(PROBED).collect(),
+        })
+    }
+
+    /// What is started: a name without a folder is looked for on the path, any other from the program's folder.
+    pub fn executable(&self) -> PathBuf {
+        let name = &self.command[0];
+        if name.contains('/') || name.contains(MAIN_SEPARATOR) {
+            self.folder.join(name)
+        } else {
+            Path::new(name).into()
+        }
+    }
+
+    /// `python3 bouncer.py`, in backquotes.
+    pub fn shown(&self) -> String {
+        shown(&self.command)
+    }
+}
+
+/// The program that `file` names and its arguments, word by word; never empty.
+#[must_use]
+pub fn words(file: &SimulationFile) -> Vec<String> {
+    let words: Vec<String> =
+        file.item("process.command").map(texts).unwrap_or_default().into_iter().map(str::to_owned).collect();
+    // The schema asks for one; what asks for a program's first word must find it.
+    if words.is_empty() { vec![String::new()] } else { words }
+}
+
+/// A command for people.
+pub(super) fn shown(command: &[String]) -> String {
+    format!("`{}`", printable(&command.join(" ")))
+}
+
+fn headers(file: &SimulationFile) -> Vec<String> {
+    file.item("process.channels").map(texts).unwrap_or_default().into_iter().map(str::to_owned).collect()
+}
+
+/// The channels that the program of `file` predicts, in its order.
+///
+/// # Errors
+/// [`Error::File`] where a name has no unit, which reading the file refuses already.
+pub fn channels(file: &SimulationFile) -> Result<Vec<Channel>> {
+    let one = |header: String| {
+        Channel::from_header(&header).ok_or_else(|| {
+            let message =
+                format!("`process.channels`: expected names with their units, found `{}`", printable(&header));
+            Error::file(file.path(), message, "write \"z_m\" or \"angle_rad\"")
+        })
+    };
+    headers(file).into_iter().map(one).collect()
+}
+
+/// What TOML holds as JSON; dates and times become texts, and numbers that JSON has no word for nothing.
+fn json(item: &Item) -> Option<Json> {
+    match item {
+        Item::None => None,
+        Item::Value(value) => Some(of_value(value)),
+        Item::Table(table) => Some(of_table(table)),
+        Item::ArrayOfTables(all) => Some(Json::Array(all.iter().map(|one| of_table(one)).collect())),
+    }
+}
+
+fn of_table(table: &dyn TableLike) -> Json {
+    Json::Object(table.iter().filter_map(|(key, item)| Some((key.to_owned(), json(item)?))).collect())
+}
+
+fn of_value(value: &Value) -> Json {
+    match value {
+        Value::String(text) => text.value().as_str().into(),
+        Value::Integer(number) => (*number.value()).into(),
+        Value::Float(number) => (*number.value()).into(),
+        Value::Boolean(flag) => (*flag.value()).into(),
+        Value::Datetime(date) => date.value().to_string().into(),
+        Value::Array(all) => Json::Array(all.iter().map(of_value).collect()),
+        Value::InlineTable(table) => of_table(table),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENE: &str = "kind = \"process\"\n[process]\ncommand = [\"./a.py\", \"-x\"]\nchannels = [\"z_m\"]\n\
+        [parameters.k]\nvalue = 1\nmin = 0\nmax = 2\n";
+
+    #[test]
+    fn settings_become_what_they_say() {
+        let text = format!(
+            "{SCENE}[settings]\nstep_s = 0.001\ncount = 3\nname = \"<b>\"\non = true\nlist = [1, 2.5]\nwhen = 2020-01-02\n[settings.deep]\nx = {{ y = 1 }}\n"
+        );
+        let file = SimulationFile::parse(Path::new("a.toml"), &text).unwrap();
+        let program = Program::of(&file).unwrap();
+        let expected = r#"{"step_s":0.001,"count":3,"name":"<b>","on":true,"list":[1,2.5],"when":"2020-01-02","deep":{"x":{"y":1}}}"#;
+        assert_eq!(program.settings.to_string(), expected);
+        assert_eq!(program.parameters[0].span(), 2.0);
+        assert!(program.executable().is_absolute() && program.executable().ends_with("a.py"));
+        assert_eq!((program.timeout, program.probe.len()), (Duration::from_secs(10), PROBED));
+    }
+
+    #[test]
+    fn a_name_alone_is_looked_for_on_the_path() {
+        let text = SCENE.replace("./a.py", "python3");
+        let file = SimulationFile::parse(Path::new("a.toml"), &text).unwrap();
+        assert_eq!(Program::of(&file).unwrap().executable(), Path::new("python3"));
+    }
+
+    #[test]
+    fn a_scale_of_lengths_needs_a_length() {
+        let text = format!("{}[effects.length_scale]\nfactor = 1.1\n", SCENE.replace("z_m", "angle_rad"));
+        let file = SimulationFile::parse(Path::new("a.toml"), &text).unwrap();
+        assert!(Program::of(&file).unwrap_err().to_string().contains("a channel in m"));
+    }
+}

@@ -1,0 +1,101 @@
+//! Leave to run the program that a simulation file names.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use toml_edit::value;
+use tunenet_core::{Error, Result};
+
+use super::{Domain, SimulationFile, table};
+
+/// Leave to run the program that a simulation file names, given by a person and never by a file; and what became of it.
+///
+/// A rollout that fails tells no more than that these values cannot be simulated, and a fit looks elsewhere. What cannot be
+/// mended by other values (a program that ended, or hangs) is noted here, so that it is told as what it is.
+#[derive(Debug, Clone, Default)]
+pub struct Permission {
+    failure: Arc<Mutex<Option<(String, String)>>>,
+}
+
+impl Permission {
+    /// Notes why the program cannot go on: a sentence, and what to try. The first one counts.
+    pub(crate) fn note(&self, message: &str, hint: &str) {
+        let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.get_or_insert_with(|| (message.to_owned(), hint.to_owned()));
+    }
+}
+
+impl SimulationFile {
+    /// Gives leave to run the program that the file names. A file cannot give it.
+    pub fn allow_process(&mut self) {
+        self.permission.get_or_insert_default();
+    }
+
+    /// The leave, where it was given.
+    #[must_use]
+    pub fn permission(&self) -> Option<&Permission> {
+        self.permission.as_ref()
+    }
+
+    /// Why the program of this file, or of a copy of it, could not go on.
+    ///
+    /// # Errors
+    /// [`Error::File`] where it could not.
+    pub fn program_failed(&self) -> Result<()> {
+        let Some(permission) = &self.permission else { return Ok(()) };
+        let failure = permission.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure
+            .as_ref()
+            .map_or(Ok(()), |(message, hint)| Err(Error::file(self.path(), message.as_str(), hint.as_str())))
+    }
+
+    /// The folder in which the program runs: that of the file, and what `process.folder` adds to it.
+    #[must_use]
+    pub fn program_folder(&self) -> PathBuf {
+        let beside = self.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        self.text_at("process.folder").map_or_else(|| beside.to_path_buf(), |folder| beside.join(folder))
+    }
+
+    /// Where the file is to be written to `out`, in another folder: names the folder of the program as it is seen from there.
+    pub fn move_program(&mut self, out: &Path) {
+        if self.domain() != Domain::Process
+            || self.text_at("process.folder").is_some_and(|f| Path::new(f).is_absolute())
+        {
+            return;
+        }
+        let there = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let (Ok(runs), Ok(there)) = (self.program_folder().canonicalize(), there.canonicalize()) else { return };
+        let Some(seen) = relative(&runs, &there) else { return };
+        let now = self.text_at("process.folder").unwrap_or(".");
+        if Path::new(now) == seen || now == "." && seen.as_os_str().is_empty() {
+            return;
+        }
+        let process = table(self.document.as_table_mut(), "process", false);
+        if seen.as_os_str().is_empty() {
+            process.remove("folder");
+        } else {
+            process["folder"] = value(seen.to_string_lossy().into_owned());
+        }
+    }
+}
+
+/// `to` as seen from `from`, both absolute; `None` where they have no root in common.
+fn relative(to: &Path, from: &Path) -> Option<PathBuf> {
+    let (ours, theirs): (Vec<_>, Vec<_>) = (to.components().collect(), from.components().collect());
+    let common = ours.iter().zip(&theirs).take_while(|(a, b)| a == b).count();
+    let up = std::iter::repeat_n(Path::new("..").as_os_str(), theirs.len() - common);
+    (common > 0).then(|| up.chain(ours[common..].iter().map(|c| c.as_os_str())).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_named_from_another() {
+        let seen = |to: &str, from: &str| relative(Path::new(to), Path::new(from)).unwrap();
+        assert_eq!(seen("/a/b", "/a/b"), Path::new(""));
+        assert_eq!(seen("/a/b", "/a/c/d"), Path::new("../../b"));
+        assert_eq!(seen("/a/b", "/"), Path::new("a/b"));
+    }
+}

@@ -1,0 +1,164 @@
+//! What the fuzz targets and the test of their corpora run: every reader of a foreign file, on bytes of any kind.
+//!
+//! A reader may refuse; it may neither panic nor take memory out of proportion. What it accepts has to hold what it promises.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use tunenet_core::network::{DatasetReader, Model, Side};
+use tunenet_core::observation::recording::pictures::pictures;
+use tunenet_core::observation::recording::{ReadOptions, contents_with, read};
+use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::simulator::Scale;
+use tunenet_sim::shot::Task;
+use tunenet_sim::{SimulationFile, simulator};
+
+/// A file of this process in memory, where the system has such a folder.
+fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let memory = Path::new("/dev/shm");
+    let folder = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
+    let path = folder.join(format!("tunenet-fuzz-{}-{name}", std::process::id()));
+    std::fs::write(&path, bytes).expect("a file of this process");
+    path
+}
+
+/// The first byte, which chooses among `count`, and the rest.
+fn choice(bytes: &[u8], count: usize) -> (usize, &[u8]) {
+    bytes.split_first().map_or((0, bytes), |(first, rest)| (usize::from(*first) % count, rest))
+}
+
+/// Every number of an observation is finite, and its clock rises.
+fn sound(seen: &Observation) {
+    assert!(seen.values().iter().all(|v| v.is_finite()), "a number that is not finite was read");
+    assert!(seen.clock().windows(2).all(|w| w[0] < w[1]), "a clock that does not rise was read");
+}
+
+/// A table: the first byte says how it is read.
+pub fn csv(bytes: &[u8]) {
+    let (way, bytes) = choice(bytes, 5);
+    let pairs = |text: &[(&str, &str)]| text.iter().map(|(a, b)| ((*a).into(), (*b).into())).collect();
+    let options = ReadOptions {
+        columns: match way {
+            1 => pairs(&[("t_s", "time"), ("z_mm", "height")]),
+            2 => pairs(&[("t_ms", "1"), ("q1..2_rad", "2..3"), ("tau1..2_nm", "effort_*")]),
+            _ => Vec::new(),
+        },
+        skip_broken: way == 3,
+        joints: if way == 4 { vec!["shoulder".into(), "elbow".into()] } else { Vec::new() },
+        ..ReadOptions::default()
+    };
+    let path = file("a.csv", bytes);
+    let _ = contents_with(&path, &options);
+    if let Ok(found) = read(&path, &options) {
+        sound(&found.observation);
+    }
+}
+
+/// The kinds of message that are read, and one that is not.
+const SCHEMAS: [(&str, &str); 8] = [
+    ("geometry_msgs/msg/PointStamped", "cdr"),
+    ("geometry_msgs/msg/PoseStamped", "cdr"),
+    ("nav_msgs/msg/Odometry", "cdr"),
+    ("sensor_msgs/msg/JointState", "cdr"),
+    ("sensor_msgs/msg/Image", "cdr"),
+    ("sensor_msgs/msg/CompressedImage", "cdr"),
+    ("anything", "json"),
+    ("other/msg/Thing", "cdr"),
+];
+
+/// A log: where the first byte is 0, these bytes are the file; otherwise the file is well formed, and only the messages in it
+/// are foreign: a byte for the kind, one for the length, one for the time, and so many bytes.
+pub fn mcap(bytes: &[u8]) {
+    let (way, bytes) = choice(bytes, 2);
+    let bytes = if way == 0 { Cow::Borrowed(bytes) } else { Cow::Owned(log(bytes)) };
+    let path = file("a.mcap", &bytes);
+    let options = ReadOptions::default();
+    let _ = contents_with(&path, &options);
+    if let Ok(found) = read(&path, &options) {
+        sound(&found.observation);
+    }
+    let named = ReadOptions { joints: vec!["elbow".into(), "shoulder".into()], topic: Some("/3".into()), ..options };
+    if let Ok(found) = read(&path, &named) {
+        sound(&found.observation);
+    }
+    if let Ok(all) = pictures(&path, None) {
+        all.take(100).for_each(drop);
+    }
+    if let Ok(pairs) = DatasetReader::open(&path) {
+        pairs.take(1000).for_each(drop);
+    }
+}
+
+/// A well-formed log of these messages.
+pub fn log(mut rest: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let options = mcap::WriteOptions::new().compression(None).compression_threads(0);
+    let mut writer = options.create(Cursor::new(&mut bytes)).expect("a log in memory");
+    let (mut log_time, mut sequence) = (0, 0);
+    let ids = SCHEMAS.iter().enumerate().map(|(i, (schema, encoding))| {
+        let schema = writer.add_schema(schema, "ros2msg", b"text").expect("a schema");
+        writer.add_channel(schema, &format!("/{i}"), encoding, &BTreeMap::new()).expect("a channel")
+    });
+    let ids: Vec<u16> = ids.collect();
+    while let [kind, length, later, tail @ ..] = rest {
+        let (data, after) = tail.split_at(usize::from(*length).min(tail.len()));
+        log_time += u64::from(*later) * 1_000_000;
+        let channel_id = ids[usize::from(*kind) % ids.len()];
+        let header = mcap::records::MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+        writer.write_to_known_channel(&header, data).expect("a message");
+        (rest, sequence) = (after, sequence + 1);
+    }
+    writer.finish().expect("the end of a log");
+    drop(writer);
+    bytes
+}
+
+/// A simulation file and, behind a NUL, an assignment as `--set` takes it.
+pub fn simulation(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let (text, assignment) = text.split_once('\0').map_or((text, None), |(a, b)| (a, Some(b)));
+    let path = Path::new("a.toml");
+    let Ok(mut file) = SimulationFile::parse(path, text) else { return };
+    if let Some(assignment) = assignment {
+        let _ = file.set(assignment);
+    }
+    SimulationFile::parse(path, &file.text()).expect("what was accepted is accepted again");
+    let _ = (file.essence(), file.release(), file.effects(), file.parameters());
+    for kind in [Kind::Positions, Kind::BounceTimes] {
+        let Ok(world) = simulator(&file, kind) else { continue };
+        let values: Vec<f64> = world.parameters().iter().map(|p| p.value).collect();
+        let clock = [0.0, 0.05, 0.1];
+        let mut seen = vec![0.0; clock.len() * world.channels().len()];
+        let _ = world.rollout(&values, &[], &clock, &mut seen);
+    }
+}
+
+/// A task file.
+pub fn task(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Ok(task) = Task::parse(Path::new("a.toml"), text) {
+        assert!(task.heights_m.0 < task.heights_m.1, "heights in the wrong order were accepted");
+    }
+}
+
+/// A model file, and one estimate by it.
+pub fn model(bytes: &[u8]) {
+    let Ok(model) = Model::from_bytes("a.safetensors", bytes) else { return };
+    let written = model.to_bytes().expect("what was read can be written");
+    Model::from_bytes("a.safetensors", &written).expect("what was written can be read");
+    let clock = model.clock();
+    if clock.len() < 2 || clock.len() > 100 {
+        return;
+    }
+    let channels = model.channels().to_vec();
+    let values: Vec<f64> = (0..clock.len() * channels.len()).map(|i| (i as f64).sin()).collect();
+    if let Ok(seen) = Observation::new(Kind::Other, channels, clock.to_vec(), values) {
+        let scale = Scale::new(0.1, 1.2, 0.0, 0.4).ok();
+        for scale in [None, scale.as_ref()] {
+            let _ = model.start(Side { observation: &seen, scale });
+            let _ = model.estimate(&seen, scale, &seen, scale);
+        }
+    }
+}
