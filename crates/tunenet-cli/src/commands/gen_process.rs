@@ -4,15 +4,14 @@ use anyhow::Result;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use tunenet_core::Error;
-use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate};
+use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate_shard};
 use tunenet_core::simulator::{Parameter, Simulator};
 use tunenet_sim::{SimulationFile, observed, simulation_file};
 
-use super::gen_pairs::tell;
+use super::gen_pairs::{made, place};
 use super::load;
 use crate::cli::{Gen, Pairs};
 use crate::failure::Exit;
-use crate::terminal::progress;
 
 pub fn run(options: &Gen) -> Result<Exit> {
     let preset = options.preset.unwrap_or(Pairs::Wide);
@@ -61,13 +60,10 @@ pub fn run(options: &Gen) -> Result<Exit> {
         };
         PairDraw { proposed: values(), target: values(), own: Vec::new(), scale: None }
     };
-    let bar = progress(options.pairs, "rollouts");
-    let generated = generate(&program, &header, &draw, &options.out, &mut |done, _| {
-        bar.set_position(done);
-        true
-    });
-    bar.finish_and_clear();
-    file.program_failed()?;
-    generated?;
-    Ok(tell(options, &header))
+    made(options, &header, |report| {
+        let generated = generate_shard(&program, &header, options.sharing.shard, &draw, &place(options), report);
+        // A rollout that fails is not kept; a program that is gone is the reason that is told.
+        file.program_failed()?;
+        generated
+    })
 }
