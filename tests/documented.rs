@@ -80,6 +80,8 @@ impl Place {
         let mut shell = Command::new("sh");
         shell.args(["-c", command]).current_dir(self.folder.path()).env("PATH", &self.path);
         shell.env("TUNENET_CACHE", self.folder.path().join("cache")).env("NO_COLOR", "1");
+        // A task of an array, for `--shard auto`.
+        shell.envs([("SLURM_ARRAY_TASK_ID", "0"), ("SLURM_ARRAY_TASK_MIN", "0"), ("SLURM_ARRAY_TASK_COUNT", "4")]);
         shell.output().unwrap_or_else(|e| panic!("{command}: {e}"))
     }
 }
@@ -214,8 +216,7 @@ fn a_flag_that_does_not_exist_is_found() {
 #[test]
 fn flags_in_running_text_are_flags_of_some_command() {
     let helped = |command: &str| {
-        let line = [command, "--help"].map(str::to_owned);
-        let ran = Command::new(env!("CARGO_BIN_EXE_tunenet")).args(line.iter().filter(|w| !w.is_empty())).output();
+        let ran = Command::new(env!("CARGO_BIN_EXE_tunenet")).args(command.split_whitespace()).arg("--help").output();
         String::from_utf8(ran.unwrap().stdout).unwrap()
     };
     let commands = helped("");
@@ -223,7 +224,14 @@ fn flags_in_running_text_are_flags_of_some_command() {
     let known: Vec<&str> =
         known.into_iter().take_while(|l| !l.is_empty()).filter_map(|l| l.split_whitespace().next()).collect();
     assert!(known.len() > 10, "{known:?}");
-    let help: String = known.iter().filter(|name| **name != "help").map(|name| helped(name)).collect();
+    let mut help: String = known.iter().filter(|name| **name != "help").map(|name| helped(name)).collect();
+    let benches = helped("bench");
+    let benches = benches.lines().skip_while(|l| !l.starts_with("Commands:")).skip(1).take_while(|l| !l.is_empty());
+    for name in
+        benches.filter(|l| l.starts_with("  ") && !l.starts_with("   ")).filter_map(|l| l.split_whitespace().next())
+    {
+        help.push_str(&helped(&format!("bench {name}")));
+    }
     // Of the programs around it.
     let others = ["--ignored", "--nocapture", "--workspace", "--no-default-features"];
     for page in pages() {

@@ -212,6 +212,18 @@ fn a_drag_that_is_open_is_planned_for() {
     let belief = Belief::new(&file(open), &task()).unwrap();
     assert_eq!(belief.notes()[0].code, "plan.open_drag");
     assert_eq!(belief.nominal(), Belief::new(&file(""), &task()).unwrap().nominal());
+    // Of another value than was tuned, nothing is known of the drag beside it; what is not as it was written is told.
+    let edited = open.replace("verdict", "interval95 = { restitution = [0.79, 0.81] }\nverdict");
+    let edited = Belief::new(&file(&edited), &task()).unwrap();
+    assert_eq!(edited.notes().iter().map(|n| n.code).collect::<Vec<_>>(), ["plan.changed"]);
+    assert!(edited.draws(8, 0).iter().all(|d| d.ball.flight.quadratic_drag_1_m == 0.0));
+    for (from, to) in
+        [("c_1_m = 9.0", "c_1_m = \"9\""), ("c_1_m = 9.0", "c_1_m = 1e308"), ("0.25", "-0.25"), ("0.7,", "5.0,")]
+    {
+        let broken = Belief::new(&file(&open.replacen(from, to, 1)), &task()).unwrap();
+        assert!(broken.notes()[0].text.contains("not as tunenet writes it"), "{to}: {:?}", broken.notes());
+        assert!(broken.draws(8, 0).iter().all(|d| d.ball.flight.quadratic_drag_1_m == 0.0), "{to}");
+    }
     let closed = Belief::new(&file(&format!("[effects.quadratic_drag]\nc_1_m = 0.02\n{open}")), &task()).unwrap();
     assert!(closed.notes().is_empty(), "{:?}", closed.notes());
     // An interval beside a value is drawn from; one that does not hold it is not believed.

@@ -26,6 +26,8 @@ pub enum Product {
     Dataset,
     /// A trained network.
     Model,
+    /// An answer, or several, as JSON.
+    Answer,
     /// Something that nobody can tell from a person's own file, such as a recording.
     Unmarked,
 }
@@ -38,6 +40,7 @@ impl Product {
             Self::Page => "a new name, or a report that tunenet wrote",
             Self::Dataset => "a new name, or a data set that tunenet wrote",
             Self::Model => "a new name, or a model that tunenet wrote",
+            Self::Answer => "a new name, or an answer that tunenet wrote",
             Self::Unmarked => "a new name",
         }
     }
@@ -53,6 +56,11 @@ impl Product {
             Self::Page => beginning(path).is_ok_and(|start| report::is_own(&start)),
             Self::Dataset => DatasetReader::open(path).is_ok() || DatasetReader::open_shard(path).is_ok(),
             Self::Model => Model::load(path).is_ok(),
+            Self::Answer => std::fs::read_to_string(path)
+                .ok()
+                .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok())
+                .and_then(|answer| Some(answer.get("schema")?.as_str()?.starts_with("tunenet.")))
+                .unwrap_or(false),
             Self::Unmarked => false,
         }
     }
@@ -98,8 +106,9 @@ fn programs_beside(input: &Path) -> Vec<PathBuf> {
     process::words(&file).into_iter().map(|word| folder.join(word)).filter(|path| path.is_file()).collect()
 }
 
-/// Refuses, before any work is done, outputs that are one of the `inputs` or a URDF or a program that one of them names, that are one another, that cannot be written,
-/// or that would replace what tunenet did not write; the last not where `overwrite` is asked for.
+/// Refuses, before any work is done, outputs that are one of the `inputs` or a URDF or a program that one of them names, that
+/// are one another, that cannot be written, or that would replace what tunenet did not write; the last not where `overwrite`
+/// is asked for.
 pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()> {
     let urdfs = inputs.iter().filter_map(|input| urdf_beside(input));
     let programs = inputs.iter().flat_map(|input| programs_beside(input));

@@ -126,7 +126,7 @@ pub(super) fn made(
     header: &DatasetHeader,
     make: impl FnOnce(&mut dyn FnMut(u64, u64) -> bool) -> tunenet_core::Result<()>,
 ) -> Result<Exit> {
-    if !there(options, header) {
+    if !there(options, header)? {
         let bar = progress(options.pairs, "rollouts");
         make(&mut |done, all| {
             bar.set_length(all);
@@ -144,16 +144,28 @@ pub(super) fn place(options: &Gen) -> PathBuf {
 }
 
 /// Whether the shard is complete already, as of a task that is sent off again. One that is not is made again, and told.
-fn there(options: &Gen, header: &DatasetHeader) -> bool {
-    let (Some(shard), out) = (options.sharing.shard, place(options)) else { return false };
+///
+/// # Errors
+/// Where it is a shard of something else, which somebody may still want.
+fn there(options: &Gen, header: &DatasetHeader) -> Result<bool> {
+    let (Some(shard), out) = (options.sharing.shard, place(options)) else { return Ok(false) };
     if !out.exists() {
-        return false;
+        return Ok(false);
     }
     let whole = DatasetReader::holds(&out, header, shard);
+    if let Ok(other) = DatasetReader::open_shard(&out)
+        && other.header() != header
+        && !options.writing.overwrite
+    {
+        let told = |h: &DatasetHeader| format!("{} pairs of preset {}, seed {}", h.pairs, h.preset, h.seed);
+        let message = format!("expected a shard of {}, found one of {}", told(header), told(other.header()));
+        let hint = "give the command that made it, choose another --out, or replace it with --overwrite";
+        return Err(Error::file(&out, message, hint).into());
+    }
     let (what, why) =
         if whole { ("kept", "is complete already") } else { ("again", "was not this shard, or not whole") };
     stage(what, &format!("{} {why}", out.display()));
-    whole
+    Ok(whole)
 }
 
 fn tell(options: &Gen, header: &DatasetHeader) -> Exit {

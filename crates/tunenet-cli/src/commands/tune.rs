@@ -111,6 +111,7 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
         apart: &options.apart,
         jobs: options.jobs,
         json: options.common.json,
+        overwrite: options.writing.overwrite,
         run: decides(options, file)?,
     };
     let (exit, cases) = work.run(&|path| {

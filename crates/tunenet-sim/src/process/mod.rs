@@ -133,6 +133,10 @@ impl Simulator for ProcessSimulator {
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String> {
+        // A step that lost its way is no rollout, and no fault of the program.
+        if !parameters.iter().chain(clock).all(|number| number.is_finite()) {
+            return Err("parameters and times have to be finite".into());
+        }
         match self.pool.ask(parameters, clock) {
             Ok(Answer::Values(answered)) if answered.len() == values.len() => {
                 values.copy_from_slice(&answered);

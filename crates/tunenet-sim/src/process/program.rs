@@ -14,7 +14,7 @@ use crate::SimulationFile;
 use crate::simulation_file::process_schema::{START_TIMEOUT_S, TIMEOUT_S, texts};
 
 /// How many instants every copy of the program is asked for first.
-const PROBED: usize = 16;
+const PROBED: usize = 4096;
 
 /// A program, and how to speak with it.
 #[derive(Debug, Clone)]

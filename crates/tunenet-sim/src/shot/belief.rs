@@ -117,6 +117,7 @@ impl Belief {
                 });
             }
         }
+        let edited = !changed.is_empty();
         let mut belief = Self {
             base: scene(file),
             nominal: quantities.clone(),
@@ -124,7 +125,7 @@ impl Belief {
             release_sd: (task.release_position_sd_m, task.release_velocity_sd_m_s),
             notes: provenance.notes().into_iter().chain(changed).collect(),
         };
-        belief.weigh(&provenance);
+        belief.weigh(&provenance, edited);
         Ok(belief)
     }
 
@@ -193,7 +194,8 @@ impl Belief {
     }
 
     /// Takes in the explanations among which a diagnosis could not choose, or every drag that recordings left open.
-    fn weigh(&mut self, provenance: &Provenance) {
+    /// Of a file whose values were `changed` since, that drag belongs to other values and is passed over.
+    fn weigh(&mut self, provenance: &Provenance, changed: bool) {
         let known = self.alternatives[0].clone();
         if let Some(listed) = provenance.list("alternatives") {
             let name = |table: &InlineTable| table.get("name").and_then(Value::as_str).and_then(BallEffect::find);
@@ -202,14 +204,36 @@ impl Belief {
             if let Some(first) = all.first() {
                 (self.nominal, self.alternatives) = (first.quantities.clone(), all);
             }
-        } else if let (Some(listed), false) = (provenance.list(OPEN_DRAG), self.holds(DRAG)) {
+        } else if let (Some(listed), false) = (provenance.list(OPEN_DRAG), self.holds(DRAG) || changed) {
             let drag = BallEffect::find(DRAG);
+            if !listed.iter().all(|table| self.understands(drag.as_ref(), table)) {
+                let text = "what the file says of drag that is open (`open_drag`) is not as tunenet writes it: no drag is taken";
+                self.notes.push(Note::new("plan.open_drag", text, "tune the file anew, or remove that line"));
+                return;
+            }
             let all: Vec<Alternative> = listed.into_iter().map(|table| known.with(drag, table, provenance)).collect();
             if !all.is_empty() {
                 self.notes.extend(range(&all));
                 self.alternatives = all;
             }
         }
+    }
+
+    /// Whether a table of open drag has all that tunenet writes: a strength, a weight, and what was tuned beside it.
+    fn understands(&self, drag: Option<&BallEffect>, table: &InlineTable) -> bool {
+        let of = |key: &str| table.get(key).and_then(number).unwrap_or(f64::NAN);
+        let strength = drag.and_then(|effect| effect.coefficients.first());
+        let tuned = |q: &Quantity| {
+            let value = of(&q.name.replace('.', "_"));
+            // The restitution of a ball that bounces is above 0, and was tuned.
+            match q.role {
+                Role::Restitution => value > 0.0 && value <= q.bounds.1,
+                _ => value.is_nan() || (q.bounds.0..=q.bounds.1).contains(&value),
+            }
+        };
+        strength.is_some_and(|c| (c.min..=c.max).contains(&of(c.key)))
+            && (0.0..=1.0).contains(&of("weight"))
+            && self.nominal.iter().all(tuned)
     }
 
     /// Whether the file holds an effect of this name.
@@ -263,7 +287,7 @@ fn range(open: &[Alternative]) -> Option<Note> {
     (greatest - least > WIDE_1_M).then(|| {
         let text = format!(
             "what was measured leaves open how much the air brakes this ball (c from {least:.3} to {greatest:.3} 1/m): the \
-             height is chosen for all of it"
+             balls that are drawn have all of it"
         );
         Note::new("plan.open_drag", text, "a recording with more or higher bounces says more of it")
     })

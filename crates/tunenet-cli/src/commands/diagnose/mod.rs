@@ -65,7 +65,8 @@ fn each(options: &Diagnose) -> Result<Exit> {
         "reading": format!("{:?}", options.reading), "reference": reference, "seed": options.common.seed,
     });
     let (observation, jobs, json) = (&options.observation, options.jobs, options.common.json);
-    let work = Work { tool: "diagnose", observation, apart: &options.apart, jobs, json, run };
+    let (apart, overwrite) = (&options.apart, options.writing.overwrite);
+    let work = Work { tool: "diagnose", observation, apart, jobs, json, overwrite, run };
     let (exit, _) = work.run::<()>(&|path| {
         let sources = [manifest::Source::alone(path, options.reference.clone())];
         let loaded = load::load(options, &sources)?;

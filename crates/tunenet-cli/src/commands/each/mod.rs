@@ -15,6 +15,7 @@ use tunenet_core::Error;
 use tunenet_core::network::Shard;
 use tunenet_core::observation::recording::write_atomically;
 
+use super::destination::{self, Output, Product};
 use super::shard::{self, Job, Mark, mark};
 use super::{load, print_json};
 use crate::cli::Apart;
@@ -22,7 +23,7 @@ use crate::failure::{Exit, sentence};
 use crate::terminal::stage;
 
 /// All answers together, beside those to each recording.
-const ALL: &str = "each.json";
+pub const ALL: &str = "each.json";
 /// The key of an answer's file that says what it was made by; the answer itself is everything else.
 const RUN: &str = "run";
 
@@ -35,6 +36,8 @@ pub struct Work<'a> {
     pub apart: &'a Apart,
     pub jobs: Option<usize>,
     pub json: bool,
+    /// Whether files that tunenet did not write may be replaced.
+    pub overwrite: bool,
     /// Everything but the recordings that decides what comes out.
     pub run: Value,
 }
@@ -69,6 +72,13 @@ impl Work<'_> {
         let mine: Vec<usize> =
             (0..self.observation.len()).filter(|i| shard.is_none_or(|shard| shard.takes(*i as u64))).collect();
         let place = |i: usize| folder.as_ref().map(|folder| folder.join(&names[i]));
+        if let Some(folder) = &folder {
+            let files = mine.iter().filter_map(|i| place(*i)).chain([folder.join(ALL)]);
+            let answer =
+                |path: PathBuf| Output { makes_folder: true, ..Output::new(&path, "--out-dir", Product::Answer) };
+            let inputs: Vec<&Path> = self.observation.iter().map(AsRef::as_ref).collect();
+            destination::check(&files.map(answer).collect::<Vec<_>>(), &inputs, self.overwrite)?;
+        }
         let treat = |i: usize| self.treat(&self.observation[i], place(i).as_deref(), one);
         let treated = self.spread(&mine, &treat)?;
         let (mut objects, mut cases) = (Vec::with_capacity(treated.len()), Vec::new());

@@ -7,6 +7,7 @@ use tunenet_core::Error;
 
 use super::complete;
 use crate::cli::Merge;
+use crate::commands::destination::{self, Output, Product};
 use crate::commands::shard::{Job, Mark, mark};
 use crate::commands::{bench, each, load};
 use crate::failure::Exit;
@@ -34,6 +35,22 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
     complete(&marks.iter().map(|(folder, mark)| (*folder, mark.shard)).collect::<Vec<_>>())?;
     for (folder, mark) in &marks {
         mark.check(folder)?;
+    }
+    if !options.writing.overwrite {
+        let all = Path::new(each::ALL);
+        let brought = marks.iter().flat_map(|(_, mark)| mark.files.iter());
+        let answers =
+            matches!(like.job, Job::Each { .. }).then(|| Output::new(&options.out.join(all), "--out", Product::Answer));
+        for (path, hash) in brought.filter(|(path, _)| Path::new(path) != all) {
+            let to = options.out.join(path);
+            // A merge that is repeated brings the same again.
+            if destination::holds_something(&to) && load::hash(&to).ok().as_ref() != Some(hash) {
+                return Err(destination::taken(&Output::new(&to, "--out", Product::Unmarked)).into());
+            }
+        }
+        if let Some(output) = answers {
+            destination::check(&[Output { makes_folder: true, ..output }], &[], false)?;
+        }
     }
     let job = like.job.clone();
     marks.sort_by_key(|(_, mark)| mark.shard);
