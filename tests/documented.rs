@@ -81,7 +81,9 @@ impl Place {
         shell.args(["-c", command]).current_dir(self.folder.path()).env("PATH", &self.path);
         shell.env("TUNENET_CACHE", self.folder.path().join("cache")).env("NO_COLOR", "1");
         // A task of an array, for `--shard auto`.
-        shell.envs([("SLURM_ARRAY_TASK_ID", "0"), ("SLURM_ARRAY_TASK_MIN", "0"), ("SLURM_ARRAY_TASK_COUNT", "4")]);
+        for (name, value) in [("ID", "0"), ("MIN", "0"), ("COUNT", "4"), ("STEP", "1")] {
+            shell.env(format!("SLURM_ARRAY_TASK_{name}"), value);
+        }
         shell.output().unwrap_or_else(|e| panic!("{command}: {e}"))
     }
 }
