@@ -292,7 +292,7 @@ fn recordings_are_tuned_to_in_shards() {
     // Shards of other questions do not go together.
     folder.run(&format!("{line} --out-dir other --seed 4 --shard 1/3")).ends(0);
     let merge = "merge out.shard-0-of-3 other.shard-1-of-3 out.shard-2-of-3 --out mixed";
-    refused(&folder, merge, &["found one of one with another simulation, seed or setting"]);
+    refused(&folder, merge, &["found one of another simulation, seed or setting"]);
     misused(&folder, &format!("{line} --shard 0/3"), "expected --out-dir beside it");
     misused(&folder, &format!("{line} --out-dir out --report r.html"), "no `--report` beside `--out-dir`");
     misused(&folder, "tune --sim scene.toml --observation logs/*/none.csv --each", "which none matches");
@@ -321,6 +321,29 @@ fn recordings_are_diagnosed_in_shards() {
 }
 
 /// Every file below a folder.
+/// What somebody else put there stays; tunenet's own answers and shards of the same command are made again as before.
+#[test]
+fn files_of_others_are_not_replaced() {
+    let folder = drops();
+    std::fs::create_dir(folder.path("mine")).unwrap();
+    let line = "tune --sim scene.toml --observation logs/a/*.csv --each --out-dir mine";
+    for name in ["each.json", "drop1.csv.json"] {
+        folder.write(&format!("mine/{name}"), "{\"precious\":1}");
+        refused(&folder, line, &[name, "--overwrite"]);
+        assert_eq!(folder.read(&format!("mine/{name}")), b"{\"precious\":1}");
+        std::fs::remove_file(folder.path(&format!("mine/{name}"))).unwrap();
+    }
+    // A shard of another seed may have taken long.
+    folder.write("drop.toml", DROP);
+    let made = |seed: u32| format!("gen ball --sim drop.toml --pairs 6 --seed {seed} --out p.mcap --shard 0/2");
+    folder.run(&made(1)).ends(0);
+    let kept = folder.read("p.shard-0-of-2.mcap");
+    refused(&folder, &made(2), &["seed 2", "seed 1", "--overwrite"]);
+    assert!(folder.read("p.shard-0-of-2.mcap") == kept);
+    folder.run(&format!("{} --overwrite", made(2))).ends(0);
+    assert!(folder.read("p.shard-0-of-2.mcap") != kept);
+}
+
 fn files(folder: &Path) -> Vec<String> {
     let (mut all, mut folders) = (Vec::new(), vec![folder.to_owned()]);
     while let Some(at) = folders.pop() {

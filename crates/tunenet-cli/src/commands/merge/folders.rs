@@ -82,7 +82,7 @@ fn foreign(like: &Mark, mark: &Mark) -> Option<(String, String)> {
                 (format!("{} recordings", recordings.len()), format!("{} others", treated.len()))
             } else {
                 debug_assert_ne!(run, ran);
-                (format!("one `{tool}`"), "one with another simulation, seed or setting".into())
+                ("the same simulation, seed and settings".into(), "another simulation, seed or setting".into())
             }
         }
         (Job::Bench(like), Job::Each { tool, .. }) => (told(like), format!("`{tool} --each`")),
