@@ -88,7 +88,7 @@ pub fn misspeaks() -> Vec<Case> {
         (
             "too few rows",
             program("print(json.dumps({'id': id, 'values': [[1.0]]}), flush=True)"),
-            &["expected 16 rows in `values`, found 1"],
+            &["expected 40 rows in `values`, found 1"],
             "times_s",
         ),
         (
@@ -130,7 +130,7 @@ pub fn overdoes() -> Vec<Case> {
         (
             "an endless line",
             program("while True: os.write(1, b'x' * 65536)"),
-            &["at most 66560 bytes, found a longer line"],
+            &["at most 68096 bytes, found a longer line"],
             "one on each line",
         ),
         (
