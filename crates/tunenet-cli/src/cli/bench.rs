@@ -44,7 +44,7 @@ pub enum Measured {
     Regions(BenchRegions),
     /// How many spoilt records are found, and how many good ones are blamed
     Preflight(BenchPreflight),
-    /// The tables of the paper, beside what is reached here
+    /// The tables and figures of the paper, beside what is reached here
     Paper(BenchPaper),
     /// How often a ball that was filmed once goes through a hoop
     Shot(BenchShot),
@@ -57,14 +57,18 @@ pub enum Measured {
 pub enum PaperTable {
     /// How far a tuned payload is from the real one
     Table1,
-    /// The error of a tuned restitution against the rollouts spent; writes Figure 2 as well
+    /// The error of a tuned restitution after 1, 5, 10 and 100 rollouts
     Table2,
-    /// How far a tuned ball is from the real one
+    /// How far a tuned ball is from the real one, from positions and from films
     Table3,
+    /// The error of a tuned restitution against the rollouts spent, drawn
+    Figure2,
+    /// How often a ball that was filmed goes through a hoop, ball by ball; takes as long as the rest together
+    Figure3,
 }
 
 impl PaperTable {
-    pub const ALL: [Self; 3] = [Self::Table1, Self::Table2, Self::Table3];
+    pub const ALL: [Self; 5] = [Self::Table1, Self::Table2, Self::Table3, Self::Figure2, Self::Figure3];
 }
 
 /// `tunenet bench paper`.

@@ -18,6 +18,7 @@
 mod axis;
 mod checks;
 pub mod diagnose;
+pub mod drawing;
 mod figures;
 mod label;
 mod page;

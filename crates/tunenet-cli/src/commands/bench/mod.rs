@@ -10,6 +10,7 @@ mod process;
 mod regions;
 mod rehearsal;
 mod resume;
+mod search;
 mod shot;
 mod speed;
 mod tuning;

@@ -1,7 +1,8 @@
 //! `tunenet bench shot`: a ball is dropped in front of a camera, and the next time it has to go through a hoop.
 //!
 //! ```text
-//! ball, world (hidden) → drop → film (rendered, tracked) → estimate (tuned, diagnosed) → trial (planned, shot) → results
+//! ball, world (hidden) → drop → film (rendered, tracked) → estimate (tuned, diagnosed) → trial (planned, shot) → results,
+//! figure
 //! ```
 //!
 //! The hidden world shares nothing with the simulator that is tuned and planned with; all that leaves it is films and the
@@ -10,6 +11,7 @@
 mod ball;
 mod drop;
 mod estimate;
+mod figure;
 mod film;
 mod lacking;
 mod results;
@@ -26,7 +28,8 @@ use sha2::{Digest, Sha256};
 
 use self::ball::Ball;
 use self::drop::Filmed;
-use self::results::{Results, Series};
+pub use self::results::Results;
+use self::results::Series;
 use self::trial::{Planner, Target, Trial};
 use self::world::{RADIUS_M, State};
 use super::resume::Store;
@@ -50,11 +53,49 @@ const FALL_M: f64 = 0.6;
 
 pub fn run(options: &BenchShot) -> Result<Exit> {
     let seed = options.common.seed;
-    let trials = options.trials.unwrap_or(if options.quick { QUICK } else { TRIALS });
-    let richer = if options.quick { 0 } else { trials.div_ceil(RICHER) };
     // The version alone would not tell a rebuilt program from the one that made a piece.
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
     let store = Store::open(&options.out, json!({ "program": program, "seed": seed }), &options.sharing)?;
+    let results = measure(&store, Extent::new(options.trials, options.quick), seed)?;
+    if let Some(exit) = store.finished(Measured::Shot(options.clone()), options.common.json)? {
+        return Ok(exit);
+    }
+    results.write(&options.out)?;
+    anstream::eprintln!("{}", results.markdown());
+    stage("wrote", &options.out.join("shot.md").display().to_string());
+    if options.common.json {
+        print_json(&results.as_json());
+    }
+    Ok(Exit::Done)
+}
+
+/// How much is played.
+#[derive(Debug, Clone, Copy)]
+pub struct Extent {
+    /// Trials of each ball.
+    trials: u64,
+    /// Trials of each ball in a richer world.
+    richer: u64,
+    /// Whether it is found what each thing costs that is not known.
+    lacking: bool,
+    quick: bool,
+}
+
+impl Extent {
+    fn new(trials: Option<u64>, quick: bool) -> Self {
+        let trials = trials.unwrap_or(if quick { QUICK } else { TRIALS });
+        Self { trials, richer: if quick { 0 } else { trials.div_ceil(RICHER) }, lacking: !quick, quick }
+    }
+
+    /// The six balls alone: no richer worlds, and no word on what is not known.
+    pub fn plain(quick: bool) -> Self {
+        Self { richer: 0, lacking: false, ..Self::new(None, quick) }
+    }
+}
+
+/// Plays every trial that the store does not hold already. Of a run in shards the results are those of this share.
+pub fn measure(store: &Store, extent: Extent, seed: u64) -> Result<Results> {
+    let Extent { trials, richer, lacking, quick } = extent;
     let planner = Planner::new()?;
     let balls = ball::all(&mut stream(seed, "balls", 0, 0));
     let bar = progress(6 * (trials + richer), "shots");
@@ -75,23 +116,13 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
             if count > 0 {
                 let chance = |shot: u64| stream(seed, &name, shot, LACKING);
                 let costs = || lacking::costs(&target, &planner, &chance);
-                let lacking = if options.quick { Vec::new() } else { store.keep(&format!("{name}-lacking"), costs)? };
+                let lacking = if lacking { store.keep(&format!("{name}-lacking"), costs)? } else { Vec::new() };
                 series.push(Series { ball: target.ball, rich, trials: all, lacking });
             }
         }
     }
     bar.finish_and_clear();
-    if let Some(exit) = store.finished(Measured::Shot(options.clone()), options.common.json)? {
-        return Ok(exit);
-    }
-    let results = Results { seed, quick: options.quick, trials, series };
-    results.write(&options.out)?;
-    anstream::eprintln!("{}", results.markdown());
-    stage("wrote", &options.out.join("shot.md").display().to_string());
-    if options.common.json {
-        print_json(&results.as_json());
-    }
-    Ok(Exit::Done)
+    Ok(Results { seed, quick, trials, series })
 }
 
 /// Draws that depend on the seed and on what they are for, and on nothing else.

@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
 use super::ball::Ball;
+use super::figure;
 use super::lacking::{Cost, Lacking, SHOTS};
 use super::share::{Difference, Share};
 use super::trial::{Trial, Way};
@@ -20,6 +21,9 @@ const GOALS: [(Way, f64, f64); 2] = [(Way::Tuned, 0.86, 0.92), (Way::Diagnosed, 
 const OF_KNOWN: f64 = 0.97;
 /// Least share of spoilt drops that are flagged, greatest of good ones.
 const FLAGS: (f64, f64) = (0.90, 0.03);
+
+/// The ways that are drawn.
+const DRAWN: [Way; figure::WAYS] = [Way::Apex, Way::Nearest, Way::Tuned, Way::Diagnosed, Way::Known];
 
 /// All trials of one ball.
 pub struct Series {
@@ -199,7 +203,7 @@ impl Results {
             difference(&trials, Way::Tuned, Way::Pooled).words(),
             difference(&trials, Way::Tuned, Way::Diagnosed).words(),
         );
-        if !self.quick {
+        if self.series.iter().any(|s| !s.lacking.is_empty()) {
             lacking(&mut out, &self.series);
         }
         let richer = self.trials(true);
@@ -210,9 +214,41 @@ impl Results {
         out
     }
 
+    /// Success ball by ball, as a drawing of its own.
+    pub fn figure(&self) -> String {
+        let mut groups: Vec<figure::Group> = Vec::new();
+        for series in self.series.iter().filter(|s| !s.rich) {
+            let own: Vec<&Trial> = series.trials.iter().collect();
+            groups.push(figure::Group { name: series.ball.name, shares: DRAWN.map(|way| Success::of(way, &own).all) });
+        }
+        let all = self.trials(false);
+        groups.push(figure::Group { name: "all", shares: DRAWN.map(|way| Success::of(way, &all).all) });
+        figure::draw(&groups, &DRAWN.map(Way::words))
+    }
+
+    /// Success ball by ball: the figure as a table.
+    pub fn by_ball(&self) -> String {
+        let mut out =
+            format!("| ball | {} |\n|---{}|\n", DRAWN.map(Way::words).join(" | "), "|---".repeat(DRAWN.len()));
+        for series in self.series.iter().filter(|s| !s.rich) {
+            let own: Vec<&Trial> = series.trials.iter().collect();
+            let cells = DRAWN.map(|way| Success::of(way, &own).all.words());
+            let _ = writeln!(out, "| {} | {} |", series.ball.name, cells.join(" | "));
+        }
+        let all = self.trials(false);
+        for (name, of) in [("all", 0), ("all, accepted drops", 1)] {
+            let cells = DRAWN.map(|way| {
+                let found = Success::of(way, &all);
+                [found.all, found.accepted][of].words()
+            });
+            let _ = writeln!(out, "| {name} | {} |", cells.join(" | "));
+        }
+        out
+    }
+
     pub fn write(&self, folder: &Path) -> Result<()> {
         let json = format!("{:#}\n", self.as_json());
-        for (name, text) in [("shot.md", self.markdown()), ("shot.json", json)] {
+        for (name, text) in [("shot.md", self.markdown()), ("shot.json", json), ("shot.svg", self.figure())] {
             write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
         }
         Ok(())

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tunenet_core::network::Model;
 
+use super::super::search::{Course, brent, nearest};
 use super::likelihood;
 use super::ours;
-use super::rivals::{self, Course, Stored};
+use super::rivals::{self, Stored};
 use super::rows::{BUDGETS, Conditions, MOST};
 use super::targets::{Simulation, Target, mean_distance};
 
@@ -67,8 +68,10 @@ pub fn courses(simulation: &Simulation, tuner: &Tuner, targets: &[Target]) -> Re
     let one = |target: &Target| match tuner {
         Tuner::Network(model) => ours::course(simulation, model, target, MOST),
         Tuner::Rival(Rival::Apex, _) => rivals::apex_loop(simulation, target, MOST),
-        Tuner::Rival(Rival::Nearest, stored) => rivals::nearest_stored(simulation, stored, target, MOST),
-        Tuner::Rival(Rival::Brent, _) => rivals::brent(simulation, target, MOST),
+        Tuner::Rival(Rival::Nearest, stored) => {
+            nearest::search(&simulation.search(target, 0), stored.from(target.fall_m, &simulation.clock), MOST)
+        }
+        Tuner::Rival(Rival::Brent, _) => brent::search(&simulation.search(target, 0), MOST),
     };
     targets.par_iter().map(one).collect()
 }

@@ -8,7 +8,7 @@ use tunenet_core::network::{Course as Shown, Model, Preset, TrainOptions, train}
 use tunenet_core::tune::{Loop, walk};
 
 use super::super::process;
-use super::rivals::Course;
+use super::super::search::Course;
 use super::targets::{Simulation, Target};
 use crate::commands::bench::resume::Store;
 

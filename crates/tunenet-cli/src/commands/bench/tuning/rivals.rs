@@ -1,23 +1,18 @@
-//! What else a rollout can be spent on. Each gives its estimate before the first rollout and after every one.
+//! What only a ball's rivals know: the apex of a rebound, two parabolas, rollouts that serve every height.
 
 use anyhow::Result;
 
+use super::super::search::Course;
 use super::closed_form::GRAVITY_M_S2;
 use super::targets::{Simulation, Target};
 
-/// Rollouts stored for [`nearest_stored`], evenly over the restitutions.
+/// Rollouts stored for [`Stored`], evenly over the restitutions.
 const STORED: u32 = 201;
 /// The fall that they were rolled out from, and their rate: dimensionless, they serve every height. Finer than the target, so
 /// that reading between two samples costs nothing beside it.
 const STORED_FALL_M: f64 = 4.0;
 const STORED_RATE_HZ: f64 = 1920.0;
 const STORED_FRAMES: u32 = 13_800;
-/// A secant step reaches no farther, lest a slope that is hardly there throws the estimate away.
-const FARTHEST_STEP: f64 = 0.03;
-
-/// Estimates after 0, 1, … rollouts.
-pub type Course = Vec<f64>;
-
 /// The rule `e = √(first rebound / fall)` inside the paper's own loop, `c ← c + rule(target) − rule(rollout(c))`, started
 /// at the rule itself.
 pub fn apex_loop(simulation: &Simulation, target: &Target, most: usize) -> Result<Course> {
@@ -79,6 +74,11 @@ impl Stored {
         Ok(Self { restitutions, rollouts })
     }
 
+    /// All of them as they would have been seen from another height.
+    pub fn from(&self, fall_m: f64, clock: &[f64]) -> Vec<(f64, Vec<f64>)> {
+        self.restitutions.iter().enumerate().map(|(i, e)| (*e, self.seen(i, fall_m, clock))).collect()
+    }
+
     /// The rollout number `i` as it would have been seen from another height: lengths scale with it, times with its root.
     fn seen(&self, i: usize, fall_m: f64, clock: &[f64]) -> Vec<f64> {
         let stretch = (STORED_FALL_M / fall_m).sqrt() * STORED_RATE_HZ;
@@ -91,93 +91,6 @@ impl Stored {
         };
         clock.iter().map(at).collect()
     }
-}
-
-/// Starts at the stored rollout that lies nearest, then Gauss–Newton with the slope to the nearest rollout known, stored
-/// or made.
-pub fn nearest_stored(simulation: &Simulation, stored: &Stored, target: &Target, most: usize) -> Result<Course> {
-    let all: Vec<(f64, Vec<f64>)> = (0..stored.restitutions.len())
-        .map(|i| (stored.restitutions[i], stored.seen(i, target.fall_m, &simulation.clock)))
-        .collect();
-    let off = |heights: &[f64]| heights.iter().zip(&target.heights_m).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-    let nearest = all.iter().map(|(e, heights)| (*e, off(heights))).min_by(|a, b| a.1.total_cmp(&b.1));
-    let mut known = all;
-    let mut course = vec![nearest.map_or(target.proposed, |(e, _)| e)];
-    for k in 0..most {
-        let (here, heights) = (course[k], simulation.roll(target, course[k])?);
-        let others = known.iter().filter(|(e, _)| (e - here).abs() > 1e-9);
-        let other = others.min_by(|a, b| (a.0 - here).abs().total_cmp(&(b.0 - here).abs()));
-        let step = other.map_or(0.0, |(e, other)| {
-            let (mut square, mut product) = (0.0, 0.0);
-            for ((new, old), seen) in heights.iter().zip(other).zip(&target.heights_m) {
-                let slope = (new - old) / (here - e);
-                square += slope * slope;
-                product += slope * (seen - new);
-            }
-            if square > 0.0 { (product / square).clamp(-FARTHEST_STEP, FARTHEST_STEP) } else { 0.0 }
-        });
-        known.push((here, heights));
-        course.push((here + step).clamp(0.0, 1.0));
-    }
-    Ok(course)
-}
-
-/// Brent's bounded search (1973) on the sum of squares, told the range that the target was drawn from; the best so far.
-pub fn brent(simulation: &Simulation, target: &Target, most: usize) -> Result<Course> {
-    let cost = |e: f64| -> Result<f64> {
-        let heights = simulation.roll(target, e)?;
-        Ok(heights.iter().zip(&target.heights_m).map(|(a, b)| (a - b).powi(2)).sum())
-    };
-    let golden = 0.5 * (3.0 - 5f64.sqrt());
-    let (mut low, mut high) = target.range;
-    let mut x = low + golden * (high - low);
-    let mut at_x = cost(x)?;
-    let mut course = vec![target.proposed, x];
-    // The second and third best, and the last two steps.
-    let ((mut w, mut at_w), (mut v, mut at_v)) = ((x, at_x), (x, at_x));
-    let (mut step, mut before) = (0.0_f64, 0.0_f64);
-    while course.len() <= most {
-        let middle = 0.5 * (low + high);
-        let tolerance = 1e-8 * x.abs() + 1e-10;
-        let r = (x - w) * (at_x - at_v);
-        let q = (x - v) * (at_x - at_w);
-        let (p, q) = ((x - v) * q - (x - w) * r, 2.0 * (q - r));
-        let (p, q) = if q > 0.0 { (-p, q) } else { (p, -q) };
-        let last = std::mem::replace(&mut before, step);
-        // A parabola through the three best, where it falls inside and shrinks; else a golden section.
-        if p.abs() < (0.5 * q * last).abs() && p > q * (low - x) && p < q * (high - x) {
-            step = p / q;
-        } else {
-            before = if x < middle { high - x } else { low - x };
-            step = golden * before;
-        }
-        if step.abs() < tolerance {
-            step = tolerance.copysign(middle - x);
-        }
-        let u = (x + step).clamp(low, high);
-        let at_u = cost(u)?;
-        if at_u <= at_x {
-            if u < x {
-                high = x;
-            } else {
-                low = x;
-            }
-            ((v, at_v), (w, at_w), (x, at_x)) = ((w, at_w), (x, at_x), (u, at_u));
-        } else {
-            if u < x {
-                low = u;
-            } else {
-                high = u;
-            }
-            if at_u <= at_w || w == x {
-                ((v, at_v), (w, at_w)) = ((w, at_w), (u, at_u));
-            } else if at_u <= at_v || v == x || v == w {
-                (v, at_v) = (u, at_u);
-            }
-        }
-        course.push(x);
-    }
-    Ok(course)
 }
 
 /// Rebound over approach speed where two parabolas cross, their curvature that of gravity: one through the first fall, one

@@ -11,6 +11,7 @@ use tunenet_core::simulator::{Parameter, Prepared, Simulator, rollout};
 use tunenet_core::tune::Point;
 use tunenet_sim::{ObservedBall, SimulationFile};
 
+use super::super::search::Search;
 use super::closed_form::Drop;
 use super::rows::Conditions;
 
@@ -91,6 +92,19 @@ impl Simulation {
         let mut point = Point::start(&self.ball, std::slice::from_ref(&target.prepared));
         point.parameters[0] = target.proposed;
         point
+    }
+
+    /// A target as any search for one number sees it.
+    pub fn search<'a>(&'a self, target: &'a Target, seed: u64) -> Search<'a> {
+        Search {
+            roll: Box::new(|e| self.roll(target, e)),
+            seen: &target.heights_m,
+            proposed: target.proposed,
+            range: target.range,
+            bounds: (0.0, 1.0),
+            // Every target is its own draw.
+            seed: seed ^ target.fall_m.to_bits(),
+        }
     }
 
     /// One rollout from a target's release: heights of the lowest point, m.

@@ -40,6 +40,14 @@ impl Set {
             Self::Test => "test",
         }
     }
+
+    /// Least and greatest mass of its targets, kg.
+    fn range_kg(self) -> (f64, f64) {
+        match self {
+            Self::Validation => (0.0, 1.0),
+            Self::Test => (1.0, 2.0),
+        }
+    }
 }
 
 /// What making all sets took.
@@ -56,6 +64,10 @@ pub struct Case {
     /// Standard deviation of the noise on what was seen, N·m.
     pub noise_nm: f64,
     pub seen: Prepared,
+    /// Least and greatest mass of its set, kg.
+    pub range_kg: (f64, f64),
+    /// Start of a search's own draws.
+    pub seed: u64,
 }
 
 /// The arm, and the pairs.
@@ -138,6 +150,8 @@ impl Sets {
             proposed_kg: pair.proposed_parameters[0],
             target_kg: pair.target_parameters[0],
             noise_nm,
+            range_kg: set.range_kg(),
+            seed: own ^ (number as u64),
             seen: Prepared::whole(seen, self.arm.parameters().len()),
         })
     }

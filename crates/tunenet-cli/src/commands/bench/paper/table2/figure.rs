@@ -1,8 +1,9 @@
 //! Figure 2: the error against the rollouts, both on logarithmic scales, one panel a set.
 
-use super::SETS;
 use super::methods::Method;
 use super::results::{POINTS, Results};
+use super::{BUDGETS, SETS};
+use crate::report::drawing;
 use crate::report::svg::{Anchor, Spot, Svg};
 
 const WIDTH: f64 = 880.0;
@@ -35,7 +36,8 @@ pub fn draw(results: &Results) -> String {
         let (low, high) = conditions.restitution;
         svg.text("t", (corner.0, corner.1 - 10.0), Anchor::Start, &format!("restitution {low} to {high}{noise}"));
         panel(&mut svg, corner);
-        for (method, _) in DRAWN {
+        // Ours last, so that nothing hides it.
+        for (method, _) in DRAWN.into_iter().rev() {
             let Some(cell) = results.of(set).find(|c| c.method == method) else { continue };
             let line: Vec<Spot> = (0..POINTS.len())
                 .filter(|k| POINTS[*k] > 0)
@@ -43,6 +45,9 @@ pub fn draw(results: &Results) -> String {
                 .collect();
             svg.path(method.key(), &line, false);
         }
+        let reported = BUDGETS.into_iter().filter_map(|k| Some((k, Method::Paper.published(set, k)?)));
+        let reported: Vec<Spot> = reported.map(|(k, error)| spot(corner, k as f64, error)).collect();
+        svg.dots("d", &reported);
     }
     for (i, (method, _)) in DRAWN.iter().enumerate() {
         let at = (80.0 + 270.0 * (i % 3) as f64, HEIGHT - 52.0 + 18.0 * (i / 3) as f64);
@@ -51,17 +56,13 @@ pub fn draw(results: &Results) -> String {
         let name = if matches!(method, Method::Default | Method::Paper) { method.title() } else { short };
         svg.text("s", (at.0 + 28.0, at.1), Anchor::Start, name);
     }
+    svg.dots("d", &[(80.0 + 270.0 + 11.0, HEIGHT - 52.0 + 36.0 - 4.0)]);
+    svg.text("s", (80.0 + 270.0 + 28.0, HEIGHT - 52.0 + 36.0), Anchor::Start, "the paper's own figures");
     let colour =
         |(method, colour): &(Method, &str)| format!(".{}{{stroke:{colour};stroke-width:2;fill:none}}", method.key());
     let colours = DRAWN.iter().map(colour).collect::<Vec<_>>().concat();
-    let style = format!(
-        "<style>text{{font-family:sans-serif;fill:#222}}.t{{font-size:14px;font-weight:bold}}.s{{font-size:12px}}\
-         .g{{stroke:#ddd;fill:none}}.f{{stroke:#888;fill:none}}svg{{background:#fff}}{colours}</style>"
-    );
-    let drawn = svg.finish("figure", "Error of the restitution against rollouts").into_string();
-    let open = drawn.find('>').map_or(0, |i| i + 1);
-    let head = drawn[..open].replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1);
-    format!("{head}{style}{}\n", &drawn[open..])
+    let dots = ".d{stroke:#8a4fbf;stroke-width:7;stroke-linecap:round}";
+    drawing::file(svg, "Error of the restitution against rollouts", &format!("{colours}{dots}"))
 }
 
 /// Frame, grid and ticks at whole powers of ten.

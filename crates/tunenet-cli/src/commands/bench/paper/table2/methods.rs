@@ -3,11 +3,12 @@
 use anyhow::Result;
 use tunenet_core::network::Model;
 
+use super::super::super::search::{Course, brent, entropy_search, evolution, gauss_newton, nearest};
 use super::super::super::tuning::ours;
-use super::super::super::tuning::rivals::{self, Course, Stored};
+use super::super::super::tuning::rivals::{self, Stored};
 use super::super::super::tuning::targets::{Simulation, Target};
+use super::BUDGETS;
 use super::direct::Direct;
-use super::{BUDGETS, entropy_search, evolution, gauss_newton};
 
 /// One row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,18 +111,19 @@ impl Tuner<'_> {
     /// The estimate after 0, 1, … rollouts, up to the greatest of [`BUDGETS`].
     pub fn course(&self, method: Method, target: &Target, seed: u64) -> Result<Course> {
         let (simulation, most) = (self.simulation, BUDGETS[BUDGETS.len() - 1]);
+        let search = simulation.search(target, seed);
         match method {
             Method::Default => ours::course(simulation, self.default, target, most),
             Method::Paper => ours::course(simulation, self.paper, target, most),
             Method::Mean => Ok(vec![0.5; most + 1]),
             Method::Direct => Ok(vec![self.direct.estimate(target)?; most + 1]),
-            Method::EntropySearch => entropy_search::search(simulation, target, most, seed),
-            Method::Evolution => evolution::search(simulation, target, most, seed, 1),
-            Method::EvolutionInTwo => evolution::search(simulation, target, most, seed, 2),
-            Method::Brent => rivals::brent(simulation, target, most),
-            Method::GaussNewton => gauss_newton::search(simulation, target, most),
+            Method::EntropySearch => entropy_search::search(&search, most),
+            Method::Evolution => evolution::search(&search, most, 1),
+            Method::EvolutionInTwo => evolution::search(&search, most, 2),
+            Method::Brent => brent::search(&search, most),
+            Method::GaussNewton => gauss_newton::search(&search, most),
             Method::Apex => rivals::apex_loop(simulation, target, most),
-            Method::Nearest => rivals::nearest_stored(simulation, self.stored, target, most),
+            Method::Nearest => nearest::search(&search, self.stored.from(target.fall_m, &simulation.clock), most),
         }
     }
 }

@@ -6,10 +6,7 @@
 //! ```
 
 mod direct;
-mod entropy_search;
-mod evolution;
 mod figure;
-mod gauss_newton;
 mod methods;
 mod results;
 mod write;
@@ -22,7 +19,7 @@ use self::direct::Direct;
 use self::methods::{Method, Tuner};
 pub use self::results::Results;
 use self::results::{Accuracy, Cell};
-pub use self::write::{as_json, markdown, write};
+pub use self::write::{as_json, figure_json, figure_markdown, markdown, write, write_figure};
 use super::super::resume::Store;
 use super::super::tuning::ours;
 use super::super::tuning::rivals::Stored;

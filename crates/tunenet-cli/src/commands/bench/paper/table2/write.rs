@@ -1,4 +1,4 @@
-//! The table as Markdown for people, CSV for plots and JSON for programs, and its figure.
+//! The table as Markdown for people, CSV for plots and JSON for programs; and its figure.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
 use super::methods::Method;
-use super::results::{POINTS, Results};
+use super::results::{Cell, POINTS, Results};
 use super::{BUDGETS, SETS, figure};
 
 /// `table2.default.easy.k5`, and what the paper reports beside it.
@@ -36,6 +36,10 @@ pub fn as_json(results: &Results) -> Value {
     all.into()
 }
 
+fn counted_seeds(seeds: u64) -> String {
+    if seeds == 1 { "1 seed".into() } else { format!("{seeds} seeds") }
+}
+
 /// The table for people. Writing to a string cannot fail, so its results are dropped.
 pub fn markdown(results: &Results) -> String {
     let mut out = String::new();
@@ -44,10 +48,11 @@ pub fn markdown(results: &Results) -> String {
     let _ = writeln!(out, "    tunenet bench paper --only table2{quick} --seed {}\n", results.seed);
     let _ = writeln!(
         out,
-        "Mean absolute error after K rollouts on a target; {} seeds of {} targets and one training each, ± the spread over \
-         the seeds. Targets are a closed form's drops. In brackets what the paper reports of its own method on its own \
+        "Mean absolute error after K rollouts on a target; {} of {} targets and one training each, ± the spread over the \
+         seeds. Targets are a closed form's drops. In brackets what the paper reports of its own method on its own \
          simulator (arXiv 1907.11200). The least error of a column is bold.\n",
-        results.seeds, results.targets
+        counted_seeds(results.seeds),
+        results.targets
     );
     for (set, conditions) in SETS {
         let (low, high) = conditions.restitution;
@@ -63,7 +68,8 @@ pub fn markdown(results: &Results) -> String {
             for k in BUDGETS {
                 let (mean, spread) = cell.after(k);
                 let best = results.best(set, k) == Some(cell.method);
-                let value = format!("{mean:.1e} ± {spread:.0e}");
+                let value =
+                    if results.seeds == 1 { format!("{mean:.1e}") } else { format!("{mean:.1e} ± {spread:.0e}") };
                 let value = if best { format!("**{value}**") } else { value };
                 let published = cell.method.published(set, k).map_or(String::new(), |p| format!(" ({p})"));
                 let _ = write!(row, " {value}{published} |");
@@ -87,7 +93,7 @@ pub fn markdown(results: &Results) -> String {
     out
 }
 
-/// Writes `table2.md`, `table2.csv`, `table2.json` and `figure2.svg`; none is ever half written.
+/// Writes `table2.md`, `table2.csv` and `table2.json`; none is ever half written.
 pub fn write(folder: &Path, results: &Results) -> Result<()> {
     let mut csv = "set,method,seed,rollouts,error\n".to_owned();
     for cell in &results.cells {
@@ -98,14 +104,43 @@ pub fn write(folder: &Path, results: &Results) -> Result<()> {
         }
     }
     let json = format!("{:#}\n", as_json(results));
-    let files = [
-        ("table2.md", markdown(results)),
-        ("table2.csv", csv),
-        ("table2.json", json),
-        ("figure2.svg", figure::draw(results)),
-    ];
+    write_all(folder, [("table2.md", markdown(results)), ("table2.csv", csv), ("table2.json", json)])
+}
+
+fn write_all(folder: &Path, files: [(&str, String); 3]) -> Result<()> {
     for (name, text) in files {
         write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
     }
     Ok(())
+}
+
+/// `figure2.default.easy` as points of rollouts and error, the mean over the seeds.
+pub fn figure_json(results: &Results) -> Value {
+    let points = |cell: &Cell| POINTS.iter().enumerate().map(|(i, k)| json!([k, cell.at(i)])).collect::<Vec<_>>();
+    let of = |method: Method| {
+        let sets = results.cells.iter().filter(|c| c.method == method).map(|c| (c.set.to_owned(), points(c).into()));
+        (method.key().to_owned(), Value::Object(sets.collect()))
+    };
+    Value::Object(Method::ALL.into_iter().map(of).collect())
+}
+
+/// What the figure shows, in words.
+pub fn figure_markdown(results: &Results) -> String {
+    let quick = if results.quick { " --quick" } else { "" };
+    format!(
+        "# Figure 2: error of the restitution against the rollouts spent\n\n    \
+         tunenet bench paper --only figure2{quick} --seed {}\n\n\
+         Mean over {} of {} targets each; the numbers are those of table2.csv.\n\n\
+         ![Error of the restitution against rollouts, four panels](figure2.svg)\n",
+        results.seed,
+        counted_seeds(results.seeds),
+        results.targets
+    )
+}
+
+/// Writes `figure2.md`, `figure2.json` and `figure2.svg`; none is ever half written.
+pub fn write_figure(folder: &Path, results: &Results) -> Result<()> {
+    let json = format!("{:#}\n", figure_json(results));
+    let drawn = figure::draw(results);
+    write_all(folder, [("figure2.md", figure_markdown(results)), ("figure2.json", json), ("figure2.svg", drawn)])
 }

@@ -5,8 +5,7 @@ use std::sync::{Arc, Mutex};
 use anyhow::{Context, Result};
 use cmaes::{CMAESOptions, DVector};
 
-use super::super::super::tuning::rivals::Course;
-use super::super::super::tuning::targets::{Simulation, Target};
+use super::{Course, Search};
 
 /// The paper's population.
 const POPULATION: usize = 10;
@@ -17,16 +16,14 @@ const OUTSIDE: f64 = 1e3;
 
 /// The best estimate so far after every rollout, from the proposed start. With two dimensions the second changes nothing:
 /// published code searches so, because it knows no search in one.
-pub fn search(simulation: &Simulation, target: &Target, most: usize, seed: u64, dimensions: usize) -> Result<Course> {
+pub fn search(target: &Search, most: usize, dimensions: usize) -> Result<Course> {
     let tried: Arc<Mutex<Vec<(f64, f64)>>> = Arc::default();
     let record = Arc::clone(&tried);
-    let (low, high) = target.range;
+    let (low, high) = target.bounds;
     let cost = move |x: &DVector<f64>| {
         let inside = x[0].clamp(low, high);
         // A rollout that fails is the worst there is; none does inside the range.
-        let squares = simulation
-            .roll(target, inside)
-            .map_or(f64::MAX, |heights| heights.iter().zip(&target.heights_m).map(|(a, b)| (a - b).powi(2)).sum());
+        let squares = (target.roll)(inside).map_or(f64::MAX, |rolled| target.squares(&rolled));
         if let Ok(mut record) = record.lock() {
             record.push((squares, inside));
         }
@@ -37,7 +34,7 @@ pub fn search(simulation: &Simulation, target: &Target, most: usize, seed: u64, 
     let mut search = CMAESOptions::new(start, SPREAD)
         .population_size(POPULATION)
         .max_function_evals(most)
-        .seed(seed)
+        .seed(target.seed)
         .build(cost)
         .map_err(|e| anyhow::anyhow!("CMA-ES cannot begin: {e:?}"))?;
     while tried.lock().ok().context("CMA-ES's record")?.len() < most {

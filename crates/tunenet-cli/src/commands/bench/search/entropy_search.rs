@@ -1,6 +1,6 @@
 //! Greedy entropy search: a Gaussian process over the error, asked where the minimum may lie.
 //!
-//! As the paper's appendix sets it up: 50 bins of restitution, 100 functions drawn from the process, a radial basis
+//! As the paper's appendix sets it up: 50 bins of the range, 100 functions drawn from the process, a radial basis
 //! function. The next rollout goes where the share of drawn functions with their minimum there, p, has the greatest
 //! −p ln p (Zhu, Kimmel, Bekris and Boularias, 2018).
 
@@ -10,30 +10,30 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::super::super::tuning::rivals::Course;
-use super::super::super::tuning::targets::{Simulation, Target, mean_distance};
+use super::super::tuning::targets::mean_distance;
+use super::{Course, Search};
 
 const BINS: usize = 50;
 const POPULATION: usize = 100;
-/// How far the error at one restitution speaks for its neighbours, as a share of the range.
+/// How far the error at one value speaks for its neighbours, as a share of the range.
 const REACH: f64 = 0.1;
 /// The error's own variance beside that of the process: keeps the matrices positive.
 const NUGGET: f64 = 1e-6;
 
 /// The bin with the least expected error after every rollout.
-pub fn search(simulation: &Simulation, target: &Target, most: usize, seed: u64) -> Result<Course> {
+pub fn search(target: &Search, most: usize) -> Result<Course> {
     let (low, high) = target.range;
     let bins: Vec<f64> = (0..BINS).map(|i| low + (high - low) * i as f64 / (BINS - 1) as f64).collect();
     let length = REACH * (high - low);
     let kernel = |a: f64, b: f64| (-0.5 * ((a - b) / length).powi(2)).exp();
-    let mut random = ChaCha8Rng::seed_from_u64(seed ^ target.fall_m.to_bits());
+    let mut random = ChaCha8Rng::seed_from_u64(target.seed);
     let (mut asked, mut errors): (Vec<usize>, Vec<f64>) = (Vec::new(), Vec::new());
     let mut course = vec![target.proposed];
     let mut next = random.random_range(0..BINS);
     while course.len() <= most {
         // Every bin is asked once at most: the simulator says the same again.
         asked.push(next);
-        errors.push(mean_distance(&simulation.roll(target, bins[next])?, &target.heights_m));
+        errors.push(mean_distance(&(target.roll)(bins[next])?, target.seen));
         let n = asked.len();
         let mean = errors.iter().sum::<f64>() / n as f64;
         let scale = (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / n as f64).sqrt().max(1e-9);

@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Measures again what this folder holds, and pastes it into the pages that show it: results/make.sh [paper|speed|shot|diagnose]…
+# Each takes minutes; a run that was stopped goes on where it stopped. Nothing else should run beside `speed`.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+export PATH="$PATH:$HOME/.cargo/bin"
+
+# A seed that nothing else in this repository uses, so that nothing was fitted to it.
+seed=${SEED:-90211}
+tool=${CARGO_TARGET_DIR:-target}/release/tunenet
+
+if [[ -n $(git status --porcelain) ]]; then
+    echo "results name the commit they were made at: commit or stash what is changed first" >&2
+    exit 1
+fi
+commit=$(git rev-parse HEAD)
+cargo build --release --workspace --quiet
+
+paste() { # NAME PAGE FILE: the file's text between the page's marks of that name
+    awk -v name="$1" -v file="$3" '
+        $0 == "<!-- " name ": begin -->" { print; while ((getline line < file) > 0) print line; skip = 1 }
+        $0 == "<!-- " name ": end -->" { skip = 0 }
+        !skip { print }' "$2" > "$2.new"
+    mv "$2.new" "$2"
+}
+
+body() { # FILE: without its title and the command below it, which the page has in its own words
+    sed -e '1,/^    tunenet /d' "$1" | sed -e '/./,$!d' -e 's/^## /### /'
+}
+
+measure() { # NAME COMMAND…: runs it and notes how
+    local name=$1 began=$SECONDS folder=results/$1
+    shift
+    mkdir -p "$folder"
+    "$tool" "$@" --out "target/results/$name" > /dev/null
+    for file in target/results/"$name"/*.{md,csv,json,svg}; do
+        # What is given for every single drop is too much to keep here.
+        if [[ -f $file ]] && (($(stat -c %s "$file") < 200000)); then
+            cp "$file" "$folder/"
+        fi
+    done
+    note "$folder" "tunenet $*" $((SECONDS - began))
+}
+
+note() { # FOLDER COMMAND SECONDS
+    {
+        echo "commit  $commit"
+        echo "command $2"
+        echo "machine $(nproc) cores of $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)"
+        echo "seconds $3 (less where a stopped run went on)"
+    } > "$1/run.txt"
+}
+
+for what in "${@:-paper}"; do
+    case $what in
+        paper)
+            measure paper bench paper --seed "$seed"
+            cp results/paper/figure2.svg results/paper/figure3.svg docs/
+            for part in table1 table2 table3 figure2 figure3; do
+                paste "$part" docs/paper.md <(body "results/paper/$part.md")
+            done
+            ;;
+        shot | diagnose)
+            measure "$what" bench "$what" --seed "$seed"
+            ;;
+        speed)
+            mkdir -p results/speed
+            began=$SECONDS
+            "$tool" bench speed --json > results/speed/speed.json 2> target/results-speed.txt
+            sed -n '/^|/p' target/results-speed.txt > results/speed/speed.md
+            note results/speed "tunenet bench speed" $((SECONDS - began))
+            paste speed README.md results/speed/speed.md
+            ;;
+        *)
+            echo "expected paper, speed, shot or diagnose, found \`$what\`" >&2
+            exit 2
+            ;;
+    esac
+    echo "==> results/$what at $commit"
+done
