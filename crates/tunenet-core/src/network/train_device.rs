@@ -51,7 +51,11 @@ impl TrainDevice {
                 expected: "`cpu` or `auto` in a build without support for GPUs".into(),
                 found: "`cuda`".into(),
             }),
-            Self::Cuda => Device::new_cuda(0).map(Place::Candle).map_err(|e| Error::Device { message: e.to_string() }),
+            Self::Cuda => Device::new_cuda(0).map(Place::Candle).map_err(|e| {
+                // A trace of calls may follow.
+                let message = e.to_string().lines().next().unwrap_or_default().to_owned();
+                Error::Device { message }
+            }),
         }
     }
 }
