@@ -94,7 +94,11 @@ fn the_other_commands_have_theirs() {
     let pairs = folder.run("gen ball --sim drop.toml --pairs 30 --out pairs.mcap --json").ends(0).json();
     has(&pairs, &["schema", "file", "preset", "pairs", "seed", "frames", "warnings"]);
     let trained = folder.run("train --data pairs.mcap --preset paper --out m.safetensors --json").ends(0).json();
-    has(&trained, &["schema", "file", "preset", "seed", "steps", "loss", "validation", "seconds", "warnings"]);
+    has(
+        &trained,
+        &["schema", "file", "preset", "seed", "steps", "loss", "validation", "seconds", "device", "warnings"],
+    );
+    assert_eq!(trained["device"], "cpu");
     let table = folder.run("inspect drop.csv --json").ends(0).json();
     has(&table, &["schema", "file", "usable", "kind", "columns", "rows", "samples", "broken_lines", "warnings"]);
     assert_eq!(table["kind"], "positions");
@@ -215,6 +219,33 @@ fn the_same_seed_gives_the_same_bytes() {
     same_bytes(scenes, "tune --sim scene.toml --observation drop.csv --out tuned.toml --json", &["tuned.toml"]);
     same_bytes(scenes, "simulate --sim drop.toml --out a.csv --json", &["a.csv"]);
     same_bytes(scenes, "simulate --sim drop.toml --out a.mcap --json", &["a.mcap"]);
+}
+
+/// A build that can use GPUs, on a machine that has one, is free to choose one where it may.
+#[test]
+fn train_says_where_it_ran() {
+    let folder = Folder::new();
+    folder.write("drop.toml", DROP);
+    folder.run("gen ball --sim drop.toml --pairs 30 --out pairs.mcap").ends(0);
+    let train = |flags: &str| folder.run(&format!("train --data pairs.mcap --preset paper --json {flags}"));
+    assert_eq!(train("--device cpu --out cpu.safetensors").ends(0).json()["device"], "cpu");
+    let auto = train("--device auto --out auto.safetensors").ends(0).json();
+    if auto["device"] == "cuda" {
+        return println!("skipped: a GPU is at hand");
+    }
+    assert_eq!(auto["device"], "cpu");
+    assert_eq!(folder.read("auto.safetensors"), folder.read("cpu.safetensors"));
+    // Before anything else is looked at, and with the way out.
+    let refused = folder.run("train --data none.mcap --device cuda --out cuda.safetensors");
+    if refused.stderr.contains("expected a GPU") {
+        refused.ends(1);
+        return println!("skipped: this build can use GPUs, and none is at hand");
+    }
+    let refused = refused.ends(2);
+    for words in ["`device`: expected `cpu` or `auto`", "found `cuda`", "--features cuda`"] {
+        assert!(refused.stderr.contains(words), "{}", refused.stderr);
+    }
+    assert_eq!(refused.stderr.lines().count(), 2, "{}", refused.stderr);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The command line.
 
 pub mod bench;
+pub mod device;
 pub mod plan;
 pub mod shard;
 pub mod track;
@@ -14,6 +15,7 @@ pub use bench::{
     Bench, BenchDiagnose, BenchGrow, BenchIntervals, BenchPaper, BenchPreflight, BenchRegions, BenchShot, BenchSpeed,
     BenchTuning, DiagnoseRow, Measured, PaperTable, Row,
 };
+pub use device::DeviceChoice;
 pub use plan::{Plan, PlanRule};
 pub use shard::{Merge, Sharing};
 pub use track::Track;
@@ -475,6 +477,9 @@ pub struct Train {
     /// Most memory for what is learned from; more of it waits in a temporary file beside `--out`, the result is the same
     #[arg(long, value_name = "MIB", default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=1 << 20))]
     pub memory_mib: u32,
+    /// Where the sums are done
+    #[arg(long, value_enum, default_value = "cpu")]
+    pub device: DeviceChoice,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]

@@ -97,6 +97,12 @@ pub enum Error {
         /// What was given.
         found: String,
     },
+    /// A device cannot be used.
+    #[error("expected a GPU that CUDA can use, found none: {message}")]
+    Device {
+        /// What its driver said.
+        message: String,
+    },
     /// The network library failed.
     #[error("the network library failed: {0}")]
     Network(#[from] candle_core::Error),
@@ -112,6 +118,10 @@ impl Error {
         match self {
             Self::Text { hint, .. } | Self::File { hint, .. } if !hint.is_empty() => Some(hint),
             Self::Io { action, source, .. } => io_hint(action, source.kind()),
+            Self::Setting { name: "device", .. } => {
+                Some("install one with it: `cargo install --locked --path crates/tunenet-cli --features cuda`")
+            }
+            Self::Device { .. } => Some("look at what `nvidia-smi` says, or train with `--device cpu`"),
             Self::Model { .. } => Some("train a model for this scene: `tunenet gen`, then `tunenet train`"),
             _ => None,
         }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::Error;
-use tunenet_core::network::{DatasetReader, Preset, TrainOptions, train};
+use tunenet_core::network::{DatasetReader, Preset, TrainDevice, TrainOptions, train};
 
 use super::destination::{self, Output, Product};
 use super::{load, print_json};
@@ -16,6 +16,7 @@ use crate::terminal::{progress, stage};
 
 pub fn run(options: &Train) -> Result<Exit> {
     let began = Instant::now();
+    let device = options.device.here()?;
     // What cannot be written in the end is refused at once.
     let output = Output::new(&options.out, "--out", Product::Model);
     destination::check(&[output], &[&options.data], options.writing.overwrite)?;
@@ -27,6 +28,7 @@ pub fn run(options: &Train) -> Result<Exit> {
     let settings = TrainOptions {
         checkpoint: Some(checkpoint.clone()),
         memory_bytes: usize::try_from(options.memory_mib).unwrap_or(usize::MAX >> 20) << 20,
+        device,
         ..TrainOptions::new(preset, options.common.seed)
     };
     let bar = progress(0, "training");
@@ -50,13 +52,14 @@ pub fn run(options: &Train) -> Result<Exit> {
     let (steps, loss) = last.map_or((0, 0.0), |l| (l.steps, l.loss));
     let validation = last.and_then(|l| l.validation);
     let named = model.parameters().iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
-    stage("trained", &format!("{steps} steps for {named}, loss {loss:.2e}, {seconds:.1} s"));
+    let on = if device == TrainDevice::Cpu { "" } else { " on a GPU" };
+    stage("trained", &format!("{steps} steps for {named}{on}, loss {loss:.2e}, {seconds:.1} s"));
     stage("wrote", &options.out.display().to_string());
     if options.common.json {
         print_json(&json!({
             "schema": "tunenet.train/1", "file": load::name(&options.out), "preset": options.preset.name(),
             "seed": options.common.seed, "steps": steps, "loss": loss, "validation": validation,
-            "seconds": seconds, "warnings": [],
+            "seconds": seconds, "device": device.name(), "warnings": [],
         }));
     }
     Ok(Exit::Done)

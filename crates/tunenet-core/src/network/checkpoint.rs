@@ -6,6 +6,7 @@ use candle_core::DType;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::learner::Place;
 use super::model::{self, About};
 use super::optimiser::Descent;
 use super::two_branch::TwoBranch;
@@ -20,6 +21,18 @@ struct Mark {
     fingerprint: String,
     /// Steps done.
     step: u64,
+    /// Who did the sums; see [`Place::name`](super::learner::Place::name).
+    #[serde(default = "by_hand", skip_serializing_if = "is_by_hand")]
+    device: String,
+}
+
+/// What a checkpoint need not say.
+fn by_hand() -> String {
+    Place::ByHand.name().into()
+}
+
+fn is_by_hand(device: &str) -> bool {
+    device == Place::ByHand.name()
 }
 
 /// What makes a training this one: every byte of its dataset, its preset and its seed.
@@ -42,22 +55,32 @@ pub(super) fn fingerprint(dataset: &Path, about: &About) -> Result<String> {
     Ok(hash.finalize().into_iter().flat_map(hex).collect())
 }
 
+/// Which training, and where it runs.
+///
+/// A training ends where it began: half of it on a GPU and half on a CPU would be a network that no one command makes again.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kept<'a> {
+    pub(super) path: &'a Path,
+    /// See [`fingerprint`].
+    pub(super) fingerprint: &'a str,
+    pub(super) place: &'a Place,
+}
+
 /// Writes where the training stands; a kill leaves the one before or this one, never half of it.
-pub(super) fn save(path: &Path, fingerprint: &str, step: u64, network: &TwoBranch, descent: &Descent) -> Result<()> {
+pub(super) fn save(kept: Kept<'_>, step: u64, network: &TwoBranch, descent: &Descent) -> Result<()> {
     let mut tensors = model::named(network);
     for (name, (mean, square)) in TwoBranch::NAMES.iter().zip(&descent.memory) {
         tensors.push((format!("mean.{name}"), mean.clone()));
         tensors.push((format!("square.{name}"), square.clone()));
     }
-    let mark = Mark { fingerprint: fingerprint.to_owned(), step };
+    let mark = Mark { fingerprint: kept.fingerprint.to_owned(), step, device: kept.place.name().into() };
     let mark = serde_json::to_string(&mark).map_err(|e| candle_core::Error::Msg(e.to_string()))?;
-    weights_file::write(path, &weights_file::to_bytes(mark, &tensors)?)
+    weights_file::write(kept.path, &weights_file::to_bytes(mark, &tensors)?)
 }
 
-/// Goes on from `path`: sets the network and the optimiser, returns the steps done; `None` where there is no file.
+/// Goes on from the checkpoint: sets the network and the optimiser, returns the steps done; `None` where there is no file.
 pub(super) fn load(
-    path: &Path,
-    fingerprint: &str,
+    Kept { path, fingerprint, place }: Kept<'_>,
     about: &About,
     network: &mut TwoBranch,
     descent: &mut Descent,
@@ -73,6 +96,15 @@ pub(super) fn load(
     let mark: Mark = serde_json::from_str(&contents.about).map_err(|_| refuse("a model or another file"))?;
     if mark.fingerprint != fingerprint {
         return Err(refuse("one of another dataset, preset or seed"));
+    }
+    if mark.device != place.name() {
+        let (device, found) = (&mark.device, place.name());
+        let text = format!("expected a checkpoint of a training on `{found}`, found one on `{device}`");
+        return Err(Error::file(
+            path,
+            text,
+            format!("go on with `--device {device}`, delete it, or write to another --out"),
+        ));
     }
     *network = model::take_network(path, &mut contents, about)?;
     for (name, (mean, square)) in TwoBranch::NAMES.iter().zip(&mut descent.memory) {

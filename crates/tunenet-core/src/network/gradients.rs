@@ -1,12 +1,14 @@
 //! How the loss changes with every weight.
 //!
 //! Written out by hand: candle's own way back also differentiates by the observations, which nobody asks for, adds every
-//! gradient to a zero of its size, and wakes a thread on every core to do so. The tests hold it against candle's.
+//! gradient to a zero of its size, and wakes a thread on every core to do so. Training does this in single precision; the tests
+//! hold it against candle's in double precision too.
 
-use candle_core::{CpuStorage, Device, InplaceOp2, Layout, Tensor};
+use candle_core::{CpuStorage, DType, Device, InplaceOp2, Layout, Tensor};
+use nalgebra::RealField;
 
 use super::batches::Batch;
-use super::numbers::{slice, slice_mut};
+use super::numbers::range;
 use super::preset::{Head, Loss};
 use super::product::{product, product_into};
 use super::two_branch::{OneWay, TwoBranch};
@@ -89,7 +91,7 @@ fn by_estimate(estimate: &Tensor, difference: &Tensor, loss: Loss) -> Result<(f6
         Loss::Squared => (candle_nn::loss::mse(estimate, difference)?, (error * (2.0 / count))?),
         Loss::Absolute => (error.abs()?.mean_all()?, (error.sign()? / count)?),
     };
-    Ok((f64::from(mean.to_scalar::<f32>()?), gradient))
+    Ok((mean.to_dtype(DType::F64)?.to_scalar()?, gradient))
 }
 
 /// What a rectifier passes back: nothing where it passed nothing on, `d ← d · [y > 0]`.
@@ -101,12 +103,20 @@ impl InplaceOp2 for Gate {
     }
 
     fn cpu_fwd(&self, d: &mut CpuStorage, dl: &Layout, y: &CpuStorage, yl: &Layout) -> candle_core::Result<()> {
-        for (d, y) in slice_mut(d, dl)?.iter_mut().zip(slice(y, yl)?) {
-            if *y <= 0.0 {
-                *d = 0.0;
-            }
+        match (d, y) {
+            (CpuStorage::F32(d), CpuStorage::F32(y)) => gate(&mut d[range(dl)?], &y[range(yl)?]),
+            (CpuStorage::F64(d), CpuStorage::F64(y)) => gate(&mut d[range(dl)?], &y[range(yl)?]),
+            _ => candle_core::bail!("a gate for numbers of one precision, single or double"),
         }
         Ok(())
+    }
+}
+
+fn gate<T: RealField + Copy>(d: &mut [T], y: &[T]) {
+    for (d, y) in d.iter_mut().zip(y) {
+        if *y <= T::zero() {
+            *d = T::zero();
+        }
     }
 }
 
@@ -121,72 +131,80 @@ impl InplaceOp2 for Sum {
     }
 
     fn cpu_fwd(&self, sum: &mut CpuStorage, sl: &Layout, x: &CpuStorage, xl: &Layout) -> candle_core::Result<()> {
-        for (sum, x) in slice_mut(sum, sl)?.iter_mut().zip(slice(x, xl)?) {
-            *sum = self.keep * *sum + x;
+        match (sum, x) {
+            (CpuStorage::F32(sum), CpuStorage::F32(x)) => add(&mut sum[range(sl)?], &x[range(xl)?], self.keep),
+            (CpuStorage::F64(sum), CpuStorage::F64(x)) => add(&mut sum[range(sl)?], &x[range(xl)?], self.keep.into()),
+            _ => candle_core::bail!("a sum of numbers of one precision, single or double"),
         }
         Ok(())
     }
 }
 
+fn add<T: RealField + Copy>(sum: &mut [T], x: &[T], keep: T) {
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum = keep * *sum + *x;
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use candle_core::Var;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::network::on_device::OnDevice;
+    use crate::network::optimiser::Descent;
+    use crate::network::preset::Preset;
     use crate::network::two_branch::Widths;
 
     const WIDTHS: Widths = Widths { inputs: 11, features: 6, hidden: 5, outputs: 2 };
 
-    fn drawn(draw: &mut ChaCha8Rng, rows: usize, columns: usize) -> Tensor {
-        let numbers: Vec<f32> = (0..rows * columns).map(|_| draw.random_range(-1.0..1.0)).collect();
-        Tensor::from_vec(numbers, (rows, columns), &Device::Cpu).unwrap()
+    fn drawn(draw: &mut ChaCha8Rng, numbers: DType, rows: usize, columns: usize) -> Tensor {
+        let values: Vec<f64> = (0..rows * columns).map(|_| draw.random_range(-1.0..1.0)).collect();
+        Tensor::from_vec(values, (rows, columns), &Device::Cpu).unwrap().to_dtype(numbers).unwrap()
     }
 
-    /// The loss in candle's own operations, which candle can differentiate.
-    fn differentiable(weights: &[Var], head: Head, batch: &Batch, loss: Loss) -> Tensor {
-        let layer = |x: &Tensor, i: usize| x.matmul(&weights[i]).unwrap().broadcast_add(&weights[i + 1]).unwrap();
-        let way = |a: &Tensor, b: &Tensor| {
-            let branches = [layer(a, 0).relu().unwrap(), layer(b, 2).relu().unwrap()];
-            layer(&layer(&Tensor::cat(&branches, 1).unwrap(), 4).relu().unwrap(), 6)
-        };
-        let (p, t) = (&batch.proposed, &batch.target);
-        let estimate = match head {
-            Head::Tanh => way(p, t).tanh().unwrap(),
-            Head::Antisymmetric => ((way(p, t) - way(t, p)).unwrap() * 0.5).unwrap(),
-        };
-        match loss {
-            Loss::Squared => (estimate - &batch.difference).unwrap().sqr().unwrap().mean_all().unwrap(),
-            Loss::Absolute => (estimate - &batch.difference).unwrap().abs().unwrap().mean_all().unwrap(),
+    /// Largest difference from candle's gradients, over the largest gradient of the same weight.
+    fn off(network: &TwoBranch, batch: &Batch, loss: Loss) -> f64 {
+        let ours = Gradients::new(network).unwrap();
+        let found = ours.of(network, batch, loss).unwrap();
+        let descent = Descent::new(Preset::paper().optimiser, network).unwrap();
+        let theirs = OnDevice::new(network, descent, loss, &Device::Cpu).unwrap();
+        let (expected, theirs) = theirs.gradients(batch).unwrap();
+        let mut worst = (found / expected - 1.0).abs();
+        for ((found, expected), name) in ours.each().iter().zip(&theirs).zip(TwoBranch::NAMES) {
+            let numbers = |x: &Tensor| x.flatten_all().unwrap().to_dtype(DType::F64).unwrap().to_vec1::<f64>().unwrap();
+            let (found, expected) = (numbers(found), numbers(expected));
+            let largest = expected.iter().fold(0.0f64, |most, g| most.max(g.abs()));
+            // The last bias cancels between the two ways of an antisymmetric head.
+            let cancels = network.head == Head::Antisymmetric && name == "output.bias";
+            assert!(cancels || largest > 1e-3, "{name} does nothing");
+            let scale = if cancels { 1.0 } else { largest };
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                worst = worst.max((found - expected).abs() / scale);
+            }
         }
+        worst
     }
 
     #[test]
     fn they_are_those_that_candle_finds() {
         let mut draw = ChaCha8Rng::seed_from_u64(4);
-        for head in [Head::Tanh, Head::Antisymmetric] {
-            let network = TwoBranch::new(WIDTHS, head, 7).unwrap();
-            let weights = network.weights().map(|weight| Var::from_tensor(weight).unwrap());
-            let ours = Gradients::new(&network).unwrap();
-            for loss in [Loss::Squared, Loss::Absolute] {
-                let batch = Batch {
-                    proposed: drawn(&mut draw, 9, WIDTHS.inputs),
-                    target: drawn(&mut draw, 9, WIDTHS.inputs),
-                    difference: drawn(&mut draw, 9, WIDTHS.outputs),
-                };
-                let theirs = differentiable(&weights, head, &batch, loss);
-                let found = ours.of(&network, &batch, loss).unwrap();
-                assert!((found - f64::from(theirs.to_scalar::<f32>().unwrap())).abs() < 1e-6);
-                let theirs = theirs.backward().unwrap();
-                for ((gradient, weight), name) in ours.each().iter().zip(&weights).zip(TwoBranch::NAMES) {
-                    let flat = |x: &Tensor| x.flatten_all().unwrap().to_vec1::<f32>().unwrap();
-                    let (found, expected) = (flat(gradient), flat(theirs.get(weight).unwrap()));
-                    // The last bias cancels between the two ways of an antisymmetric head.
-                    let cancels = head == Head::Antisymmetric && name == "output.bias";
-                    assert!(cancels || expected.iter().any(|g| g.abs() > 1e-3), "{name} does nothing");
-                    for (found, expected) in found.iter().zip(&expected) {
-                        assert!((found - expected).abs() < 1e-6, "{name}, {head:?}, {loss:?}: {found} for {expected}");
+        for (numbers, tolerance) in [(DType::F32, 1e-5), (DType::F64, 1e-13)] {
+            for head in [Head::Tanh, Head::Antisymmetric] {
+                let network = TwoBranch::new(WIDTHS, head, 7).unwrap();
+                let network = if numbers == DType::F64 { network.widened().unwrap() } else { network };
+                for loss in [Loss::Squared, Loss::Absolute] {
+                    // One pair alone has shapes of its own.
+                    for pairs in [9, 1] {
+                        let batch = Batch {
+                            proposed: drawn(&mut draw, numbers, pairs, WIDTHS.inputs),
+                            target: drawn(&mut draw, numbers, pairs, WIDTHS.inputs),
+                            difference: drawn(&mut draw, numbers, pairs, WIDTHS.outputs),
+                        };
+                        let off = off(&network, &batch, loss);
+                        assert!(off < tolerance, "{numbers:?}, {head:?}, {loss:?}, {pairs}: {off:.1e}");
                     }
                 }
             }

@@ -10,7 +10,8 @@ pub(super) fn single(number: f64) -> f32 {
     number as f32
 }
 
-fn range(layout: &Layout) -> candle_core::Result<Range<usize>> {
+/// Where contiguous numbers stand.
+pub(super) fn range(layout: &Layout) -> candle_core::Result<Range<usize>> {
     match layout.contiguous_offsets() {
         Some((start, end)) => Ok(start..end),
         None => candle_core::bail!("an operation in place needs contiguous numbers"),

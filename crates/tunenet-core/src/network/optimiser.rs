@@ -5,13 +5,14 @@
 
 use candle_core::{CpuStorage, Device, InplaceOp2, InplaceOp3, Layout, Tensor};
 
+use super::learner::Moment;
 use super::numbers::{single, slice, slice_mut};
 use super::preset::Optimiser;
 use super::two_branch::TwoBranch;
 use crate::Result;
 
 /// An optimiser with its memory.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Descent {
     settings: Optimiser,
     /// Mean gradient and mean squared gradient of each weight; empty for SGD.
@@ -31,33 +32,22 @@ impl Descent {
         Ok(Self { settings, memory })
     }
 
-    /// One step down `gradients`, one for each weight: `step` counts from 0 up to `steps`, `epoch` from 0.
-    pub(super) fn step(
-        &self,
-        network: &TwoBranch,
-        gradients: &[Tensor; 8],
-        step: u64,
-        steps: u64,
-        epoch: u64,
-    ) -> Result<()> {
+    /// One step down `gradients`, one for each weight.
+    pub(super) fn step(&self, network: &TwoBranch, gradients: &[Tensor; 8], now: Moment) -> Result<()> {
+        let step = self.at(now);
         for (i, (weight, gradient)) in network.weights().into_iter().zip(gradients).enumerate() {
-            match self.settings {
-                Optimiser::Sgd { rate, decay, decay_every, l2 } => {
-                    let decays = i32::try_from(epoch / decay_every).unwrap_or(i32::MAX);
-                    let rate = rate * decay.powi(decays);
+            match step {
+                Step::Sgd { rate, l2 } => {
                     weight.inplace_op2(gradient, &SgdStep { rate: single(rate), l2: single(l2) })?;
                 }
-                Optimiser::AdamW { rate, decay, beta1, beta2, epsilon } => {
+                Step::AdamW { beta1, beta2, keep, rate, square_factor, epsilon } => {
                     let (mean, square) = &self.memory[i];
                     mean.inplace_op2(gradient, &Remember { beta: single(beta1), squared: false })?;
                     square.inplace_op2(gradient, &Remember { beta: single(beta2), squared: true })?;
-                    let rate = rate * 0.5 * (1.0 + (std::f64::consts::PI * step as f64 / steps as f64).cos());
-                    // Both memories start at zero; these factors undo that (arXiv 1412.6980, section 3).
-                    let count = (step + 1) as f64;
                     let adam = AdamStep {
-                        keep: single(1.0 - rate * decay),
-                        rate: single(rate / (1.0 - beta1.powf(count))),
-                        square_factor: single(1.0 / (1.0 - beta2.powf(count))),
+                        keep: single(keep),
+                        rate: single(rate),
+                        square_factor: single(square_factor),
                         epsilon: single(epsilon),
                     };
                     weight.inplace_op3(mean, square, &adam)?;
@@ -66,6 +56,38 @@ impl Descent {
         }
         Ok(())
     }
+
+    /// What the step at `now` does to every weight.
+    pub(super) fn at(&self, Moment { step, steps, epoch }: Moment) -> Step {
+        match self.settings {
+            Optimiser::Sgd { rate, decay, decay_every, l2 } => {
+                let decays = i32::try_from(epoch / decay_every).unwrap_or(i32::MAX);
+                Step::Sgd { rate: rate * decay.powi(decays), l2 }
+            }
+            Optimiser::AdamW { rate, decay, beta1, beta2, epsilon } => {
+                let rate = rate * 0.5 * (1.0 + (std::f64::consts::PI * step as f64 / steps as f64).cos());
+                // Both memories start at zero; these factors undo that (arXiv 1412.6980, section 3).
+                let count = (step + 1) as f64;
+                Step::AdamW {
+                    beta1,
+                    beta2,
+                    keep: 1.0 - rate * decay,
+                    rate: rate / (1.0 - beta1.powf(count)),
+                    square_factor: 1.0 / (1.0 - beta2.powf(count)),
+                    epsilon,
+                }
+            }
+        }
+    }
+}
+
+/// One step with its numbers, the same wherever the weights `w` with gradient `g` are.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Step {
+    /// `w ← w − rate (g + l2 w)`.
+    Sgd { rate: f64, l2: f64 },
+    /// `m ← β₁ m + (1 − β₁) g`, `v ← β₂ v + (1 − β₂) g²`, `w ← keep · w − rate · m / (√(v · square_factor) + ε)`.
+    AdamW { beta1: f64, beta2: f64, keep: f64, rate: f64, square_factor: f64, epsilon: f64 },
 }
 
 /// `w ← w − rate (g + l2 w)`.
@@ -148,7 +170,8 @@ mod tests {
         let weight = || network.proposed.weight.to_vec2::<f32>().unwrap()[0][0];
         let before = weight();
         let gradients = network.weights().map(|weight| (weight * 2.0).unwrap());
-        Descent::new(settings, &network).unwrap().step(&network, &gradients, 0, 100, 5).unwrap();
+        let now = Moment { step: 0, steps: 100, epoch: 5 };
+        Descent::new(settings, &network).unwrap().step(&network, &gradients, now).unwrap();
         (before, weight())
     }
 

@@ -12,7 +12,7 @@ pub(super) fn product(a: &Tensor, b: &Tensor) -> candle_core::Result<Tensor> {
     a.apply_op2_no_bwd(b, &Product)
 }
 
-/// `sum ← keep · sum + a b` in single precision, `sum` being contiguous.
+/// `sum ← keep · sum + a b`, `sum` being contiguous.
 pub(super) fn product_into(sum: &Tensor, a: &Tensor, b: &Tensor, keep: f32) -> candle_core::Result<()> {
     sum.inplace_op3(a, b, &Into { keep })
 }
@@ -77,7 +77,10 @@ impl InplaceOp3 for Into {
             (CpuStorage::F32(sum), CpuStorage::F32(a), CpuStorage::F32(b)) => {
                 multiply(&mut sum[start..end], shape, (a, a_layout), (b, b_layout), self.keep);
             }
-            _ => candle_core::bail!("a sum of products in single precision"),
+            (CpuStorage::F64(sum), CpuStorage::F64(a), CpuStorage::F64(b)) => {
+                multiply(&mut sum[start..end], shape, (a, a_layout), (b, b_layout), self.keep.into());
+            }
+            _ => candle_core::bail!("a sum of products of one precision, single or double"),
         }
         Ok(())
     }

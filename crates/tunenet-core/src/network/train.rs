@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::batches::{Batch, Batches};
-use super::checkpoint;
+use super::checkpoint::{self, Kept};
 use super::dataset::{DatasetHeader, Pair};
-use super::gradients::Gradients;
+use super::learner::{Learner, Moment, Place};
 use super::library::Library;
 use super::model::{self, About, MODEL_VERSION, Model, Target};
 use super::optimiser::Descent;
 use super::preset::Preset;
+use super::train_device::TrainDevice;
 use super::training_set::{Room, TrainingSet};
 use super::two_branch::TwoBranch;
 use crate::observation::Channel;
@@ -35,16 +36,18 @@ pub struct TrainOptions {
     /// Most bytes of encoded rollouts in memory. What is more waits in a temporary file beside the checkpoint, else in the
     /// system's folder for such files; what is learned is the same, bit for bit.
     pub memory_bytes: usize,
+    /// Where the sums are done. A checkpoint goes on where it was made, or not at all.
+    pub device: TrainDevice,
 }
 
 impl TrainOptions {
     /// [`memory_bytes`](Self::memory_bytes) where nobody says otherwise.
     pub const MEMORY_BYTES: usize = 256 << 20;
 
-    /// Without a checkpoint, and with the usual memory.
+    /// Without a checkpoint, with the usual memory, on the CPU.
     #[must_use]
     pub fn new(preset: Preset, seed: u64) -> Self {
-        Self { preset, seed, checkpoint: None, memory_bytes: Self::MEMORY_BYTES }
+        Self { preset, seed, checkpoint: None, memory_bytes: Self::MEMORY_BYTES, device: TrainDevice::Cpu }
     }
 
     /// Where the temporary file belongs.
@@ -78,13 +81,24 @@ pub struct TrainProgress {
 ///
 /// The dataset is read from its file once or twice, pair by pair, and may be larger than the memory.
 /// The same dataset, preset and seed give the same weights, bit for bit on one kind of processor, whatever the number of
-/// threads and however often the training was interrupted. Where `progress` answers `false`, a checkpoint is written and
+/// threads and however often the training was interrupted. On a GPU the same holds for one kind of GPU, as far as its own
+/// libraries do. Where `progress` answers `false`, a checkpoint is written and
 /// the training stops.
 ///
 /// # Errors
 /// [`Error::Setting`] for a preset out of range; [`Error::File`] and [`Error::Io`] where the dataset or the checkpoint
-/// cannot be used; [`Error::Model`] where the dataset does not fit the preset; [`Error::Stopped`] on request.
+/// cannot be used; [`Error::Model`] where the dataset does not fit the preset; those of [`TrainDevice::check`]; [`Error::Stopped`] on request.
 pub fn train(
+    dataset: &Path,
+    options: &TrainOptions,
+    progress: &mut dyn FnMut(&TrainProgress) -> bool,
+) -> Result<Model> {
+    train_at(&options.device.place()?, dataset, options, progress)
+}
+
+/// As [`train`], wherever [`TrainOptions::device`] is.
+pub(super) fn train_at(
+    place: &Place,
     dataset: &Path,
     options: &TrainOptions,
     progress: &mut dyn FnMut(&TrainProgress) -> bool,
@@ -93,7 +107,7 @@ pub fn train(
     let room = Room { memory_bytes: options.memory_bytes, folder: &options.folder() };
     let set = TrainingSet::read(dataset, &options.preset, room)?;
     let kept = options.checkpoint.as_deref().map(|checkpoint| (checkpoint, dataset));
-    learn(&set, options, kept, progress)
+    learn(place, &set, options, kept, progress)
 }
 
 /// As [`train`], on pairs at hand; [`TrainOptions::checkpoint`] is not used.
@@ -108,11 +122,13 @@ pub fn train_on(
 ) -> Result<Model> {
     options.preset.check()?;
     let room = Room { memory_bytes: options.memory_bytes, folder: &options.folder() };
-    learn(&TrainingSet::collect(header, pairs, &options.preset, room)?, options, None, progress)
+    let set = TrainingSet::collect(header, pairs, &options.preset, room)?;
+    learn(&options.device.place()?, &set, options, None, progress)
 }
 
 /// Trains on `set`; `kept` is where the state is kept and the file that the set was read from.
 fn learn(
+    place: &Place,
     set: &TrainingSet,
     options: &TrainOptions,
     kept: Option<(&Path, &Path)>,
@@ -130,19 +146,21 @@ fn learn(
     };
     let mut network = TwoBranch::new(model::widths(&about), preset.head, options.seed)?;
     let mut descent = Descent::new(preset.optimiser.clone(), &network)?;
-    let gradients = Gradients::new(&network)?;
     let mut batches = Batches::new(set, preset, options.seed);
     let fingerprint = match kept {
         Some((_, dataset)) => checkpoint::fingerprint(dataset, &about)?,
         None => String::new(),
     };
+    let kept = kept.map(|(path, _)| Kept { path, fingerprint: &fingerprint, place });
     let mut first = 0;
-    if let Some((path, _)) = kept {
-        first = checkpoint::load(path, &fingerprint, &about, &mut network, &mut descent)?.unwrap_or(0);
+    if let Some(kept) = kept {
+        first = checkpoint::load(kept, &about, &mut network, &mut descent)?.unwrap_or(0);
     }
-    let save = |step: u64, network: &TwoBranch, descent: &Descent| match kept {
-        Some((path, _)) => checkpoint::save(path, &fingerprint, step, network, descent),
-        None => Ok(()),
+    let mut learner = place.learner(network, descent, preset.loss)?;
+    let save = |step: u64, learner: &dyn Learner| {
+        let Some(kept) = kept else { return Ok(()) };
+        let (network, descent) = learner.state()?;
+        checkpoint::save(kept, step, &network, &descent)
     };
 
     let steps = batches.steps();
@@ -152,11 +170,10 @@ fn learn(
     let (started, mut saved) = (Instant::now(), Instant::now());
     for step in first..steps {
         let batch = batches.draw(step)?;
-        let loss = gradients.of(&network, &batch, preset.loss)?;
-        descent.step(&network, gradients.each(), step, steps, step / batches.in_epoch())?;
+        let loss = learner.learn(&batch, Moment { step, steps, epoch: step / batches.in_epoch() })?;
         let done = step + 1;
         if done % validate_every == 0 || done == first + 1 {
-            validation = mean_error(&network, batches.held_back())?;
+            validation = mean_error(&learner.state()?.0, batches.held_back())?;
         }
         if done % REPORT_EVERY == 0 || done == steps {
             let pace = started.elapsed().as_secs_f64() / (done - first) as f64;
@@ -167,17 +184,17 @@ fn learn(
             let report =
                 TrainProgress { step: done, steps, loss, validation, seconds_left: pace * (steps - done) as f64 };
             if !progress(&report) && done < steps {
-                save(done, &network, &descent)?;
+                save(done, learner.as_ref())?;
                 return Err(Error::Stopped);
             }
             if saved.elapsed() >= CHECKPOINT_EVERY || done == steps {
-                save(done, &network, &descent)?;
+                save(done, learner.as_ref())?;
                 saved = Instant::now();
             }
         }
     }
     let library = Library::choose(set, preset.library)?;
-    Model::new(about, set.header.clock.clone(), network, library)
+    Model::new(about, set.header.clock.clone(), learner.state()?.0, library)
 }
 
 fn named(channels: &[Channel]) -> Vec<(String, String)> {

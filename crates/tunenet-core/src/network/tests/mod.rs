@@ -1,6 +1,7 @@
 //! The whole way: a closed-form bouncing ball, a dataset, a training, an estimate.
 
 mod dataset;
+mod device;
 mod model;
 mod training;
 
