@@ -100,10 +100,8 @@ fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
     let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
     Ok(match judged.decision.verdict {
         Verdict::OneOf => experiment::next(study, &judged.found, &judged.decision.alternatives)?
-            .or_else(|| plain("add recordings of the same ball from other heights and in other directions")),
-        Verdict::Unknown => plain(
-            "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
-        ),
+            .or_else(|| plain(study.words().add)),
+        Verdict::Unknown => plain(study.words().vary),
         _ => None,
     })
 }

@@ -87,7 +87,8 @@ fn seen(answer: &Answer) -> Markup {
 fn place(answer: &Answer, both: bool) -> Markup {
     let diagnosis = answer.diagnosis;
     let groups = left_over::places(&diagnosis.explained);
-    let driven = answer.loaded.recorded.iter().all(|r| r.seen.kind() == Kind::Joints);
+    let all_of = |kind: Kind| answer.loaded.recorded.iter().all(|r| r.seen.kind() == kind);
+    let (driven, other) = (all_of(Kind::Joints), all_of(Kind::Other));
     html! {
         @if !diagnosis.effects.is_empty() {
             ul.plain {
@@ -106,6 +107,7 @@ fn place(answer: &Answer, both: bool) -> Markup {
                 p.how {
                     "Root mean square of the residuals above. " @if both { "The dashed mark is before, the dot after. " }
                     @if driven { "What follows speed, acceleration or pose shows most where these are large; a wrong reading shows in one joint." }
+                    @else if other { "A wrong clock shows most where things change fast; a wrong scale where they are large." }
                     @else { "A force in flight bends every flight and shows most where the ball is fast or high; a wrong contact leaves the "
                     "first flight alone; a wrong measurement shows along one axis or at one height." }
                 }
