@@ -76,6 +76,7 @@ pub(super) fn assemble(study: &Study, mut judged: Judged, recordings: &[Recordin
         next_experiment: next(study, &judged)?,
         margin: judged.decision.margin,
         least_gain: study.settings.margin,
+        doubt: judged.decision.doubt,
         description,
         remains,
         parameters: parameters(study, found, last, &intervals),

@@ -9,6 +9,8 @@ use crate::observation::Kind;
 pub(super) struct Words {
     /// What a recording shows, where several show the same.
     pub motion: &'static str,
+    /// Why one motion names nothing.
+    pub single: &'static str,
     /// What to do where all recordings show one motion.
     pub otherwise: &'static str,
     /// What to add where effects are left together.
@@ -21,6 +23,7 @@ pub(super) struct Words {
 
 const BALL: Words = Words {
     motion: "throw",
+    single: "one throw alone earns no lone name",
     otherwise: "throw from other heights, in other directions, faster and slower",
     add: "add recordings of the same ball from other heights and in other directions",
     vary: "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
@@ -29,6 +32,7 @@ const BALL: Words = Words {
 
 const OTHER: Words = Words {
     motion: "motion",
+    single: "one motion alone earns no lone name",
     otherwise: "record motions that start otherwise or are driven otherwise, slower and faster",
     add: "add recordings that start otherwise or are driven otherwise",
     vary: "vary one thing at a time (start, inputs, parameters, sensor) and see with which of them it changes",

@@ -126,6 +126,8 @@ fn evidence(answer: &Answer) -> Markup {
     let diagnosis = answer.diagnosis;
     let left = candidates::left(diagnosis).next().is_some();
     let single = diagnosis.uses.iter().filter(|u| u.used && !u.held_out).count() == 1;
+    let other = answer.loaded.recorded.iter().all(|r| r.seen.kind() == Kind::Other);
+    let one_throw = if other { "One motion" } else { "One throw" };
     html! {
         @if left {
             h2 { "What could be missing" }
@@ -137,9 +139,10 @@ fn evidence(answer: &Answer) -> Markup {
                     "How much each effect, alone in the simulation, lowers the information criterion. An effect has to gain "
                     (format!("{:.0}", diagnosis.least_gain)) ", and whatever comes within "
                     (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well, unless a warning says why not"
-                    @if diagnosis.verdict == Verdict::OneOf { "; the bracket holds what these recordings cannot tell apart" }
+                    @if diagnosis.verdict == Verdict::OneOf && diagnosis.doubt.is_none() { "; the bracket holds what these recordings cannot tell apart" }
                     "."
-                    @if single && diagnosis.verdict == Verdict::OneOf { " One throw earns no lone name, so the next best is left beside the best, whatever its distance." }
+                    @if let Some(doubt) = diagnosis.doubt { " " (capital(doubt)) ", so the next best is left beside the best, whatever its distance." }
+                    @else if single && diagnosis.verdict == Verdict::OneOf { " " (one_throw) " earns no lone name, so the next best is left beside the best, whatever its distance." }
                 }
             }
             (candidates::table(answer))
