@@ -100,8 +100,9 @@ impl Judged<'_> {
 fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
     let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
     Ok(match judged.decision.verdict {
-        Verdict::OneOf => experiment::next(study, &judged.found, &judged.decision.alternatives)?
-            .or_else(|| plain(study.words().add)),
+        Verdict::OneOf => {
+            experiment::next(study, &judged.found, &judged.decision.alternatives)?.or_else(|| plain(study.words().add))
+        }
         Verdict::Unknown => plain(study.words().vary),
         _ => None,
     })

@@ -81,9 +81,8 @@ pub(super) fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bo
     let all = found.places.iter().zip(&alternatives);
     let names = names(&mut all.flat_map(|(place, near)| std::iter::once(place.entry).chain(near.iter().copied())));
     let margin = found.places.iter().map(|p| margin_of(study, p, widest)).fold(study.settings.margin, f64::max);
-    let doubt = (doubt && !near_any).then(|| {
-        if study.single() { study.words().single } else { "no recording that was not fitted bears it out" }
-    });
+    let doubt = (doubt && !near_any)
+        .then(|| if study.single() { study.words().single } else { "no recording that was not fitted bears it out" });
     Decision { verdict: if open { Verdict::OneOf } else { Verdict::Named }, alternatives, names, margin, doubt }
 }
 

@@ -32,7 +32,8 @@ struct Arc {
 /// Describes what `model` leaves, and says where it acts as far as that shows.
 pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<Phase>)> {
     let residuals = study.weighted(model)?;
-    let arcs: Vec<Arc> = study.sets.iter().zip(&residuals).flat_map(|(set, residual)| arcs(set, residual, study.of_balls())).collect();
+    let arcs: Vec<Arc> =
+        study.sets.iter().zip(&residuals).flat_map(|(set, residual)| arcs(set, residual, study.of_balls())).collect();
     let channels = study.subjects[0].simulator.channels();
     let excess = |channel: usize| -> f64 {
         arcs.iter().filter(|a| a.channel == channel).map(|a| a.bend_square + a.line_square - 3.0).sum()

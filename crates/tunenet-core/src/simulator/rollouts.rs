@@ -44,7 +44,8 @@ fn checked(
     };
     run(&mut values).map_err(|message| Error::Simulator { at: at(), message })?;
     if let Some(i) = values.iter().position(|&v| !usable(v)) {
-        let (sample, channel) = (i / simulator.channels().len() + 1, &simulator.channels()[i % simulator.channels().len()]);
+        let (sample, channel) =
+            (i / simulator.channels().len() + 1, &simulator.channels()[i % simulator.channels().len()]);
         let message =
             format!("`{}` at sample {sample}: expected {}, found {:?}", channel.name, usable_number(), values[i]);
         return Err(Error::Simulator { at: at(), message });

@@ -50,8 +50,7 @@ impl Pool {
         let mut first = Child::start(&program)?;
         let agreed = probe(&program, &mut first)?;
         agree(&program, &mut first, &agreed, "asked twice")?;
-        let copies =
-            Copies { idle: vec![Copy { child: first, since: 0 }], running: 1, early: None, failure: None };
+        let copies = Copies { idle: vec![Copy { child: first, since: 0 }], running: 1, early: None, failure: None };
         Ok(Self { program, agreed, copies: Mutex::new(copies), freed: Condvar::new() })
     }
 

@@ -68,9 +68,9 @@ impl SimulationFile {
     pub fn program_failed(&self) -> Result<()> {
         let Some(permission) = &self.permission else { return Ok(()) };
         let failure = permission.failure.lock().unwrap_or_else(PoisonError::into_inner);
-        failure.as_ref().map_or(Ok(()), |failed| {
-            Err(Error::file(self.path(), failed.message.as_str(), failed.hint.as_str()))
-        })
+        failure
+            .as_ref()
+            .map_or(Ok(()), |failed| Err(Error::file(self.path(), failed.message.as_str(), failed.hint.as_str())))
     }
 
     /// Asks the programs of this file, or of a copy of it, that still run once more for an early rollout: one that keeps

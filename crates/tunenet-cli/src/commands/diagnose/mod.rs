@@ -96,7 +96,8 @@ fn ask(loaded: &load::Loaded, seed: u64) -> Result<Diagnosis> {
     working.finish_and_clear();
     // A program that is gone says more than that the fit failed.
     loaded.objects.iter().try_for_each(|object| object.file.program_settled())?;
-    let refusal = |error: &tunenet_core::Error| refusal::of_program(&loaded.objects.first()?.file, Asked::Present, error);
+    let refusal =
+        |error: &tunenet_core::Error| refusal::of_program(&loaded.objects.first()?.file, Asked::Present, error);
     if let Some(refusal) = diagnosis.as_ref().err().and_then(refusal) {
         return Err(refusal.into());
     }
