@@ -141,7 +141,9 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
         let line = "diagnose --sim pendulum.toml --allow-process --report page.html --json --observation";
         let ran = folder.run(&format!("{line} {what}")).ends(3);
         let page = String::from_utf8(folder.read("page.html")).unwrap();
-        for text in [&ran.stderr, &ran.stdout, &page] {
+        // The key of a flight stands in every object.
+        let object = ran.stdout.replace("\"flight\": null", "");
+        for text in [&ran.stderr, &object, &page] {
             let words = text.split(|c: char| !c.is_ascii_alphabetic()).map(str::to_lowercase);
             let balls =
                 ["ball", "throw", "throws", "bounces", "contact", "contacts", "flight", "flights", "camera", "height"];

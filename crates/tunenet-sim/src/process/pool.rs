@@ -28,7 +28,7 @@ pub(super) struct Pool {
 
 #[derive(Debug)]
 struct Copies {
-    idle: Vec<Copy>,
+    idle: Vec<Running>,
     /// Idle or asked.
     running: usize,
     /// The first rollout that was answered with values, which is asked again now and then.
@@ -39,7 +39,7 @@ struct Copies {
 
 /// A running copy, and how many rollouts it answered since it was last held against itself.
 #[derive(Debug)]
-struct Copy {
+struct Running {
     child: Child,
     since: u32,
 }
@@ -50,7 +50,7 @@ impl Pool {
         let mut first = Child::start(&program)?;
         let agreed = probe(&program, &mut first)?;
         agree(&program, &mut first, &agreed, "asked twice")?;
-        let copies = Copies { idle: vec![Copy { child: first, since: 0 }], running: 1, early: None, failure: None };
+        let copies = Copies { idle: vec![Running { child: first, since: 0 }], running: 1, early: None, failure: None };
         Ok(Self { program, agreed, copies: Mutex::new(copies), freed: Condvar::new() })
     }
 
@@ -86,9 +86,15 @@ impl Pool {
         }
     }
 
-    /// Asks every idle copy once more for an early rollout, all at the same time.
+    /// Asks every copy once more for an early rollout, all at the same time. Where one is still asked for something else, the work
+    /// is not at its end, and whoever ends it asks.
     pub fn settle(&self) -> Result<(), Failure> {
-        let mut idle = std::mem::take(&mut self.copies().idle);
+        let mut copies = self.copies();
+        if copies.idle.len() < copies.running {
+            return Ok(());
+        }
+        let mut idle = std::mem::take(&mut copies.idle);
+        drop(copies);
         let held = idle.par_iter_mut().filter(|copy| copy.since >= FEWEST).try_for_each(|copy| self.hold(copy));
         self.copies().idle.append(&mut idle);
         self.freed.notify_all();
@@ -96,7 +102,7 @@ impl Pool {
     }
 
     /// Refuses a copy that no longer answers as it did.
-    fn hold(&self, copy: &mut Copy) -> Result<(), Failure> {
+    fn hold(&self, copy: &mut Running) -> Result<(), Failure> {
         let how = format!("asked again after {} other rollouts", copy.since);
         let early = self.copies().early.clone();
         agree(&self.program, &mut copy.child, early.as_deref().unwrap_or(&self.agreed), &how)?;
@@ -109,7 +115,7 @@ impl Pool {
     }
 
     /// A copy that is free; `None` where one more may be started, which then counts as running.
-    fn free(&self) -> Result<Option<Copy>, Failure> {
+    fn free(&self) -> Result<Option<Running>, Failure> {
         let mut copies = self.copies();
         loop {
             if let Some(failure) = &copies.failure {
@@ -126,10 +132,10 @@ impl Pool {
         }
     }
 
-    fn another(&self) -> Result<Copy, Failure> {
+    fn another(&self) -> Result<Running, Failure> {
         let mut child = Child::start(&self.program)?;
         agree(&self.program, &mut child, &self.agreed, "asked in two copies of it")?;
-        Ok(Copy { child, since: 0 })
+        Ok(Running { child, since: 0 })
     }
 
     /// Keeps what went wrong first, and lets the other copies go. Whoever asks afterwards hears the same.
@@ -152,6 +158,6 @@ impl Drop for Pool {
 }
 
 /// Bids all farewell before any is waited for.
-fn end(mut copies: Vec<Copy>) {
+fn end(mut copies: Vec<Running>) {
     copies.iter_mut().for_each(|copy| copy.child.farewell());
 }

@@ -69,7 +69,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
     let (apart, overwrite) = (&options.apart, options.writing.overwrite);
     let work = Work { tool: "diagnose", observation, apart, jobs, json, overwrite, run };
     let (exit, _) = work.run::<()>(&|path| {
-        let sources = [manifest::Source::alone(path, options.reference.clone())];
+        let sources = [manifest::Source::alone(path, file.domain().name(), options.reference.clone())];
         let loaded = load::load(options, &sources)?;
         let began = Instant::now();
         let diagnosis = ask(&loaded, options.common.seed)?;
