@@ -84,8 +84,8 @@ pub(super) fn next(study: &Study, found: &Found, alternatives: &[Vec<usize>]) ->
         let unique = unique(known);
         // Of anything but a ball nobody here knows what could be recorded.
         if !study.of_balls() {
-            let also: String = unique.iter().map(|known| format!("; or {known}")).collect();
-            return Ok(Some(NextExperiment { text: format!("{}{also}", words.add), settings }));
+            let text = std::iter::once(words.add).chain(unique).collect::<Vec<_>>().join("; or ");
+            return Ok(Some(NextExperiment { text, settings }));
         }
         let also = if text.is_empty() { "no throw tells" } else { "; no throw tells" };
         let rest = twins.join(", ");

@@ -1,9 +1,9 @@
 //! Words for what is diagnosed: a ball is thrown and bounces before a camera; anything else starts, is driven, and is seen by a
 //! sensor.
 
-use super::Subject;
 use super::study::Study;
 use crate::observation::Kind;
+use crate::simulator::{Phase, Simulator};
 
 /// What a text says where it depends on the thing.
 pub(super) struct Words {
@@ -40,9 +40,9 @@ const OTHER: Words = Words {
 };
 
 impl Study<'_> {
-    /// Whether all that is diagnosed are balls.
+    /// Whether all that is diagnosed are balls, or anything else that flies and touches.
     pub fn of_balls(&self) -> bool {
-        of_balls(self.subjects)
+        self.subjects.iter().all(|s| flies(s.simulator))
     }
 
     /// The words for it.
@@ -51,8 +51,9 @@ impl Study<'_> {
     }
 }
 
-fn of_balls(subjects: &[Subject]) -> bool {
-    subjects.iter().all(|s| matches!(s.simulator.kind(), Kind::Positions | Kind::Pixels | Kind::BounceTimes))
+fn flies(simulator: &dyn Simulator) -> bool {
+    let seen = matches!(simulator.kind(), Kind::Positions | Kind::Pixels | Kind::BounceTimes);
+    seen || simulator.effects().iter().any(|effect| matches!(effect.phase, Phase::Flight | Phase::Contact))
 }
 
 /// What a person can find out beside any motion that settles whether an effect is there.

@@ -16,7 +16,7 @@ use crate::{Error, Result};
 /// ```
 /// use tunenet_core::network::Shard;
 /// let shard: Shard = "1/3".parse()?;
-/// assert_eq!(shard.block(10), 3..6);
+/// assert_eq!(shard.block(10), 4..7);
 /// assert_eq!((0..10).filter(|&piece| shard.takes(piece)).collect::<Vec<_>>(), [1, 4, 7]);
 /// # Ok::<(), tunenet_core::Error>(())
 /// ```

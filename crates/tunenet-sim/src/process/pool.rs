@@ -159,5 +159,7 @@ impl Drop for Pool {
 
 /// Bids all farewell before any is waited for.
 fn end(mut copies: Vec<Running>) {
-    copies.iter_mut().for_each(|copy| copy.child.farewell());
+    for copy in &mut copies {
+        copy.child.farewell();
+    }
 }
