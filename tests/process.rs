@@ -145,10 +145,10 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
         let object = ran.stdout.replace("\"flight\": null", "");
         for text in [&ran.stderr, &object, &page] {
             let words = text.split(|c: char| !c.is_ascii_alphabetic()).map(str::to_lowercase);
-            let balls =
-                ["ball", "throw", "throws", "bounces", "contact", "contacts", "flight", "flights", "camera", "height"];
+            let balls = ["ball", "throw", "throws", "bounces", "contact", "contacts", "flight", "flights", "camera"];
             let found: Vec<String> = words.filter(|word| balls.contains(&word.as_str())).collect();
-            assert!(found.is_empty(), "{what}: {found:?} in\n{text}");
+            // Styles have heights of their own.
+            assert!(!text.contains("the height") && found.is_empty(), "{what}: {found:?} in\n{text}");
         }
         ran
     };
