@@ -160,7 +160,7 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
     let ran = diagnose("late_1.csv late_2.csv late_3.csv");
     let one_of = ran.json();
     assert_eq!((one_of["verdict"].as_str(), one_of["candidates"][0].as_str()), (Some("one_of"), Some("time_offset")));
-    let ahead = one_of["effects"][0]["evidence"]["runner_up_bic_gap"].as_f64().unwrap();
+    let ahead = one_of["scores"][1]["behind_best"].as_f64().unwrap();
     assert!(ahead > 10.0 * one_of["margin"].as_f64().unwrap(), "{ahead}");
     assert_eq!(one_of["doubt"], "one motion alone earns no lone name");
     assert!(ran.stderr.contains("time_offset by far, but one motion alone earns no lone name"), "{}", ran.stderr);
