@@ -23,6 +23,31 @@ fn restitution(json: &Value) -> f64 {
     json["parameters"]["restitution"]["value"].as_f64().unwrap()
 }
 
+/// What people read goes to standard error, with `--json` and without: nothing else is ever on standard output.
+#[test]
+fn nothing_is_on_standard_output_but_the_object() {
+    let folder = with_drop();
+    folder.write("drop.toml", DROP);
+    folder.run("gen ball --sim drop.toml --pairs 8 --out p.mcap --shard 0/1").ends(0);
+    for line in [
+        "tune --sim scene.toml --observation drop.csv",
+        "tune --sim scene.toml --observation drop.csv --each",
+        "diagnose --sim scene.toml --observation drop.csv",
+        "simulate --sim drop.toml --out a.csv",
+        "inspect drop.csv",
+        "gen ball --sim drop.toml --pairs 2 --out a.mcap",
+        "merge p.shard-0-of-1.mcap --out p.mcap",
+        "init ball --out new.toml",
+        "bench preflight --records 2",
+        "bench intervals --drops 1 --quick",
+        "bench regions --draws 1 --quick",
+    ] {
+        let ran = folder.run(line);
+        assert!(matches!(ran.code, Some(0 | 3)), "{line}: {}", ran.stderr);
+        assert!(ran.stdout.is_empty() && !ran.stderr.is_empty(), "{line}: {}", ran.stdout);
+    }
+}
+
 fn with_drop() -> Folder {
     let folder = Folder::with_scene();
     folder.write("drop.csv", Drop::default().csv());

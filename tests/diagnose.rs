@@ -96,6 +96,24 @@ fn the_answer_for_people_names_what_was_found() {
     }
 }
 
+/// What cannot be the answer is told to people with the reason, as the JSON has it.
+#[test]
+fn what_is_excluded_is_told() {
+    let folder = with_throws();
+    let line = "diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv --json";
+    let ran = folder.run(line).ends(0);
+    let json = ran.json();
+    let told = ran.stderr.split_once("  excluded: ").expect("a line of them").1;
+    let told = told.split_once("adequacy").expect("the next line").0.split_whitespace().collect::<Vec<_>>().join(" ");
+    let mut count = 0;
+    for score in list(&json, "scores").iter().filter(|score| score["excluded"].is_string()) {
+        let [name, why] = ["name", "excluded"].map(|key| score[key].as_str().expect("text"));
+        assert!(told.contains(name) && told.contains(&format!("({why})")), "{name}: {why} in:\n{told}");
+        count += 1;
+    }
+    assert!(count > 0, "{json:#}");
+}
+
 #[test]
 fn a_complete_simulation_lacks_nothing() {
     let folder = with_throws();

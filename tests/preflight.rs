@@ -170,7 +170,10 @@ fn three_bounces_leave_nothing_to_judge_by() {
 /// A small part of the bench: the goals hold with some slack for few records.
 #[test]
 fn faults_are_found_and_good_records_are_not_blamed() {
-    let json = Folder::new().run("bench preflight --records 60 --seed 3 --json").ends(0).json();
+    let folder = Folder::new();
+    let quick = folder.run("bench preflight --quick --records 3 --seed 3 --json --out quick").ends(0).json();
+    assert_eq!(quick["records"], 3);
+    let json = folder.run("bench preflight --records 60 --seed 3 --json").ends(0).json();
     for fault in json["faults"].as_array().unwrap() {
         assert!(fault["found"].as_f64().unwrap() > 0.9, "{fault}");
     }

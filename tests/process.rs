@@ -124,6 +124,50 @@ fn a_program_is_diagnosed() {
     assert_eq!(unknown["verdict"], "unknown");
 }
 
+/// What is no ball is not spoken of as one; and what one motion alone shows is told as that, since its evidence is clear.
+#[test]
+fn a_diagnosis_of_a_program_speaks_of_no_ball() {
+    if !python("json") {
+        return;
+    }
+    let folder = pendulum();
+    for seed in [1, 2, 3] {
+        let late = Swing { seed, late_s: 0.04, ..Swing::default() };
+        folder.write(&format!("late_{seed}.csv"), late.csv("t_s,angle_rad"));
+        let shaken = Swing { seed, shaken: 2.0, ..Swing::default() };
+        folder.write(&format!("shaken_{seed}.csv"), shaken.csv("t_s,angle_rad"));
+    }
+    let diagnose = |what: &str| {
+        let line = "diagnose --sim pendulum.toml --allow-process --report page.html --json --observation";
+        let ran = folder.run(&format!("{line} {what}")).ends(3);
+        let page = String::from_utf8(folder.read("page.html")).unwrap();
+        // The key of a flight stands in every object.
+        let object = ran.stdout.replace("\"flight\": null", "");
+        for text in [&ran.stderr, &object, &page] {
+            let words = text.split(|c: char| !c.is_ascii_alphabetic()).map(str::to_lowercase);
+            let balls = ["ball", "throw", "throws", "bounces", "contact", "contacts", "flight", "flights", "camera"];
+            let found: Vec<String> = words.filter(|word| balls.contains(&word.as_str())).collect();
+            // Styles have heights of their own.
+            assert!(!text.contains("the height") && found.is_empty(), "{what}: {found:?} in\n{text}");
+        }
+        ran
+    };
+    let unknown = diagnose("shaken_1.csv shaken_2.csv shaken_3.csv").json();
+    assert_eq!(unknown["verdict"], "unknown");
+    assert!(unknown["next_experiment"]["text"].as_str().unwrap().contains("(start, inputs, parameters, sensor)"));
+    assert!(unknown["description"].as_str().unwrap().contains("over the whole of each record"), "{unknown:#}");
+
+    let ran = diagnose("late_1.csv late_2.csv late_3.csv");
+    let one_of = ran.json();
+    assert_eq!((one_of["verdict"].as_str(), one_of["candidates"][0].as_str()), (Some("one_of"), Some("time_offset")));
+    let ahead = one_of["scores"][1]["behind_best"].as_f64().unwrap();
+    assert!(ahead > 10.0 * one_of["margin"].as_f64().unwrap(), "{ahead}");
+    assert_eq!(one_of["doubt"], "one motion alone earns no lone name");
+    assert!(ran.stderr.contains("time_offset by far, but one motion alone earns no lone name"), "{}", ran.stderr);
+    let next = one_of["next_experiment"]["text"].as_str().unwrap();
+    assert!(next.contains("start otherwise") && next.contains("the instant at which the motion starts"), "{next}");
+}
+
 #[test]
 fn pairs_are_generated_and_a_network_learns_from_them() {
     if !python("json") {

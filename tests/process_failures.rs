@@ -173,6 +173,84 @@ fn hostile_text_stays_text_on_pages() {
     common::refused(&folder, "inspect hostile.toml", &["without control characters"]);
 }
 
+/// What a program refuses, or answers beyond all reckoning, at the values of the file is no fault of the recording.
+#[test]
+fn a_refusal_of_the_files_own_values_is_told_as_that() {
+    if !python("json") {
+        return;
+    }
+    let folder = Folder::new();
+    let row = |i: u32| format!("{},{}\n", f64::from(i) / 20.0, (-0.7 * f64::from(i) / 20.0).exp());
+    folder.write("seen.csv", format!("t_s,angle_rad\n{}", (0..40).map(row).collect::<String>()));
+    folder.write("a.toml", scene("[\"python3\", \"a.py\"]"));
+    let no = "print(json.dumps({'id': id, 'error': 'too short'}), flush=True)";
+    let huge = "print(json.dumps({'id': id, 'values': [[1e160]] * n}), flush=True)";
+    for (answer, why) in
+        [(no, "too short"), (huge, "`angle` at sample 1: expected a finite number of at most 1e100, found 1e160")]
+    {
+        folder.write("a.py", program(answer));
+        let told = format!("error: a.toml: the program refused the file's own values (k=1): {why}");
+        let wanted = [told.as_str(), "parameters.k.value=…"];
+        common::refused(&folder, "tune --sim a.toml --allow-process --observation seen.csv --json", &wanted);
+        common::refused(&folder, "diagnose --sim a.toml --allow-process --observation seen.csv --json", &wanted);
+        let wanted = ["a.toml: the program refused k=", why, "narrow the bounds"];
+        common::refused(&folder, "gen process --sim a.toml --allow-process --pairs 3 --out a.mcap", &wanted);
+    }
+    // Large numbers that can be reckoned with leave no infinity in the answer.
+    folder.write("a.py", program("print(json.dumps({'id': id, 'values': [[1e99]] * n}), flush=True)"));
+    let ran = folder.run("tune --sim a.toml --allow-process --observation seen.csv --json").ends(3);
+    let gap = &ran.json()["gap"];
+    assert!(gap["before"].as_f64().is_some_and(|gap| gap > 9e98), "{gap}");
+    assert!(!ran.stderr.contains("inf"), "{}", ran.stderr);
+}
+
+/// A program that keeps something from rollout to rollout answers well at first: it is asked again what it was asked early.
+#[test]
+fn a_program_that_drifts_is_told_by_every_command() {
+    if !python("json") {
+        return;
+    }
+    let folder = Folder::new();
+    // Right to the last bit for ten rollouts, and ever more wrong by a part in a billion.
+    let drifts = "k = request['parameters']['k']\nwrong = 1e-9 * max(id - 12, 0)\n\
+                  rows = [[math.exp(-k * t) + wrong] for t in request['times_s']]\n\
+                  print(json.dumps({'id': id, 'values': rows}), flush=True)";
+    folder.write("drifts.py", program(drifts));
+    folder.write("a.toml", scene("[\"python3\", \"drifts.py\"]"));
+    let row = |i: u32| format!("{},{}\n", f64::from(i) / 20.0, (-0.7 * f64::from(i) / 20.0).exp());
+    folder.write("a.csv", format!("t_s,angle_rad\n{}", (0..40).map(row).collect::<String>()));
+    let wanted = &[
+        "a.toml: `python3 drifts.py`: expected the same answer to the same parameters",
+        "for `angle_rad` in row 1 when asked again after",
+        "keep nothing from one to the next",
+    ];
+    // In the end where there were few rollouts, and after a hundred where there are many: no pair of them is kept.
+    common::refused(&folder, "tune --sim a.toml --allow-process --observation a.csv --json", wanted);
+    common::refused(&folder, "diagnose --sim a.toml --allow-process --observation a.csv --json", wanted);
+    common::refused(&folder, "gen process --sim a.toml --allow-process --pairs 10 --out a.mcap", wanted);
+    common::refused(&folder, "gen process --sim a.toml --allow-process --pairs 2000 --out a.mcap", wanted);
+}
+
+/// Asking again costs at most one rollout in fifty.
+#[test]
+fn asking_again_costs_little() {
+    if !python("json") {
+        return;
+    }
+    let folder = Folder::new();
+    let counts = "k = request['parameters']['k']\nopen('asked.txt', 'a').write(f'{k!r}\\n')\n\
+                  rows = [[math.exp(-k * t)] for t in request['times_s']]\n\
+                  print(json.dumps({'id': id, 'values': rows}), flush=True)";
+    folder.write("counts.py", program(counts));
+    folder.write("a.toml", scene("[\"python3\", \"counts.py\"]").replace("[record]", "workers = 1\n[record]"));
+    folder.run("gen process --sim a.toml --allow-process --pairs 300 --out a.mcap").ends(0);
+    let text = String::from_utf8(folder.read("asked.txt")).unwrap();
+    let asked: Vec<&str> = text.lines().collect();
+    let (pairs, first) = (asked.len(), asked[2]);
+    let again = asked.iter().filter(|k| **k == first).count() - 1;
+    assert!(pairs > 600 && again > 5 && again * 50 <= pairs, "{again} of {pairs}");
+}
+
 /// Children end with their parent, also where it is killed: their input ends.
 #[test]
 fn nothing_is_left_where_tunenet_is_killed() {

@@ -64,7 +64,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_warning_has_its_remedy_in_the_docs() {
-    let pages = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs", "plan"];
+    let pages = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs", "plan", "grow"];
     let page = pages.map(|page| text(format!("docs/{page}.md"))).concat();
     let (mut files, mut codes) = (Vec::new(), 0);
     sources(&root().join("crates"), &mut files);

@@ -76,8 +76,12 @@ fn diagnoses() -> Vec<(&'static str, String, i32, &'static [&'static str])> {
         "+ [effects.quadratic_drag]",
         "\u{2212} value = 0.5",
     ];
-    let one_of: &[&str] =
-        &["Quadratic drag or ", "these recordings cannot tell.", "What to record next", "earns no lone name"];
+    let one_of: &[&str] = &[
+        "Quadratic drag or ",
+        "the first by far, but one throw alone earns",
+        "What to record next",
+        "earns no lone name",
+    ];
     let unknown: &[&str] =
         &["Something is missing in flight; nothing known fits.", "stays as it is", "\u{2717} failed"];
     let insufficient: &[&str] = &["These recordings do not suffice", "recordings.short", "stays as it is"];

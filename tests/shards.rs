@@ -73,6 +73,26 @@ fn datasets_from_shards_have_the_bytes_of_one_run() {
     );
 }
 
+/// Most of a million shards of two pairs can have no work: each says so, and is a shard all the same.
+#[test]
+fn more_shards_than_work_are_told() {
+    let folder = Folder::with_scene();
+    folder.write("drop.toml", DROP);
+    folder.write("drop.csv", Drop::default().csv());
+    let each = "tune --sim scene.toml --observation drop.csv --each --out-dir answers";
+    for (line, wanted) in [
+        ("gen ball --sim drop.toml --pairs 2 --out p.mcap --shard 0/1000000", "1000000 shards of 2 pieces"),
+        ("bench preflight --records 1 --out bench --shard 900/1000", "0 of 28 pieces"),
+        (&format!("{each} --shard 1/2"), "2 shards of 1 pieces"),
+    ] {
+        let ran = folder.run(&format!("{line} --json")).ends(0);
+        assert!(ran.stderr.contains("warning[shards.many]") && ran.stderr.contains(wanted), "{line}: {}", ran.stderr);
+        assert_eq!(ran.json()["warnings"][0]["code"], "shards.many", "{line}");
+    }
+    let enough = folder.run(&format!("{each} --shard 0/1 --json")).ends(0);
+    assert!(!enough.stderr.contains("shards.many"), "{}", enough.stderr);
+}
+
 #[test]
 fn an_engine_says_which_shard() {
     let folder = Folder::new();
@@ -218,7 +238,10 @@ fn shards_of_a_bench_that_do_not_belong_together_are_refused() {
     let merge = |others: &str| format!("merge out.shard-0-of-2 {others} --out merged");
     for (others, wanted) in [
         ("", "out.shard-0-of-2: expected all 2 shards, found none that is 1/2"),
-        ("seed.shard-1-of-2", "seed.shard-1-of-2: expected a shard of `bench` preflight records 3,common seed 0"),
+        (
+            "seed.shard-1-of-2",
+            "seed.shard-1-of-2: expected a shard of `bench` preflight records 3,quick false,common seed 0",
+        ),
         ("other.shard-1-of-2", "found one of `bench` regions"),
         ("out.shard-0-of-2", "expected every shard once, found 0/2 here and in out.shard-0-of-2"),
     ] {

@@ -146,10 +146,16 @@ pub fn overdoes() -> Vec<Case> {
             "fixed seed",
         ),
         (
+            "beyond all reckoning",
+            program("print(json.dumps({'id': id, 'values': [[0.0], [-1e160]] * (n // 2)}), flush=True)"),
+            &["`angle` at sample 2: expected a finite number of at most 1e100, found -1e160"],
+            "--set parameters.k.value=…",
+        ),
+        (
             "its own start",
             program("print(json.dumps({'id': id, 'error': 'no pendulum is so short'}), flush=True)"),
-            &["the simulator refused k=1: no pendulum is so short"],
-            "",
+            &["a.toml: the program refused the file's own values (k=1): no pendulum is so short"],
+            "--set parameters.k.value=…",
         ),
     ]
 }

@@ -130,6 +130,10 @@ fn three_digits(value: f64) -> String {
     if exponent < -4 {
         return format!("{value:.1e}");
     }
+    // Nobody counts a row of digits.
+    if exponent > 9 {
+        return format!("{value:.2e}");
+    }
     let decimals = usize::try_from(2 - exponent).unwrap_or(0);
     format!("{value:.decimals$}")
 }
@@ -148,6 +152,7 @@ mod tests {
         assert_eq!(in_words(0.009_14, "m"), "9.14 mm");
         assert_eq!(in_words(12.345, "m"), "12.3 m");
         assert_eq!(in_words(2e-9, "m"), "2.0e-6 mm");
+        assert_eq!(in_words(1.234e99, "m"), "1.23e99 m");
         assert_eq!(table(&[vec!["a".into(), "10".into()], vec!["bcd".into(), "2".into()]]), "  a    10\n  bcd   2");
         let words = [vec!["a".into(), "one".into(), "-1".into()], vec!["b".into(), "- no".into(), "10".into()]];
         assert_eq!(table(&words), "  a  one   -1\n  b  - no  10");

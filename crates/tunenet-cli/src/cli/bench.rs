@@ -52,6 +52,32 @@ pub enum Measured {
     Grow(BenchGrow),
 }
 
+/// How many are drawn of each kind where nobody says: enough for shares of a percent, or to see that it works.
+fn drawn(asked: Option<u32>, quick: bool) -> u32 {
+    asked.unwrap_or(if quick { 100 } else { 1000 })
+}
+
+impl BenchPreflight {
+    /// Records of each kind.
+    pub fn count(&self) -> u32 {
+        drawn(self.records, self.quick)
+    }
+}
+
+impl BenchIntervals {
+    /// Drops in each cell.
+    pub fn count(&self) -> u32 {
+        drawn(self.drops, self.quick)
+    }
+}
+
+impl BenchRegions {
+    /// Recordings in each cell.
+    pub fn count(&self) -> u32 {
+        drawn(self.draws, self.quick)
+    }
+}
+
 /// A table or figure of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 pub enum PaperTable {
@@ -143,13 +169,16 @@ pub struct BenchGrow {
 /// `tunenet bench regions`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchRegions {
-    /// Recordings in each cell
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub draws: u32,
+    /// Recordings in each cell [default: 1000; 100 with --quick]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub draws: Option<u32>,
     /// Where finished cells and results are kept
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-regions")]
     pub out: PathBuf,
+    /// Few draws, to see that it works
+    #[arg(long)]
+    pub quick: bool,
     #[serde(skip)]
     #[command(flatten)]
     pub sharing: Sharing,
@@ -160,13 +189,16 @@ pub struct BenchRegions {
 /// `tunenet bench preflight`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchPreflight {
-    /// Records of each kind
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub records: u32,
+    /// Records of each kind [default: 1000; 100 with --quick]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub records: Option<u32>,
     /// Where finished pieces are kept
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-preflight")]
     pub out: PathBuf,
+    /// Few records, to see that it works
+    #[arg(long)]
+    pub quick: bool,
     #[serde(skip)]
     #[command(flatten)]
     pub sharing: Sharing,
@@ -237,13 +269,16 @@ pub struct BenchDiagnose {
 /// `tunenet bench intervals`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchIntervals {
-    /// Drops in each cell
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub drops: u32,
+    /// Drops in each cell [default: 1000; 100 with --quick]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub drops: Option<u32>,
     /// Where finished pieces are kept
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-intervals")]
     pub out: PathBuf,
+    /// Few drops, to see that it works
+    #[arg(long)]
+    pub quick: bool,
     #[serde(skip)]
     #[command(flatten)]
     pub sharing: Sharing,

@@ -2,7 +2,7 @@
 //! wrote one of that kind, so that the same command can be given again, or where it is asked to.
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use anyhow::Result;
 use toml_edit::DocumentMut;
@@ -131,12 +131,44 @@ pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()
         if path.is_dir() {
             return Err(Error::io(path, "writing", std::io::ErrorKind::IsADirectory.into()).into());
         }
-        if !makes_folder && folder.is_some_and(|folder| !folder.is_dir()) {
-            return Err(Error::io(path, "writing", std::io::ErrorKind::NotFound.into()).into());
+        if let Some(folder) = folder {
+            leads_somewhere(path, folder, *makes_folder)?;
         }
         if !overwrite && holds_something(path) && !product.is(path) {
             return Err(taken(output).into());
         }
+    }
+    Ok(())
+}
+
+/// Refuses what `named` would be written into, where a part of the way to it is missing or is a file. With `makes` a folder that
+/// is missing is made, but none that only `..` leaves again.
+pub fn leads_somewhere(named: &Path, folder: &Path, makes: bool) -> Result<()> {
+    let mut way = PathBuf::new();
+    let mut parts = folder.components().peekable();
+    while let Some(part) = parts.next() {
+        way.push(part);
+        match std::fs::metadata(&way) {
+            Ok(about) if about.is_dir() => continue,
+            Ok(_) => {
+                let message = format!("expected a folder at {}, found a file", way.display());
+                return Err(Error::file(named, message, "name a folder, or write elsewhere").into());
+            }
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Error::io(&way, "reading", error).into());
+            }
+            Err(_) => {}
+        }
+        if parts.clone().any(|later| later == Component::ParentDir) {
+            let message = format!("expected a folder at {} to go on from with `..`, found none", way.display());
+            let hint = "make it, or write the path without it";
+            return Err(Error::file(named, message, hint).into());
+        }
+        if !makes {
+            let message = format!("expected a folder to write into, found none at {}", way.display());
+            return Err(Error::file(named, message, "make the folder first").into());
+        }
+        return Ok(());
     }
     Ok(())
 }

@@ -14,7 +14,8 @@ use tunenet_sim::drawn::{Drawn, Ranges};
 use tunenet_sim::filmed::FilmedDrops;
 
 use super::destination::{self, Output, Product};
-use super::{load, print_json, shard};
+use super::shard::{self, Share};
+use super::{load, print_json};
 use crate::cli::{Domain, Gen, Pairs};
 use crate::failure::Exit;
 use crate::terminal::{progress, stage};
@@ -172,7 +173,8 @@ fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
     if let Some(shard) = options.sharing.shard {
         let block = shard.block(header.pairs);
         let what = format!("of {} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed);
-        return shard::tell(shard, &place(options), &what, block.end - block.start, options.common.json);
+        let share = Share { pieces: block.end - block.start, all: header.pairs };
+        return shard::tell(shard, &place(options), share, &what, options.common.json);
     }
     stage(
         "wrote",

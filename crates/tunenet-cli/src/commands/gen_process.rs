@@ -4,12 +4,13 @@ use anyhow::Result;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use tunenet_core::Error;
-use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw, generate_shard};
+use tunenet_core::network::{CoveredParameter, DatasetHeader, DatasetWriter, PairDraw, generate_shard};
 use tunenet_core::simulator::{Parameter, Simulator};
 use tunenet_sim::{SimulationFile, observed, simulation_file};
 
 use super::gen_pairs::{made, place};
 use super::load;
+use super::refusal::{self, Asked};
 use crate::cli::{Gen, Pairs};
 use crate::failure::Exit;
 
@@ -60,10 +61,16 @@ pub fn run(options: &Gen) -> Result<Exit> {
         };
         PairDraw { proposed: values(), target: values(), own: Vec::new(), scale: None }
     };
+    let out = place(options);
     made(options, &header, |report| {
-        let generated = generate_shard(&program, &header, options.sharing.shard, &draw, &place(options), report);
+        // Only what the program still stands by in the end gets its name.
+        let mut stands = |done, all| (done < all || file.program_settled().is_ok()) && report(done, all);
+        let generated = generate_shard(&program, &header, options.sharing.shard, &draw, &out, &mut stands);
+        if file.program_drifted() {
+            DatasetWriter::forget(&out)?;
+        }
         // A rollout that fails is not kept; a program that is gone is the reason that is told.
         file.program_failed()?;
-        generated
+        generated.map_err(|error| refusal::of_program(&file, Asked::Within, &error).unwrap_or(error))
     })
 }

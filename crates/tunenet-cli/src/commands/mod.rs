@@ -16,6 +16,7 @@ mod man;
 mod merge;
 mod model_cache;
 pub(crate) mod plan;
+mod refusal;
 mod shard;
 mod simulate;
 mod simulate_arm;

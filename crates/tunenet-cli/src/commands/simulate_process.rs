@@ -8,6 +8,7 @@ use tunenet_sim::{ProcessSimulator, SimulationFile, observed};
 
 use super::destination::Output;
 use super::load;
+use super::refusal::{self, Asked};
 use super::simulate::write;
 use crate::cli::Simulate;
 use crate::failure::Exit;
@@ -23,6 +24,7 @@ pub fn run(options: &Simulate, file: &SimulationFile, output: &Output) -> Result
     let parameters: Vec<f64> = seen.parameters().iter().map(|p| p.value).collect();
     let clock = file.record().clock();
     let values = rollout(&seen, &parameters, &[], &clock);
-    file.program_failed()?;
-    write(options, output, &Observation::new(Kind::Other, seen.channels().to_vec(), clock, values?)?)
+    file.program_settled()?;
+    let values = values.map_err(|error| refusal::of_program(file, Asked::Present, &error).unwrap_or(error))?;
+    write(options, output, &Observation::new(Kind::Other, seen.channels().to_vec(), clock, values)?)
 }

@@ -20,6 +20,7 @@ use super::destination::{self, Output, Product};
 use super::diagnose::alternatives;
 use super::each::{Answered, Work};
 use super::model_cache::Cache;
+use super::refusal::{self, Asked};
 use super::tune_model::{self, Chosen};
 use super::{film, load, print_json, start};
 use crate::cli::Tune;
@@ -226,7 +227,10 @@ fn tune_to(
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
     let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
     // A fit takes a rollout that fails for bad values; a program that is gone is none of that.
-    file.program_failed()?;
+    file.program_settled()?;
+    if let Some(refusal) = tuned.as_ref().err().and_then(|error| refusal::of_program(file, Asked::Present, error)) {
+        return Err(refusal.into());
+    }
     let mut outcome = tuned.with_context(|| names(paths))?;
     if replays(file) {
         suspect(file, &mut outcome, options.reference.is_some());

@@ -76,6 +76,7 @@ pub(super) fn assemble(study: &Study, mut judged: Judged, recordings: &[Recordin
         next_experiment: next(study, &judged)?,
         margin: judged.decision.margin,
         least_gain: study.settings.margin,
+        doubt: judged.decision.doubt,
         description,
         remains,
         parameters: parameters(study, found, last, &intervals),
@@ -99,11 +100,10 @@ impl Judged<'_> {
 fn next(study: &Study, judged: &Judged) -> Result<Option<NextExperiment>> {
     let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
     Ok(match judged.decision.verdict {
-        Verdict::OneOf => experiment::next(study, &judged.found, &judged.decision.alternatives)?
-            .or_else(|| plain("add recordings of the same ball from other heights and in other directions")),
-        Verdict::Unknown => plain(
-            "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
-        ),
+        Verdict::OneOf => {
+            experiment::next(study, &judged.found, &judged.decision.alternatives)?.or_else(|| plain(study.words().add))
+        }
+        Verdict::Unknown => plain(study.words().vary),
         _ => None,
     })
 }

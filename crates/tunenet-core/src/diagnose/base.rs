@@ -54,7 +54,9 @@ impl<'a> Study<'a> {
             }
         }
         let fit = best.ok_or_else(|| {
-            refused.unwrap_or_else(|| crate::Error::Simulator {
+            // Where none simulates, what is said of the file's own values is told.
+            let own = || self.starts(&structure).first().and_then(|own| joint.residuals(own, 1.0).err());
+            refused.or_else(own).unwrap_or_else(|| crate::Error::Simulator {
                 at: "every start".into(),
                 message: "no start within the bounds could be simulated".into(),
             })

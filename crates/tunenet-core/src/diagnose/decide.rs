@@ -22,6 +22,8 @@ pub(super) struct Decision {
     pub names: Vec<&'static str>,
     /// How far behind the best an explanation is still left.
     pub margin: f64,
+    /// Why what is told from everything else by far earns no lone name.
+    pub doubt: Option<&'static str>,
 }
 
 /// How far behind the best an explanation is still left; more where no object shows a second throw, against which the
@@ -50,7 +52,7 @@ pub(super) fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bo
     let adequate = tests.iter().all(|t| t.passed);
     let names = |entries: &mut dyn Iterator<Item = usize>| unique(entries.map(|e| study.catalogue[e].name).collect());
     let widest = margin(study);
-    let ended = |verdict, names| Decision { verdict, alternatives: Vec::new(), names, margin: widest };
+    let ended = |verdict, names| Decision { verdict, alternatives: Vec::new(), names, margin: widest, doubt: None };
     if found.best.is_none() {
         if adequate {
             return ended(Verdict::None, Vec::new());
@@ -62,10 +64,12 @@ pub(super) fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bo
         return ended(Verdict::Unknown, names(&mut found.places.iter().map(|p| p.entry)));
     }
     let mut alternatives = Vec::with_capacity(found.places.len());
+    let mut near_any = false;
     for place in &found.places {
         let mut near = in_place_of(study, place, widest);
         // One throw cannot tell what is in the catalogue from what is not, so the next best is left beside the best.
         let doubtful = doubtful(study, place, confirmed);
+        near_any |= !near.is_empty();
         if near.is_empty() && doubtful {
             near.extend(runner_up(study, found, place));
         }
@@ -77,7 +81,9 @@ pub(super) fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bo
     let all = found.places.iter().zip(&alternatives);
     let names = names(&mut all.flat_map(|(place, near)| std::iter::once(place.entry).chain(near.iter().copied())));
     let margin = found.places.iter().map(|p| margin_of(study, p, widest)).fold(study.settings.margin, f64::max);
-    Decision { verdict: if open { Verdict::OneOf } else { Verdict::Named }, alternatives, names, margin }
+    let doubt = (doubt && !near_any)
+        .then(|| if study.single() { study.words().single } else { "no recording that was not fitted bears it out" });
+    Decision { verdict: if open { Verdict::OneOf } else { Verdict::Named }, alternatives, names, margin, doubt }
 }
 
 /// Whether an effect earns no lone name although nothing comes near it: a single throw shows it, or no recording that was not

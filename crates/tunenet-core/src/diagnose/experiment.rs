@@ -78,9 +78,15 @@ pub(super) fn next(study: &Study, found: &Found, alternatives: &[Vec<usize>]) ->
         );
     }
     if !twins.is_empty() {
+        let words = study.words();
         let known: Vec<&str> =
-            std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(knowledge).collect();
+            std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(words.knowledge).collect();
         let unique = unique(known);
+        // Of anything but a ball nobody here knows what could be recorded.
+        if !study.of_balls() {
+            let text = std::iter::once(words.add).chain(unique).collect::<Vec<_>>().join("; or ");
+            return Ok(Some(NextExperiment { text, settings }));
+        }
         let also = if text.is_empty() { "no throw tells" } else { "; no throw tells" };
         let rest = twins.join(", ");
         text = format!("{text}{also} {} from {rest}: {}", name(place.entry), unique.join(", or "));
@@ -95,28 +101,6 @@ fn across(design: &Set) -> f64 {
         own.map_or(0.0, |p| p.value)
     };
     SEPARATED * speed("x").hypot(speed("y"))
-}
-
-/// What a person can find out beside any motion that settles whether an effect is there.
-fn knowledge(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "length_scale" | "aspect_ratio" | "perspective" | "lens_distortion" => {
-            "put objects of known length in view, upright and lying, low and high"
-        }
-        "time_scale" => "film a clock, or look up the true frame rate",
-        "time_offset" => "record the instant of release",
-        "camera_tilt" => "hang a plumb line in view",
-        "surface_tilt" => "lay a spirit level on the surface",
-        "effective_gravity" => "weigh the ball and measure its size, or drop a dense ball before the same camera",
-        "rolling_shutter" | "observation_blur" => "look up the camera's shutter and exposure",
-        "quadratic_drag" | "linear_drag" | "magnus" | "wind" => {
-            "repeat with a heavy ball of the same size before the same camera"
-        }
-        "contact_time" | "speed_dependent_restitution" | "tangential_restitution" | "bounce_friction" => {
-            "repeat on another surface"
-        }
-        _ => return None,
-    })
 }
 
 /// Recordings that could be made, as the best model predicts them; the first recording lends clock and noise.

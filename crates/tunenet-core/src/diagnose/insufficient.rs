@@ -34,6 +34,7 @@ pub(super) fn too_little(study: &Study, uses: &[Use], notes: &[Note]) -> Option<
         next_experiment: None,
         margin: margin(study),
         least_gain: study.settings.margin,
+        doubt: None,
         description: None,
         remains: None,
         parameters: Vec::new(),

@@ -61,6 +61,7 @@ mod throws;
 mod unknown;
 mod unmeasured;
 mod verdict;
+mod words;
 
 #[cfg(test)]
 mod tests;

@@ -32,7 +32,8 @@ struct Arc {
 /// Describes what `model` leaves, and says where it acts as far as that shows.
 pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<Phase>)> {
     let residuals = study.weighted(model)?;
-    let arcs: Vec<Arc> = study.sets.iter().zip(&residuals).flat_map(|(set, residual)| arcs(set, residual)).collect();
+    let arcs: Vec<Arc> =
+        study.sets.iter().zip(&residuals).flat_map(|(set, residual)| arcs(set, residual, study.of_balls())).collect();
     let channels = study.subjects[0].simulator.channels();
     let excess = |channel: usize| -> f64 {
         arcs.iter().filter(|a| a.channel == channel).map(|a| a.bend_square + a.line_square - 3.0).sum()
@@ -48,6 +49,15 @@ pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<P
     let size = (mine.iter().map(|a| a.samples as f64 * a.acceleration.powi(2)).sum::<f64>() / weight.max(1.0)).sqrt();
     let axis = &channels[worst];
     let later = mine.iter().any(|a| a.number > 0);
+    if !study.of_balls() {
+        let place = if bend > 4.0 || line > 4.0 {
+            format!("over the whole of each record, as a bend of about {size:.2e} {}/s² of {}", axis.unit, axis.name)
+        } else {
+            format!("faster than the record is long, as an oscillation or a jitter of {}", axis.name)
+        };
+        let with = with(&mine, "its size", "how fast things change");
+        return Ok((format!("what is left acts {place}; {with}"), None));
+    }
     let (place, phase) = if bend > 4.0 || !later {
         let text = format!("within the flights, as a bend of about {size:.2e} {}/s² along {}", axis.unit, axis.name);
         (text, Some(Phase::Flight))
@@ -56,22 +66,30 @@ pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<P
     } else {
         (format!("faster than a flight, as an oscillation or a jitter along {}", axis.name), None)
     };
-    let with = goes_with(&mine).map_or_else(
-        || "it follows neither height, speed nor time clearly".to_string(),
-        |(what, r)| format!("it {} with {what}", if r > 0.0 { "grows" } else { "falls" }),
-    );
+    let with = with(&mine, "the height", "the speed");
     Ok((format!("what is left acts {place}; {with}"), phase))
 }
 
+/// What the arcs' bends go with, in words; `height` and `speed` as they are called.
+fn with(arcs: &[&Arc], height: &'static str, speed: &'static str) -> String {
+    goes_with(arcs, height, speed).map_or_else(
+        || {
+            let bare = |name: &'static str| name.trim_start_matches("the ");
+            format!("it follows neither {}, {} nor time clearly", bare(height), bare(speed))
+        },
+        |(what, r)| format!("it {} with {what}", if r > 0.0 { "grows" } else { "falls" }),
+    )
+}
+
 /// The quantity that the arcs' bends follow most closely, with the correlation, where it is close.
-fn goes_with(arcs: &[&Arc]) -> Option<(&'static str, f64)> {
+fn goes_with(arcs: &[&Arc], height: &'static str, speed: &'static str) -> Option<(&'static str, f64)> {
     if arcs.len() < FEWEST_ARCS {
         return None;
     }
     let bends: Vec<f64> = arcs.iter().map(|a| a.acceleration).collect();
     let each: [(&'static str, Vec<f64>); 4] = [
-        ("the height", arcs.iter().map(|a| a.height).collect()),
-        ("the speed", arcs.iter().map(|a| a.speed).collect()),
+        (height, arcs.iter().map(|a| a.height).collect()),
+        (speed, arcs.iter().map(|a| a.speed).collect()),
         ("the time in the record", arcs.iter().map(|a| a.middle_s).collect()),
         ("the count of bounces", arcs.iter().map(|a| a.number as f64).collect()),
     ];
@@ -87,8 +105,9 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if scale > 0.0 { sum(&|x, y| x * y) / scale } else { 0.0 }
 }
 
-/// The flights between contacts, each channel's residual fitted by a parabola.
-fn arcs(set: &Set, residual: &[f64]) -> Vec<Arc> {
+/// The flights between contacts, each channel's residual fitted by a parabola. The height of a ball is its last channel; of
+/// anything else each channel has a size of its own.
+fn arcs(set: &Set, residual: &[f64], ball: bool) -> Vec<Arc> {
     let (clock, width) = (set.clock(), set.width());
     let seen = &set.prepared.seen;
     let mut edges = vec![0];
@@ -116,6 +135,7 @@ fn arcs(set: &Set, residual: &[f64]) -> Vec<Arc> {
                 1 => x(kept[i]),
                 _ => 1.5 * x(kept[i]).powi(2) - 0.5,
             });
+            let level = if ball { width - 1 } else { channel };
             let values = DVector::from_iterator(kept.len(), kept.iter().map(|&k| residual[k * width + channel]));
             let Some(inverse) = (basis.transpose() * &basis).try_inverse() else { continue };
             let fit = &inverse * (basis.transpose() * values);
@@ -127,7 +147,7 @@ fn arcs(set: &Set, residual: &[f64]) -> Vec<Arc> {
                 line_square: fit[0].powi(2) / inverse[(0, 0)] + fit[1].powi(2) / inverse[(1, 1)],
                 samples: kept.len(),
                 middle_s,
-                height: kept.iter().map(|&k| seen.row(k)[width - 1]).sum::<f64>() / kept.len() as f64,
+                height: kept.iter().map(|&k| seen.row(k)[level]).sum::<f64>() / kept.len() as f64,
                 speed: travelled / (2.0 * half),
             });
         }

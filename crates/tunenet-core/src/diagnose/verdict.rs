@@ -188,15 +188,13 @@ fn say_what_is_alike(study: &Study, notes: &mut Vec<Note>) {
     let mut recordings: Vec<usize> = study.sets.iter().map(|set| set.recording).collect();
     recordings.dedup();
     if recordings.len() > 1 && study.single() {
+        let words = study.words();
         let text = format!(
-            "all {} recordings show one and the same throw, so they count as one: what one throw cannot tell apart stays \
-             together, however often it is repeated",
-            recordings.len()
+            "all {} recordings show one and the same {motion}, so they count as one: what one {motion} cannot tell apart \
+             stays together, however often it is repeated",
+            recordings.len(),
+            motion = words.motion
         );
-        notes.push(Note::new(
-            "recordings.alike",
-            text,
-            "throw from other heights, in other directions, faster and slower",
-        ));
+        notes.push(Note::new("recordings.alike", text, words.otherwise));
     }
 }

@@ -223,6 +223,18 @@ impl DatasetWriter {
         Ok(())
     }
 
+    /// Forgets what an interrupted run left over of `out`, so that the next one begins anew.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where it cannot be removed.
+    pub fn forget(out: &Path) -> Result<()> {
+        let partial = with_suffix(out, ".partial");
+        match std::fs::remove_file(&partial) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(&partial, "removing", error)),
+            _ => Ok(()),
+        }
+    }
+
     /// Ends the file, waits for the disk and gives the file its name.
     ///
     /// # Errors

@@ -36,7 +36,7 @@ pub struct PairDraw {
 /// `draw` is asked for pair 0, 1, … with a generator that depends on the header's seed and the pair's number alone, and
 /// rollouts are spread over the cores: whatever the number of threads and however often the run was interrupted, the
 /// bytes are the same. `progress` gets the number of pairs done and of all; where it answers `false`, the work stops and
-/// can be resumed.
+/// can be resumed; that of the last call is asked before the file gets its name.
 ///
 /// # Errors
 /// [`Error::Setting`] where a parameter to be learned changes no rollout, since a network would learn to make it up;
@@ -118,7 +118,9 @@ pub fn fill_shard(
             writer.write(&pair?)?;
         }
     }
-    progress(all, all);
+    if !progress(all, all) {
+        return Err(Error::Stopped);
+    }
     writer.finish()
 }
 

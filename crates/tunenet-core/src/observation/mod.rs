@@ -34,6 +34,10 @@ use crate::{Error, Result};
 /// Fewest samples of an observation.
 pub const FEWEST_SAMPLES: usize = 3;
 
+/// Greatest size of a number, measured or predicted, in whatever unit: far beyond all that there is, and small enough that
+/// its square, and a sum of such squares over tiny noise, is a number still.
+pub const GREATEST: f64 = 1e100;
+
 /// What kind of thing was measured. Decides what the channels and the clock mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -62,6 +66,16 @@ impl Kind {
             Self::Other => "a time series",
         }
     }
+}
+
+/// Whether a number, measured or predicted, can be reckoned with.
+pub(crate) fn usable(number: f64) -> bool {
+    number.abs() <= GREATEST
+}
+
+/// What is expected where one cannot.
+pub(crate) fn usable_number() -> String {
+    format!("a finite number of at most {GREATEST:e}")
 }
 
 /// One column of an observation.
@@ -115,7 +129,7 @@ impl Observation {
     ///
     /// # Errors
     /// [`Error::Observation`] where there is no channel, the lengths disagree, fewer than [`FEWEST_SAMPLES`] samples are
-    /// there, a number is not finite, or the clock (for bounce times: the times too) does not rise strictly.
+    /// there, a number is not finite or beyond [`GREATEST`], or the clock (for bounce times: the times too) does not rise strictly.
     pub fn new(kind: Kind, channels: Vec<Channel>, clock: Vec<f64>, values: Vec<f64>) -> Result<Self> {
         let refuse = |what: String, expected: String, found: String| Err(Error::Observation { what, expected, found });
         if channels.is_empty() {
@@ -133,16 +147,14 @@ impl Observation {
         if clock.len() < FEWEST_SAMPLES {
             return refuse("the samples".into(), format!("at least {FEWEST_SAMPLES}"), format!("{}", clock.len()));
         }
-        if let Some(i) = clock.iter().position(|t| !t.is_finite()) {
-            return refuse(format!("the clock at sample {}", i + 1), "a finite number".into(), format!("{}", clock[i]));
+        if let Some(i) = clock.iter().position(|&t| !usable(t)) {
+            let at = format!("the clock at sample {}", i + 1);
+            return refuse(at, usable_number(), format!("{:?}", clock[i]));
         }
-        if let Some(i) = values.iter().position(|v| !v.is_finite()) {
+        if let Some(i) = values.iter().position(|&v| !usable(v)) {
             let (sample, channel) = (i / channels.len(), &channels[i % channels.len()]);
-            return refuse(
-                format!("`{}` at sample {}", channel.name, sample + 1),
-                "a finite number".into(),
-                format!("{}", values[i]),
-            );
+            let at = format!("`{}` at sample {}", channel.name, sample + 1);
+            return refuse(at, usable_number(), format!("{:?}", values[i]));
         }
         if let Some(i) = falling(&clock) {
             return refuse(

@@ -3,12 +3,14 @@
 use rayon::prelude::*;
 
 use super::{Prepared, Simulator};
+use crate::observation::{usable, usable_number};
 use crate::{Error, Result};
 
 /// One rollout, values row-major `[sample, channel]`.
 ///
 /// # Errors
-/// [`Error::Simulator`] where the simulator refuses or returns a number that is not finite.
+/// [`Error::Simulator`] where the simulator refuses, or returns a number that is not finite or beyond
+/// [`GREATEST`](crate::observation::GREATEST).
 pub fn rollout(simulator: &dyn Simulator, parameters: &[f64], own: &[f64], clock: &[f64]) -> Result<Vec<f64>> {
     checked(simulator, parameters, clock, |values| simulator.rollout(parameters, own, clock, values))
 }
@@ -28,7 +30,7 @@ pub fn predict(
     checked(simulator, parameters, clock, |values| simulator.rollout_driven(parameters, own, input, clock, values))
 }
 
-/// What `run` writes, if it can and all of it is finite.
+/// What `run` writes, if it can and all of it can be reckoned with.
 fn checked(
     simulator: &dyn Simulator,
     parameters: &[f64],
@@ -41,9 +43,11 @@ fn checked(
         named.collect::<Vec<_>>().join(" ")
     };
     run(&mut values).map_err(|message| Error::Simulator { at: at(), message })?;
-    if let Some(i) = values.iter().position(|v| !v.is_finite()) {
-        let channel = &simulator.channels()[i % simulator.channels().len()].name;
-        let message = format!("`{channel}` is {} at sample {}", values[i], i / simulator.channels().len() + 1);
+    if let Some(i) = values.iter().position(|&v| !usable(v)) {
+        let (sample, channel) =
+            (i / simulator.channels().len() + 1, &simulator.channels()[i % simulator.channels().len()]);
+        let message =
+            format!("`{}` at sample {sample}: expected {}, found {:?}", channel.name, usable_number(), values[i]);
         return Err(Error::Simulator { at: at(), message });
     }
     Ok(values)

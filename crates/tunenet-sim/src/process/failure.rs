@@ -12,11 +12,18 @@ const LONGEST_SHOWN: usize = 160;
 pub(super) struct Failure {
     pub message: String,
     pub hint: String,
+    /// Whether it answers otherwise than it did: nothing that it said before can be relied on either.
+    pub drift: bool,
 }
 
 impl Failure {
     pub fn new(message: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: hint.into() }
+        Self { message: message.into(), hint: hint.into(), drift: false }
+    }
+
+    /// Of a program that answers otherwise than it did.
+    pub fn drift(message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { drift: true, ..Self::new(message, hint) }
     }
 
     /// As an error of the simulation file.

@@ -11,6 +11,7 @@
 //! | `pipes` | reading what it prints, within limits |
 //! | `child` | one of it that runs |
 //! | `pool` | as many of it as threads ask, which have to agree |
+//! | `known` | what one answered, and has to answer again |
 //! | `failure` | what could go wrong, in one sentence |
 //!
 //! The program is never trusted with more than its answers: lines have a greatest length, answers a time, and numbers a place.
@@ -18,19 +19,21 @@
 
 mod child;
 mod failure;
+mod known;
 mod pipes;
 mod pool;
 mod program;
 mod protocol;
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use tunenet_core::observation::{Channel, Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Simulator};
 use tunenet_core::{Error, Result};
 
 use crate::SimulationFile;
-use crate::simulation_file::{Domain, Permission};
+use crate::simulation_file::{Domain, Permission, Settles};
+use failure::Failure;
 use pool::Pool;
 use program::Program;
 use protocol::Answer;
@@ -59,7 +62,8 @@ pub fn leave(file: &SimulationFile) -> Result<&Permission> {
 /// A program of one's own as a simulator that core can tune and diagnose.
 ///
 /// Rollouts ask one running copy of the program each, of which there are as many as threads ask at a time. The same parameters
-/// give the same bits whichever copy answers: every copy is asked the same first, and has to answer as the others did.
+/// give the same bits whichever copy answers: every copy is asked the same first, and has to answer as the others did; and an
+/// early rollout is asked for again now and then, and [in the end](SimulationFile::program_settled).
 #[derive(Debug, Clone)]
 pub struct ProcessSimulator {
     parameters: Vec<Parameter>,
@@ -83,9 +87,22 @@ impl ProcessSimulator {
         file.program_failed()?;
         let program = Program::of(file)?;
         let (parameters, channels) = (program.parameters.clone(), program.channels.clone());
-        let pool = Pool::start(program).map_err(|failure| failure.error(file.path()))?;
-        Ok(Self { parameters, channels, pool: Arc::new(pool), permission: permission.clone() })
+        let pool = Arc::new(Pool::start(program).map_err(|failure| failure.error(file.path()))?);
+        permission.watch(Arc::downgrade(&pool) as Weak<dyn Settles>);
+        Ok(Self { parameters, channels, pool, permission: permission.clone() })
     }
+}
+
+impl Settles for Pool {
+    fn settle(&self, permission: &Permission) {
+        if let Err(failure) = Pool::settle(self) {
+            note(permission, &failure);
+        }
+    }
+}
+
+fn note(permission: &Permission, failure: &Failure) {
+    permission.note(&failure.message, &failure.hint, failure.drift);
 }
 
 impl Simulator for ProcessSimulator {
@@ -146,7 +163,7 @@ impl Simulator for ProcessSimulator {
             Ok(Answer::Values(answered)) => Err(format!("expected {} numbers, found {}", values.len(), answered.len())),
             Ok(Answer::Refused(message)) => Err(message),
             Err(failure) => {
-                self.permission.note(&failure.message, &failure.hint);
+                note(&self.permission, &failure);
                 Err(failure.message)
             }
         }

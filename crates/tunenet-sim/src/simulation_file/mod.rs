@@ -23,6 +23,7 @@ pub use arm_schema::ARM_KEYS;
 pub use domain::{Definition, Domain};
 pub use effects::PresentEffect;
 pub use permission::Permission;
+pub(crate) use permission::Settles;
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 pub use template::template;
 

@@ -1,7 +1,7 @@
 //! Leave to run the program that a simulation file names.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use toml_edit::value;
 use tunenet_core::{Error, Result};
@@ -14,14 +14,38 @@ use super::{Domain, SimulationFile, table};
 /// mended by other values (a program that ended, or hangs) is noted here, so that it is told as what it is.
 #[derive(Debug, Clone, Default)]
 pub struct Permission {
-    failure: Arc<Mutex<Option<(String, String)>>>,
+    failure: Arc<Mutex<Option<Failed>>>,
+    /// What runs by this leave.
+    running: Arc<Mutex<Vec<Weak<dyn Settles>>>>,
+}
+
+/// Why the program cannot go on.
+#[derive(Debug)]
+struct Failed {
+    message: String,
+    hint: String,
+    drift: bool,
+}
+
+/// Programs that run, and that can be held against what they answered early.
+pub(crate) trait Settles: std::fmt::Debug + Send + Sync {
+    /// Asks once more for what was asked early, and notes what is wrong.
+    fn settle(&self, permission: &Permission);
 }
 
 impl Permission {
-    /// Notes why the program cannot go on: a sentence, and what to try. The first one counts.
-    pub(crate) fn note(&self, message: &str, hint: &str) {
+    /// Notes why the program cannot go on: a sentence, what to try, and whether it answers otherwise than it did. The first
+    /// one counts.
+    pub(crate) fn note(&self, message: &str, hint: &str, drift: bool) {
         let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
-        failure.get_or_insert_with(|| (message.to_owned(), hint.to_owned()));
+        failure.get_or_insert_with(|| Failed { message: message.to_owned(), hint: hint.to_owned(), drift });
+    }
+
+    /// Programs that started by this leave, as long as they run.
+    pub(crate) fn watch(&self, program: Weak<dyn Settles>) {
+        let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+        running.retain(|other| other.strong_count() > 0);
+        running.push(program);
     }
 }
 
@@ -46,7 +70,28 @@ impl SimulationFile {
         let failure = permission.failure.lock().unwrap_or_else(PoisonError::into_inner);
         failure
             .as_ref()
-            .map_or(Ok(()), |(message, hint)| Err(Error::file(self.path(), message.as_str(), hint.as_str())))
+            .map_or(Ok(()), |failed| Err(Error::file(self.path(), failed.message.as_str(), failed.hint.as_str())))
+    }
+
+    /// Asks the programs of this file, or of a copy of it, that still run once more for an early rollout: one that keeps
+    /// something from rollout to rollout answers otherwise in the end. Ask before they are let go of.
+    ///
+    /// # Errors
+    /// [`Error::File`] where one answers otherwise, or as [`program_failed`](Self::program_failed).
+    pub fn program_settled(&self) -> Result<()> {
+        self.program_failed()?;
+        if let Some(permission) = &self.permission {
+            let running = permission.running.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            running.iter().filter_map(Weak::upgrade).for_each(|program| program.settle(permission));
+        }
+        self.program_failed()
+    }
+
+    /// Whether the program failed by answering otherwise than it did, so that nothing that it said can be relied on.
+    #[must_use]
+    pub fn program_drifted(&self) -> bool {
+        let failure = self.permission.as_ref().map(|p| p.failure.lock().unwrap_or_else(PoisonError::into_inner));
+        failure.is_some_and(|failure| failure.as_ref().is_some_and(|failed| failed.drift))
     }
 
     /// The folder in which the program runs: that of the file, and what `process.folder` adds to it.

@@ -66,12 +66,12 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
         .into_iter()
         .flat_map(|given| RESTITUTIONS.into_iter().flat_map(move |e| NOISES_M.into_iter().map(move |n| (given, e, n))))
         .collect();
-    let bar = progress(cells.len() as u64 * u64::from(options.drops), "drops");
+    let bar = progress(cells.len() as u64 * u64::from(options.count()), "drops");
     let mut found = Vec::with_capacity(cells.len());
     for (cell, (given, restitution, noise_m)) in cells.into_iter().enumerate() {
-        let mut tried: Vec<Tried> = Vec::with_capacity(options.drops as usize);
-        for first in (0..options.drops).step_by(PIECE as usize) {
-            let numbers = first..first.saturating_add(PIECE).min(options.drops);
+        let mut tried: Vec<Tried> = Vec::with_capacity(options.count() as usize);
+        for first in (0..options.count()).step_by(PIECE as usize) {
+            let numbers = first..first.saturating_add(PIECE).min(options.count());
             let one = |number| one(seed, number, given, restitution, noise_m);
             let name = format!("intervals-{cell}-from-{first}-to-{}", numbers.end);
             let make = || numbers.clone().into_par_iter().map(one).collect::<Result<Vec<Tried>>>();
@@ -94,7 +94,7 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
     if options.common.json {
         let cells: Vec<Value> = found.iter().map(Cell::json).collect();
         print_json(&json!({
-            "schema": "tunenet.bench.intervals/1", "drops": options.drops, "seed": options.common.seed, "cells": cells,
+            "schema": "tunenet.bench.intervals/1", "drops": options.count(), "seed": options.common.seed, "cells": cells,
             "warnings": [],
         }));
     }

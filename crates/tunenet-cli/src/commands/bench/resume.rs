@@ -11,7 +11,8 @@ use tunenet_core::network::Shard;
 use tunenet_core::observation::recording::write_atomically;
 
 use crate::cli::{Measured, Sharing};
-use crate::commands::shard::{self, Job, Mark, mark};
+use crate::commands::destination;
+use crate::commands::shard::{self, Job, Mark, Share, mark};
 use crate::failure::Exit;
 
 /// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and whatever
@@ -30,6 +31,7 @@ pub struct Store {
 impl Store {
     pub fn open(folder: &Path, run: Value, sharing: &Sharing) -> Result<Self> {
         let folder = shard::folder(folder, sharing.shard);
+        destination::leads_somewhere(&folder, &folder, true)?;
         if sharing.shard.is_some() {
             mark::clear_damage(&folder)?;
         }
@@ -66,8 +68,9 @@ impl Store {
     pub fn finished(&self, bench: Measured, as_json: bool) -> Result<Option<Exit>> {
         let Some(shard) = self.shard else { return Ok(None) };
         Mark::write(&self.folder, shard, Job::Bench(bench))?;
-        let of = format!("of {} pieces", self.pieces.load(Ordering::Relaxed));
-        Ok(Some(shard::tell(shard, &self.folder, &of, self.mine.load(Ordering::Relaxed), as_json)))
+        let all = self.pieces.load(Ordering::Relaxed);
+        let share = Share { pieces: self.mine.load(Ordering::Relaxed), all };
+        Ok(Some(shard::tell(shard, &self.folder, share, &format!("of {all} pieces"), as_json)))
     }
 
     /// A folder of its own within, made where it is missing.

@@ -22,6 +22,7 @@ pub fn object(answer: &Answer) -> Json {
         "gap": diagnosis.gap.as_ref().map(gap),
         "margin": diagnosis.margin,
         "adequacy": diagnosis.adequacy.iter().map(test).collect::<Vec<_>>(),
+        "doubt": diagnosis.doubt,
         "description": diagnosis.description,
         "next_experiment": diagnosis.next_experiment.as_ref().map(|next| {
             let settings: Map<String, Json> = next.settings.iter().map(|(k, v)| (k.clone(), json!(v))).collect();

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use toml_edit::{Document, Item, TableLike};
 use tunenet_core::Error;
+use tunenet_sim::SimulationFile;
 
 use crate::cli::Diagnose;
 use crate::commands::load::distinct;
 
-/// The object of files that no manifest groups.
-pub const ONLY: &str = "ball";
+/// The object of files that nobody groups: it is called by its kind in the end.
+const ONLY: &str = "";
 
 /// What an entry may say beside keys of the scene.
 const KEYS: &str = "`file`, `object`, `held_out`, `reference`, `payload_mass_kg`";
@@ -31,8 +32,8 @@ pub struct Source {
 
 impl Source {
     /// A file by itself.
-    pub fn alone(path: &Path, reference: Option<PathBuf>) -> Self {
-        let (path, object) = (path.to_path_buf(), ONLY.to_owned());
+    pub fn alone(path: &Path, object: &str, reference: Option<PathBuf>) -> Self {
+        let (path, object) = (path.to_path_buf(), object.to_owned());
         Self { path, object, held_out: false, reference, scene: Vec::new() }
     }
 }
@@ -48,6 +49,11 @@ pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {
     for (path, held_out) in given.chain(options.held_out.iter().map(|path| (path, true))) {
         let (object, scene, reference) = (ONLY.to_owned(), vec![], options.reference.clone());
         sources.push(Source { path: path.clone(), object, held_out, reference, scene });
+    }
+    // What cannot be read is refused by whoever reads it.
+    let kind = SimulationFile::read(&options.simulation.sim).map_or("ball", |file| file.domain().name());
+    for source in sources.iter_mut().filter(|source| source.object == ONLY) {
+        kind.clone_into(&mut source.object);
     }
     distinct(sources.iter().map(|s| s.path.as_path()))?;
     if let Some(first) = sources.first().filter(|_| sources.iter().all(|s| s.held_out)) {

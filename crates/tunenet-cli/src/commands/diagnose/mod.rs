@@ -21,6 +21,7 @@ use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
 use self::answer::Answer;
 use super::each::{Answered, Work};
 use super::print_json;
+use super::refusal::{self, Asked};
 use crate::cli::Diagnose;
 use crate::failure::Exit;
 use crate::report;
@@ -68,7 +69,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
     let (apart, overwrite) = (&options.apart, options.writing.overwrite);
     let work = Work { tool: "diagnose", observation, apart, jobs, json, overwrite, run };
     let (exit, _) = work.run::<()>(&|path| {
-        let sources = [manifest::Source::alone(path, options.reference.clone())];
+        let sources = [manifest::Source::alone(path, file.domain().name(), options.reference.clone())];
         let loaded = load::load(options, &sources)?;
         let began = Instant::now();
         let diagnosis = ask(&loaded, options.common.seed)?;
@@ -94,6 +95,11 @@ fn ask(loaded: &load::Loaded, seed: u64) -> Result<Diagnosis> {
     let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| tell::progress(&working, at));
     working.finish_and_clear();
     // A program that is gone says more than that the fit failed.
-    loaded.objects.iter().try_for_each(|object| object.file.program_failed())?;
+    loaded.objects.iter().try_for_each(|object| object.file.program_settled())?;
+    let refusal =
+        |error: &tunenet_core::Error| refusal::of_program(&loaded.objects.first()?.file, Asked::Present, error);
+    if let Some(refusal) = diagnosis.as_ref().err().and_then(refusal) {
+        return Err(refusal.into());
+    }
     Ok(diagnosis?)
 }

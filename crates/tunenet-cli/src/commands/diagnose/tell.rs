@@ -10,7 +10,7 @@ use super::answer::Answer;
 use super::improve::Written;
 use super::load::Loaded;
 use crate::cli::Diagnose;
-use crate::terminal::{four_digits, in_words, rounded, stage, table, warn};
+use crate::terminal::{four_digits, in_words, list, rounded, stage, table, warn};
 
 /// Candidates that are shown; the JSON has all of them.
 const SHOWN: usize = 6;
@@ -62,6 +62,10 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
     }
     if !diagnosis.candidates.is_empty() {
         anstream::eprintln!("{}", candidates(diagnosis));
+    }
+    let excluded = excluded(diagnosis);
+    if !excluded.is_empty() {
+        anstream::eprintln!("{}", list("  excluded:", &excluded));
     }
     if let Some(line) = margins(diagnosis) {
         anstream::eprintln!("  {line}");
@@ -127,7 +131,12 @@ pub fn sentence(answer: &Answer) -> String {
     match diagnosis.verdict {
         Verdict::None => "NONE  nothing is missing that these recordings could show".into(),
         Verdict::Named => format!("NAMED  {}", diagnosis.effects.iter().map(lone).collect::<Vec<_>>().join(" and ")),
-        Verdict::OneOf => format!("ONE OF  {}: these recordings cannot tell", choices(answer)),
+        Verdict::OneOf => {
+            let why = diagnosis.doubt.map_or("these recordings cannot tell".into(), |doubt| {
+                format!("{} by far, but {doubt}", answer.chosen().join(" and "))
+            });
+            format!("ONE OF  {}: {why}", choices(answer))
+        }
         Verdict::Unknown => {
             let nearest = answer.candidates().first().map(|n| format!(" (nearest: {n})")).unwrap_or_default();
             format!("UNKNOWN  something is missing, and no known effect explains it{nearest}")
@@ -225,6 +234,18 @@ fn candidates(diagnosis: &Diagnosis) -> String {
     rows.extend(left.map(|(_, c)| row(c)));
     rows.push(vec!["none".into(), "0".into(), "-".into(), "×1".into()]);
     table(&rows)
+}
+
+/// What cannot be the answer, and why; together where the reason is the same.
+fn excluded(diagnosis: &Diagnosis) -> Vec<String> {
+    let all: Vec<(&str, &str)> =
+        diagnosis.candidates.iter().filter_map(|c| Some((c.name, c.excluded.as_deref()?))).collect();
+    let first = all.iter().enumerate().filter(|(i, (_, why))| all[..*i].iter().all(|(_, other)| other != why));
+    let one = |(_, (_, why)): (usize, &(&str, &str))| {
+        let names: Vec<&str> = all.iter().filter(|(_, other)| other == why).map(|(name, _)| *name).collect();
+        format!("{} ({why})", names.join(" and "))
+    };
+    first.map(one).collect()
 }
 
 /// A whole number, and none that is 0 with a sign.

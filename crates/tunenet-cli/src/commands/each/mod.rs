@@ -16,11 +16,12 @@ use tunenet_core::network::Shard;
 use tunenet_core::observation::recording::write_atomically;
 
 use super::destination::{self, Output, Product};
-use super::shard::{self, Job, Mark, mark};
+use super::shard::{self, Job, Mark, Share, mark};
+use super::tune::warning;
 use super::{load, print_json};
 use crate::cli::Apart;
 use crate::failure::{Exit, sentence};
-use crate::terminal::stage;
+use crate::terminal::{stage, warn};
 
 /// All answers together, beside those to each recording.
 pub const ALL: &str = "each.json";
@@ -91,7 +92,12 @@ impl Work<'_> {
             }
             objects.push(object);
         }
-        let (exit, all) = together(self.tool, objects, shard);
+        let (exit, mut all) = together(self.tool, objects, shard);
+        let share = Share { pieces: mine.len() as u64, all: self.observation.len() as u64 };
+        if let Some(note) = shard.and_then(|shard| share.noted(shard)) {
+            warn(&note);
+            all["warnings"] = json!([warning(&note)]);
+        }
         if self.json {
             print_json(&all);
         }

@@ -10,11 +10,13 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use tunenet_core::network::Shard;
+use tunenet_core::observation::Note;
 
 pub use self::mark::{Job, Mark};
 use super::print_json;
+use super::tune::warning;
 use crate::failure::Exit;
-use crate::terminal::stage;
+use crate::terminal::{stage, warn};
 
 /// Where a shard of the file `out` is written: `pairs.mcap` becomes `pairs.shard-02-of-16.mcap`.
 pub fn file(out: &Path, shard: Shard) -> PathBuf {
@@ -41,13 +43,34 @@ fn suffix(shard: Shard) -> String {
     format!(".shard-{:0width$}-of-{}", shard.index(), shard.count())
 }
 
+/// What a shard did of all that there is to do.
+#[derive(Debug, Clone, Copy)]
+pub struct Share {
+    pub pieces: u64,
+    pub all: u64,
+}
+
+impl Share {
+    /// Says so where there are more shards than pieces: the last of them can have nothing to do.
+    pub fn noted(self, shard: Shard) -> Option<Note> {
+        (u64::from(shard.count()) > self.all).then(|| {
+            let (count, all) = (shard.count(), self.all);
+            let text = format!("{count} shards of {all} pieces: from {all}/{count} on none has any");
+            Note::new("shards.many", text, format!("take at most {} shards", all.max(1)))
+        })
+    }
+}
+
 /// Says that a shard is finished.
-pub fn tell(shard: Shard, at: &Path, what: &str, pieces: u64, as_json: bool) -> Exit {
+pub fn tell(shard: Shard, at: &Path, share: Share, what: &str, as_json: bool) -> Exit {
+    let Share { pieces, .. } = share;
+    let note = share.noted(shard);
     stage("wrote", &format!("{}, shard {shard}, {pieces} {what}", at.display()));
+    note.iter().for_each(warn);
     if as_json {
         print_json(&json!({
             "schema": "tunenet.shard/1", "file": super::load::name(at), "shard": shard.to_string(), "pieces": pieces,
-            "warnings": [],
+            "warnings": note.iter().map(warning).collect::<Vec<_>>(),
         }));
     }
     Exit::Done

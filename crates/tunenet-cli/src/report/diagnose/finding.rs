@@ -77,7 +77,10 @@ pub fn sentence(answer: &Answer) -> String {
             let firm: Vec<&str> = firm.into_iter().flatten().collect();
             let beside =
                 if firm.is_empty() { String::new() } else { format!(", beside {}", joined(&words(&firm), "and")) };
-            format!("{}{place}{beside}: these recordings cannot tell.", capital(&open.join("; and ")))
+            let why = diagnosis
+                .doubt
+                .map_or("these recordings cannot tell".into(), |doubt| format!("the first by far, but {doubt}"));
+            format!("{}{place}{beside}: {why}.", capital(&open.join("; and ")))
         }
         Verdict::Unknown => {
             let place = diagnosis.remains.map(|p| format!(" {}", p.name())).unwrap_or_default();

@@ -116,8 +116,9 @@ pub fn residuals(shown: &[&Explained], all: usize, both: bool, dots: &str) -> Ma
             p.how {
                 "Measured \u{2212} simulated in standard deviations \u{3c3} of the noise, every recording on the same scales. "
                 @if both { "Dashed: before. " }
-                "Dots: " (dots) ". The band is \u{b1}2 \u{3c3}; ticks on the lower edges mark "
-                "contacts. Only noise should be left: 95 of 100 dots in the band, without a pattern."
+                "Dots: " (dots) ". The band is \u{b1}2 \u{3c3}"
+                @if shown.iter().any(|one| !one.contacts.is_empty()) { "; ticks on the lower edges mark contacts" }
+                ". Only noise should be left: 95 of 100 dots in the band, without a pattern."
                 @if all > shown.len() { " The " (shown.len()) " of " (all) " recordings that disagreed most are drawn." }
             }
         }

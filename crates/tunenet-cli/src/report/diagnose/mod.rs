@@ -87,7 +87,8 @@ fn seen(answer: &Answer) -> Markup {
 fn place(answer: &Answer, both: bool) -> Markup {
     let diagnosis = answer.diagnosis;
     let groups = left_over::places(&diagnosis.explained);
-    let driven = answer.loaded.recorded.iter().all(|r| r.seen.kind() == Kind::Joints);
+    let all_of = |kind: Kind| answer.loaded.recorded.iter().all(|r| r.seen.kind() == kind);
+    let (driven, other) = (all_of(Kind::Joints), all_of(Kind::Other));
     html! {
         @if !diagnosis.effects.is_empty() {
             ul.plain {
@@ -106,6 +107,7 @@ fn place(answer: &Answer, both: bool) -> Markup {
                 p.how {
                     "Root mean square of the residuals above. " @if both { "The dashed mark is before, the dot after. " }
                     @if driven { "What follows speed, acceleration or pose shows most where these are large; a wrong reading shows in one joint." }
+                    @else if other { "A wrong clock shows most where things change fast; a wrong scale where they are large." }
                     @else { "A force in flight bends every flight and shows most where the ball is fast or high; a wrong contact leaves the "
                     "first flight alone; a wrong measurement shows along one axis or at one height." }
                 }
@@ -124,6 +126,8 @@ fn evidence(answer: &Answer) -> Markup {
     let diagnosis = answer.diagnosis;
     let left = candidates::left(diagnosis).next().is_some();
     let single = diagnosis.uses.iter().filter(|u| u.used && !u.held_out).count() == 1;
+    let other = answer.loaded.recorded.iter().all(|r| r.seen.kind() == Kind::Other);
+    let one_throw = if other { "One motion" } else { "One throw" };
     html! {
         @if left {
             h2 { "What could be missing" }
@@ -135,9 +139,10 @@ fn evidence(answer: &Answer) -> Markup {
                     "How much each effect, alone in the simulation, lowers the information criterion. An effect has to gain "
                     (format!("{:.0}", diagnosis.least_gain)) ", and whatever comes within "
                     (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well, unless a warning says why not"
-                    @if diagnosis.verdict == Verdict::OneOf { "; the bracket holds what these recordings cannot tell apart" }
+                    @if diagnosis.verdict == Verdict::OneOf && diagnosis.doubt.is_none() { "; the bracket holds what these recordings cannot tell apart" }
                     "."
-                    @if single && diagnosis.verdict == Verdict::OneOf { " One throw earns no lone name, so the next best is left beside the best, whatever its distance." }
+                    @if let Some(doubt) = diagnosis.doubt { " " (capital(doubt)) ", so the next best is left beside the best, whatever its distance." }
+                    @else if single && diagnosis.verdict == Verdict::OneOf { " " (one_throw) " earns no lone name, so the next best is left beside the best, whatever its distance." }
                 }
             }
             (candidates::table(answer))

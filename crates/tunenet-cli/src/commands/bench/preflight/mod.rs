@@ -68,7 +68,7 @@ impl Said {
 }
 
 pub fn run(options: &BenchPreflight) -> Result<Exit> {
-    let (records, seed) = (options.records as usize, options.common.seed);
+    let (records, seed) = (options.count() as usize, options.common.seed);
     // The version alone would not tell a rebuilt program from the one that made a piece.
     let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
     let bar = progress((records * (KINDS.len() + 1)) as u64, "records");

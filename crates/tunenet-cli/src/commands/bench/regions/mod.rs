@@ -62,12 +62,12 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
     let program = load::hash(&std::env::current_exe().context("this program's own path")?)?;
     let store = Store::open(&options.out, json!({ "program": program, "seed": seed }), &options.sharing)?;
     let cells = Cell::all();
-    let bar = progress(cells.len() as u64 * u64::from(options.draws), "recordings");
+    let bar = progress(cells.len() as u64 * u64::from(options.count()), "recordings");
     let mut rows = Vec::with_capacity(cells.len());
     for (number, cell) in cells.into_iter().enumerate() {
-        let mut found: Vec<Found> = Vec::with_capacity(options.draws as usize);
-        for first in (0..options.draws).step_by(PIECE as usize) {
-            let draws = first..first.saturating_add(PIECE).min(options.draws);
+        let mut found: Vec<Found> = Vec::with_capacity(options.count() as usize);
+        for first in (0..options.count()).step_by(PIECE as usize) {
+            let draws = first..first.saturating_add(PIECE).min(options.count());
             let one = |draw: u32| cell.one(seed, ((number as u64) << 32) + u64::from(draw));
             let make = || draws.clone().into_par_iter().map(one).collect::<Result<Vec<_>>>();
             let name = format!("region-{number}-from-{first}-to-{}", draws.end);
@@ -82,10 +82,10 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
     if let Some(exit) = store.finished(Measured::Regions(options.clone()), options.common.json)? {
         return Ok(exit);
     }
-    let command = format!("tunenet bench regions --draws {} --seed {seed}", options.draws);
+    let command = format!("tunenet bench regions --draws {} --seed {seed}", options.count());
     let text = markdown(&command, &rows);
     let object: Value = json!({
-        "schema": "tunenet.bench.regions/1", "draws": options.draws, "seed": seed, "cells": rows, "warnings": [],
+        "schema": "tunenet.bench.regions/1", "draws": options.count(), "seed": seed, "cells": rows, "warnings": [],
     });
     for (name, text) in [("regions.md", text.clone()), ("regions.json", format!("{object:#}\n"))] {
         write_atomically(options.out.join(name), |file| file.write_all(text.as_bytes()))?;

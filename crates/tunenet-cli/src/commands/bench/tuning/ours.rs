@@ -15,10 +15,13 @@ use crate::commands::bench::resume::Store;
 /// What making a model took, s.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Seconds {
+    #[serde(rename = "generate_seconds")]
     pub generate: f64,
+    #[serde(rename = "train_seconds")]
     pub train: f64,
     /// How much of the training the processor spent on it: less, where other programs held the cores. None where the
     /// system does not tell.
+    #[serde(rename = "train_on_core_seconds")]
     pub train_on_core: Option<f64>,
 }
 

@@ -1,0 +1,37 @@
+//! What a program refuses, told as its own: neither the recording nor the fit is to blame.
+
+use tunenet_core::Error;
+use tunenet_sim::SimulationFile;
+use tunenet_sim::simulation_file::Domain;
+
+/// Which values a program was asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// Those of the file, to simulate them or to start a fit there.
+    Present,
+    /// Any within the bounds.
+    Within,
+}
+
+/// A refusal by the program of `file`, with the values that it refused; `None` for an error that is none.
+pub fn of_program(file: &SimulationFile, asked: Asked, error: &Error) -> Option<Error> {
+    let Error::Simulator { at, message } = error else { return None };
+    if file.domain() != Domain::Process {
+        return None;
+    }
+    let parameters = file.parameters().unwrap_or_default();
+    let present = parameters.iter().map(|p| format!("{}={}", p.name, p.value)).collect::<Vec<_>>().join(" ");
+    let example = parameters.first().map_or("NAME", |p| p.name.as_str());
+    let text = match asked {
+        Asked::Present if *at == present => format!("the program refused the file's own values ({at}): {message}"),
+        _ => format!("the program refused {at}: {message}"),
+    };
+    let hint = match asked {
+        Asked::Present => format!(
+            "begin with values that it can simulate: change `[parameters.NAME] value` in the file, or `--set \
+             parameters.{example}.value=…`"
+        ),
+        Asked::Within => "narrow the bounds of `[parameters.NAME]` to what it can simulate".into(),
+    };
+    Some(Error::file(file.path(), text, hint))
+}
