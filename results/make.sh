@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures again what this folder holds, and pastes it into the pages that show it: results/make.sh [paper|speed|shot|diagnose]…
-# Each takes minutes; a run that was stopped goes on where it stopped. Nothing else should run beside `speed`.
+# Measures again what this folder holds, and pastes it into the pages that show it: results/make.sh [paper|speed|grow|shot|diagnose]…
+# Each takes minutes; all but `speed` and `grow` go on where they were stopped. Nothing else should run beside these two.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export PATH="$PATH:$HOME/.cargo/bin"
@@ -60,6 +60,10 @@ for what in "${@:-paper}"; do
                 paste "$part" docs/paper.md <(body "results/paper/$part.md")
             done
             ;;
+        grow)
+            measure grow bench grow --pairs 1000 10000 100000 1000000 --threads 2 --want 100000000 --nodes 16 --cores 32
+            paste grow docs/grow.md results/grow/grow.md
+            ;;
         shot | diagnose)
             measure "$what" bench "$what" --seed "$seed"
             ;;
@@ -72,7 +76,7 @@ for what in "${@:-paper}"; do
             paste speed README.md results/speed/speed.md
             ;;
         *)
-            echo "expected paper, speed, shot or diagnose, found \`$what\`" >&2
+            echo "expected paper, speed, grow, shot or diagnose, found \`$what\`" >&2
             exit 2
             ;;
     esac
