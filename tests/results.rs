@@ -32,7 +32,11 @@ fn body(file: &str) -> String {
 fn pages_show_what_the_results_hold() {
     for part in ["table1", "table2", "table3", "figure2", "figure3"] {
         let file = format!("results/paper/{part}.md");
-        assert_eq!(pasted("docs/paper.md", part), body(&file), "docs/paper.md is not of the last run: `results/make.sh paper`");
+        assert_eq!(
+            pasted("docs/paper.md", part),
+            body(&file),
+            "docs/paper.md is not of the last run: `results/make.sh paper`"
+        );
         for format in ["csv", "json", "svg"] {
             let path = root().join("results/paper").join(format!("{part}.{format}"));
             let expected = match format {
@@ -69,5 +73,8 @@ fn results_say_how_they_were_made() {
         assert!(of("seconds").split(' ').next().is_some_and(|s| s.parse::<u64>().is_ok()), "{run}");
     }
     assert!(folders >= 2, "results hold {folders} folders");
-    assert!(text("docs/paper.md").contains(text("results/paper/run.txt").lines().nth(1).unwrap().trim_start_matches("command ")));
+    assert!(
+        text("docs/paper.md")
+            .contains(text("results/paper/run.txt").lines().nth(1).unwrap().trim_start_matches("command "))
+    );
 }
