@@ -242,8 +242,25 @@ fn a_diagnosis_that_cannot_choose_is_planned_with() {
     for name in json["candidates"].as_array().unwrap() {
         assert!(listed.contains(name.as_str().unwrap()), "{listed}");
     }
-    let found = folder.run("plan --sim left.toml --task shot.toml --json").ends(0).json();
+    let line = "plan --sim left.toml --task shot.toml --json";
+    let found = folder.run(line).ends(0).json();
     assert!(!found["warnings"].to_string().contains("plan."), "{}", found["warnings"]);
+    // Whoever writes another value into the file means it: no explanation of the recording is drawn in its place.
+    for (edit, other) in [("parameters.restitution.value", "0.6"), ("effects.quadratic_drag.c_1_m", "0.4")] {
+        let edited = folder.run(&format!("{line} --set {edit}={other}")).ends(0).json();
+        let told = &edited["warnings"][0];
+        assert_eq!(told["code"], "plan.changed", "{edit}: {}", edited["warnings"]);
+        assert!(told["text"].as_str().is_some_and(|m| m.contains(&format!("is {other}, which is not"))), "{told}");
+        let moved = edited["height_m"].as_f64().unwrap() - found["height_m"].as_f64().unwrap();
+        assert!(moved.abs() > 0.02, "{edit}: {moved}");
+    }
+    // The nearest path is that of the file's own numbers, whatever else is possible.
+    folder.write("alone.toml", text.replace(listed, ""));
+    let nearest = |sim: &str| {
+        folder.run(&format!("plan --sim {sim} --task shot.toml --rule nearest --json")).ends(0).json()["height_m"]
+            .clone()
+    };
+    assert_eq!(nearest("left.toml"), nearest("alone.toml"));
 }
 
 #[test]

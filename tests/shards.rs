@@ -172,8 +172,12 @@ fn shards_that_do_not_belong_together_are_refused() {
     let half = folder.run(&merge("p.shard-1-of-3.mcap")).ends(1).stderr;
     assert!(half.contains("p.shard-1-of-3.mcap: expected a complete MCAP file") && half.contains("again"), "{half}");
     assert!(!folder.path("merged.mcap").exists());
-    let again = folder.run(&format!("{line} --shard 1/3")).ends(0).stderr;
-    assert!(again.contains("again") && again.contains("not whole"), "{again}");
+    for length in [100, 700, whole.len() / 2] {
+        folder.write("p.shard-1-of-3.mcap", &whole[..length]);
+        let again = folder.run(&format!("{line} --shard 1/3")).ends(0).stderr;
+        assert!(again.contains("again") && again.contains("not whole"), "{length}: {again}");
+        assert!(folder.read("p.shard-1-of-3.mcap") == whole, "{length}");
+    }
     let kept = folder.run(&format!("{line} --shard 1/3")).ends(0).stderr;
     assert!(kept.contains("kept     p.shard-1-of-3.mcap is complete already"), "{kept}");
     folder.run(&merge("p.shard-1-of-3.mcap")).ends(0);
@@ -289,6 +293,10 @@ fn drops() -> Folder {
 fn recordings_are_tuned_to_in_shards() {
     let folder = drops();
     let line = "tune --sim scene.toml --observation logs/*/*.csv --each";
+    for tool in ["tune", "diagnose"] {
+        let alone = format!("{tool} --sim scene.toml --observation logs/a/drop0.csv --shard 0/2");
+        misused(&folder, &alone, "`--shard`: expected `--each` beside it");
+    }
     let whole = folder.run(&format!("{line} --out-dir whole --jobs 2 --json")).ends(1);
     // In the order of their names, whichever was done first.
     let told: Vec<&str> = whole.stderr.lines().filter_map(|l| l.split_once(".csv:").map(|(name, _)| name)).collect();

@@ -247,6 +247,18 @@ pub struct Init {
     pub common: Common,
 }
 
+impl Apart {
+    /// Shares are shares of many recordings.
+    ///
+    /// # Errors
+    /// [`Error::Setting`](tunenet_core::Error::Setting) where `--shard` stands without `--each`.
+    pub fn check(&self, each: bool) -> tunenet_core::Result<()> {
+        let Some(shard) = self.sharing.shard.filter(|_| !each) else { return Ok(()) };
+        let expected = "`--each` beside it, with a share of the recordings for every shard".into();
+        Err(tunenet_core::Error::Setting { name: "--shard", expected, found: format!("{shard} alone") })
+    }
+}
+
 /// `tunenet tune`.
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]

@@ -54,7 +54,9 @@ impl Product {
                 .and_then(|file| Some(file.get("provenance")?.get("tool")?.as_str()?.starts_with("tunenet ")))
                 .unwrap_or(false),
             Self::Page => beginning(path).is_ok_and(|start| report::is_own(&start)),
-            Self::Dataset => DatasetReader::open(path).is_ok() || DatasetReader::open_shard(path).is_ok(),
+            Self::Dataset => {
+                DatasetReader::open(path).is_ok() || DatasetReader::open_shard(path).is_ok() || is_cut_shard(path)
+            }
             Self::Model => Model::load(path).is_ok(),
             Self::Answer => std::fs::read_to_string(path)
                 .ok()
@@ -186,6 +188,13 @@ pub fn holds_something(path: &Path) -> bool {
         Ok(about) => about.is_file() && about.len() > 0,
         Err(_) => path.symlink_metadata().is_ok(),
     }
+}
+
+/// Whether a file has the name of a shard and begins as tunenet's logs do, though it ends before it says more: a node that was
+/// switched off leaves it.
+fn is_cut_shard(path: &Path) -> bool {
+    let named = path.file_name().is_some_and(|name| name.to_string_lossy().contains(".shard-"));
+    named && beginning(path).is_ok_and(|start| start.contains("MCAP0") && start.contains("tunenet "))
 }
 
 /// The first kilobyte of a file as text.

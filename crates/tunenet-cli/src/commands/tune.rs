@@ -31,6 +31,7 @@ use crate::terminal::{between, four_digits, in_words, list, rounded, stage, tabl
 const SCHEMA: &str = "tunenet.tune/1";
 
 pub fn run(options: &Tune) -> Result<Exit> {
+    options.apart.check(options.each)?;
     let urdf = options.simulation.urdf_set();
     let inputs: Vec<&Path> = inputs(options).chain(urdf.as_deref()).collect();
     destination::check(&outputs(options), &inputs, options.writing.overwrite)?;

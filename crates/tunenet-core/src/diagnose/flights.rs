@@ -80,6 +80,10 @@ impl Asked<'_> {
         let unlikely = |name: &str| effects.iter().any(|e| e.name == name && e.unlikely.is_some());
         let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !unlikely(c.name)).map(|c| c.name);
         let next = next.filter(|name| !answer.names.contains(name)).take(1).collect::<Vec<_>>();
+        // A lone name is one effect's.
+        if let Some(named) = answer.effects.first_mut() {
+            named.alternatives.extend(&next);
+        }
         answer.names.extend(next);
         answer.verdict = Verdict::OneOf;
         let text = "add recordings of the same ball from other heights and in other directions".into();

@@ -57,7 +57,7 @@ struct Alternative {
 #[derive(Debug, Clone)]
 pub struct Belief {
     base: Scene,
-    /// The ball of the file; of one among several explanations, the first.
+    /// The ball of the file.
     nominal: Vec<Quantity>,
     alternatives: Vec<Alternative>,
     release_sd: (f64, f64),
@@ -94,27 +94,19 @@ impl Belief {
         let provenance = Provenance { file };
         let (mut quantities, mut changed) = (Vec::new(), Vec::new());
         for (parameter, role) in parameters.into_iter().zip([Role::Restitution, Role::Friction]) {
-            let mut interval = provenance.interval(&parameter.name);
-            if let Some((low, high)) = interval.filter(|(low, high)| !(*low..=*high).contains(&parameter.value)) {
-                let (name, value) = (&parameter.name, parameter.value);
-                let text =
-                    format!("{name} is {value}, which is not what was tuned ({low} to {high}); it is taken as exact");
-                changed.push(Note::new("plan.changed", text, "tune the file anew, or leave its value as it was"));
-                interval = None;
-            }
+            let interval = provenance.interval(&parameter.name);
+            let interval = unless_edited(&parameter.name, parameter.value, interval, &mut changed);
             let bounds = (parameter.min, parameter.max);
             quantities.push(Quantity { name: parameter.name, role, value: parameter.value, interval, bounds });
         }
         for present in file.effects() {
             let Some(effect) = BallEffect::find(&present.name) else { continue };
             for (c, value) in effect.coefficients.iter().zip(&present.values) {
-                quantities.push(Quantity {
-                    name: format!("{}.{}", effect.name, c.key),
-                    role: Role::Coefficient(Box::new(effect)),
-                    value: *value,
-                    interval: provenance.of_effect(effect.name, c.key),
-                    bounds: (c.min, c.max),
-                });
+                let name = format!("{}.{}", effect.name, c.key);
+                let interval = provenance.of_effect(effect.name, c.key);
+                let interval = unless_edited(&name, *value, interval, &mut changed);
+                let (role, bounds) = (Role::Coefficient(Box::new(effect)), (c.min, c.max));
+                quantities.push(Quantity { name, role, value: *value, interval, bounds });
             }
         }
         let edited = !changed.is_empty();
@@ -194,17 +186,20 @@ impl Belief {
     }
 
     /// Takes in the explanations among which a diagnosis could not choose, or every drag that recordings left open.
-    /// Of a file whose values were `changed` since, that drag belongs to other values and is passed over.
+    /// Of a file whose values were `changed` since, both belong to other values and are passed over.
     fn weigh(&mut self, provenance: &Provenance, changed: bool) {
+        if changed {
+            return;
+        }
         let known = self.alternatives[0].clone();
         if let Some(listed) = provenance.list("alternatives") {
             let name = |table: &InlineTable| table.get("name").and_then(Value::as_str).and_then(BallEffect::find);
             let explained = listed.into_iter().filter(|table| table.contains_key("name"));
             let all: Vec<Alternative> = explained.map(|table| known.with(name(table), table, provenance)).collect();
-            if let Some(first) = all.first() {
-                (self.nominal, self.alternatives) = (first.quantities.clone(), all);
+            if !all.is_empty() {
+                self.alternatives = all;
             }
-        } else if let (Some(listed), false) = (provenance.list(OPEN_DRAG), self.holds(DRAG) || changed) {
+        } else if let (Some(listed), false) = (provenance.list(OPEN_DRAG), self.holds(DRAG)) {
             let drag = BallEffect::find(DRAG);
             if !listed.iter().all(|table| self.understands(drag.as_ref(), table)) {
                 let text = "what the file says of drag that is open (`open_drag`) is not as tunenet writes it: no drag is taken";
@@ -270,6 +265,17 @@ impl Alternative {
         one.weight = table.get("weight").and_then(number).filter(|w| *w >= 0.0).unwrap_or(1.0);
         one
     }
+}
+
+/// The interval of a value, unless somebody has put the value elsewhere since; that is told.
+fn unless_edited(name: &str, value: f64, interval: Option<(f64, f64)>, told: &mut Vec<Note>) -> Option<(f64, f64)> {
+    let (low, high) = interval?;
+    if (low..=high).contains(&value) {
+        return interval;
+    }
+    let text = format!("{name} is {value}, which is not what was tuned ({low} to {high}); it is taken as exact");
+    told.push(Note::new("plan.changed", text, "tune the file anew, or leave its value as it was"));
+    None
 }
 
 /// The 95 % interval beside a number of a table, where it holds that number.

@@ -19,6 +19,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
+pub use self::resume::own;
 use crate::cli::{Bench, Measured};
 use crate::failure::Exit;
 

@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
+use tunenet_core::Error;
 use tunenet_core::network::Shard;
 use tunenet_core::observation::recording::write_atomically;
 
@@ -14,6 +15,22 @@ use crate::cli::{Measured, Sharing};
 use crate::commands::destination;
 use crate::commands::shard::{self, Job, Mark, Share, mark};
 use crate::failure::Exit;
+
+/// Where pieces lie in the folder of a bench.
+const CELLS: &str = "cells";
+
+/// Refuses a folder that somebody keeps other things in: what a bench writes could have the names of these.
+///
+/// # Errors
+/// [`Error::File`] where `folder` holds something, and no bench has begun there.
+pub fn own(folder: &Path) -> Result<()> {
+    let holds_something = std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
+    if holds_something && !folder.join(CELLS).is_dir() {
+        let message = "expected a new or empty folder, or one of a bench, found other files in it";
+        return Err(Error::file(folder, message, "choose another folder with --out").into());
+    }
+    Ok(())
+}
 
 /// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and whatever
 /// else decides what comes out.
@@ -32,12 +49,13 @@ impl Store {
     pub fn open(folder: &Path, run: Value, sharing: &Sharing) -> Result<Self> {
         let folder = shard::folder(folder, sharing.shard);
         destination::leads_somewhere(&folder, &folder, true)?;
+        own(&folder)?;
         if sharing.shard.is_some() {
             mark::clear_damage(&folder)?;
         }
         let (pieces, mine) = (AtomicU64::new(0), AtomicU64::new(0));
         let store = Self { folder, run, shard: sharing.shard, pieces, mine };
-        store.room("cells")?;
+        store.room(CELLS)?;
         Ok(store)
     }
 
@@ -83,7 +101,7 @@ impl Store {
     /// The piece `name`, from disk where this run has made it already. Either way it has passed through its file, so that
     /// a resumed run ends with the same digits.
     pub fn keep<T: Serialize + DeserializeOwned>(&self, name: &str, make: impl FnOnce() -> Result<T>) -> Result<T> {
-        let path = self.folder.join("cells").join(format!("{name}.json"));
+        let path = self.folder.join(CELLS).join(format!("{name}.json"));
         if let Some(value) = self.kept(&path) {
             return Ok(value);
         }
@@ -111,6 +129,19 @@ mod tests {
         assert_eq!(store(1).keep("a", || Ok(0.1 + 0.2)).unwrap(), 0.1 + 0.2);
         assert_eq!(store(1).keep::<f64>("a", || anyhow::bail!("made twice")).unwrap(), 0.1 + 0.2);
         assert_eq!(store(2).keep("a", || Ok(0.5)).unwrap(), 0.5);
+    }
+
+    #[test]
+    fn a_folder_of_others_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = || Store::open(folder.path(), json!({}), &Sharing::default());
+        std::fs::write(folder.path().join("figure2.md"), "mine").unwrap();
+        let refused = open().err().unwrap().to_string();
+        assert!(refused.contains("expected a new or empty folder, or one of a bench"), "{refused}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        std::fs::remove_file(folder.path().join("figure2.md")).unwrap();
+        open().unwrap();
+        open().unwrap();
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use toml_edit::{Array, DocumentMut, InlineTable, Value as Toml};
 use tunenet_core::Error;
-use tunenet_core::diagnose::{Change, Diagnosis, Fitted, Gap, NamedEffect, Value, Verdict};
+use tunenet_core::diagnose::{Change, Diagnosis, Fitted, Gap, GapOf, NamedEffect, Value, Verdict};
 use tunenet_core::observation::recording::read_text;
 use tunenet_core::observation::recording::write_atomically;
 use tunenet_core::simulator::Simulator;
@@ -250,7 +250,10 @@ fn provenance(
         entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
         // Of what cannot be told apart only one is written, never all together.
         entries.push(("chosen", answer.chosen().into_iter().collect::<Array>().into()));
-        entries.push(("alternatives", super::alternatives::alternatives(answer, object).into()));
+        // Numbers of flights alone are not those that a fit to whole recordings finds, where these are not explained.
+        if gap.of == GapOf::Recordings {
+            entries.push(("alternatives", super::alternatives::alternatives(answer, object).into()));
+        }
     }
     if matches!(diagnosis.verdict, Verdict::None | Verdict::Named) {
         let open = super::alternatives::open(answer, object, file)?;

@@ -28,6 +28,7 @@ use crate::report;
 use crate::terminal::stage;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
+    options.apart.check(options.each)?;
     if options.each {
         return each(options);
     }

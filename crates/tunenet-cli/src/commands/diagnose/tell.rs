@@ -267,7 +267,9 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
     let runners_up =
         diagnosis.effects.iter().filter_map(|e| Some((e.evidence.runner_up?, e.evidence.runner_up_bic_gap)));
     if let Some((name, gap)) = runners_up.min_by(|a, b| a.1.total_cmp(&b.1)) {
-        line = format!("{name} is {} behind, and what is within {:.0} is left; {line}", whole(gap), diagnosis.margin);
+        // What is ahead was passed over for another reason than its evidence.
+        let place = if gap < 0.0 { "as good".into() } else { format!("{} behind", whole(gap)) };
+        line = format!("{name} is {place}, and what is within {:.0} is left; {line}", diagnosis.margin);
     }
     Some(line)
 }

@@ -37,6 +37,9 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
         mark.check(folder)?;
     }
     if !options.writing.overwrite {
+        if matches!(like.job, Job::Bench(_)) {
+            bench::own(&options.out)?;
+        }
         let all = Path::new(each::ALL);
         let brought = marks.iter().flat_map(|(_, mark)| mark.files.iter());
         let answers =
