@@ -11,7 +11,7 @@ use mcap::{McapError, WriteOptions, Writer};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::observation::recording::{PIECE, longest_record};
+use crate::observation::recording::{PIECE, WholeChunks, longest_record};
 use crate::{Error, Result};
 
 /// Plain CDR, little-endian, as ROS 2 writes it before every message.
@@ -81,7 +81,7 @@ impl Output {
 /// A file being read, front to back, with the memory of one chunk.
 pub(super) struct Source {
     path: PathBuf,
-    file: File,
+    file: WholeChunks<File>,
     reader: MessageReader,
 }
 
@@ -94,6 +94,7 @@ impl Source {
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
             .with_record_length_limit(longest_record(bytes, LONGEST_RECORD));
+        let file = WholeChunks::new(file);
         Ok(Self { path: path.to_owned(), file, reader: MessageReader::new_with_options(options) })
     }
 

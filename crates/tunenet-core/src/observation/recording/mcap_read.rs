@@ -4,6 +4,7 @@
 //! that was cut off gives every message up to the cut.
 
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::{McapError, records::op};
 
 use super::open;
+use super::whole_chunks::WholeChunks;
 use crate::{Error, Result};
 
 /// Longest record in bytes. An uncompressed 4K picture has 25 MB; a length beyond this is a broken file.
@@ -56,7 +58,7 @@ pub(crate) struct RawMessage {
 /// The messages of a file in the order in which they stand there. Ends after the first error.
 pub(crate) struct Messages {
     path: PathBuf,
-    file: std::fs::File,
+    file: WholeChunks<File>,
     reader: LinearReader,
     schemas: BTreeMap<u16, String>,
     channels: BTreeMap<u16, Arc<ChannelInfo>>,
@@ -80,7 +82,7 @@ pub(crate) fn messages(path: impl AsRef<Path>) -> Result<Messages> {
         .with_record_length_limit(longest_record(bytes, LONGEST_RECORD));
     Ok(Messages {
         path: path.into(),
-        file,
+        file: WholeChunks::new(file),
         reader: LinearReader::new_with_options(options),
         schemas: BTreeMap::new(),
         channels: BTreeMap::new(),
@@ -104,6 +106,9 @@ impl Messages {
 
     fn broken(&self, error: &McapError) -> Error {
         let what = match error {
+            McapError::UnexpectedEof if self.file.overrun() => {
+                "a record is longer than the chunk it stands in".to_owned()
+            }
             McapError::UnexpectedEof => "the recording is cut off".to_owned(),
             McapError::BadMagic => "expected the mark of an MCAP file, found other bytes".to_owned(),
             McapError::UnsupportedCompression(name) => format!("expected zstd or lz4 chunks, found `{name}`"),

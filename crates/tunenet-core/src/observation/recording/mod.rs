@@ -7,7 +7,7 @@
 //! | file | subject |
 //! |---|---|
 //! | `lines`, `quantity`, `ranges`, `columns`, `own_columns`, `guess`, `guess_joints`, `scan`, `csv`, `bounces` | text: lines and cells, what a column is, ranges of columns, what the columns make, for a simulator of one's own as well, or could make, the numbers, an observation from them |
-//! | `mcap_read`, `topics`, `message`, `ros`, `json`, `joints`, `mcap_series`, `stamps` | MCAP: records, topics, messages, an observation from them |
+//! | `mcap_read`, `whole_chunks`, `topics`, `message`, `ros`, `json`, `joints`, `mcap_series`, `stamps` | MCAP: records, chunks that hold whole ones, topics, messages, an observation from them |
 //! | `source`, `encoding` | the file itself: what is opened, whether it changed meanwhile, and how its text is written |
 //! | `csv_write`, `mcap_write`, `approach_write`, `definitions`, `atomic` | writing |
 //! | `contents` | the listing |
@@ -43,6 +43,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 mod topics;
+mod whole_chunks;
 
 use std::io::Read as _;
 use std::path::Path;
@@ -57,6 +58,7 @@ pub(crate) use mcap_read::{ChannelInfo, Messages, PIECE, RawMessage, longest_rec
 pub use mcap_write::write_mcap;
 pub use source::open;
 pub use topics::Topic;
+pub(crate) use whole_chunks::WholeChunks;
 
 use super::{Channel, Note, Observation};
 use crate::{Error, Result};
