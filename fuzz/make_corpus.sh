@@ -38,5 +38,5 @@ seed mcap pairs '\x00' < "$folder/pairs.mcap"
 python3 fuzz/make_messages.py fuzz/corpus/mcap
 "$tool" train --data "$folder/pairs.mcap" --preset paper --out "$folder/m.safetensors" 2> /dev/null
 seed model paper < "$folder/m.safetensors"
-git checkout --quiet -- fuzz/corpus/mcap/{promises_much,chunk_overrun} # found, not made
+git checkout --quiet -- fuzz/corpus/mcap/{promises_much,chunk_overrun,short_attachment} # found, not made
 du -sh fuzz/corpus/*

@@ -1,17 +1,16 @@
 //! MCAP in and out, one message at a time.
 
 use std::fs::File;
-use std::io::{BufWriter, Read as _};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
-use mcap::sans_io::{LinearReaderOptions, MessageReadEvent, MessageReader};
 use mcap::{McapError, WriteOptions, Writer};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::observation::recording::{PIECE, WholeChunks, longest_record};
+use crate::observation::recording::{Fault, Messages, messages_up_to};
 use crate::{Error, Result};
 
 /// Plain CDR, little-endian, as ROS 2 writes it before every message.
@@ -81,37 +80,13 @@ impl Output {
 /// A file being read, front to back, with the memory of one chunk.
 pub(super) struct Source {
     path: PathBuf,
-    file: WholeChunks<File>,
-    reader: MessageReader,
+    messages: Messages,
 }
 
 impl Source {
     /// Opens `path`.
     pub(super) fn open(path: &Path) -> Result<Self> {
-        let file = crate::observation::recording::open(path)?;
-        // A chunk is checked before any of it is believed: half a chunk yields nothing.
-        let bytes = file.metadata().map_err(|e| Error::io(path, "opening", e))?.len();
-        let options = LinearReaderOptions::default()
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(longest_record(bytes, LONGEST_RECORD));
-        let file = WholeChunks::new(file);
-        Ok(Self { path: path.to_owned(), file, reader: MessageReader::new_with_options(options) })
-    }
-
-    /// The next message of any topic, `None` at the end of the file.
-    fn message(&mut self) -> Result<Option<mcap::Message<'static>>> {
-        while let Some(event) = self.reader.next_event() {
-            match event.map_err(|e| mcap_error(&self.path, "reading", e))? {
-                MessageReadEvent::Message(message) => return Ok(Some(message)),
-                // In small pieces, so that no more memory is taken than the file has bytes for.
-                MessageReadEvent::ReadRequest(need) => {
-                    let piece = self.reader.insert(need.clamp(1, PIECE));
-                    let read = self.file.read(piece).map_err(|e| Error::io(&self.path, "reading", e))?;
-                    self.reader.notify_read(read);
-                }
-            }
-        }
-        Ok(None)
+        Ok(Self { path: path.to_owned(), messages: messages_up_to(path, LONGEST_RECORD)? })
     }
 
     /// The next message on `topic`, `None` at the end of the file.
@@ -123,9 +98,11 @@ impl Source {
     /// The next message on any of these topics, with its topic, not decoded yet; `None` at the end of the file.
     pub(super) fn next_of<'t>(&mut self, topics: &[&'t str]) -> Result<Option<(&'t str, Vec<u8>)>> {
         loop {
-            let Some(message) = self.message()? else { return Ok(None) };
+            let Some(message) = self.messages.advance().map_err(|fault| broken(&self.path, fault))? else {
+                return Ok(None);
+            };
             if let Some(topic) = topics.iter().find(|topic| **topic == message.channel.topic) {
-                return Ok(Some((topic, message.data.into_owned())));
+                return Ok(Some((topic, message.data)));
             }
         }
     }
@@ -140,6 +117,19 @@ impl Source {
             return Err(wrong("another encapsulation".into()));
         };
         cdr_encoding::from_bytes::<M, LittleEndian>(body).map(|(read, _)| read).map_err(|e| wrong(e.to_string()))
+    }
+}
+
+/// Why a dataset cannot be read on, in one sentence.
+fn broken(path: &Path, fault: Fault) -> Error {
+    match fault {
+        Fault::Io(source) => Error::io(path, "reading", source),
+        Fault::Overrun => Error::file(
+            path,
+            "expected a sound MCAP file, found a record that is longer than its chunk",
+            "write the file again",
+        ),
+        Fault::Format(error) => mcap_error(path, "reading", error),
     }
 }
 

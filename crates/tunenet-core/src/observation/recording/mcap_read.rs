@@ -27,10 +27,10 @@ const LONGEST_SMALL: usize = 32 << 20;
 const MOST_GROWTH: u64 = 64;
 
 /// How much is asked of the file at a time, in bytes, whatever a record promises.
-pub(crate) const PIECE: usize = 64 << 10;
+pub(super) const PIECE: usize = 64 << 10;
 
 /// The longest record that a file of `bytes` is believed to hold, in bytes, and never more than `most`.
-pub(crate) fn longest_record(bytes: u64, most: usize) -> usize {
+fn longest_record(bytes: u64, most: usize) -> usize {
     usize::try_from(bytes.saturating_mul(MOST_GROWTH)).unwrap_or(usize::MAX).max(LONGEST_SMALL).min(most)
 }
 
@@ -74,12 +74,19 @@ pub(crate) struct Messages {
 /// [`Error::Io`] or [`Error::File`] where the file cannot be opened. The iterator returns [`Error::File`] once, as its
 /// last item, where the file is cut off or broken, and says how many messages came before.
 pub(crate) fn messages(path: impl AsRef<Path>) -> Result<Messages> {
-    let path = path.as_ref();
+    messages_up_to(path.as_ref(), LONGEST_RECORD)
+}
+
+/// As [`messages`], where a record may have up to `longest` bytes.
+///
+/// # Errors
+/// As [`messages`].
+pub(crate) fn messages_up_to(path: &Path, longest: usize) -> Result<Messages> {
     let file = open(path)?;
     let bytes = file.metadata().map_err(|e| Error::io(path, "opening", e))?.len();
     let options = LinearReaderOptions::default()
         .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(longest_record(bytes, LONGEST_RECORD));
+        .with_record_length_limit(longest_record(bytes, longest));
     Ok(Messages {
         path: path.into(),
         file: WholeChunks::new(file),
@@ -104,16 +111,44 @@ impl Messages {
         (&self.profile, &self.library)
     }
 
-    fn broken(&self, error: &McapError) -> Error {
-        let what = match error {
-            McapError::UnexpectedEof if self.file.overrun() => {
-                "a record is longer than the chunk it stands in".to_owned()
+    /// The next message, `None` at the end of the file. After a fault there is nothing more to ask for.
+    pub(crate) fn advance(&mut self) -> std::result::Result<Option<RawMessage>, Fault> {
+        loop {
+            let record = match self.reader.next_event() {
+                None => return Ok(None),
+                Some(Err(McapError::UnexpectedEof)) if self.file.overrun() => return Err(Fault::Overrun),
+                Some(event) => match event? {
+                    LinearReadEvent::ReadRequest(need) => {
+                        let read = self.file.read(self.reader.insert(need.clamp(1, PIECE))).map_err(Fault::Io)?;
+                        self.reader.notify_read(read);
+                        continue;
+                    }
+                    // What else there is, is not parsed: the crate's parser of attachments panics on short ones.
+                    LinearReadEvent::Record { data, opcode } => match opcode {
+                        op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE => {
+                            mcap::parse_record(opcode, data)?.into_owned()
+                        }
+                        _ => continue,
+                    },
+                },
+            };
+            if let Some(message) = self.take(record)? {
+                return Ok(Some(message));
             }
-            McapError::UnexpectedEof => "the recording is cut off".to_owned(),
-            McapError::BadMagic => "expected the mark of an MCAP file, found other bytes".to_owned(),
-            McapError::UnsupportedCompression(name) => format!("expected zstd or lz4 chunks, found `{name}`"),
-            McapError::Parse(_) => "a record does not follow the MCAP format".to_owned(),
-            other => {
+        }
+    }
+
+    fn broken(&self, fault: Fault) -> Error {
+        let what = match fault {
+            Fault::Io(error) => return Error::io(&self.path, "reading", error),
+            Fault::Overrun => "a record is longer than the chunk it stands in".to_owned(),
+            Fault::Format(McapError::UnexpectedEof) => "the recording is cut off".to_owned(),
+            Fault::Format(McapError::BadMagic) => "expected the mark of an MCAP file, found other bytes".to_owned(),
+            Fault::Format(McapError::UnsupportedCompression(name)) => {
+                format!("expected zstd or lz4 chunks, found `{name}`")
+            }
+            Fault::Format(McapError::Parse(_)) => "a record does not follow the MCAP format".to_owned(),
+            Fault::Format(other) => {
                 let text = other.to_string();
                 let mut letters = text.chars();
                 letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
@@ -158,50 +193,34 @@ impl Messages {
         }
         Ok(None)
     }
-
-    fn step(&mut self) -> Result<Step> {
-        let record = match self.reader.next_event() {
-            None => return Ok(Step::End),
-            Some(Err(error)) => return Err(self.broken(&error)),
-            Some(Ok(LinearReadEvent::ReadRequest(need))) => {
-                let piece = self.reader.insert(need.clamp(1, PIECE));
-                let read = self.file.read(piece).map_err(|e| Error::io(&self.path, "reading", e))?;
-                self.reader.notify_read(read);
-                return Ok(Step::Further);
-            }
-            Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                if !matches!(opcode, op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE) {
-                    return Ok(Step::Further);
-                }
-                mcap::parse_record(opcode, data).map(Record::into_owned)
-            }
-        };
-        let message = record.and_then(|record| self.take(record)).map_err(|error| self.broken(&error))?;
-        Ok(message.map_or(Step::Further, Step::Message))
-    }
 }
 
-enum Step {
-    Message(RawMessage),
-    Further,
-    End,
+/// Why there is no next message.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    /// The file could not be read.
+    Io(std::io::Error),
+    /// A record runs past the end of its chunk.
+    Overrun,
+    /// Whatever else the format does not allow.
+    Format(McapError),
+}
+
+impl From<McapError> for Fault {
+    fn from(error: McapError) -> Self {
+        Self::Format(error)
+    }
 }
 
 impl Iterator for Messages {
     type Item = Result<RawMessage>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        while !self.ended {
-            match self.step() {
-                Ok(Step::Further) => {}
-                Ok(Step::Message(message)) => return Some(Ok(message)),
-                Ok(Step::End) => self.ended = true,
-                Err(error) => {
-                    self.ended = true;
-                    return Some(Err(error));
-                }
-            }
+        if self.ended {
+            return None;
         }
-        None
+        let next = self.advance();
+        self.ended = !matches!(next, Ok(Some(_)));
+        next.map_err(|fault| self.broken(fault)).transpose()
     }
 }

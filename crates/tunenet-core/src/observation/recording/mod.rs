@@ -54,11 +54,10 @@ pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_
 pub use csv_write::write_csv;
 pub use encoding::read_text;
 #[allow(unused_imports, reason = "the reader of other files made of messages")]
-pub(crate) use mcap_read::{ChannelInfo, Messages, PIECE, RawMessage, longest_record, messages};
+pub(crate) use mcap_read::{ChannelInfo, Fault, Messages, RawMessage, messages, messages_up_to};
 pub use mcap_write::write_mcap;
 pub use source::open;
 pub use topics::Topic;
-pub(crate) use whole_chunks::WholeChunks;
 
 use super::{Channel, Note, Observation};
 use crate::{Error, Result};

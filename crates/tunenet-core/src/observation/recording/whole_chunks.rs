@@ -24,19 +24,19 @@ const SIZE: usize = 8;
 
 /// The bytes of a log. They end before a record that is longer than the chunk it stands in, as a file that is cut off there.
 #[derive(Debug)]
-pub(crate) struct WholeChunks<R> {
+pub(super) struct WholeChunks<R> {
     /// Buffered: a record is asked for in two pieces, its head and its body.
     bytes: BufReader<R>,
     outline: Outline,
 }
 
 impl<R: Read> WholeChunks<R> {
-    pub(crate) fn new(bytes: R) -> Self {
+    pub(super) fn new(bytes: R) -> Self {
         Self { bytes: BufReader::with_capacity(PIECE, bytes), outline: Outline::start() }
     }
 
     /// Whether a record runs past the end of its chunk, as far as was read.
-    pub(crate) fn overrun(&self) -> bool {
+    pub(super) fn overrun(&self) -> bool {
         self.outline.at == At::Overrun
     }
 }
