@@ -2,17 +2,12 @@
 
 use super::film::Film;
 use super::outcome::Iteration;
+use super::secant::{LONGEST_SECANT, Made};
 use super::unknowns::Point;
 use crate::network::{Model, Side};
 use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, Simulator, predict};
 use crate::{Error, Result};
-
-/// Two rollouts farther apart than this share of the bounds give a chord, not a slope, so no secant step is taken; nor does
-/// one reach farther than that.
-const LONGEST_SECANT: f64 = 0.03;
-/// ... and closer than this the rollouts differ by rounding alone.
-const SHORTEST_SECANT: f64 = 1e-9;
 
 /// How the loop moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +34,9 @@ pub struct Walk {
     pub point: Point,
     /// Every iterate with its error, the start first.
     pub iterations: Vec<Iteration>,
+    /// The answer before the first rollout and after every one but the last, which judges only: the iterate that follows,
+    /// or the best known where that one is a look elsewhere.
+    pub answers: Vec<Vec<f64>>,
     /// Rollouts used, the one that judges the last iterate included.
     pub rollouts: usize,
 }
@@ -69,8 +67,10 @@ pub fn walk(
     // Slopes compare trajectories to the last digit. Where the release is a guess they lead astray; the network has
     // learned how guesses err.
     let secant = settings.secant && free.len() == 1 && !model.from_recordings();
-    let mut rolled: Vec<Rolled> = Vec::new();
+    let bounds = free.first().map(|&i| (simulator.parameters()[i].min, simulator.parameters()[i].max));
+    let mut made = secant.then_some(bounds).flatten().map(Made::within);
     let mut iterations = Vec::new();
+    let mut answers = vec![point.at(&free)];
     let mut best: Option<(f64, Point)> = None;
     for k in 0..=settings.iterations {
         let values = predict(simulator, recording, &point.parameters, &point.own[0], clock)?;
@@ -87,15 +87,20 @@ pub fn walk(
         }
         let now = point.at(&free);
         let mut next = None;
-        if secant {
+        if let Some(made) = &mut made {
             // Slopes are taken in the picture, whose camera is fitted anew at every rollout. The network goes by the first
             // reading: far from the truth a camera that suits the rollout is none.
             let (compared, with) = match (&beside, &film) {
                 (Some(beside), Some(film)) => (beside.appears_px.clone(), film.v_px()),
                 _ => (values.clone(), recording.seen.values()),
             };
-            rolled.push(Rolled { at: now[0], values: compared, rmse });
-            next = secant_step(&rolled, with, simulator.parameters()[free[0]].span());
+            made.push(now[0], compared, rmse);
+            if let Some(elsewhere) = made.elsewhere() {
+                answers.push(best.as_ref().map_or_else(|| now.clone(), |(_, best)| best.at(&free)));
+                point = point.with(&free, &[elsewhere]);
+                continue;
+            }
+            next = made.step(with);
         }
         let next = if let Some(next) = next {
             vec![next]
@@ -114,6 +119,7 @@ pub fn walk(
             now.iter().zip(step).map(|(value, step)| value + step).collect()
         };
         let next = if settings.clamp { clamped(simulator, &free, &next) } else { next };
+        answers.push(next.clone());
         point = point.with(&free, &next);
     }
     let rollouts = iterations.len();
@@ -121,7 +127,7 @@ pub fn walk(
         Some((_, best)) if settings.best => best,
         _ => point,
     };
-    Ok(Walk { point: end, iterations, rollouts })
+    Ok(Walk { point: end, iterations, answers, rollouts })
 }
 
 /// The values within the bounds of the parameters at `free`.
@@ -140,33 +146,4 @@ fn positions(parameters: &[Parameter], model: &Model) -> Result<Vec<usize>> {
         })
     };
     model.parameters().iter().map(|p| find(&p.name)).collect()
-}
-
-/// A rollout that has been made: where, what it gave, and how far off.
-struct Rolled {
-    at: f64,
-    values: Vec<f64>,
-    rmse: f64,
-}
-
-/// Where the Gauss–Newton step from the best rollout leads, its slope the difference to the nearest other. At the end it is
-/// the maximum of the likelihood for white noise. `None` where no other is near enough.
-///
-/// All others are worse, so the best value lies nearer to the best rollout than to any of them: a step goes at most half
-/// the way to the next. That keeps it from the wilderness where a slope is hardly there (a restitution near 0).
-fn secant_step(rolled: &[Rolled], seen: &[f64], span: f64) -> Option<f64> {
-    let best = rolled.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;
-    let distance = |other: &Rolled| (other.at - best.at).abs() / span;
-    let others = || rolled.iter().filter(|other| distance(other) > SHORTEST_SECANT);
-    let near = others().min_by(|a, b| distance(a).total_cmp(&distance(b))).filter(|o| distance(o) < LONGEST_SECANT)?;
-    let (mut square, mut product) = (0.0, 0.0);
-    for ((new, old), seen) in best.values.iter().zip(&near.values).zip(seen) {
-        let slope = (new - old) / (best.at - near.at);
-        square += slope * slope;
-        product += slope * (seen - new);
-    }
-    let step = (square > 0.0).then(|| product / square)?;
-    let ahead = others().map(|other| (other.at - best.at) * step.signum()).filter(|way| *way > 0.0);
-    let reach = ahead.fold(LONGEST_SECANT * span, |least, way| least.min(0.5 * way));
-    Some(best.at + step.clamp(-reach, reach))
 }

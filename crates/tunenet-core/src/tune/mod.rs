@@ -24,6 +24,7 @@ mod profile;
 mod ray;
 mod region;
 mod residual;
+mod secant;
 mod shown;
 mod starts;
 mod unknowns;

@@ -71,5 +71,5 @@ pub fn course(simulation: &Simulation, model: &Model, target: &Target, most: usi
     let own = model.preset().name != "paper";
     let how = Loop { iterations: most, clamp: true, secant: own, best: own, library: own };
     let walk = walk(&simulation.ball, &target.prepared, model, simulation.start(target), how)?;
-    Ok(walk.iterations.iter().map(|i| i.parameters[0]).collect())
+    Ok(walk.answers.iter().map(|answer| answer[0]).collect())
 }
