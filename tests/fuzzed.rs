@@ -66,7 +66,7 @@ fn holds(target: &str, run: fn(&[u8])) {
 #[test]
 fn no_reader_panics_or_takes_memory_out_of_proportion() {
     holds("csv", readers::csv);
-    holds("mcap", readers::mcap);
+    holds("mcap", readers::mcap_by_all);
     holds("simulation", readers::simulation);
     holds("task", readers::task);
     holds("model", readers::model);
