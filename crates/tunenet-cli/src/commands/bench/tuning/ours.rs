@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
-use tunenet_core::network::{Course as Shown, Model, Preset, TrainOptions, train};
+use tunenet_core::network::{Course as Shown, Head, Model, Preset, TrainOptions, train};
 use tunenet_core::tune::{Loop, walk};
 
 use super::super::process;
@@ -32,13 +32,18 @@ fn on_core_s() -> Option<f64> {
     Some(nanoseconds * 1e-9)
 }
 
+/// Whether it is the paper's network in the paper's loop, however it was trained.
+fn of_the_paper(preset: &Preset) -> bool {
+    preset.head == Head::Tanh
+}
+
 /// A preset's own data set and how much shorter a quick training is.
 fn recipe(preset: &Preset, quick: bool) -> (&'static str, &'static str, Preset) {
     let mut preset = preset.clone();
     if quick && let Shown::Remixed { steps, .. } = &mut preset.course {
         *steps /= 4;
     }
-    if preset.name == "paper" { ("easy", "800", preset) } else { ("wide", "1000", preset) }
+    if of_the_paper(&preset) { ("easy", "800", preset) } else { ("wide", "1000", preset) }
 }
 
 /// The model of a preset and a seed, from disk where it has been trained already.
@@ -68,7 +73,7 @@ pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result
 /// The estimate after every rollout; the one that only judges the last iterate moves nothing.
 pub fn course(simulation: &Simulation, model: &Model, target: &Target, most: usize) -> Result<Course> {
     // As `tune` asks for the two: the paper's loop is the bare one. Values without a rollout are none, so both are clamped.
-    let own = model.preset().name != "paper";
+    let own = !of_the_paper(model.preset());
     let how = Loop { iterations: most, clamp: true, secant: own, best: own, library: own };
     let walk = walk(&simulation.ball, &target.prepared, model, simulation.start(target), how)?;
     Ok(walk.answers.iter().map(|answer| answer[0]).collect())

@@ -30,7 +30,7 @@ pub struct Direct {
 
 impl Direct {
     /// Learns from drops of the paper's training range. The same seed gives the same network.
-    pub fn train(simulation: &Simulation, seed: u64, quick: bool) -> Result<Self> {
+    pub fn train(simulation: &Simulation, mut preset: Preset, seed: u64, quick: bool) -> Result<Self> {
         let proposed = positions(simulation, &simulation.roll_on(&simulation.clock, PROPOSED_FALL_M, PROPOSED)?)?;
         let all = simulation.ball.parameters();
         let covered = |p: &tunenet_core::simulator::Parameter| CoveredParameter {
@@ -65,7 +65,6 @@ impl Direct {
             })
         };
         let lessons = (0..LESSONS).into_par_iter().map(lesson).collect::<Result<Vec<_>>>()?;
-        let mut preset = Preset::paper();
         if quick && let Course::Epochs { epochs } = &mut preset.course {
             *epochs /= 4;
         }

@@ -15,8 +15,10 @@ use super::direct::Direct;
 pub enum Method {
     Default,
     Paper,
+    PaperAdam,
     Mean,
     Direct,
+    DirectAdam,
     EntropySearch,
     Evolution,
     EvolutionInTwo,
@@ -27,11 +29,13 @@ pub enum Method {
 }
 
 impl Method {
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Default,
         Self::Paper,
+        Self::PaperAdam,
         Self::Mean,
         Self::Direct,
+        Self::DirectAdam,
         Self::EntropySearch,
         Self::Evolution,
         Self::EvolutionInTwo,
@@ -46,8 +50,10 @@ impl Method {
         match self {
             Self::Default => "default",
             Self::Paper => "paper",
+            Self::PaperAdam => "paper_adam",
             Self::Mean => "mean",
             Self::Direct => "direct",
+            Self::DirectAdam => "direct_adam",
             Self::EntropySearch => "entropy_search",
             Self::Evolution => "cma_es",
             Self::EvolutionInTwo => "cma_es_2d",
@@ -63,8 +69,10 @@ impl Method {
         match self {
             Self::Default => "TuneNet, preset `default`",
             Self::Paper => "TuneNet, preset `paper`",
+            Self::PaperAdam => "preset `paper`, trained by AdamW",
             Self::Mean => "the mean of the training range",
             Self::Direct => "direct prediction, the paper's network",
+            Self::DirectAdam => "the same, trained by AdamW",
             Self::EntropySearch => "greedy entropy search",
             Self::Evolution => "CMA-ES in one dimension",
             Self::EvolutionInTwo => "CMA-ES in two, the second idle",
@@ -77,7 +85,7 @@ impl Method {
 
     /// Whether it spends rollouts on a target at all.
     pub fn rolls_out(self) -> bool {
-        !matches!(self, Self::Mean | Self::Direct)
+        !matches!(self, Self::Mean | Self::Direct | Self::DirectAdam)
     }
 
     /// What the paper reports of it on a set, after so many rollouts (Section 4.2; arXiv 1907.11200).
@@ -104,7 +112,9 @@ pub struct Tuner<'a> {
     pub stored: &'a Stored,
     pub default: &'a Model,
     pub paper: &'a Model,
+    pub paper_adam: &'a Model,
     pub direct: &'a Direct,
+    pub direct_adam: &'a Direct,
 }
 
 impl Tuner<'_> {
@@ -115,8 +125,10 @@ impl Tuner<'_> {
         match method {
             Method::Default => ours::course(simulation, self.default, target, most),
             Method::Paper => ours::course(simulation, self.paper, target, most),
+            Method::PaperAdam => ours::course(simulation, self.paper_adam, target, most),
             Method::Mean => Ok(vec![0.5; most + 1]),
             Method::Direct => Ok(vec![self.direct.estimate(target)?; most + 1]),
+            Method::DirectAdam => Ok(vec![self.direct_adam.estimate(target)?; most + 1]),
             Method::EntropySearch => entropy_search::search(&search, most),
             Method::Evolution => evolution::search(&search, most, 1),
             Method::EvolutionInTwo => evolution::search(&search, most, 2),
