@@ -2,7 +2,7 @@
 """Draws docs/drop.svg: a measured drop, the simulation before tuning and after it. Standard Python only.
 
     cargo build --release -p tunenet-cli --no-default-features
-    python3 docs/make_picture.py [path/to/tunenet]
+    python3 docs/make_picture.py [path/to/tunenet [picture.svg]]
 
 The dots are assets/observations/drop.csv. `tunenet tune` finds the restitution; both curves come from `tunenet simulate`,
 started as that drop was (1 m of fall, released at 0.25 s, onto a floor at 0.113 m; see assets/README.md).
@@ -16,6 +16,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TOOL = sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "target/release/tunenet")
+PICTURE = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else ROOT / "docs/drop.svg"
 SCENE, DROP = ROOT / "assets/ball.toml", ROOT / "assets/observations/drop.csv"
 START = ["release.height_m=1.0", "release.time_s=0.25", "surface.height_m=0.113", "record.rate_hz=240.0", "record.frames=719"]
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 720, 340, 52, 14, 30, 44
@@ -77,7 +78,7 @@ def main():
         found = json.loads(run("tune", "--sim", SCENE, "--observation", DROP, "--out", tuned, "--json"))
         curves = []
         for scene in (SCENE, tuned):
-            run("simulate", "--sim", scene, *(word for key in START for word in ("--set", key)), "--out", curve)
+            run("simulate", "--sim", scene, *(word for key in START for word in ("--set", key)), "--out", curve, "--overwrite")
             curves.append(heights(curve))
     restitution = found["parameters"]["restitution"]
     before, after = restitution["before"], restitution["value"]
@@ -103,7 +104,7 @@ def main():
         label(1.076, 0.86, "after", f"after: {after:.3f}"),
         "</svg>",
     ]
-    (ROOT / "docs/drop.svg").write_text("\n".join(parts) + "\n")
+    PICTURE.write_text("\n".join(parts) + "\n")
 
 
 main()

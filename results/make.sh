@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
-# Measures again what this folder holds, and pastes it into the pages that show it: results/make.sh [paper|speed|grow|shot|diagnose]…
+# Measures again what this folder holds, and pastes it into the pages that show it:
+#     results/make.sh [paper|shot|diagnose|arm|intervals|regions|preflight|grow|speed]…
 # Each takes minutes; all but `speed` and `grow` go on where they were stopped. Nothing else should run beside these two.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export PATH="$PATH:$HOME/.cargo/bin"
 
-# A seed that nothing else in this repository uses, so that nothing was fitted to it.
+# Seeds that nothing else in this repository uses, so that nothing was fitted to them.
 seed=${SEED:-90211}
+shot_seed=${SEED:-31871} # other balls than those of figure 3
 tool=${CARGO_TARGET_DIR:-target}/release/tunenet
 
 if [[ -n $(git status --porcelain) ]]; then
@@ -42,6 +44,18 @@ measure() { # NAME COMMAND…: runs it and notes how
     note "$folder" "tunenet $*" $((SECONDS - began))
 }
 
+listen() { # NAME COMMAND…: as `measure`, and keeps the tables that it prints
+    local name=$1
+    mkdir -p target/results
+    measure "$@" 2> "target/results/$name.txt"
+    # Progress is told beside them.
+    grep -v -e '^wrote ' -e '^hint: ' "target/results/$name.txt" | sed -e '/./,$!d' > "results/$name/told.md"
+}
+
+fenced() { # FILE: as it stands
+    printf '```text\n%s\n```\n' "$(cat "$1")"
+}
+
 note() { # FOLDER COMMAND SECONDS
     {
         echo "commit  $commit"
@@ -61,11 +75,32 @@ for what in "${@:-paper}"; do
             done
             ;;
         grow)
-            measure grow bench grow --pairs 1000 10000 100000 1000000 --threads 2 --want 100000000 --nodes 16 --cores 32
+            measure grow bench grow --pairs 1000 10000 100000 1000000 --threads 2 --seed 0 --want 100000000 --nodes 16 --cores 32
             paste grow docs/grow.md results/grow/grow.md
             ;;
-        shot | diagnose)
-            measure "$what" bench "$what" --seed "$seed"
+        shot)
+            measure shot bench shot --trials 200 --seed "$shot_seed"
+            paste shot docs/plan.md <(body results/shot/shot.md)
+            ;;
+        diagnose)
+            measure diagnose bench diagnose --seed "$seed"
+            paste goals docs/diagnose.md <(body results/diagnose/goals.md)
+            ;;
+        arm)
+            listen arm bench diagnose --arm --seed "$seed"
+            paste arm docs/arm-logs.md <(fenced results/arm/told.md)
+            ;;
+        intervals)
+            listen intervals bench intervals --seed "$seed"
+            paste intervals docs/tune.md <(fenced results/intervals/told.md)
+            ;;
+        regions)
+            measure regions bench regions --draws 400 --seed "$seed"
+            paste regions docs/tune.md <(body results/regions/regions.md)
+            ;;
+        preflight)
+            listen preflight bench preflight --seed "$seed"
+            paste preflight docs/preflight.md results/preflight/told.md
             ;;
         speed)
             mkdir -p results/speed
@@ -80,7 +115,7 @@ for what in "${@:-paper}"; do
             paste speed README.md results/speed/speed.md
             ;;
         *)
-            echo "expected paper, speed, grow, shot or diagnose, found \`$what\`" >&2
+            echo "expected one of those at the head of this file, found \`$what\`" >&2
             exit 2
             ;;
     esac

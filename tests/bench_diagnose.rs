@@ -17,7 +17,7 @@ fn bench(folder: &Path) -> Value {
 fn a_quick_row_runs_and_resumes() {
     let folder = tempfile::tempdir().expect("a folder");
     let first = bench(folder.path());
-    for file in ["diagnose.md", "diagnose.csv", "confusion.csv", "diagnose.json"] {
+    for file in ["diagnose.md", "goals.md", "diagnose.csv", "confusion.csv", "diagnose.json"] {
         assert!(folder.path().join(file).is_file(), "{file} is missing");
     }
     assert_eq!(first["schema"], "tunenet.bench.diagnose/1");

@@ -146,3 +146,18 @@ fn listed(value: &serde_json::Value, page: &str, arguments: &[&str]) {
         _ => {}
     }
 }
+
+/// The picture at the head of the README is what its script draws with this tool.
+#[test]
+fn the_picture_is_drawn_by_its_script() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = folder.path().join("drop.svg");
+    let script = root().join("docs/make_picture.py");
+    let run = Command::new("python3").arg(script).arg(env!("CARGO_BIN_EXE_tunenet")).arg(&drawn).output();
+    let Ok(run) = run else {
+        println!("skipped: no python3");
+        return;
+    };
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    assert_eq!(std::fs::read_to_string(drawn).unwrap(), text("docs/drop.svg"), "docs/drop.svg is older");
+}

@@ -50,10 +50,34 @@ fn pages_show_what_the_results_hold() {
     for figure in ["figure2.svg", "figure3.svg"] {
         assert_eq!(text(&format!("docs/{figure}")), text(&format!("results/paper/{figure}")), "docs/{figure} is older");
     }
-    assert_eq!(pasted("README.md", "speed"), text("results/speed/speed.md"), "README.md: `results/make.sh speed`");
 }
 
-/// Every folder says by which commit, command and machine it was made, and the command is the one that its pages name.
+/// Page, mark, and the file that is pasted there: below its title and command, as it is, or between fences.
+#[test]
+fn pages_show_what_the_other_results_hold() {
+    for (page, mark, file) in [
+        ("docs/plan.md", "shot", "shot/shot.md"),
+        ("docs/diagnose.md", "goals", "diagnose/goals.md"),
+        ("docs/tune.md", "regions", "regions/regions.md"),
+    ] {
+        assert_eq!(pasted(page, mark), body(&format!("results/{file}")), "{page}: `results/make.sh`, {mark}");
+    }
+    for (page, mark, file) in [
+        ("README.md", "speed", "speed/speed.md"),
+        ("docs/grow.md", "grow", "grow/grow.md"),
+        ("docs/preflight.md", "preflight", "preflight/told.md"),
+    ] {
+        assert_eq!(pasted(page, mark), text(&format!("results/{file}")), "{page}: `results/make.sh`, {mark}");
+    }
+    for (page, mark, file) in
+        [("docs/arm-logs.md", "arm", "arm/told.md"), ("docs/tune.md", "intervals", "intervals/told.md")]
+    {
+        let fenced = format!("```text\n{}\n```\n", text(&format!("results/{file}")).trim_end());
+        assert_eq!(pasted(page, mark), fenced, "{page}: `results/make.sh`, {mark}");
+    }
+}
+
+/// Every folder says by which commit, command and machine it was made, and the command is the one that its page names.
 #[test]
 fn results_say_how_they_were_made() {
     let mut folders = 0;
@@ -72,9 +96,20 @@ fn results_say_how_they_were_made() {
         assert!(of("command").starts_with("tunenet bench ") && of("machine").contains("cores of"), "{run}");
         assert!(of("seconds").split(' ').next().is_some_and(|s| s.parse::<u64>().is_ok()), "{run}");
     }
-    assert!(folders >= 2, "results hold {folders} folders");
-    assert!(
-        text("docs/paper.md")
-            .contains(text("results/paper/run.txt").lines().nth(1).unwrap().trim_start_matches("command "))
-    );
+    assert!(folders >= 9, "results hold {folders} folders");
+    for (page, name) in [
+        ("docs/paper.md", "paper"),
+        ("docs/plan.md", "shot"),
+        ("docs/diagnose.md", "diagnose"),
+        ("docs/arm-logs.md", "arm"),
+        ("docs/tune.md", "intervals"),
+        ("docs/tune.md", "regions"),
+        ("docs/preflight.md", "preflight"),
+        ("docs/grow.md", "grow"),
+        ("README.md", "speed"),
+    ] {
+        let run = text(&format!("results/{name}/run.txt"));
+        let command = run.lines().find_map(|line| line.strip_prefix("command ")).unwrap();
+        assert!(text(page).contains(command), "{page} does not name the command of results/{name}: {command}");
+    }
 }

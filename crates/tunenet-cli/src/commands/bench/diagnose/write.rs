@@ -8,11 +8,12 @@ use tunenet_core::observation::recording::write_atomically;
 
 use super::results::{Results, Table};
 
-/// Writes `diagnose.md`, `diagnose.csv`, `confusion.csv` and `diagnose.json`; none is ever half written.
+/// Writes `diagnose.md`, `goals.md`, `diagnose.csv`, `confusion.csv` and `diagnose.json`; none is ever half written.
 pub fn all(folder: &Path, results: &Results) -> Result<()> {
     let json = format!("{:#}\n", serde_json::to_value(results)?);
     let texts = [
         ("diagnose.md", markdown(results)),
+        ("goals.md", goals(results)),
         ("diagnose.csv", rates(results)),
         ("confusion.csv", confusion(results)),
         ("diagnose.json", json),
@@ -38,6 +39,20 @@ pub fn markdown(results: &Results) -> String {
         let _ = writeln!(out, "Quick: few sets of each kind; the figures are indicative only.\n");
     }
     results.rows.iter().for_each(|table| one(&mut out, table));
+    out
+}
+
+/// What is aimed at and what was measured, in one table.
+fn goals(results: &Results) -> String {
+    let mut out = format!("# Goals of the diagnosis\n\n    {}\n\n", results.command);
+    out.push_str("| row | what | aim | measured | |\n|---|---|---|---:|---|\n");
+    for table in &results.rows {
+        for goal in &table.goals {
+            let met = if goal.met { "met" } else { "**missed**" };
+            let (relation, limit, measured) = (goal.relation, goal.limit, number(goal.measured));
+            let _ = writeln!(out, "| `{}` | {} | {relation} {limit} | {measured} | {met} |", table.row, goal.what);
+        }
+    }
     out
 }
 

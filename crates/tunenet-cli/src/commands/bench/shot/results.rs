@@ -133,7 +133,7 @@ impl Results {
         let quick = if self.quick { " --quick" } else { "" };
         let _ = writeln!(
             out,
-            "# The bounce shot\n\n`tunenet bench shot{quick} --trials {} --seed {}`\n",
+            "# The bounce shot\n\n    tunenet bench shot{quick} --trials {} --seed {}\n",
             self.trials, self.seed
         );
         let _ = writeln!(
