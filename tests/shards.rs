@@ -244,9 +244,12 @@ fn shards_of_a_bench_that_do_not_belong_together_are_refused() {
         ("", "out.shard-0-of-2: expected all 2 shards, found none that is 1/2"),
         (
             "seed.shard-1-of-2",
-            "seed.shard-1-of-2: expected a shard of `bench` preflight records 3,quick false,common seed 0",
+            "seed.shard-1-of-2: expected a shard of `--seed` 0 as out.shard-0-of-2, found one of `--seed` 5\n",
         ),
-        ("other.shard-1-of-2", "found one of `bench` regions"),
+        (
+            "other.shard-1-of-2",
+            "expected a shard of `bench preflight` as out.shard-0-of-2, found one of `bench regions`\n",
+        ),
         ("out.shard-0-of-2", "expected every shard once, found 0/2 here and in out.shard-0-of-2"),
     ] {
         refused(&folder, &merge(others), &[wanted]);
@@ -270,6 +273,17 @@ fn shards_of_a_bench_that_do_not_belong_together_are_refused() {
     folder.run(&format!("{line} --out out --shard 1/2")).ends(0);
     assert_eq!(std::fs::read_to_string(&piece).unwrap(), sound);
     folder.run(&merge("out.shard-1-of-2")).ends(0);
+    // A finished shard of another seed stays as it is.
+    let finished = folder.read("out.shard-1-of-2/shard.json");
+    refused(
+        &folder,
+        "bench preflight --records 3 --seed 5 --out out --shard 1/2",
+        &[
+            "out.shard-1-of-2: expected a new folder, or a shard with `--seed` 5, found a finished one with `--seed` 0",
+            "--out",
+        ],
+    );
+    assert!(folder.read("out.shard-1-of-2/shard.json") == finished);
     misused(&folder, "bench speed --shard 0/2", "has nothing to cut");
     misused(&folder, "bench grow --shard 0/2", "has nothing to cut");
 }

@@ -5,7 +5,7 @@ use tunenet_core::diagnose::{Change, GapOf, Verdict};
 use tunenet_core::simulator::Phase;
 
 use super::{capital, plain};
-use crate::commands::diagnose::answer::Answer;
+use crate::commands::diagnose::answer::{Answer, NAMELESS};
 use crate::report::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, prose, quantity, shape};
 
 pub fn finding(answer: &Answer) -> Markup {
@@ -70,11 +70,14 @@ pub fn sentence(answer: &Answer) -> String {
             format!("{} {verb} missing.", capital(&joined(&each, "and")))
         }
         Verdict::OneOf => {
-            let (open, firm): (Vec<_>, Vec<_>) = answer.choices().into_iter().partition(|names| names.len() > 1);
+            let (open, firm) = answer.open_and_firm();
             let words = |names: &[&str]| names.iter().map(|name| plain(name)).collect::<Vec<_>>();
-            let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
+            let one = |names: &Vec<&str>| match names.as_slice() {
+                [lone] => format!("{}, or {NAMELESS}", plain(lone)),
+                names => joined(&words(names), "or"),
+            };
+            let open: Vec<String> = open.iter().map(one).collect();
             let place = common_place(answer).map(|p| format!(" {}", p.name())).unwrap_or_default();
-            let firm: Vec<&str> = firm.into_iter().flatten().collect();
             let beside =
                 if firm.is_empty() { String::new() } else { format!(", beside {}", joined(&words(&firm), "and")) };
             let why = diagnosis

@@ -7,8 +7,9 @@ use anyhow::Result;
 use serde_json::{Map, Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
+use super::super::counted_seeds;
 use super::methods::Method;
-use super::results::{Cell, POINTS, Results};
+use super::results::{Cell, POINTS, ROUNDING, Results, TIED};
 use super::{BUDGETS, SETS, figure};
 
 /// `table2.default.easy.k5`, and what the paper reports beside it.
@@ -34,10 +35,6 @@ pub fn as_json(results: &Results) -> Value {
     all.insert("seeds".into(), json!(results.seeds));
     all.insert("targets".into(), json!(results.targets));
     all.into()
-}
-
-fn counted_seeds(seeds: u64) -> String {
-    if seeds == 1 { "1 seed".into() } else { format!("{seeds} seeds") }
 }
 
 /// The table for people. Writing to a string cannot fail, so its results are dropped.
@@ -88,6 +85,12 @@ pub fn markdown(results: &Results) -> String {
         };
         let _ = writeln!(out, "\n{verdict}\n");
     }
+    let _ = writeln!(
+        out,
+        "A column counts as preset `default`'s where no other method's error is less by more than {} %, or by more than the \
+         {ROUNDING:e} of rounding.\n",
+        100.0 * TIED
+    );
     let idle: Vec<&str> = Method::ALL.into_iter().filter(|m| !m.rolls_out()).map(Method::title).collect();
     let _ = writeln!(out, "No rollouts are spent on a target by: {}.", idle.join("; "));
     out
@@ -130,7 +133,7 @@ pub fn figure_markdown(results: &Results) -> String {
     format!(
         "# Figure 2: error of the restitution against the rollouts spent\n\n    \
          tunenet bench paper --only figure2{quick} --seed {}\n\n\
-         Mean over {} of {} targets each; the numbers are those of table2.csv.\n\n\
+         Mean over {} of {} targets each; the numbers are in figure2.json.\n\n\
          ![Error of the restitution against rollouts, four panels](figure2.svg)\n",
         results.seed,
         counted_seeds(results.seeds),
