@@ -203,6 +203,19 @@ fn a_refusal_of_the_files_own_values_is_told_as_that() {
     let gap = &ran.json()["gap"];
     assert!(gap["before"].as_f64().is_some_and(|gap| gap > 9e98), "{gap}");
     assert!(!ran.stderr.contains("inf"), "{}", ran.stderr);
+    // Nor a row of digits that nobody counts, in any of the sentences.
+    let digits = |text: &str| text.split(|c: char| !c.is_ascii_digit()).map(str::len).max().unwrap_or(0);
+    let text = folder.run("tune --sim a.toml --allow-process --observation seen.csv").ends(3).stderr;
+    assert!(
+        text.contains("warning[fit.poor]: the tuned rollout leaves ") && text.contains("e99") && digits(&text) < 16,
+        "{text}"
+    );
+    let text = folder.run("diagnose --sim a.toml --allow-process --report a.html --observation seen.csv").stderr;
+    assert!(digits(&text) < 16, "{text}");
+    let page = String::from_utf8(folder.read("a.html")).unwrap();
+    let shown: String =
+        page.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| format!("{text} ")).collect();
+    assert!(digits(&shown) < 20, "{shown}");
 }
 
 /// A program that keeps something from rollout to rollout answers well at first: it is asked again what it was asked early.

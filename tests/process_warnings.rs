@@ -105,7 +105,7 @@ fn a_slow_program_is_seen_to_work_on_a_terminal() {
     if !python("pty") {
         return;
     }
-    let folder = decay("time.sleep(0.03)\n", &|scene| scene);
+    let folder = decay("time.sleep(0.02)\n", &|scene| scene);
     let on_a_terminal = |arguments: &str| {
         let tunenet = folder.command();
         let mut command = Command::new("python3");

@@ -314,9 +314,12 @@ fn recordings_are_tuned_to_in_shards() {
     let whole = folder.run(&format!("{line} --out-dir whole --jobs 2 --json")).ends(1);
     // In the order of their names, whichever was done first.
     let told: Vec<&str> = whole.stderr.lines().filter_map(|l| l.split_once(".csv:").map(|(name, _)| name)).collect();
-    assert_eq!(told, ["drop0", "drop1", "drop2", "logs/b/broken", "drop0", "drop1", "drop2"]);
+    assert_eq!(told, ["a/drop0", "a/drop1", "a/drop2", "logs/b/broken", "b/drop0", "b/drop1", "b/drop2"]);
     let object = whole.json();
     assert_eq!(object["observations"].as_array().unwrap().len(), 7);
+    let called: Vec<&str> =
+        object["observations"].as_array().unwrap().iter().map(|one| one["file"].as_str().unwrap()).collect();
+    assert_eq!((called[0], called[3], called[4]), ("a/drop0.csv", "broken.csv", "b/drop0.csv"));
     // What one run without files of its own answers is the same.
     let plain = folder.run(&format!("{line} --json")).ends(1).json();
     assert_eq!(timeless(plain), timeless(object.clone()));

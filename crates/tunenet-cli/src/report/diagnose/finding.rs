@@ -72,18 +72,16 @@ pub fn sentence(answer: &Answer) -> String {
         Verdict::OneOf => {
             let (open, firm) = answer.open_and_firm();
             let words = |names: &[&str]| names.iter().map(|name| plain(name)).collect::<Vec<_>>();
-            let one = |names: &Vec<&str>| match names.as_slice() {
-                [lone] => format!("{}, or {NAMELESS}", plain(lone)),
-                names => joined(&words(names), "or"),
-            };
-            let open: Vec<String> = open.iter().map(one).collect();
+            let or_nameless =
+                if open.iter().any(|names| names.len() == 1) { format!(", or {NAMELESS}") } else { String::new() };
+            let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
             let place = common_place(answer).map(|p| format!(" {}", p.name())).unwrap_or_default();
             let beside =
                 if firm.is_empty() { String::new() } else { format!(", beside {}", joined(&words(&firm), "and")) };
             let why = diagnosis
                 .doubt
                 .map_or("these recordings cannot tell".into(), |doubt| format!("the first by far, but {doubt}"));
-            format!("{}{place}{beside}: {why}.", capital(&open.join("; and ")))
+            format!("{}{place}{or_nameless}{beside}: {why}.", capital(&open.join("; and ")))
         }
         Verdict::Unknown => {
             let place = diagnosis.remains.map(|p| format!(" {}", p.name())).unwrap_or_default();

@@ -147,3 +147,38 @@ pub fn write_figure(folder: &Path, results: &Results) -> Result<()> {
     let drawn = figure::draw(results);
     write_all(folder, [("figure2.md", figure_markdown(results)), ("figure2.json", json), ("figure2.svg", drawn)])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::results::Accuracy;
+    use super::*;
+
+    fn results(ours: f64, rival: f64) -> Results {
+        let cell =
+            |method, error| Cell { set: "easy", method, seeds: vec![Accuracy { mean: vec![error; POINTS.len()] }] };
+        let cells = vec![cell(Method::Default, ours), cell(Method::Brent, rival)];
+        Results { seed: 3, seeds: 1, targets: 40, quick: true, cells }
+    }
+
+    /// The rule by which a column is ours stands below the table, and is the one that is used.
+    #[test]
+    fn what_counts_as_tied_is_said_and_done() {
+        let (tied, lost) = (markdown(&results(1.009e-3, 1e-3)), markdown(&results(1.02e-3, 1e-3)));
+        for text in [&tied, &lost] {
+            assert!(text.contains("less by more than 1 %, or by more than the 1e-12 of rounding"), "{text}");
+        }
+        let of_easy = |text: &str| text.split("## ").nth(1).unwrap_or_default().to_owned();
+        assert!(of_easy(&tied).contains("has the least error of every column"), "{tied}");
+        assert!(of_easy(&lost).contains("loses K = 1 to "), "{lost}");
+    }
+
+    /// It may be asked for without the table, whose file is not there then.
+    #[test]
+    fn the_figure_names_files_of_its_own_alone() {
+        let text = figure_markdown(&results(1e-3, 1e-3));
+        assert!(
+            !text.contains("table2") && text.contains("figure2.json") && text.contains("Mean over 1 seed of"),
+            "{text}"
+        );
+    }
+}

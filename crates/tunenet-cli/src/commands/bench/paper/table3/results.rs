@@ -184,3 +184,14 @@ pub fn write(folder: &Path, results: &Results) -> Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_seed_is_one() {
+        let text = |seeds| markdown(&Results { seed: 0, seeds, drops: 6, quick: true, rows: Vec::new() });
+        assert!(text(1).contains("\n1 seed of 6 drops.") && text(3).contains("\n3 seeds of 6 drops."), "{}", text(1));
+    }
+}
