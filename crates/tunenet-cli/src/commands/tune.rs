@@ -64,7 +64,9 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let exit = exit(outcome.verdict);
     if let Some(report) = &options.report {
         let names = options.observation.iter().map(|path| load::name(path)).collect();
+        let working = is_slow(&file, options).then(|| rolling("drawing", &file));
         let answer = answer(&file, names, recordings, outcome)?;
+        working.inspect(ProgressBar::finish_and_clear);
         report::tune::together(report, &answer, &provenance(options))?;
         stage("report", &report.display().to_string());
     }
@@ -226,8 +228,7 @@ fn tune_to(
         ),
         (None, None) => tune_model::none("none: give one that learned from `gen ball-video` with --model".into()),
     };
-    // Others take no longer than a program that simulates slowly takes for one rollout.
-    let working = (process && !options.each && !options.common.json).then(|| rolling("tuning", file));
+    let working = is_slow(file, options).then(|| rolling("tuning", file));
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
@@ -254,6 +255,12 @@ fn tune_to(
     outcome.notes.extend(chosen.notes.iter().cloned());
     outcome.notes.extend(file.program_notes());
     Ok((outcome, chosen))
+}
+
+/// Whether it may take long and nothing else shows that it goes on: all of ours take no longer in all than a slow program for one
+/// rollout.
+fn is_slow(file: &SimulationFile, options: &Tune) -> bool {
+    file.domain() == Domain::Process && !options.each && !options.common.json
 }
 
 fn names(paths: &[PathBuf]) -> String {
