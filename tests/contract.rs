@@ -260,6 +260,8 @@ fn train_says_where_it_ran() {
     }
     assert_eq!(auto["device"], "cpu");
     assert_eq!(folder.read("auto.safetensors"), folder.read("cpu.safetensors"));
+    let told = train("--device auto --out told.safetensors").ends(0).stderr;
+    assert!(told.contains(" for restitution on the CPU, loss "), "{told}");
     // Before anything else is looked at, and with the way out.
     let refused = folder.run("train --data none.mcap --device cuda --out cuda.safetensors");
     if refused.stderr.contains("expected a GPU") {

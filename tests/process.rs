@@ -145,10 +145,17 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
         let object = ran.stdout.replace("\"flight\": null", "");
         for text in [&ran.stderr, &object, &page] {
             let words = text.split(|c: char| !c.is_ascii_alphabetic()).map(str::to_lowercase);
-            let balls = ["ball", "throw", "throws", "bounces", "contact", "contacts", "flight", "flights", "camera"];
+            let balls = [
+                "drop", "drops", "release", "ball", "throw", "throws", "bounces", "contact", "contacts", "flight",
+                "flights", "camera",
+            ];
             let found: Vec<String> = words.filter(|word| balls.contains(&word.as_str())).collect();
             // Styles have heights of their own.
             assert!(!text.contains("the height") && found.is_empty(), "{what}: {found:?} in\n{text}");
+            // Nothing of a recording is fitted: it starts as the file says.
+            for fitted in ["start of each recording is fitted", "only the start is fitted", "start states"] {
+                assert!(!text.contains(fitted), "{what}: `{fitted}` in\n{text}");
+            }
         }
         ran
     };
@@ -166,6 +173,38 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
     assert!(ran.stderr.contains("time_offset by far, but one motion alone earns no lone name"), "{}", ran.stderr);
     let next = one_of["next_experiment"]["text"].as_str().unwrap();
     assert!(next.contains("start otherwise") && next.contains("the instant at which the motion starts"), "{next}");
+    // Only what gains anything at all may stand beside it.
+    let gain = |name: &serde_json::Value| {
+        let score = one_of["scores"].as_array().unwrap().iter().find(|score| score["name"] == *name).unwrap();
+        score["bic_gain"].as_f64().unwrap()
+    };
+    let candidates = one_of["candidates"].as_array().unwrap();
+    assert!(candidates.iter().all(|name| gain(name) > 0.0), "{candidates:?} of {}", one_of["scores"]);
+}
+
+/// A sensor that adds the same to every reading leaves a constant, and that is what it is called, with its size.
+#[test]
+fn a_constant_bias_is_told_as_one() {
+    if !python("json") {
+        return;
+    }
+    let folder = pendulum();
+    for seed in [1, 2, 3] {
+        let swing = Swing { bias_rad: 0.05, seed, ..Swing::default() };
+        folder.write(&format!("biased_{seed}.csv"), swing.csv("t_s,angle_rad"));
+    }
+    let line =
+        "diagnose --sim pendulum.toml --allow-process --json --observation biased_1.csv biased_2.csv biased_3.csv";
+    let told = folder.run(line).ends(3).json();
+    assert_eq!(told["verdict"], "unknown");
+    let text = told["description"].as_str().unwrap();
+    assert!(
+        text.contains("as a constant offset of about ") && text.contains("rad of angle, measured above simulated"),
+        "{text}"
+    );
+    let size: f64 = text.split("of about ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    // Length and damping take a little of it away.
+    assert!((size / 0.05 - 1.0).abs() < 0.2 && !text.contains("bend"), "{text}");
 }
 
 #[test]

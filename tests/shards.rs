@@ -244,9 +244,12 @@ fn shards_of_a_bench_that_do_not_belong_together_are_refused() {
         ("", "out.shard-0-of-2: expected all 2 shards, found none that is 1/2"),
         (
             "seed.shard-1-of-2",
-            "seed.shard-1-of-2: expected a shard of `bench` preflight records 3,quick false,common seed 0",
+            "seed.shard-1-of-2: expected a shard of `--seed` 0 as out.shard-0-of-2, found one of `--seed` 5\n",
         ),
-        ("other.shard-1-of-2", "found one of `bench` regions"),
+        (
+            "other.shard-1-of-2",
+            "expected a shard of `bench preflight` as out.shard-0-of-2, found one of `bench regions`\n",
+        ),
         ("out.shard-0-of-2", "expected every shard once, found 0/2 here and in out.shard-0-of-2"),
     ] {
         refused(&folder, &merge(others), &[wanted]);
@@ -270,6 +273,17 @@ fn shards_of_a_bench_that_do_not_belong_together_are_refused() {
     folder.run(&format!("{line} --out out --shard 1/2")).ends(0);
     assert_eq!(std::fs::read_to_string(&piece).unwrap(), sound);
     folder.run(&merge("out.shard-1-of-2")).ends(0);
+    // A finished shard of another seed stays as it is.
+    let finished = folder.read("out.shard-1-of-2/shard.json");
+    refused(
+        &folder,
+        "bench preflight --records 3 --seed 5 --out out --shard 1/2",
+        &[
+            "out.shard-1-of-2: expected a new folder, or a shard with `--seed` 5, found a finished one with `--seed` 0",
+            "--out",
+        ],
+    );
+    assert!(folder.read("out.shard-1-of-2/shard.json") == finished);
     misused(&folder, "bench speed --shard 0/2", "has nothing to cut");
     misused(&folder, "bench grow --shard 0/2", "has nothing to cut");
 }
@@ -300,9 +314,12 @@ fn recordings_are_tuned_to_in_shards() {
     let whole = folder.run(&format!("{line} --out-dir whole --jobs 2 --json")).ends(1);
     // In the order of their names, whichever was done first.
     let told: Vec<&str> = whole.stderr.lines().filter_map(|l| l.split_once(".csv:").map(|(name, _)| name)).collect();
-    assert_eq!(told, ["drop0", "drop1", "drop2", "logs/b/broken", "drop0", "drop1", "drop2"]);
+    assert_eq!(told, ["a/drop0", "a/drop1", "a/drop2", "logs/b/broken", "b/drop0", "b/drop1", "b/drop2"]);
     let object = whole.json();
     assert_eq!(object["observations"].as_array().unwrap().len(), 7);
+    let called: Vec<&str> =
+        object["observations"].as_array().unwrap().iter().map(|one| one["file"].as_str().unwrap()).collect();
+    assert_eq!((called[0], called[3], called[4]), ("a/drop0.csv", "broken.csv", "b/drop0.csv"));
     // What one run without files of its own answers is the same.
     let plain = folder.run(&format!("{line} --json")).ends(1).json();
     assert_eq!(timeless(plain), timeless(object.clone()));

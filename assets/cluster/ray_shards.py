@@ -18,7 +18,9 @@ TUNENET = os.environ.get("TUNENET", "tunenet")
 @ray.remote(num_cpus=1, max_retries=3)
 def shard(command, out, index, count):
     line = [TUNENET, *command, "--out", out, "--shard", f"{index}/{count}"]
-    subprocess.run(line, check=True, env={**os.environ, "RAYON_NUM_THREADS": "1"})
+    ran = subprocess.run(line, stderr=subprocess.PIPE, text=True, env={**os.environ, "RAYON_NUM_THREADS": "1"})
+    if ran.returncode != 0:
+        raise RuntimeError(f"shard {index}/{count} ended with status {ran.returncode}: {ran.stderr}")
 
 
 def main(count, out, *command):
@@ -26,7 +28,7 @@ def main(count, out, *command):
     ray.init(ignore_reinit_error=True, log_to_driver=False)
     ray.get([shard.remote(command, out, index, int(count)) for index in range(int(count))])
     shards = str(Path(out).with_suffix("")) + f".shard-*-of-{count}" + Path(out).suffix
-    subprocess.run([TUNENET, "merge", shards, "--out", out], check=True)
+    return subprocess.run([TUNENET, "merge", shards, "--out", out]).returncode
 
 
-main(*sys.argv[1:])
+sys.exit(main(*sys.argv[1:]))

@@ -148,7 +148,10 @@ pub fn overdoes() -> Vec<Case> {
         (
             "beyond all reckoning",
             program("print(json.dumps({'id': id, 'values': [[0.0], [-1e160]] * (n // 2)}), flush=True)"),
-            &["`angle` at sample 2: expected a finite number of at most 1e100, found -1e160"],
+            &[
+                "the program answered -1e160 for `angle_rad` at sample 2 to the file's own values (k=1): expected a finite \
+                 number of at most 1e100",
+            ],
             "--set parameters.k.value=…",
         ),
         (

@@ -36,6 +36,8 @@ pub struct Swing {
     /// A torque beside the law, which no program knows: this times sin(7 t), rad/s².
     pub shaken: f64,
     pub start_rad: f64,
+    /// What the sensor adds to every angle.
+    pub bias_rad: f64,
     pub seed: u64,
 }
 
@@ -49,6 +51,7 @@ impl Default for Swing {
             late_s: 0.0,
             shaken: 0.0,
             start_rad: 0.5,
+            bias_rad: 0.0,
             seed: 7,
         }
     }
@@ -67,7 +70,8 @@ impl Swing {
         let h = 1.0 / (72.0 * f64::from(STEPS));
         for sample in 0..216_u32 {
             let time = f64::from(sample) / 72.0;
-            writeln!(text, "{},{}", time + self.late_s, state[0] + self.noise_rad * noise.normal()).unwrap();
+            writeln!(text, "{},{}", time + self.late_s, state[0] + self.bias_rad + self.noise_rad * noise.normal())
+                .unwrap();
             for step in 0..STEPS {
                 let t = time + f64::from(step) * h;
                 let ahead = |k: [f64; 2], h: f64| [state[0] + h * k[0], state[1] + h * k[1]];

@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
-use tunenet_core::observation::Note;
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use tunenet_core::observation::preflight::{Check, State};
+use tunenet_core::observation::{Note, with_decimals};
+use tunenet_sim::SimulationFile;
 
 /// A progress bar on standard error; invisible where that is no terminal.
 pub fn progress(total: u64, what: &'static str) -> ProgressBar {
@@ -20,6 +21,18 @@ pub fn working() -> ProgressBar {
     let bar = ProgressBar::new_spinner();
     let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// As [`working`], with the rollouts that the program of `file` was asked for.
+pub fn rolling(what: &'static str, file: &SimulationFile) -> ProgressBar {
+    let (bar, file) = (ProgressBar::new_spinner().with_message(what), file.clone());
+    let style = ProgressStyle::with_template("{spinner} {msg}, {rollouts} rollouts, {elapsed}");
+    let count = move |_: &ProgressState, to: &mut dyn std::fmt::Write| {
+        let _ = write!(to, "{}", file.program_rollouts());
+    };
+    bar.set_style(style.map_or_else(|_| ProgressStyle::default_spinner(), |style| style.with_key("rollouts", count)));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
@@ -89,11 +102,11 @@ const MOST_DECIMALS: f64 = 8.0;
 /// A number with as many decimals as two digits of its uncertainty need.
 pub fn rounded(value: f64, half_width: f64) -> String {
     if !half_width.is_finite() || half_width <= 0.0 {
-        return format!("{value:.6}");
+        return with_decimals(value, 6);
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, MOST_DECIMALS) as usize;
-    format!("{value:.decimals$}")
+    with_decimals(value, decimals)
 }
 
 /// A range of two numbers; a dash beside a sign would be read as one.
@@ -145,6 +158,7 @@ mod tests {
     #[test]
     fn numbers_read_well() {
         assert_eq!(rounded(0.732_04, 0.0015), "0.7320");
+        assert_eq!([rounded(1.234e99, 0.0), rounded(-1.234e99, 1e97)], ["1.23e99", "-1.23e99"]);
         assert_eq!(four_digits(0.029_275_664_634), "0.02928");
         assert_eq!([0.0, 0.5, 2.805, -1234.56, 3e-9].map(four_digits), ["0", "0.5", "2.805", "-1235", "3e-9"]);
         assert_eq!(between("-0.2", "-0.1"), "-0.2 to -0.1");

@@ -77,6 +77,19 @@ pub enum Error {
         /// What it said.
         message: String,
     },
+    /// A simulator answered a number that cannot be reckoned with: not finite, or beyond
+    /// [`GREATEST`](crate::observation::GREATEST).
+    #[error("the simulator answered {found} for {place} with {at}: expected {expected}")]
+    Prediction {
+        /// The parameter values, as `name=value` pairs.
+        at: String,
+        /// The channel and the sample, from 1.
+        place: String,
+        /// What can be reckoned with.
+        expected: String,
+        /// The number.
+        found: String,
+    },
     /// A trained model does not fit what it is asked to do.
     #[error("the model {what}: expected {expected}, found {found}")]
     Model {

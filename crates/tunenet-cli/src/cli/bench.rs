@@ -80,6 +80,7 @@ impl BenchRegions {
 
 /// A table or figure of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PaperTable {
     /// How far a tuned payload is from the real one
     Table1,

@@ -13,18 +13,26 @@ pub enum Asked {
     Within,
 }
 
-/// A refusal by the program of `file`, with the values that it refused; `None` for an error that is none.
+/// A refusal by the program of `file`, or an answer of it that cannot be reckoned with, and at which values; `None` for an
+/// error that is neither.
 pub fn of_program(file: &SimulationFile, asked: Asked, error: &Error) -> Option<Error> {
-    let Error::Simulator { at, message } = error else { return None };
     if file.domain() != Domain::Process {
         return None;
     }
+    let (Error::Simulator { at, .. } | Error::Prediction { at, .. }) = error else { return None };
     let parameters = file.parameters().unwrap_or_default();
     let present = parameters.iter().map(|p| format!("{}={}", p.name, p.value)).collect::<Vec<_>>().join(" ");
     let example = parameters.first().map_or("NAME", |p| p.name.as_str());
-    let text = match asked {
-        Asked::Present if *at == present => format!("the program refused the file's own values ({at}): {message}"),
-        _ => format!("the program refused {at}: {message}"),
+    let values = match asked {
+        Asked::Present if *at == present => format!("the file's own values ({at})"),
+        _ => at.clone(),
+    };
+    let text = match error {
+        Error::Prediction { place, expected, found, .. } => {
+            format!("the program answered {found} for {place} to {values}: expected {expected}")
+        }
+        Error::Simulator { message, .. } => format!("the program refused {values}: {message}"),
+        _ => return None,
     };
     let hint = match asked {
         Asked::Present => format!(

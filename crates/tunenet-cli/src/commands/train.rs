@@ -52,8 +52,8 @@ pub fn run(options: &Train) -> Result<Exit> {
     let (steps, loss) = last.map_or((0, 0.0), |l| (l.steps, l.loss));
     let validation = last.and_then(|l| l.validation);
     let named = model.parameters().iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
-    let on = if device == TrainDevice::Cpu { "" } else { " on a GPU" };
-    stage("trained", &format!("{steps} steps for {named}{on}, loss {loss:.2e}, {seconds:.1} s"));
+    let on = if device == TrainDevice::Cpu { "the CPU" } else { "a GPU" };
+    stage("trained", &format!("{steps} steps for {named} on {on}, loss {loss:.2e}, {seconds:.1} s"));
     stage("wrote", &options.out.display().to_string());
     if options.common.json {
         print_json(&json!({

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use indicatif::ProgressBar;
 use serde_json::{Map, Value, json};
 use toml_edit::{Array, InlineTable};
 use tunenet_core::Error;
@@ -26,7 +27,7 @@ use super::{film, load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::Exit;
 use crate::report::{self, tune::Answer};
-use crate::terminal::{between, four_digits, in_words, list, rounded, stage, table, tally, warn};
+use crate::terminal::{between, four_digits, in_words, list, rolling, rounded, stage, table, tally, warn};
 
 const SCHEMA: &str = "tunenet.tune/1";
 
@@ -63,7 +64,9 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let exit = exit(outcome.verdict);
     if let Some(report) = &options.report {
         let names = options.observation.iter().map(|path| load::name(path)).collect();
+        let working = is_slow(&file, options).then(|| rolling("drawing", &file));
         let answer = answer(&file, names, recordings, outcome)?;
+        working.inspect(ProgressBar::finish_and_clear);
         report::tune::together(report, &answer, &provenance(options))?;
         stage("report", &report.display().to_string());
     }
@@ -116,13 +119,13 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
         overwrite: options.writing.overwrite,
         run: decides(options, file)?,
     };
-    let (exit, cases) = work.run(&|path| {
+    let (exit, cases) = work.run(&|path, name| {
         let began = Instant::now();
         let recording = read(path, options, file)?;
         let (outcome, chosen) = tune_to(options, file, model, std::slice::from_ref(&recording), &[path.into()])?;
         let object = as_json(&outcome, &chosen, began.elapsed().as_secs_f64());
         let line = sentence(&outcome);
-        let drawn = || answer(file, vec![load::name(path)], vec![recording], outcome);
+        let drawn = || answer(file, vec![name.to_owned()], vec![recording], outcome);
         let case = options.report.is_some().then(drawn).transpose()?;
         Ok(Answered { object, line, case })
     })?;
@@ -167,6 +170,8 @@ fn tune_to(
     recordings: &[Recording],
     paths: &[PathBuf],
 ) -> Result<(Outcome, Chosen)> {
+    // With `--each` several may be tuned to at a time.
+    let file = &file.counted_apart();
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
         let found = recordings[other].observation.kind().name();
@@ -223,10 +228,12 @@ fn tune_to(
         ),
         (None, None) => tune_model::none("none: give one that learned from `gen ball-video` with --model".into()),
     };
+    let working = is_slow(file, options).then(|| rolling("tuning", file));
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
     let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
+    working.inspect(ProgressBar::finish_and_clear);
     // A fit takes a rollout that fails for bad values; a program that is gone is none of that.
     file.program_settled()?;
     if let Some(refusal) = tuned.as_ref().err().and_then(|error| refusal::of_program(file, Asked::Present, error)) {
@@ -246,7 +253,14 @@ fn tune_to(
     });
     outcome.notes.splice(0..0, named);
     outcome.notes.extend(chosen.notes.iter().cloned());
+    outcome.notes.extend(file.program_notes());
     Ok((outcome, chosen))
+}
+
+/// Whether it may take long and nothing else shows that it goes on: all of ours take no longer in all than a slow program for one
+/// rollout.
+fn is_slow(file: &SimulationFile, options: &Tune) -> bool {
+    file.domain() == Domain::Process && !options.each && !options.common.json
 }
 
 fn names(paths: &[PathBuf]) -> String {

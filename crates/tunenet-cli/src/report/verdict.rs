@@ -99,7 +99,8 @@ pub fn quantity(value: f64, unit: &str) -> String {
 
 /// A number as it was given.
 pub fn number(value: f64) -> String {
-    signed(&value.to_string())
+    // Digits as few as give the same number back.
+    signed(&if value.abs() >= 1e10 { format!("{value:e}") } else { value.to_string() })
 }
 
 /// With a minus sign for a hyphen.

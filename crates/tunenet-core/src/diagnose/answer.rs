@@ -243,7 +243,8 @@ pub struct Diagnosis {
     pub objects: Vec<OfObject>,
     /// The named effects (`Named`), or the best explanation of an ambiguous one (`OneOf`). Empty otherwise.
     pub effects: Vec<NamedEffect>,
-    /// Names that are left: all of the set when `OneOf`, the nearest when `Unknown`, the effects' own when `Named`.
+    /// Names that are left: all of the set when `OneOf` (a single one beside what is in no catalogue, where nothing else explains
+    /// anything and there is a [`doubt`](Self::doubt)), the nearest when `Unknown`, the effects' own when `Named`.
     pub names: Vec<&'static str>,
     /// Every candidate as it stood alone, best first, the excluded last.
     pub candidates: Vec<Candidate>,

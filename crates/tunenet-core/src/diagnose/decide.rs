@@ -67,7 +67,8 @@ pub(super) fn decide(study: &Study, found: &Found, tests: &[Test], confirmed: bo
     let mut near_any = false;
     for place in &found.places {
         let mut near = in_place_of(study, place, widest);
-        // One throw cannot tell what is in the catalogue from what is not, so the next best is left beside the best.
+        // One throw cannot tell what is in the catalogue from what is not, so the next best is left beside the best; where
+        // nothing else explains anything, the best is left alone, and what is in no catalogue beside it.
         let doubtful = doubtful(study, place, confirmed);
         near_any |= !near.is_empty();
         if near.is_empty() && doubtful {
@@ -98,10 +99,11 @@ fn doubtful(study: &Study, place: &Place, confirmed: bool) -> bool {
     !confirmed && (study.single() || place.others.iter().any(near))
 }
 
-/// The next best in the place of an effect, whatever its distance.
+/// The next best in the place of an effect, whatever its distance, that explains anything at all.
 fn runner_up(study: &Study, found: &Found, place: &Place) -> Option<usize> {
-    let beside = place.others.iter().map(|(entry, _)| *entry);
-    let alone = found.alone.iter().filter(|t| t.excluded.is_none()).map(|t| t.entry);
+    // What falls behind by all that the effect is worth gains nothing.
+    let beside = place.others.iter().filter(|(_, gap)| *gap < place.gain).map(|(entry, _)| *entry);
+    let alone = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0).map(|t| t.entry);
     let named = |entry: usize| found.places.iter().any(|p| p.entry == entry);
     beside.chain(alone).find(|&entry| !named(entry) && !study.stands_back(entry, place.entry))
 }

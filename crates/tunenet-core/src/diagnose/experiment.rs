@@ -37,8 +37,14 @@ const START: &str = "release.";
 pub(super) fn next(study: &Study, found: &Found, alternatives: &[Vec<usize>]) -> Result<Option<NextExperiment>> {
     let Some(best) = &found.best else { return Ok(None) };
     let open = found.places.iter().zip(alternatives).find(|(_, others)| !others.is_empty());
-    let Some((place, others)) = open else { return Ok(None) };
     let name = |entry: usize| study.catalogue[entry].name;
+    let Some((place, others)) = open else {
+        // Nothing else explains anything: what is in no catalogue is all that could be in its place.
+        let words = study.words();
+        let known = unique(found.places.iter().filter_map(|place| (words.knowledge)(name(place.entry))).collect());
+        let text = std::iter::once(words.add).chain(known).collect::<Vec<_>>().join("; or ");
+        return Ok(Some(NextExperiment { text, settings: Vec::new() }));
+    };
     let designs = designs(study, best)?;
     let chance = |entry: usize| study.catalogue[entry].chance();
     let gaps = if chance(place.entry) || others.iter().any(|&other| chance(other)) {

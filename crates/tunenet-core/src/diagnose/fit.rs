@@ -140,8 +140,8 @@ impl Joint<'_> {
             let mut improved = None;
             while damping < GREATEST_DAMPING {
                 let candidate = self.moved(part, &point, &known, damping);
-                let rolled: Result<Vec<Vec<f64>>> =
-                    part.sets.par_iter().map(|&d| self.residual(d, &candidate, effort.horizon)).collect();
+                let each = part.sets.par_iter().map(|&d| self.residual(d, &candidate, effort.horizon));
+                let rolled: Result<Vec<Vec<f64>>> = each.collect::<Vec<_>>().into_iter().collect();
                 // A refused or worse step is a step too long.
                 if let Ok(new) = rolled {
                     let gain = cost - huber_cost(&new, scale) - self.pull(&candidate, sets());

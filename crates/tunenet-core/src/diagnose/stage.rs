@@ -147,7 +147,7 @@ impl<'a> Study<'a> {
         if whole <= 0.0 {
             scored.excluded = Some("these recordings do not depend on it".into());
         } else if rest <= LEFT_OVER * whole {
-            scored.excluded = Some("start states and parameters already do all that it could do here".into());
+            scored.excluded = Some(self.done_already().into());
         } else if !seen {
             scored.excluded = Some("these recordings cannot show it: all it could do stays below the noise".into());
         }

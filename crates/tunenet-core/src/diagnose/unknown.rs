@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::sets::Set;
 use super::study::{Model, Study};
 use crate::Result;
+use crate::observation::Channel;
 use crate::simulator::Phase;
 
 /// An arc with fewer samples says nothing of its bend.
@@ -18,15 +19,24 @@ struct Arc {
     channel: usize,
     /// Which flight of its recording, from 0.
     number: usize,
-    /// Bend of the residual, in the channel's unit per s².
+    /// Mean of the residual, in the channel's unit, its slope per s, and its bend per s².
+    offset: f64,
+    slope: f64,
     acceleration: f64,
-    /// What the bend explains of the weighted squares, and the offset and slope.
+    /// What each of them explains of the weighted squares.
+    offset_square: f64,
+    slope_square: f64,
     bend_square: f64,
-    line_square: f64,
     samples: usize,
     middle_s: f64,
     height: f64,
     speed: f64,
+}
+
+impl Arc {
+    fn line_square(&self) -> f64 {
+        self.offset_square + self.slope_square
+    }
 }
 
 /// Describes what `model` leaves, and says where it acts as far as that shows.
@@ -36,7 +46,7 @@ pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<P
         study.sets.iter().zip(&residuals).flat_map(|(set, residual)| arcs(set, residual, study.of_balls())).collect();
     let channels = study.subjects[0].simulator.channels();
     let excess = |channel: usize| -> f64 {
-        arcs.iter().filter(|a| a.channel == channel).map(|a| a.bend_square + a.line_square - 3.0).sum()
+        arcs.iter().filter(|a| a.channel == channel).map(|a| a.bend_square + a.line_square() - 3.0).sum()
     };
     let Some(worst) = (0..channels.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))) else {
         return Ok(("what is left has no shape that could be described".into(), None));
@@ -44,20 +54,13 @@ pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<P
     let mine: Vec<&Arc> = arcs.iter().filter(|a| a.channel == worst).collect();
     let count = mine.len().max(1) as f64;
     let (bend, line) =
-        mine.iter().fold((0.0, 0.0), |(b, l), a| (b + a.bend_square / count, l + a.line_square / (2.0 * count)));
-    let weight: f64 = mine.iter().map(|a| a.samples as f64).sum();
-    let size = (mine.iter().map(|a| a.samples as f64 * a.acceleration.powi(2)).sum::<f64>() / weight.max(1.0)).sqrt();
+        mine.iter().fold((0.0, 0.0), |(b, l), a| (b + a.bend_square / count, l + a.line_square() / (2.0 * count)));
     let axis = &channels[worst];
     let later = mine.iter().any(|a| a.number > 0);
     if !study.of_balls() {
-        let place = if bend > 4.0 || line > 4.0 {
-            format!("over the whole of each record, as a bend of about {size:.2e} {}/s² of {}", axis.unit, axis.name)
-        } else {
-            format!("faster than the record is long, as an oscillation or a jitter of {}", axis.name)
-        };
-        let with = with(&mine, "its size", "how fast things change");
-        return Ok((format!("what is left acts {place}; {with}"), None));
+        return Ok((of_anything(&mine, axis, bend > 4.0 || line > 4.0), None));
     }
+    let size = root_mean_square(&mine, |a| a.acceleration);
     let (place, phase) = if bend > 4.0 || !later {
         let text = format!("within the flights, as a bend of about {size:.2e} {}/s² along {}", axis.unit, axis.name);
         (text, Some(Phase::Flight))
@@ -66,13 +69,52 @@ pub(super) fn describe(study: &Study, model: &Model) -> Result<(String, Option<P
     } else {
         (format!("faster than a flight, as an oscillation or a jitter along {}", axis.name), None)
     };
-    let with = with(&mine, "the height", "the speed");
+    let with = with(&mine, |a| a.acceleration, "the height", "the speed");
     Ok((format!("what is left acts {place}; {with}"), phase))
 }
 
-/// What the arcs' bends go with, in words; `height` and `speed` as they are called.
-fn with(arcs: &[&Arc], height: &'static str, speed: &'static str) -> String {
-    goes_with(arcs, height, speed).map_or_else(
+/// The same of what is no ball: whether a whole record is off by a constant, by a drift or by a bend, whichever explains most.
+fn of_anything(arcs: &[&Arc], axis: &Channel, slow: bool) -> String {
+    let sum = |of: fn(&Arc) -> f64| arcs.iter().map(|arc| of(arc)).sum::<f64>();
+    let (offset, slope, bend) = (sum(|a| a.offset_square), sum(|a| a.slope_square), sum(|a| a.bend_square));
+    let (unit, name) = (&axis.unit, &axis.name);
+    let (of, shape): (fn(&Arc) -> f64, String) = if !slow {
+        (|a| a.acceleration, format!("faster than the record is long, as an oscillation or a jitter of {name}"))
+    } else if offset >= slope.max(bend) {
+        let size = root_mean_square(arcs, |a| a.offset);
+        let side = if arcs.iter().all(|a| a.offset > 0.0) {
+            ", measured above simulated"
+        } else if arcs.iter().all(|a| a.offset < 0.0) {
+            ", measured below simulated"
+        } else {
+            ""
+        };
+        (
+            |a| a.offset,
+            format!("over the whole of each record, as a constant offset of about {size:.2e} {unit} of {name}{side}"),
+        )
+    } else if slope >= bend {
+        let size = root_mean_square(arcs, |a| a.slope);
+        (|a| a.slope, format!("over the whole of each record, as a drift of about {size:.2e} {unit}/s of {name}"))
+    } else {
+        let size = root_mean_square(arcs, |a| a.acceleration);
+        (
+            |a| a.acceleration,
+            format!("over the whole of each record, as a bend of about {size:.2e} {unit}/s² of {name}"),
+        )
+    };
+    format!("what is left acts {shape}; {}", with(arcs, of, "its size", "how fast things change"))
+}
+
+/// Root mean square of a quantity of the arcs, each weighed by its samples.
+fn root_mean_square(arcs: &[&Arc], of: fn(&Arc) -> f64) -> f64 {
+    let weight: f64 = arcs.iter().map(|a| a.samples as f64).sum();
+    (arcs.iter().map(|a| a.samples as f64 * of(a).powi(2)).sum::<f64>() / weight.max(1.0)).sqrt()
+}
+
+/// What a quantity of the arcs goes with, in words; `height` and `speed` as they are called.
+fn with(arcs: &[&Arc], of: fn(&Arc) -> f64, height: &'static str, speed: &'static str) -> String {
+    goes_with(arcs, of, height, speed).map_or_else(
         || {
             let bare = |name: &'static str| name.trim_start_matches("the ");
             format!("it follows neither {}, {} nor time clearly", bare(height), bare(speed))
@@ -81,19 +123,24 @@ fn with(arcs: &[&Arc], height: &'static str, speed: &'static str) -> String {
     )
 }
 
-/// The quantity that the arcs' bends follow most closely, with the correlation, where it is close.
-fn goes_with(arcs: &[&Arc], height: &'static str, speed: &'static str) -> Option<(&'static str, f64)> {
+/// What the quantity follows most closely from arc to arc, with the correlation, where it is close.
+fn goes_with(
+    arcs: &[&Arc],
+    of: fn(&Arc) -> f64,
+    height: &'static str,
+    speed: &'static str,
+) -> Option<(&'static str, f64)> {
     if arcs.len() < FEWEST_ARCS {
         return None;
     }
-    let bends: Vec<f64> = arcs.iter().map(|a| a.acceleration).collect();
+    let sizes: Vec<f64> = arcs.iter().map(|a| of(a)).collect();
     let each: [(&'static str, Vec<f64>); 4] = [
         (height, arcs.iter().map(|a| a.height).collect()),
         (speed, arcs.iter().map(|a| a.speed).collect()),
         ("the time in the record", arcs.iter().map(|a| a.middle_s).collect()),
         ("the count of bounces", arcs.iter().map(|a| a.number as f64).collect()),
     ];
-    let best = each.into_iter().map(|(name, values)| (name, correlation(&bends, &values)));
+    let best = each.into_iter().map(|(name, values)| (name, correlation(&sizes, &values)));
     best.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|(_, r)| r.abs() > CLOSE)
 }
 
@@ -142,9 +189,12 @@ fn arcs(set: &Set, residual: &[f64], ball: bool) -> Vec<Arc> {
             all.push(Arc {
                 channel,
                 number,
+                offset: fit[0] * set.noise[channel],
+                slope: fit[1] / half * set.noise[channel],
                 acceleration: 3.0 * fit[2] / (half * half) * set.noise[channel],
+                offset_square: fit[0].powi(2) / inverse[(0, 0)],
+                slope_square: fit[1].powi(2) / inverse[(1, 1)],
                 bend_square: fit[2].powi(2) / inverse[(2, 2)],
-                line_square: fit[0].powi(2) / inverse[(0, 0)] + fit[1].powi(2) / inverse[(1, 1)],
                 samples: kept.len(),
                 middle_s,
                 height: kept.iter().map(|&k| seen.row(k)[level]).sum::<f64>() / kept.len() as f64,

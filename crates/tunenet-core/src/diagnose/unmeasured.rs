@@ -6,7 +6,7 @@ use super::joint::{Joint, Point, dot};
 use super::sets::Set;
 use super::study::{Model, Study};
 use crate::Result;
-use crate::observation::Note;
+use crate::observation::{Note, with_decimals};
 
 /// A coefficient that moves the recordings by less than this share of what another of its effect does is not seen.
 const UNSEEN_SHARE: f64 = 1e-3;
@@ -30,9 +30,8 @@ impl Study<'_> {
             }
             let remedy = "bring a recording in which it matters";
             notes.push(if self.moves_something(model, g) {
-                let (name, value) = (&parameter.name, model.fit.point.globals[g]);
-                let text =
-                    format!("the recordings do not determine `{name}`: near {value:.3} they do not depend on it");
+                let (name, value) = (&parameter.name, with_decimals(model.fit.point.globals[g], 3));
+                let text = format!("the recordings do not determine `{name}`: near {value} they do not depend on it");
                 Note::new("parameter.not_identifiable", text, remedy)
             } else {
                 Note::new(

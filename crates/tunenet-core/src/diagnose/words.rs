@@ -45,6 +45,17 @@ impl Study<'_> {
         self.subjects.iter().all(|s| flies(s.simulator))
     }
 
+    /// Why an effect is excluded in whose place what is fitted anyhow does the same.
+    pub fn done_already(&self) -> &'static str {
+        if self.of_balls() {
+            "start states and parameters already do all that it could do here"
+        } else if self.sets.iter().any(|set| !set.prepared.own.is_empty()) {
+            "the parameters, and what is fitted of each recording, already do all that it could do here"
+        } else {
+            "the parameters already do all that it could do here"
+        }
+    }
+
     /// The words for it.
     pub fn words(&self) -> &'static Words {
         if self.of_balls() { &BALL } else { &OTHER }

@@ -12,6 +12,7 @@ mod line;
 mod local;
 mod noise;
 mod note;
+mod number;
 mod parabolas;
 pub mod preflight;
 pub mod recording;
@@ -26,6 +27,7 @@ pub use first_fall::FirstFall;
 pub use local::LocalEstimate;
 pub use noise::noise_sd;
 pub use note::Note;
+pub use number::with_decimals;
 pub use resample::resample;
 pub use turns::bounces;
 

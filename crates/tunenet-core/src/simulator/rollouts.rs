@@ -9,8 +9,8 @@ use crate::{Error, Result};
 /// One rollout, values row-major `[sample, channel]`.
 ///
 /// # Errors
-/// [`Error::Simulator`] where the simulator refuses, or returns a number that is not finite or beyond
-/// [`GREATEST`](crate::observation::GREATEST).
+/// [`Error::Simulator`] where the simulator refuses; [`Error::Prediction`] where it returns a number that is not finite or
+/// beyond [`GREATEST`](crate::observation::GREATEST).
 pub fn rollout(simulator: &dyn Simulator, parameters: &[f64], own: &[f64], clock: &[f64]) -> Result<Vec<f64>> {
     checked(simulator, parameters, clock, |values| simulator.rollout(parameters, own, clock, values))
 }
@@ -46,9 +46,9 @@ fn checked(
     if let Some(i) = values.iter().position(|&v| !usable(v)) {
         let (sample, channel) =
             (i / simulator.channels().len() + 1, &simulator.channels()[i % simulator.channels().len()]);
-        let message =
-            format!("`{}` at sample {sample}: expected {}, found {:?}", channel.name, usable_number(), values[i]);
-        return Err(Error::Simulator { at: at(), message });
+        let place = format!("`{}` at sample {sample}", channel.header());
+        let found = format!("{:?}", values[i]);
+        return Err(Error::Prediction { at: at(), place, expected: usable_number(), found });
     }
     Ok(values)
 }
@@ -59,5 +59,7 @@ fn checked(
 /// # Errors
 /// The first failure in order, as [`rollout`].
 pub fn rollouts(simulator: &dyn Simulator, points: &[(Vec<f64>, Vec<f64>)], clock: &[f64]) -> Result<Vec<Vec<f64>>> {
-    points.par_iter().map(|(parameters, own)| rollout(simulator, parameters, own, clock)).collect()
+    let all = points.par_iter().map(|(parameters, own)| rollout(simulator, parameters, own, clock));
+    // One that fails stops no other: which rollouts are asked for must not depend on the number of threads.
+    all.collect::<Vec<_>>().into_iter().collect()
 }

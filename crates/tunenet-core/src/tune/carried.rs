@@ -10,7 +10,7 @@ use super::fit::{Fit, Problem};
 use super::interval::Interval;
 use super::region::Region;
 use crate::Result;
-use crate::observation::Note;
+use crate::observation::{Note, with_decimals};
 
 /// Half a 95 % interval of a normal distribution, in standard deviations.
 const HALF: f64 = 1.959_964;
@@ -55,8 +55,11 @@ impl Carried {
                 }
             }
             let text = format!(
-                "`{}` stays at {:.4} and is itself known to {low:.4} to {high:.4} (95 %) only; the intervals allow for that",
-                parameter.name, parameter.value
+                "`{}` stays at {} and is itself known to {} to {} (95 %) only; the intervals allow for that",
+                parameter.name,
+                with_decimals(parameter.value, 4),
+                with_decimals(low, 4),
+                with_decimals(high, 4)
             );
             all.notes.push(Note::new("parameter.carried", text, ""));
             all.moves.push(moves);

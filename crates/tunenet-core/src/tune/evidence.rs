@@ -146,6 +146,8 @@ fn compare(
     let mut curves = ends
         .par_iter()
         .map(|(parameters, own)| predict(simulator, recording, parameters, own, &clock))
+        .collect::<Vec<_>>()
+        .into_iter()
         .collect::<Result<Vec<_>>>()?;
     let (after, before) = (curves.pop().unwrap_or_default(), curves.pop().unwrap_or_default());
     let residual = weighted(simulator, recording, noise, new, new_own, seen.len())?;

@@ -81,7 +81,8 @@ impl Problem<'_> {
                 self.samples(d, horizon),
             )
         };
-        (0..self.recordings.len()).into_par_iter().map(each).collect()
+        // As with every other rollout: one that fails stops no other.
+        (0..self.recordings.len()).into_par_iter().map(each).collect::<Vec<_>>().into_iter().collect()
     }
 
     /// Root mean square of measured − predicted in the channels' own unit, a sample of several channels counted once.
@@ -117,7 +118,8 @@ impl Problem<'_> {
             moved.iter_mut().zip(&residuals[d]).for_each(|(m, r)| *m = (*m - r) / step);
             Ok(moved)
         };
-        let mut columns = tasks.par_iter().map(column).collect::<Result<Vec<_>>>()?.into_iter();
+        let columns = tasks.par_iter().map(column).collect::<Vec<_>>();
+        let mut columns = columns.into_iter().collect::<Result<Vec<_>>>()?.into_iter();
         let gather = |(d, residual): (usize, &Vec<f64>)| Linearised {
             residual: residual.clone(),
             columns: columns.by_ref().take(self.free.len() + point.own[d].len()).collect(),

@@ -10,7 +10,7 @@ use super::residual::floor;
 use super::starts::local_estimate;
 use super::unknowns::Point;
 use super::{Adequacy, Tuning};
-use crate::observation::{Kind, Note};
+use crate::observation::{Kind, Note, with_decimals};
 use crate::simulator::Parameter;
 
 /// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
@@ -60,8 +60,9 @@ impl Tuning<'_> {
                 let place = channels.get(adequacy.worst).filter(|_| channels.len() > 1);
                 let place = place.map_or_else(String::new, |c| format!(" of `{}`", c.name));
                 let text = format!(
-                    "{which}the tuned rollout leaves {:.1} times the noise{place}, more than the {:.1} that chance explains",
-                    adequacy.ratio, adequacy.limit
+                    "{which}the tuned rollout leaves {} times the noise{place}, more than the {:.1} that chance explains",
+                    with_decimals(adequacy.ratio, 1),
+                    adequacy.limit
                 );
                 notes.push(Note::new(
                     "fit.poor",
@@ -145,9 +146,11 @@ impl Tuning<'_> {
             let p = &self.simulator.parameters()[i];
             if let Some((value, sd)) = local_estimate(self.recordings, i) {
                 let text = format!(
-                    "`{}` is read off the contacts alone ({value:.4}), and the gap is that of this value; the whole record would give \
-                     {:.4}, and a gap of {whole:.2e} {unit}",
-                    p.name, fit.point.parameters[i]
+                    "`{}` is read off the contacts alone ({}), and the gap is that of this value; the whole record would give \
+                     {}, and a gap of {whole:.2e} {unit}",
+                    p.name,
+                    with_decimals(value, 4),
+                    with_decimals(fit.point.parameters[i], 4)
                 );
                 fit.point.parameters[i] = value.clamp(p.min, p.max);
                 *standing = Standing::local(p, value, sd, standing);
@@ -243,13 +246,14 @@ impl Standing {
             }
             Status::Weak if self.told => None,
             Status::Weak => {
-                let text = format!("the data do not determine `{name}`: any value from {low:.3} to {high:.3} fits");
+                let (low, high) = (with_decimals(low, 3), with_decimals(high, 3));
+                let text = format!("the data do not determine `{name}`: any value from {low} to {high} fits");
                 Some(Note::new("parameter.not_identifiable", text, remedy))
             }
             Status::AtBound => {
                 let text = format!(
-                    "`{name}` ends on its bound {value}, and the data pull it beyond by {:.1} standard deviations",
-                    self.beyond.abs()
+                    "`{name}` ends on its bound {value}, and the data pull it beyond by {} standard deviations",
+                    with_decimals(self.beyond.abs(), 1)
                 );
                 Some(Note::new(
                     "parameter.at_bound",

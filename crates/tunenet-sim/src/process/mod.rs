@@ -27,12 +27,12 @@ mod protocol;
 
 use std::sync::{Arc, Weak};
 
-use tunenet_core::observation::{Channel, Kind, Observation};
+use tunenet_core::observation::{Channel, GREATEST, Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Simulator};
 use tunenet_core::{Error, Result};
 
 use crate::SimulationFile;
-use crate::simulation_file::{Domain, Permission, Settles};
+use crate::simulation_file::{Domain, Permission, Settles, Why};
 use failure::Failure;
 use pool::Pool;
 use program::Program;
@@ -154,14 +154,28 @@ impl Simulator for ProcessSimulator {
         if !parameters.iter().chain(clock).all(|number| number.is_finite()) {
             return Err("parameters and times have to be finite".into());
         }
-        match self.pool.ask(parameters, clock) {
+        let tally = self.permission.tally();
+        let answer = self.pool.ask(parameters, clock);
+        if answer.is_ok() {
+            tally.asked();
+        }
+        match answer {
             Ok(Answer::Values(answered)) if answered.len() == values.len() => {
+                // Whoever asked refuses them as well: here it is known whose they are.
+                if let Some(i) = answered.iter().position(|value| value.abs() > GREATEST) {
+                    let (row, channel) = (i / self.channels.len() + 1, &self.channels[i % self.channels.len()]);
+                    let what = format!("{:?} for `{}` in row {row}", answered[i], channel.header());
+                    tally.lacks(Why::Beyond, &self.parameters, parameters, &what);
+                }
                 values.copy_from_slice(&answered);
                 Ok(())
             }
             // Its length was held against the request already.
             Ok(Answer::Values(answered)) => Err(format!("expected {} numbers, found {}", values.len(), answered.len())),
-            Ok(Answer::Refused(message)) => Err(message),
+            Ok(Answer::Refused(message)) => {
+                tally.lacks(Why::Refused, &self.parameters, parameters, &message);
+                Err(message)
+            }
             Err(failure) => {
                 note(&self.permission, &failure);
                 Err(failure.message)

@@ -9,6 +9,7 @@ mod effects;
 mod permission;
 pub(crate) mod process_schema;
 pub mod schema;
+mod tally;
 mod template;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +26,7 @@ pub use effects::PresentEffect;
 pub use permission::Permission;
 pub(crate) use permission::Settles;
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
+pub(crate) use tally::{Tally, Why};
 pub use template::template;
 
 use schema::item_number;

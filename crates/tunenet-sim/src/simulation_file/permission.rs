@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use toml_edit::value;
+use tunenet_core::observation::Note;
 use tunenet_core::{Error, Result};
 
-use super::{Domain, SimulationFile, table};
+use super::{Domain, SimulationFile, Tally, table};
 
 /// Leave to run the program that a simulation file names, given by a person and never by a file; and what became of it.
 ///
@@ -17,6 +18,8 @@ pub struct Permission {
     failure: Arc<Mutex<Option<Failed>>>,
     /// What runs by this leave.
     running: Arc<Mutex<Vec<Weak<dyn Settles>>>>,
+    /// What they did not simulate.
+    tally: Arc<Tally>,
 }
 
 /// Why the program cannot go on.
@@ -46,6 +49,11 @@ impl Permission {
         let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
         running.retain(|other| other.strong_count() > 0);
         running.push(program);
+    }
+
+    /// Rollouts of programs that started by this leave are counted here.
+    pub(crate) fn tally(&self) -> &Arc<Tally> {
+        &self.tally
     }
 }
 
@@ -85,6 +93,31 @@ impl SimulationFile {
             running.iter().filter_map(Weak::upgrade).for_each(|program| program.settle(permission));
         }
         self.program_failed()
+    }
+
+    /// The same file, whose programs are counted on their own: several recordings may be worked on at a time. What makes a
+    /// program fail is still told of every copy.
+    #[must_use]
+    pub fn counted_apart(&self) -> Self {
+        let mut own = self.clone();
+        if let Some(permission) = &mut own.permission {
+            permission.tally = Arc::default();
+        }
+        own
+    }
+
+    /// How many rollouts the programs of this file were asked for, those that check them apart.
+    #[must_use]
+    pub fn program_rollouts(&self) -> u64 {
+        self.permission.as_ref().map_or(0, |permission| permission.tally.rollouts())
+    }
+
+    /// What a person should know of rollouts that the programs of this file refused, or answered with numbers that cannot be
+    /// reckoned with: how many, and which of them is nearest to the values of the file. The same for the same work, whatever
+    /// the number of threads.
+    #[must_use]
+    pub fn program_notes(&self) -> Vec<Note> {
+        self.permission.as_ref().map_or_else(Vec::new, |permission| permission.tally.notes())
     }
 
     /// Whether the program failed by answering otherwise than it did, so that nothing that it said can be relied on.

@@ -13,11 +13,15 @@ use tunenet_core::observation::recording::write_atomically;
 
 use crate::cli::{Measured, Sharing};
 use crate::commands::destination;
+use crate::commands::shard::differing::{differing, sides};
 use crate::commands::shard::{self, Job, Mark, Share, mark};
 use crate::failure::Exit;
+use crate::terminal::stage;
 
 /// Where pieces lie in the folder of a bench.
 const CELLS: &str = "cells";
+/// What every run is told by beside its options: the digest of the program.
+const PROGRAM: &str = "program";
 
 /// Refuses a folder that somebody keeps other things in: what a bench writes could have the names of these.
 ///
@@ -30,6 +34,32 @@ pub fn own(folder: &Path) -> Result<()> {
         return Err(Error::file(folder, message, "choose another folder with --out").into());
     }
     Ok(())
+}
+
+/// Refuses the folder of a shard that is finished for another run: what it holds would be made anew, piece by piece. That
+/// another build of the program finished it is only told, since its pieces count for nothing any more.
+fn finished_alike(folder: &Path, run: &Value) -> Result<()> {
+    if Mark::read(folder).is_err() {
+        return Ok(());
+    }
+    let cells = folder.join(CELLS);
+    let Ok(entries) = std::fs::read_dir(&cells) else { return Ok(()) };
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    paths.sort();
+    let made = |path: &PathBuf| -> Option<Value> {
+        let whole: Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
+        whole.get("run").cloned()
+    };
+    let Some(made) = paths.iter().filter_map(made).find(|made| made != run) else { return Ok(()) };
+    let (program, others): (Vec<_>, Vec<_>) = differing(run, &made).into_iter().partition(|one| one.option == PROGRAM);
+    if others.is_empty() {
+        debug_assert!(!program.is_empty());
+        stage("again", &format!("{}, which another build of tunenet had finished", folder.display()));
+        return Ok(());
+    }
+    let (expected, found) = sides(&others);
+    let message = format!("expected a new folder, or a shard with {expected}, found a finished one with {found}");
+    Err(Error::file(folder, message, "choose another folder with --out, or remove this one").into())
 }
 
 /// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and whatever
@@ -51,6 +81,7 @@ impl Store {
         destination::leads_somewhere(&folder, &folder, true)?;
         own(&folder)?;
         if sharing.shard.is_some() {
+            finished_alike(&folder, &run)?;
             mark::clear_damage(&folder)?;
         }
         let (pieces, mine) = (AtomicU64::new(0), AtomicU64::new(0));

@@ -7,6 +7,8 @@ use tunenet_sim::observed_ball::body;
 
 use super::load::Loaded;
 
+/// What could be in the place of a lone effect that earns no name.
+pub const NAMELESS: &str = "what is in no catalogue";
 /// The effect whose coefficient is known to everyone in another form.
 pub const DRAG: &str = "quadratic_drag";
 
@@ -31,6 +33,13 @@ impl Answer<'_> {
     pub fn choices(&self) -> Vec<Vec<&'static str>> {
         let one = |e: &NamedEffect| std::iter::once(e.effect.name).chain(e.alternatives.iter().copied()).collect();
         self.diagnosis.effects.iter().map(one).collect()
+    }
+
+    /// The [choices](Self::choices) in the place of something else, and what is certain beside them. Where nothing is left to
+    /// choose from, the effect is open itself: what is in no catalogue could be in its place.
+    pub fn open_and_firm(&self) -> (Vec<Vec<&'static str>>, Vec<&'static str>) {
+        let (open, firm): (Vec<_>, Vec<_>) = self.choices().into_iter().partition(|names| names.len() > 1);
+        if open.is_empty() { (firm, Vec::new()) } else { (open, firm.into_iter().flatten().collect()) }
     }
 
     /// The effects that the improved file holds where several could be in their place.

@@ -17,6 +17,7 @@ use std::time::Instant;
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
+use tunenet_core::observation::Note;
 
 use self::answer::Answer;
 use super::each::{Answered, Work};
@@ -69,7 +70,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
     let (observation, jobs, json) = (&options.observation, options.jobs, options.common.json);
     let (apart, overwrite) = (&options.apart, options.writing.overwrite);
     let work = Work { tool: "diagnose", observation, apart, jobs, json, overwrite, run };
-    let (exit, _) = work.run::<()>(&|path| {
+    let (exit, _) = work.run::<()>(&|path, _| {
         let sources = [manifest::Source::alone(path, file.domain().name(), options.reference.clone())];
         let loaded = load::load(options, &sources)?;
         let began = Instant::now();
@@ -102,5 +103,11 @@ fn ask(loaded: &load::Loaded, seed: u64) -> Result<Diagnosis> {
     if let Some(refusal) = diagnosis.as_ref().err().and_then(refusal) {
         return Err(refusal.into());
     }
-    Ok(diagnosis?)
+    let mut diagnosis = diagnosis?;
+    for object in &loaded.objects {
+        let which = if loaded.objects.len() > 1 { format!("{}: ", object.name) } else { String::new() };
+        let notes = object.file.program_notes().into_iter();
+        diagnosis.notes.extend(notes.map(|note| Note { text: format!("{which}{}", note.text), ..note }));
+    }
+    Ok(diagnosis)
 }

@@ -4,9 +4,9 @@ use std::cmp::Ordering;
 
 use indicatif::ProgressBar;
 use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, Progress, Value, Verdict};
-use tunenet_core::observation::Note;
+use tunenet_core::observation::{Note, with_decimals};
 
-use super::answer::Answer;
+use super::answer::{Answer, NAMELESS};
 use super::improve::Written;
 use super::load::Loaded;
 use crate::cli::Diagnose;
@@ -147,9 +147,12 @@ pub fn sentence(answer: &Answer) -> String {
 
 /// What is left to choose from, place by place: `wind, magnus; beside quadratic_drag`.
 fn choices(answer: &Answer) -> String {
-    let (open, firm): (Vec<_>, Vec<_>) = answer.choices().into_iter().partition(|names| names.len() > 1);
-    let open: Vec<String> = open.iter().map(|names| names.join(", ")).collect();
-    let firm: Vec<&str> = firm.into_iter().flatten().collect();
+    let (open, firm) = answer.open_and_firm();
+    let one = |names: &Vec<&str>| match names.as_slice() {
+        [lone] => format!("{lone}, or {NAMELESS}"),
+        names => names.join(", "),
+    };
+    let open: Vec<String> = open.iter().map(one).collect();
     let beside = if firm.is_empty() { String::new() } else { format!("; beside {}", firm.join(" and ")) };
     format!("{}{beside}", open.join("; and one of "))
 }
@@ -226,7 +229,7 @@ fn candidates(diagnosis: &Diagnosis) -> String {
     let mut rows = vec![["effect", "BIC gain", "behind best", "held out"].map(String::from).to_vec()];
     let row = |c: &Candidate| {
         let about = if c.fitted { "" } else { "~" };
-        let ratio = c.held_out_ratio.map_or("-".into(), |r| format!("×{r:.3}"));
+        let ratio = c.held_out_ratio.map_or("-".into(), |r| format!("×{}", with_decimals(r, 3)));
         vec![c.name.to_owned(), format!("{about}{}", whole(c.bic_gain)), format!("{about}{}", whole(c.delta)), ratio]
     };
     let shown = |(i, c): &(usize, &Candidate)| *i < SHOWN || diagnosis.names.contains(&c.name);
@@ -250,7 +253,7 @@ fn excluded(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// A whole number, and none that is 0 with a sign.
 fn whole(value: f64) -> String {
-    format!("{:.0}", value.round() + 0.0)
+    with_decimals(value.round() + 0.0, 0)
 }
 
 /// Margins and tests in one line.

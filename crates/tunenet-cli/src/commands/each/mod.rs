@@ -57,8 +57,11 @@ pub struct Answered<C> {
 pub type Case<C> = (String, std::result::Result<C, String>);
 
 impl Work<'_> {
-    /// Treats each recording with `one`. One that cannot be used does not keep the others from being treated.
-    pub fn run<C: Send>(&self, one: &(dyn Fn(&Path) -> Result<Answered<C>> + Sync)) -> Result<(Exit, Vec<Case<C>>)> {
+    /// Treats each recording with `one`, which is given its path and what it is called for people. One that cannot be used does not keep the others from being treated.
+    pub fn run<C: Send>(
+        &self,
+        one: &(dyn Fn(&Path, &str) -> Result<Answered<C>> + Sync),
+    ) -> Result<(Exit, Vec<Case<C>>)> {
         let shard = self.apart.sharing.shard;
         if shard.is_some() && self.apart.out_dir.is_none() {
             let (expected, found) =
@@ -69,6 +72,7 @@ impl Work<'_> {
         if let (Some(folder), Some(_)) = (&folder, shard) {
             mark::clear_damage(folder)?;
         }
+        let shown = names::shown(self.observation);
         let names = if folder.is_some() { names::of(self.observation)? } else { Vec::new() };
         let mine: Vec<usize> =
             (0..self.observation.len()).filter(|i| shard.is_none_or(|shard| shard.takes(*i as u64))).collect();
@@ -80,11 +84,11 @@ impl Work<'_> {
             let inputs: Vec<&Path> = self.observation.iter().map(AsRef::as_ref).collect();
             destination::check(&files.map(answer).collect::<Vec<_>>(), &inputs, self.overwrite)?;
         }
-        let treat = |i: usize| self.treat(&self.observation[i], place(i).as_deref(), one);
+        let treat = |i: usize| self.treat(&self.observation[i], &shown[i], place(i).as_deref(), one);
         let treated = self.spread(&mine, &treat)?;
         let (mut objects, mut cases) = (Vec::with_capacity(treated.len()), Vec::new());
         for (i, (object, case)) in mine.iter().zip(treated) {
-            let name = load::name(&self.observation[*i]);
+            let name = shown[*i].clone();
             if let Some(text) = object["error"].as_str() {
                 cases.push((name, Err(text.to_owned())));
             } else if let Some(case) = case {
@@ -140,10 +144,10 @@ impl Work<'_> {
     fn treat<C>(
         &self,
         path: &Path,
+        name: &str,
         place: Option<&Path>,
-        one: &dyn Fn(&Path) -> Result<Answered<C>>,
+        one: &dyn Fn(&Path, &str) -> Result<Answered<C>>,
     ) -> Result<((Value, Option<C>), String)> {
-        let name = load::name(path);
         // What cannot be read has no digest, and is refused by whoever reads it.
         let run = place.and_then(|_| load::hash(path).ok()).map(|hash| {
             let all = json!([env!("CARGO_PKG_VERSION"), self.tool, self.run, name, hash]);
@@ -154,15 +158,15 @@ impl Work<'_> {
         {
             return Ok(((kept, None), format!("{name}: kept")));
         }
-        let (object, line, case) = match one(path) {
+        let (object, line, case) = match one(path, name) {
             Ok(Answered { mut object, line, case }) => {
-                object["file"] = Value::String(name.clone());
+                object["file"] = Value::String(name.to_owned());
                 (object, format!("{name}: {line}"), case)
             }
             Err(error) => {
                 let text = sentence(&error);
                 // Most errors begin with the path already.
-                let place = if text.contains(&name) { String::new() } else { format!("{name}: ") };
+                let place = if text.contains(name) { String::new() } else { format!("{name}: ") };
                 let schema = format!("tunenet.{}/1", self.tool);
                 (json!({ "schema": schema, "file": name, "error": text }), format!("{place}{text}"), None)
             }

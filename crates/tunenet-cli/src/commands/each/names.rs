@@ -6,6 +6,8 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::{Context, Result};
 use tunenet_core::Error;
 
+use crate::commands::load;
+
 /// Names of files for the answers to `recordings`, in their order: `b/drop.csv.json` for `runs/b/drop.csv` beside
 /// `runs/a/drop.csv`. They depend on how the recordings lie to each other, not on where they lie: every machine has the same.
 ///
@@ -37,6 +39,25 @@ pub fn of(recordings: &[PathBuf]) -> Result<Vec<String>> {
     Ok(names)
 }
 
+/// What each of `recordings` is called for people, in their order: the file's name, and of several files with one name as
+/// many of their folders as tell them apart. One that is given twice is called the same twice.
+pub fn shown(recordings: &[PathBuf]) -> Vec<String> {
+    let parts = |path: &PathBuf| -> Vec<String> {
+        let place = straight(path).unwrap_or_else(|_| path.clone());
+        place.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect()
+    };
+    let places: Vec<Vec<String>> = recordings.iter().map(parts).collect();
+    let tail = |place: &Vec<String>, count: usize| place[place.len().saturating_sub(count)..].to_vec();
+    let one = |(path, place): (&PathBuf, &Vec<String>)| {
+        let alone = |count: &usize| places.iter().all(|p| p == place || tail(p, *count) != tail(place, *count));
+        match (1..=place.len()).find(alone) {
+            Some(1) | None => load::name(path),
+            Some(count) => tail(place, count).join("/"),
+        }
+    };
+    recordings.iter().zip(&places).map(one).collect()
+}
+
 /// The path from the root on, without `.` and `..`; links stay what they are.
 fn straight(path: &Path) -> Result<PathBuf> {
     let mut place = PathBuf::new();
@@ -57,6 +78,16 @@ mod tests {
 
     fn named(paths: &[&str]) -> Result<Vec<String>> {
         of(&paths.iter().map(PathBuf::from).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn files_of_one_name_are_told_apart() {
+        let shown = |paths: &[&str]| shown(&paths.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(shown(&["runs/a/drop.csv", "runs/b/other.csv"]), ["drop.csv", "other.csv"]);
+        assert_eq!(shown(&["runs/a/drop.csv", "runs/b/drop.csv", "c.csv"]), ["a/drop.csv", "b/drop.csv", "c.csv"]);
+        assert_eq!(shown(&["a/x/drop.csv", "b/x/drop.csv"]), ["a/x/drop.csv", "b/x/drop.csv"]);
+        assert_eq!(shown(&["drop.csv", "./drop.csv"]), ["drop.csv", "drop.csv"]);
+        assert_eq!(shown(&["/x/drop.csv", "/drop.csv"])[0], "x/drop.csv");
     }
 
     #[test]

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use serde_json::Value;
 use tunenet_core::Error;
 
 use super::complete;
-use crate::cli::Merge;
+use crate::cli::{Measured, Merge};
 use crate::commands::destination::{self, Output, Product};
+use crate::commands::shard::differing::{differing, sides};
 use crate::commands::shard::{Job, Mark, mark};
 use crate::commands::{bench, each, load};
 use crate::failure::Exit;
@@ -77,7 +79,7 @@ fn foreign(like: &Mark, mark: &Mark) -> Option<(String, String)> {
         return (like.shard.count() != mark.shard.count()).then(|| (count(like), count(mark)));
     }
     Some(match (&like.job, &mark.job) {
-        (Job::Bench(like), Job::Bench(found)) => (told(like), told(found)),
+        (Job::Bench(like), Job::Bench(found)) => of_benches(like, found),
         (Job::Each { tool, run, recordings }, Job::Each { tool: other, run: ran, recordings: treated }) => {
             if tool != other {
                 (format!("`{tool} --each`"), format!("`{other} --each`"))
@@ -88,15 +90,22 @@ fn foreign(like: &Mark, mark: &Mark) -> Option<(String, String)> {
                 ("the same simulation, seed and settings".into(), "another simulation, seed or setting".into())
             }
         }
-        (Job::Bench(like), Job::Each { tool, .. }) => (told(like), format!("`{tool} --each`")),
-        (Job::Each { tool, .. }, Job::Bench(found)) => (format!("`{tool} --each`"), told(found)),
+        (Job::Bench(like), Job::Each { tool, .. }) => (named(like).0, format!("`{tool} --each`")),
+        (Job::Each { tool, .. }, Job::Bench(found)) => (format!("`{tool} --each`"), named(found).0),
     })
 }
 
-/// A bench with what decides its result, in one line.
-fn told(bench: &crate::cli::Measured) -> String {
-    let text = serde_json::to_string(bench).unwrap_or_default();
-    format!("`bench` {}", text.replace(['"', '{', '}'], "").replace(':', " "))
+/// The options in which two benches differ, or their names where they are not the same.
+fn of_benches(like: &Measured, found: &Measured) -> (String, String) {
+    let ((name, options), (other, others)) = (named(like), named(found));
+    if name == other { sides(&differing(&options, &others)) } else { (name, other) }
+}
+
+/// A bench's name, and everything on its command line that decides its result.
+fn named(bench: &Measured) -> (String, Value) {
+    let whole = serde_json::to_value(bench).unwrap_or_default();
+    let only = whole.as_object().and_then(|object| object.iter().next());
+    only.map_or_else(Default::default, |(name, options)| (format!("`bench {name}`"), options.clone()))
 }
 
 /// Copies what a shard has kept into `out`. What an earlier shard brought already stays.

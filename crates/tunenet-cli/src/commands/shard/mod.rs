@@ -3,6 +3,7 @@
 //! Every shard writes to a place of its own, whose name follows from `--out` and the shard: the same command line serves all
 //! tasks of an array, and no two of them ever touch one file.
 
+pub mod differing;
 pub mod mark;
 
 use std::ffi::OsString;

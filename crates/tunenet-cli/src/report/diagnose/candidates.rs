@@ -3,6 +3,7 @@
 
 use maud::{Markup, html};
 use tunenet_core::diagnose::{Candidate, Diagnosis, Verdict};
+use tunenet_core::observation::with_decimals;
 
 use super::capital;
 use crate::commands::diagnose::answer::Answer;
@@ -100,7 +101,7 @@ pub fn table(answer: &Answer) -> Markup {
                         td data-name="acts" { @if let Some(effect) = answer.entry(one.name) { (effect.phase.name()) } }
                         td.number data-name="gain" { (gain(one)) }
                         td.number data-name="behind the best" { (format!("{:.0}", one.delta)) }
-                        td.number data-name="held-out error" { @if let Some(ratio) = ratio(one) { (format!("\u{d7}\u{a0}{ratio:.3}")) } }
+                        td.number data-name="held-out error" { @if let Some(ratio) = ratio(one) { (format!("\u{d7}\u{a0}{}", with_decimals(ratio, 3))) } }
                         td.state { @if diagnosis.names.contains(&one.name) { (role(diagnosis.verdict)) } @else if control == Some(one.name) { "control" } }
                     }
                 }

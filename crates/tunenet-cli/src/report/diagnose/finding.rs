@@ -5,7 +5,7 @@ use tunenet_core::diagnose::{Change, GapOf, Verdict};
 use tunenet_core::simulator::Phase;
 
 use super::{capital, plain};
-use crate::commands::diagnose::answer::Answer;
+use crate::commands::diagnose::answer::{Answer, NAMELESS};
 use crate::report::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, prose, quantity, shape};
 
 pub fn finding(answer: &Answer) -> Markup {
@@ -70,17 +70,18 @@ pub fn sentence(answer: &Answer) -> String {
             format!("{} {verb} missing.", capital(&joined(&each, "and")))
         }
         Verdict::OneOf => {
-            let (open, firm): (Vec<_>, Vec<_>) = answer.choices().into_iter().partition(|names| names.len() > 1);
+            let (open, firm) = answer.open_and_firm();
             let words = |names: &[&str]| names.iter().map(|name| plain(name)).collect::<Vec<_>>();
+            let or_nameless =
+                if open.iter().any(|names| names.len() == 1) { format!(", or {NAMELESS}") } else { String::new() };
             let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
             let place = common_place(answer).map(|p| format!(" {}", p.name())).unwrap_or_default();
-            let firm: Vec<&str> = firm.into_iter().flatten().collect();
             let beside =
                 if firm.is_empty() { String::new() } else { format!(", beside {}", joined(&words(&firm), "and")) };
             let why = diagnosis
                 .doubt
                 .map_or("these recordings cannot tell".into(), |doubt| format!("the first by far, but {doubt}"));
-            format!("{}{place}{beside}: {why}.", capital(&open.join("; and ")))
+            format!("{}{place}{or_nameless}{beside}: {why}.", capital(&open.join("; and ")))
         }
         Verdict::Unknown => {
             let place = diagnosis.remains.map(|p| format!(" {}", p.name())).unwrap_or_default();

@@ -78,7 +78,7 @@ pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
                 } @else {
                     "The line is the tuned simulation."
                 }
-                " The start of each recording is fitted."
+                @if shown.iter().any(|one| !one.own.is_empty()) { " The start of each recording is fitted." }
             }
         }
     }

@@ -12,7 +12,7 @@ use std::path::Path;
 use maud::{Markup, html};
 use tunenet_core::Result;
 use tunenet_core::diagnose::{Diagnosis, Explained, GapOf, Verdict};
-use tunenet_core::observation::Kind;
+use tunenet_core::observation::{Kind, with_decimals};
 
 use self::pairs::{Pair, pairs};
 use super::provenance::Provenance;
@@ -100,7 +100,7 @@ fn place(answer: &Answer, both: bool) -> Markup {
         @if let Some(text) = &diagnosis.description { p { (capital(text)) "." } }
         div.grid {
             @for (title, places) in &groups {
-                @let rows: Vec<Pair> = places.iter().map(|p| pair(&p.name, both.then_some(p.before), p.after, |v| format!("{v:.2}\u{a0}\u{3c3}"))).collect();
+                @let rows: Vec<Pair> = places.iter().map(|p| pair(&p.name, both.then_some(p.before), p.after, |v| format!("{}\u{a0}\u{3c3}", with_decimals(v, 2)))).collect();
                 figure { figcaption.above { "Misfit " (title) } (pairs(&rows, Some((1.0, "noise alone")), &format!("misfit {title}"))) }
             }
             @if !groups.is_empty() {
@@ -125,6 +125,8 @@ fn pair(name: &str, before: Option<f64>, after: f64, words: impl Fn(f64) -> Stri
 fn evidence(answer: &Answer) -> Markup {
     let diagnosis = answer.diagnosis;
     let left = candidates::left(diagnosis).next().is_some();
+    // Of a thing that is no ball, the start is what its file says it is.
+    let fitted_start = diagnosis.explained.iter().any(|one| !one.own.is_empty());
     let single = diagnosis.uses.iter().filter(|u| u.used && !u.held_out).count() == 1;
     let other = answer.loaded.recorded.iter().all(|r| r.seen.kind() == Kind::Other);
     let one_throw = if other { "One motion" } else { "One throw" };
@@ -141,7 +143,7 @@ fn evidence(answer: &Answer) -> Markup {
                     (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well, unless a warning says why not"
                     @if diagnosis.verdict == Verdict::OneOf && diagnosis.doubt.is_none() { "; the bracket holds what these recordings cannot tell apart" }
                     "."
-                    @if let Some(doubt) = diagnosis.doubt { " " (capital(doubt)) ", so the next best is left beside the best, whatever its distance." }
+                    @if let Some(doubt) = diagnosis.doubt { " " (capital(doubt)) ", so " @if diagnosis.names.len() > diagnosis.effects.len() { "the next best is left beside the best, whatever its distance." } @else { "what is in no catalogue is left beside it." } }
                     @else if single && diagnosis.verdict == Verdict::OneOf { " " (one_throw) " earns no lone name, so the next best is left beside the best, whatever its distance." }
                 }
             }
@@ -164,7 +166,8 @@ fn evidence(answer: &Answer) -> Markup {
                     @if !diagnosis.effects.is_empty() {
                         "The dashed mark is the old simulation with its parameters tuned anew, the dot the new one. "
                     }
-                    @if gap.held_out.is_some() { "Of held-out recordings only the start is fitted; the forecast knows the first 40 % and is judged by the rest. " }
+                    @if gap.held_out.is_some() && fitted_start { "Of held-out recordings only the start is fitted; the forecast knows the first 40 % and is judged by the rest. " }
+                    @else if gap.held_out.is_some() { "Of held-out recordings nothing is fitted; the forecast is judged by what follows the first 40 % of each. " }
                     @else { "No recording was held out, so nothing is proven on unseen ones." }
                 }
             }

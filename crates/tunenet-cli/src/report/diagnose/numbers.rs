@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 use tunenet_core::diagnose::{NamedEffect, Test, Value};
+use tunenet_core::observation::with_decimals;
 
 use crate::commands::diagnose::answer::Answer;
 use crate::report::axis::Axis;
@@ -148,7 +149,7 @@ pub fn adequacy(tests: &[Test]) -> Markup {
                 @for test in tests {
                     tr {
                         th scope="row" { (test.name) }
-                        td data-name="value" { (format!("{:.2}", test.value)) }
+                        td data-name="value" { (with_decimals(test.value, 2)) }
                         td data-name="passes up to" { (format!("{:.2}", test.threshold)) }
                         td.track { (bar(test)) }
                         td.state { @if test.passed { "\u{2713} passed" } @else { "\u{2717} failed" } }

@@ -17,7 +17,7 @@ use crate::diagnose::answer::{
     Value, Verdict,
 };
 use crate::diagnose::input::Settings;
-use crate::observation::Note;
+use crate::observation::{Note, with_decimals};
 
 /// Stretches of each recording whose disagreement says how sure the numbers are; see `tune`'s blocks.
 const BLOCKS: usize = 15;
@@ -312,12 +312,14 @@ fn describe(logs: &Logs, model: &Model) -> Result<String> {
     }
     let ratio = |i: usize| (sums[i] / count.max(1) as f64).sqrt();
     let worst = (0..width).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0);
-    let others: Vec<String> =
-        (0..width).filter(|&i| i != worst && ratio(i) > 1.5).map(|i| format!("{} ({:.1})", i + 1, ratio(i))).collect();
+    let others: Vec<String> = (0..width)
+        .filter(|&i| i != worst && ratio(i) > 1.5)
+        .map(|i| format!("{} ({})", i + 1, with_decimals(ratio(i), 1)))
+        .collect();
     let rest = if others.is_empty() { String::new() } else { format!("; also in {}", others.join(", ")) };
     Ok(format!(
-        "what is left is largest in joint {}: {:.1} times the noise of its torque{rest}",
+        "what is left is largest in joint {}: {} times the noise of its torque{rest}",
         worst + 1,
-        ratio(worst)
+        with_decimals(ratio(worst), 1)
     ))
 }

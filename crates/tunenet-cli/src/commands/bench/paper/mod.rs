@@ -14,6 +14,11 @@ use crate::commands::{load, print_json};
 use crate::failure::Exit;
 use crate::terminal::stage;
 
+/// How many seeds, in words.
+fn counted_seeds(seeds: u64) -> String {
+    if seeds == 1 { "1 seed".into() } else { format!("{seeds} seeds") }
+}
+
 pub fn run(options: &BenchPaper) -> Result<Exit> {
     let seed = options.common.seed;
     // The version alone would not tell a rebuilt program from the one that made a cell.

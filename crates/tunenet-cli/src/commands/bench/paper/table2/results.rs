@@ -9,7 +9,9 @@ use super::BUDGETS;
 use super::methods::{Method, Tuner};
 
 /// Errors below are rounding, and no better than one another.
-const ROUNDING: f64 = 1e-12;
+pub const ROUNDING: f64 = 1e-12;
+/// A rival whose error is less than ours by this share at most is no better.
+pub const TIED: f64 = 0.01;
 /// Rollouts at which the figure has a point.
 pub const POINTS: [usize; 12] = [0, 1, 2, 3, 4, 5, 7, 10, 20, 30, 50, 100];
 
@@ -73,12 +75,12 @@ impl Results {
     }
 
     /// The method with the least error on a set after so many rollouts; preset `default` where nothing is better by more than
-    /// rounding, or by a hundredth.
+    /// rounding, or by [`TIED`].
     pub fn best(&self, set: &str, rollouts: usize) -> Option<Method> {
         let error = |c: &Cell| c.after(rollouts).0;
         let least = self.of(set).min_by(|a, b| error(a).total_cmp(&error(b)))?;
         let ours = self.of(set).find(|c| c.method == Method::Default)?;
-        let tied = error(ours) <= 1.01 * error(least) + ROUNDING;
+        let tied = error(ours) <= (1.0 + TIED) * error(least) + ROUNDING;
         Some(if tied { Method::Default } else { least.method })
     }
 }

@@ -7,8 +7,9 @@ use anyhow::Result;
 use serde_json::{Map, Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
+use super::super::counted_seeds;
 use super::methods::Method;
-use super::results::{Cell, POINTS, Results};
+use super::results::{Cell, POINTS, ROUNDING, Results, TIED};
 use super::{BUDGETS, SETS, figure};
 
 /// `table2.default.easy.k5`, and what the paper reports beside it.
@@ -34,10 +35,6 @@ pub fn as_json(results: &Results) -> Value {
     all.insert("seeds".into(), json!(results.seeds));
     all.insert("targets".into(), json!(results.targets));
     all.into()
-}
-
-fn counted_seeds(seeds: u64) -> String {
-    if seeds == 1 { "1 seed".into() } else { format!("{seeds} seeds") }
 }
 
 /// The table for people. Writing to a string cannot fail, so its results are dropped.
@@ -88,6 +85,12 @@ pub fn markdown(results: &Results) -> String {
         };
         let _ = writeln!(out, "\n{verdict}\n");
     }
+    let _ = writeln!(
+        out,
+        "A column counts as preset `default`'s where no other method's error is less by more than {} %, or by more than the \
+         {ROUNDING:e} of rounding.\n",
+        100.0 * TIED
+    );
     let idle: Vec<&str> = Method::ALL.into_iter().filter(|m| !m.rolls_out()).map(Method::title).collect();
     let _ = writeln!(out, "No rollouts are spent on a target by: {}.", idle.join("; "));
     out
@@ -130,7 +133,7 @@ pub fn figure_markdown(results: &Results) -> String {
     format!(
         "# Figure 2: error of the restitution against the rollouts spent\n\n    \
          tunenet bench paper --only figure2{quick} --seed {}\n\n\
-         Mean over {} of {} targets each; the numbers are those of table2.csv.\n\n\
+         Mean over {} of {} targets each; the numbers are in figure2.json.\n\n\
          ![Error of the restitution against rollouts, four panels](figure2.svg)\n",
         results.seed,
         counted_seeds(results.seeds),
@@ -143,4 +146,39 @@ pub fn write_figure(folder: &Path, results: &Results) -> Result<()> {
     let json = format!("{:#}\n", figure_json(results));
     let drawn = figure::draw(results);
     write_all(folder, [("figure2.md", figure_markdown(results)), ("figure2.json", json), ("figure2.svg", drawn)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::results::Accuracy;
+    use super::*;
+
+    fn results(ours: f64, rival: f64) -> Results {
+        let cell =
+            |method, error| Cell { set: "easy", method, seeds: vec![Accuracy { mean: vec![error; POINTS.len()] }] };
+        let cells = vec![cell(Method::Default, ours), cell(Method::Brent, rival)];
+        Results { seed: 3, seeds: 1, targets: 40, quick: true, cells }
+    }
+
+    /// The rule by which a column is ours stands below the table, and is the one that is used.
+    #[test]
+    fn what_counts_as_tied_is_said_and_done() {
+        let (tied, lost) = (markdown(&results(1.009e-3, 1e-3)), markdown(&results(1.02e-3, 1e-3)));
+        for text in [&tied, &lost] {
+            assert!(text.contains("less by more than 1 %, or by more than the 1e-12 of rounding"), "{text}");
+        }
+        let of_easy = |text: &str| text.split("## ").nth(1).unwrap_or_default().to_owned();
+        assert!(of_easy(&tied).contains("has the least error of every column"), "{tied}");
+        assert!(of_easy(&lost).contains("loses K = 1 to "), "{lost}");
+    }
+
+    /// It may be asked for without the table, whose file is not there then.
+    #[test]
+    fn the_figure_names_files_of_its_own_alone() {
+        let text = figure_markdown(&results(1e-3, 1e-3));
+        assert!(
+            !text.contains("table2") && text.contains("figure2.json") && text.contains("Mean over 1 seed of"),
+            "{text}"
+        );
+    }
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use tunenet_core::observation::recording::write_atomically;
 
+use super::super::counted_seeds;
 use super::film::SPOILT;
 use super::tuners::Title;
 
@@ -127,12 +128,13 @@ pub fn markdown(results: &Results) -> String {
     let _ = writeln!(out, "    tunenet bench paper --only table3{quick} --seed {}\n", results.seed);
     let _ = writeln!(
         out,
-        "{} seeds of {} drops. The drops are a closed form's, rendered at 160 × 120 and tracked; every camera and every \
+        "{} of {} drops. The drops are a closed form's, rendered at 160 × 120 and tracked; every camera and every \
          training is new with the seed. Percent is the mean of |Δz| over the mean of |z|, run by run. Five rollouts. A \
          spoilt film has noise of {noise} on every channel (of 255), a shutter open for {exposure} of the time between \
          frames, and JPEG of quality {quality}. A film in which no ball is found counts as refused, and in no mean. The \
          published rows Neural and VRNN are not here: their figures are not at hand.\n",
-        results.seeds, results.drops
+        counted_seeds(results.seeds),
+        results.drops
     );
     if results.quick {
         let _ = writeln!(out, "Quick: trainings of a quarter of the steps; the figures are indicative only.\n");
@@ -181,4 +183,15 @@ pub fn write(folder: &Path, results: &Results) -> Result<()> {
         write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_seed_is_one() {
+        let text = |seeds| markdown(&Results { seed: 0, seeds, drops: 6, quick: true, rows: Vec::new() });
+        assert!(text(1).contains("\n1 seed of 6 drops.") && text(3).contains("\n3 seeds of 6 drops."), "{}", text(1));
+    }
 }

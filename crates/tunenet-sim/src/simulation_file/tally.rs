@@ -1,0 +1,159 @@
+//! What a program did not simulate, counted while others went on.
+
+use std::sync::{Mutex, PoisonError};
+
+use tunenet_core::observation::{GREATEST, Note};
+use tunenet_core::simulator::Parameter;
+
+/// Rollouts that a program was asked for, and those of them that cannot be used. A fit looks elsewhere then, and a person has
+/// to hear of it.
+///
+/// Which rollouts are asked for follows from the work alone, and so does what stands here, in whatever order threads ask.
+#[derive(Debug, Default)]
+pub(crate) struct Tally(Mutex<Counted>);
+
+#[derive(Debug, Default)]
+struct Counted {
+    asked: u64,
+    refused: Option<Lacking>,
+    beyond: Option<Lacking>,
+}
+
+/// Rollouts that cannot be used, and the one among them that is nearest to the values of the file.
+#[derive(Debug)]
+struct Lacking {
+    rollouts: u64,
+    nearest: Place,
+}
+
+#[derive(Debug)]
+struct Place {
+    /// From the file's values, in spans of the parameters.
+    distance: f64,
+    values: Vec<f64>,
+    /// `length=0.2 damping=0.1`.
+    at: String,
+    /// What the program said or answered.
+    what: String,
+}
+
+impl Place {
+    fn of(parameters: &[Parameter], values: &[f64], what: &str) -> Self {
+        let each = || parameters.iter().zip(values);
+        let distance = each().map(|(p, v)| ((v - p.value) / p.span()).powi(2)).sum::<f64>().sqrt();
+        let at = each().map(|(p, v)| format!("{}={v}", p.name)).collect::<Vec<_>>().join(" ");
+        Self { distance, values: values.to_vec(), at, what: what.to_owned() }
+    }
+
+    /// Whether this one is to be told rather than `other`; of two at one distance always the same one.
+    fn comes_before(&self, other: &Self) -> bool {
+        let values = || self.values.iter().zip(&other.values).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne());
+        let order = self.distance.total_cmp(&other.distance);
+        order
+            .then_with(|| values().unwrap_or(std::cmp::Ordering::Equal))
+            .then_with(|| self.what.cmp(&other.what))
+            .is_lt()
+    }
+}
+
+/// Why a rollout cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Why {
+    /// The program said that it cannot simulate these values.
+    Refused,
+    /// It answered a number that cannot be reckoned with.
+    Beyond,
+}
+
+impl Tally {
+    /// One more rollout that was asked for.
+    pub fn asked(&self) {
+        self.counted(|counted| counted.asked += 1);
+    }
+
+    /// That one cannot be used, and `what` was said or answered.
+    pub fn lacks(&self, why: Why, parameters: &[Parameter], values: &[f64], what: &str) {
+        let place = Place::of(parameters, values, what);
+        self.counted(|counted| {
+            let kept = match why {
+                Why::Refused => &mut counted.refused,
+                Why::Beyond => &mut counted.beyond,
+            };
+            match kept {
+                None => *kept = Some(Lacking { rollouts: 1, nearest: place }),
+                Some(lacking) => {
+                    lacking.rollouts += 1;
+                    if place.comes_before(&lacking.nearest) {
+                        lacking.nearest = place;
+                    }
+                }
+            }
+        });
+    }
+
+    /// How many rollouts were asked for.
+    pub fn rollouts(&self) -> u64 {
+        self.counted(|counted| counted.asked)
+    }
+
+    /// What a person should know of it.
+    pub fn notes(&self) -> Vec<Note> {
+        const REMEDY: &str = "narrow `min` and `max` of `[parameters.NAME]` to what the program can simulate, where the answer lies near that";
+        self.counted(|counted| {
+            let all = counted.asked;
+            let refused = counted.refused.iter().map(|Lacking { rollouts, nearest: Place { at, what, .. } }| {
+                let text = format!("the program refused {rollouts} of {all} rollouts, of these nearest to the file's values {at}: {what}");
+                Note::new("program.refused", text, REMEDY)
+            });
+            let beyond = counted.beyond.iter().map(|Lacking { rollouts, nearest: Place { at, what, .. } }| {
+                let text = format!(
+                    "the program answered numbers beyond {GREATEST:e} in {rollouts} of {all} rollouts, of these nearest to the \
+                     file's values {at}: {what}"
+                );
+                Note::new("program.beyond", text, REMEDY)
+            });
+            refused.chain(beyond).collect()
+        })
+    }
+
+    fn counted<T>(&self, of: impl FnOnce(&mut Counted) -> T) -> T {
+        of(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_told_does_not_depend_on_the_order() {
+        let parameters = ["a", "b"].map(|name| Parameter::new(name, "m", 1.0, 0.0, 4.0).unwrap());
+        // The second and third lie equally far from (1, 1).
+        let lacking = [([4.0, 1.0], "far"), ([0.5, 1.0], "left"), ([1.5, 1.0], "right"), ([1.0, 3.0], "far as well")];
+        let told = |order: [usize; 4]| {
+            let tally = Tally::default();
+            for i in order {
+                tally.asked();
+                tally.lacks(Why::Refused, &parameters, &lacking[i].0, lacking[i].1);
+            }
+            tally.asked();
+            tally.notes()
+        };
+        let first = told([0, 1, 2, 3]);
+        assert_eq!(first.len(), 1);
+        assert_eq!(
+            first[0].text,
+            "the program refused 4 of 5 rollouts, of these nearest to the file's values a=0.5 b=1: left"
+        );
+        assert!([[3, 2, 1, 0], [2, 0, 3, 1], [1, 3, 0, 2]].into_iter().all(|order| told(order) == first));
+        let tally = Tally::default();
+        tally.asked();
+        assert!(tally.notes().is_empty() && tally.rollouts() == 1);
+        tally.lacks(Why::Beyond, &parameters, &[1.0, 1.0], "1e160 for `z_m` in row 1");
+        assert!(
+            tally.notes()[0].text.contains(
+                "numbers beyond 1e100 in 1 of 1 rollouts, of these nearest to the file's values a=1 b=1: 1e160"
+            )
+        );
+    }
+}
