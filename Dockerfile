@@ -6,8 +6,9 @@ RUN apt-get update && apt-get install --yes --no-install-recommends \
         build-essential ca-certificates clang curl libclang-dev libopencv-dev pkg-config \
     && rm -rf /var/lib/apt/lists/*
 ENV PATH=/root/.cargo/bin:$PATH
-RUN curl --proto '=https' --tlsv1.2 --silent --show-error --fail https://sh.rustup.rs \
-    | sh -s -- -y --profile minimal --default-toolchain none
+RUN curl --proto '=https' --tlsv1.2 --silent --show-error --fail --output /tmp/rustup-init \
+        "https://static.rust-lang.org/rustup/dist/$(uname -m)-unknown-linux-gnu/rustup-init" \
+    && chmod +x /tmp/rustup-init && /tmp/rustup-init -y --profile minimal --default-toolchain none && rm /tmp/rustup-init
 WORKDIR /source
 COPY . .
 ARG FEATURES=
