@@ -25,7 +25,6 @@ mod start;
 mod track;
 mod train;
 pub(crate) mod tune;
-mod tune_model;
 
 use clap::CommandFactory;
 use serde_json::Value;

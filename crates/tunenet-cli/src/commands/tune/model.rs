@@ -12,7 +12,7 @@ use tunenet_core::simulator::{Preparation, Prepared, Simulator};
 use tunenet_sim::drawn::{Drawn, Ranges};
 use tunenet_sim::{ObservedBall, SimulationFile, built_in};
 
-use super::model_cache::Cache;
+use crate::commands::model_cache::Cache;
 use crate::terminal::{progress, stage};
 
 /// Raised where a network of the same key would be made in another way.

@@ -1,33 +1,43 @@
 //! `tunenet tune`.
+//!
+//! | file | subject |
+//! |---|---|
+//! | `model` | which network the loop asks |
+//! | `told` | the answer as JSON and as text |
+//! | `written` | the simulation file with the answer in it |
+
+mod model;
+mod told;
+mod written;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
-use serde_json::{Map, Value, json};
-use toml_edit::{Array, InlineTable};
+use serde_json::{Value, json};
 use tunenet_core::Error;
 use tunenet_core::network::Model;
-use tunenet_core::observation::preflight::{Check, State};
-use tunenet_core::observation::recording::{Recording, write_atomically};
+use tunenet_core::observation::recording::Recording;
 use tunenet_core::observation::{Kind, Note, Observation};
-use tunenet_core::tune::{Outcome, Region, Settings, Verdict, tune};
+use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
 use tunenet_sim::replayed_arm::{replays, suspect};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
+use self::model::Chosen;
+use self::told::{as_json, sentence, tell};
+pub use self::told::{reason, warning};
+use self::written::write_tuned;
 use super::destination::{self, Output, Product};
-use super::diagnose::alternatives;
 use super::each::{Answered, Work};
 use super::model_cache::Cache;
 use super::refusal::{self, Asked};
-use super::tune_model::{self, Chosen};
 use super::{film, load, print_json, start};
 use crate::cli::Tune;
 use crate::failure::Exit;
 use crate::report::{self, tune::Answer};
-use crate::terminal::{between, four_digits, in_words, list, rolling, rounded, stage, table, tally, warn};
+use crate::terminal::{rolling, stage};
 
 const SCHEMA: &str = "tunenet.tune/1";
 
@@ -219,14 +229,12 @@ fn tune_to(
     let seed = options.common.seed;
     let chosen = match (model, &bare) {
         (Some(model), _) => Chosen::given(model),
-        (None, Some(bare)) => tune_model::choose(file, bare, recordings, seed, &cache),
-        (None, None) if arm => {
-            tune_model::none("not needed: torques all but follow a straight line in the payload".into())
-        }
-        (None, None) if process => tune_model::none(
+        (None, Some(bare)) => model::choose(file, bare, recordings, seed, &cache),
+        (None, None) if arm => model::none("not needed: torques all but follow a straight line in the payload".into()),
+        (None, None) if process => model::none(
             "none: the fit has starts of its own; one that learned from `gen process` goes with --model".into(),
         ),
-        (None, None) => tune_model::none("none: give one that learned from `gen ball-video` with --model".into()),
+        (None, None) => model::none("none: give one that learned from `gen ball-video` with --model".into()),
     };
     let working = is_slow(file, options).then(|| rolling("tuning", file));
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
@@ -269,224 +277,4 @@ fn names(paths: &[PathBuf]) -> String {
 
 fn exit(verdict: Verdict) -> Exit {
     if verdict == Verdict::Tuned { Exit::Done } else { Exit::Inconclusive }
-}
-
-fn as_json(outcome: &Outcome, chosen: &Chosen, seconds: f64) -> Value {
-    let parameters: Map<String, Value> = outcome
-        .parameters
-        .iter()
-        .map(|p| {
-            let (low, high) = p.interval95;
-            let one = json!({
-                "value": p.value, "unit": p.unit, "interval95": [low, high],
-                "before": p.before, "bounds": [p.bounds.0, p.bounds.1], "identified": p.identified,
-                "status": p.status,
-            });
-            (p.name.clone(), one)
-        })
-        .collect();
-    let iterations: Vec<Value> = outcome
-        .iterations
-        .iter()
-        .map(|i| {
-            let named: Map<String, Value> =
-                outcome.free.iter().zip(&i.parameters).map(|(n, v)| (n.clone(), json!(v))).collect();
-            json!({ "k": i.k, "parameters": named, "rmse": i.rmse })
-        })
-        .collect();
-    let mut object = json!({
-        "schema": SCHEMA,
-        "verdict": outcome.verdict,
-        "parameters": parameters,
-        "model": chosen.json(),
-        "iterations": iterations,
-        "stop": outcome.stop,
-        "gap": outcome.gap.as_ref().map(|g| json!({
-            "unit": g.unit, "before": g.before, "after": g.after, "noise_floor": g.noise_floor,
-        })),
-        "estimated": outcome.own.iter().map(|own| {
-            own.iter().map(|p| json!({ "name": p.name, "value": p.value, "unit": p.unit })).collect::<Vec<_>>()
-        }).collect::<Vec<_>>(),
-        "preflight": outcome.preflight,
-        "forced": forced(outcome),
-        "rollouts": outcome.rollouts,
-        "seconds": seconds,
-        "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
-    });
-    if outcome.correlation.nrows() > 1 {
-        let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
-        object["correlation"] = json!({ "parameters": outcome.free, "matrix": rows });
-    }
-    if let Some(region) = &outcome.region95 {
-        object["region95"] = region_json(region);
-    }
-    object
-}
-
-fn region_json(region: &Region) -> Value {
-    let covariance = region
-        .covariance
-        .as_ref()
-        .map(|c| c.row_iter().map(|r| r.iter().copied().collect()).collect::<Vec<Vec<f64>>>());
-    json!({
-        "parameters": region.parameters, "centre": region.centre, "covariance": covariance,
-        "quantile": region.quantile, "boundary": region.boundary,
-    })
-}
-
-/// Whether a recording was used although its checks reject it.
-fn forced(outcome: &Outcome) -> bool {
-    let failed = |checks: &[Check]| checks.iter().any(|c| c.state == State::Failed);
-    outcome.used.iter().zip(&outcome.preflight).any(|(used, checks)| *used && failed(checks))
-}
-
-/// A note as every command's JSON has it.
-pub(super) fn warning(note: &Note) -> Value {
-    json!({ "code": note.code, "text": note.text, "remedy": note.remedy })
-}
-
-/// The one note that says why there is no answer, or none about a contact.
-pub(crate) fn reason(outcome: &Outcome) -> Option<&Note> {
-    let failed: Vec<&str> =
-        outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
-    let rejected = outcome.verdict == Verdict::Rejected;
-    // What rejects without a list of checks says why in its one note.
-    if rejected && failed.is_empty() {
-        return outcome.notes.iter().find(|n| n.code.ends_with(".unusable"));
-    }
-    let silent = ["contact.none", "recordings.short"];
-    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { silent.contains(&n.code) })
-}
-
-/// The verdict in one sentence.
-fn sentence(outcome: &Outcome) -> String {
-    let word = match outcome.verdict {
-        Verdict::Tuned => "TUNED",
-        Verdict::Rejected => "REJECTED",
-        Verdict::PoorFit => "POOR FIT",
-        Verdict::NotIdentifiable => "NOT IDENTIFIABLE",
-    };
-    let values: Vec<String> = outcome
-        .parameters
-        .iter()
-        .map(|p| {
-            let (low, high) = p.interval95;
-            let half = (high - low) / 2.0;
-            let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
-            if p.identified {
-                let range = between(&rounded(low, half), &rounded(high, half));
-                let before = four_digits(p.before);
-                format!("{} {}{unit} (95 %: {range}), was {before}", p.name, rounded(p.value, half))
-            } else {
-                format!("{} unknown", p.name)
-            }
-        })
-        .collect();
-    let reason = reason(outcome);
-    let forced = if forced(outcome) { "FORCED, " } else { "" };
-    match (values.is_empty(), reason) {
-        (true, Some(note)) => format!("{word}  {}", note.text),
-        (false, Some(note)) => format!("{forced}{word}  {}: {}", values.join(", "), note.text),
-        _ => format!("{forced}{word}  {}", values.join(", ")),
-    }
-}
-
-fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
-    for (path, checks) in options.observation.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
-        let which = if options.observation.len() > 1 { format!("{}: ", load::name(path)) } else { String::new() };
-        stage("checked", &format!("{which}{}", tally(checks)));
-    }
-    chosen.tell();
-    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
-    anstream::eprintln!("\n{bold}{}{reset}", sentence(outcome));
-    if let Some(gap) = &outcome.gap {
-        let unit = &gap.unit;
-        let (before, after, floor) =
-            (in_words(gap.before, unit), in_words(gap.after, unit), in_words(gap.noise_floor, unit));
-        let rows = [
-            vec!["gap (RMS)".into(), "before".into(), "after".into(), "noise floor".into()],
-            vec![String::new(), before, after, floor],
-        ];
-        anstream::eprintln!("{}\n", table(&rows));
-    }
-    for own in outcome.own.iter().filter(|own| !own.is_empty()) {
-        let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
-        anstream::eprintln!("{}", list("  also from the data:", &each));
-    }
-    outcome.notes.iter().for_each(warn);
-    let wrote = match &options.out {
-        Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
-        Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),
-        None => String::new(),
-    };
-    anstream::eprintln!("{wrote}{} rollouts, {seconds:.1} s, seed {}", outcome.rollouts, options.common.seed);
-}
-
-/// Only an answer is worth a file.
-fn is_written(outcome: &Outcome) -> bool {
-    matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
-}
-
-fn write_tuned(
-    options: &Tune,
-    file: &SimulationFile,
-    recordings: &[Recording],
-    outcome: &Outcome,
-    out: &Path,
-) -> Result<()> {
-    let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
-    let mut tuned = file.clone();
-    let joints = outcome.recordings.first().map_or(0, |r| r.seen.channels().len());
-    let mut intervals = InlineTable::new();
-    for p in &outcome.parameters {
-        if file.domain() == Domain::Arm {
-            tuned.set_arm_value(&p.name, p.value, joints)?;
-        } else {
-            tuned.set_value(&p.name, p.value);
-        }
-        intervals.insert(p.name.replace('.', "_"), Array::from_iter([p.interval95.0, p.interval95.1]).into());
-    }
-    // What was known of a value that stayed is known of it still.
-    for p in file.parameters()? {
-        if let Some((low, high)) = p.known95 {
-            intervals.insert(p.name, Array::from_iter([low, high]).into());
-        }
-    }
-    let mut observations = Array::new();
-    for path in &options.observation {
-        observations.push(load::fingerprint(path)?);
-    }
-    let reference = options.reference.as_deref().map(load::fingerprint).transpose()?;
-    let mut estimated = Array::new();
-    for own in &outcome.own {
-        let one: InlineTable = own.iter().map(|p| (p.name.replace('.', "_"), p.value)).collect();
-        estimated.push(one);
-    }
-    let verdict = serde_json::to_value(outcome.verdict)?;
-    let seed = i64::try_from(options.common.seed).unwrap_or(i64::MAX);
-    let mut entries: Vec<(&str, toml_edit::Value)> = vec![
-        ("tool", concat!("tunenet ", env!("CARGO_PKG_VERSION")).into()),
-        ("command", "tune".into()),
-        ("seed", seed.into()),
-        ("verdict", verdict.as_str().unwrap_or_default().into()),
-        ("observations", observations.into()),
-    ];
-    entries.extend(reference.map(|reference| ("reference", reference.into())));
-    entries.extend([("interval95", intervals.into()), ("estimated", estimated.into())]);
-    if outcome.verdict == Verdict::Tuned && !forced(outcome) {
-        let seen: Vec<Observation> = recordings.iter().map(|r| r.observation.clone()).collect();
-        // What only plans go by must not cost the answer.
-        let open = alternatives::open_to(&tuned, &[], &seen).unwrap_or_default();
-        entries.extend((!open.is_empty()).then(|| ("open_drag", open.into())));
-    }
-    entries.extend([
-        ("gap_unit", gap.unit.as_str().into()),
-        ("gap_before", gap.before.into()),
-        ("gap_after", gap.after.into()),
-        ("gap_noise_floor", gap.noise_floor.into()),
-    ]);
-    tuned.set_provenance(&entries);
-    tuned.move_program(out);
-    write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
-    Ok(())
 }

@@ -1,0 +1,166 @@
+//! What an outcome says: the object of `--json`, and the text for people.
+
+use serde_json::{Map, Value, json};
+use tunenet_core::observation::Note;
+use tunenet_core::observation::preflight::{Check, State};
+use tunenet_core::tune::{Outcome, Region, Verdict};
+
+use super::SCHEMA;
+use super::model::Chosen;
+use super::written::is_written;
+use crate::cli::Tune;
+use crate::commands::load;
+use crate::terminal::{between, four_digits, in_words, list, rounded, stage, table, tally, warn};
+
+/// The object of `--json`.
+pub fn as_json(outcome: &Outcome, chosen: &Chosen, seconds: f64) -> Value {
+    let parameters: Map<String, Value> = outcome
+        .parameters
+        .iter()
+        .map(|p| {
+            let (low, high) = p.interval95;
+            let one = json!({
+                "value": p.value, "unit": p.unit, "interval95": [low, high],
+                "before": p.before, "bounds": [p.bounds.0, p.bounds.1], "identified": p.identified,
+                "status": p.status,
+            });
+            (p.name.clone(), one)
+        })
+        .collect();
+    let iterations: Vec<Value> = outcome
+        .iterations
+        .iter()
+        .map(|i| {
+            let named: Map<String, Value> =
+                outcome.free.iter().zip(&i.parameters).map(|(n, v)| (n.clone(), json!(v))).collect();
+            json!({ "k": i.k, "parameters": named, "rmse": i.rmse })
+        })
+        .collect();
+    let mut object = json!({
+        "schema": SCHEMA,
+        "verdict": outcome.verdict,
+        "parameters": parameters,
+        "model": chosen.json(),
+        "iterations": iterations,
+        "stop": outcome.stop,
+        "gap": outcome.gap.as_ref().map(|g| json!({
+            "unit": g.unit, "before": g.before, "after": g.after, "noise_floor": g.noise_floor,
+        })),
+        "estimated": outcome.own.iter().map(|own| {
+            own.iter().map(|p| json!({ "name": p.name, "value": p.value, "unit": p.unit })).collect::<Vec<_>>()
+        }).collect::<Vec<_>>(),
+        "preflight": outcome.preflight,
+        "forced": forced(outcome),
+        "rollouts": outcome.rollouts,
+        "seconds": seconds,
+        "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
+    });
+    if outcome.correlation.nrows() > 1 {
+        let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
+        object["correlation"] = json!({ "parameters": outcome.free, "matrix": rows });
+    }
+    if let Some(region) = &outcome.region95 {
+        object["region95"] = region_json(region);
+    }
+    object
+}
+
+fn region_json(region: &Region) -> Value {
+    let covariance = region
+        .covariance
+        .as_ref()
+        .map(|c| c.row_iter().map(|r| r.iter().copied().collect()).collect::<Vec<Vec<f64>>>());
+    json!({
+        "parameters": region.parameters, "centre": region.centre, "covariance": covariance,
+        "quantile": region.quantile, "boundary": region.boundary,
+    })
+}
+
+/// Whether a recording was used although its checks reject it.
+pub fn forced(outcome: &Outcome) -> bool {
+    let failed = |checks: &[Check]| checks.iter().any(|c| c.state == State::Failed);
+    outcome.used.iter().zip(&outcome.preflight).any(|(used, checks)| *used && failed(checks))
+}
+
+/// A note as every command's JSON has it.
+pub fn warning(note: &Note) -> Value {
+    json!({ "code": note.code, "text": note.text, "remedy": note.remedy })
+}
+
+/// The one note that says why there is no answer, or none about a contact.
+pub fn reason(outcome: &Outcome) -> Option<&Note> {
+    let failed: Vec<&str> =
+        outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
+    let rejected = outcome.verdict == Verdict::Rejected;
+    // What rejects without a list of checks says why in its one note.
+    if rejected && failed.is_empty() {
+        return outcome.notes.iter().find(|n| n.code.ends_with(".unusable"));
+    }
+    let silent = ["contact.none", "recordings.short"];
+    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { silent.contains(&n.code) })
+}
+
+/// The verdict in one sentence.
+pub fn sentence(outcome: &Outcome) -> String {
+    let word = match outcome.verdict {
+        Verdict::Tuned => "TUNED",
+        Verdict::Rejected => "REJECTED",
+        Verdict::PoorFit => "POOR FIT",
+        Verdict::NotIdentifiable => "NOT IDENTIFIABLE",
+    };
+    let values: Vec<String> = outcome
+        .parameters
+        .iter()
+        .map(|p| {
+            let (low, high) = p.interval95;
+            let half = (high - low) / 2.0;
+            let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+            if p.identified {
+                let range = between(&rounded(low, half), &rounded(high, half));
+                let before = four_digits(p.before);
+                format!("{} {}{unit} (95 %: {range}), was {before}", p.name, rounded(p.value, half))
+            } else {
+                format!("{} unknown", p.name)
+            }
+        })
+        .collect();
+    let reason = reason(outcome);
+    let forced = if forced(outcome) { "FORCED, " } else { "" };
+    match (values.is_empty(), reason) {
+        (true, Some(note)) => format!("{word}  {}", note.text),
+        (false, Some(note)) => format!("{forced}{word}  {}: {}", values.join(", "), note.text),
+        _ => format!("{forced}{word}  {}", values.join(", ")),
+    }
+}
+
+/// The answer on standard error.
+pub fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
+    for (path, checks) in options.observation.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
+        let which = if options.observation.len() > 1 { format!("{}: ", load::name(path)) } else { String::new() };
+        stage("checked", &format!("{which}{}", tally(checks)));
+    }
+    chosen.tell();
+    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
+    anstream::eprintln!("\n{bold}{}{reset}", sentence(outcome));
+    if let Some(gap) = &outcome.gap {
+        let unit = &gap.unit;
+        let (before, after, floor) =
+            (in_words(gap.before, unit), in_words(gap.after, unit), in_words(gap.noise_floor, unit));
+        let rows = [
+            vec!["gap (RMS)".into(), "before".into(), "after".into(), "noise floor".into()],
+            vec![String::new(), before, after, floor],
+        ];
+        anstream::eprintln!("{}\n", table(&rows));
+    }
+    for own in outcome.own.iter().filter(|own| !own.is_empty()) {
+        let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
+        anstream::eprintln!("{}", list("  also from the data:", &each));
+    }
+    outcome.notes.iter().for_each(warn);
+    let wrote = match &options.out {
+        Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
+        Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),
+        None => String::new(),
+    };
+    anstream::eprintln!("{wrote}{} rollouts, {seconds:.1} s, seed {}", outcome.rollouts, options.common.seed);
+}
