@@ -41,6 +41,7 @@ mod insufficient;
 mod intervals;
 mod joint;
 mod likely;
+mod memory;
 mod mirrored;
 mod nameless;
 mod outliers;

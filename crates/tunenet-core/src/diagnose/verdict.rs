@@ -8,6 +8,7 @@ use super::control::{control, ratios, unseen};
 use super::decide::decide;
 use super::held_out::HeldOut;
 use super::insufficient::too_little;
+use super::memory::believable;
 use super::practical::{Second, practically};
 use super::search::Found;
 use super::sets::Set;
@@ -70,6 +71,9 @@ pub(super) fn judge(
             found = with_chance(&study, found, &scatter, progress)?;
             tests = study.adequacy(found.best.as_ref().unwrap_or(&found.base));
         }
+    }
+    if found.best.is_none() {
+        tests.extend(believable(rho));
     }
     progress(Progress::Judging);
     let after = match &found.best {
@@ -138,6 +142,9 @@ fn first_look<'a>(study: &mut Study<'a>, held_out: &mut [Set], progress: &dyn Fn
             let base = study.fit_near(&[], &found.base)?;
             found = study.search(base, progress)?;
         }
+    }
+    if let Some(white) = study.search_without_memory(&found, &mut rho, progress)? {
+        found = white;
     }
     Ok(Look { found, rho, apart: None })
 }
