@@ -1,7 +1,7 @@
 //! The tuned simulation without any effect: where every diagnosis begins.
 
 use super::fit::Effort;
-use super::joint::{Joint, Point, spread};
+use super::joint::{Joint, Outcome, Point, spread};
 use super::structure::Structure;
 use super::study::{FULL, Model, Study};
 use crate::Result;
@@ -17,15 +17,37 @@ const SUSPICIOUS: f64 = 3.0;
 /// Starts across the bounds of each object's first parameters.
 const SPREAD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
-impl<'a> Study<'a> {
-    /// The best fit of the simulation as it is.
-    pub fn base(&self) -> Result<Model<'a>> {
-        let structure = self.structure(&[])?;
-        let joint = self.joint(&structure);
-        let ranked = Self::ranked(&joint, self.starts(&structure));
-        let mut best = None;
-        let mut refused = None;
-        let mut seen: Vec<Vec<f64>> = Vec::new();
+/// Starts all over the bounds, where those above end in a suspicious valley; one prime to a parameter.
+const SCATTERED: u32 = 48;
+const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
+
+/// The digits of `number` to base `prime` behind the point, the lowest first (Halton 1960): evenly over 0 to 1.
+fn radical_inverse(mut number: u32, prime: u32) -> f64 {
+    let (mut place, mut sum) = (1.0, 0.0);
+    while number > 0 {
+        place /= f64::from(prime);
+        sum += f64::from(number % prime) * place;
+        number /= prime;
+    }
+    sum
+}
+
+/// Fits from several starts.
+#[derive(Default)]
+struct Tries {
+    best: Option<Outcome>,
+    refused: Option<crate::Error>,
+    /// Where they led early on, to go nowhere twice.
+    seen: Vec<Vec<f64>>,
+}
+
+impl Tries {
+    fn suspicious(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| spread(&best.residuals) >= SUSPICIOUS)
+    }
+
+    /// From the first few of `ranked`, until one leaves no suspicion.
+    fn fit(&mut self, joint: &Joint, structure: &Structure, ranked: Vec<Point>) {
         for start in ranked.into_iter().take(MOST_STARTS) {
             let early =
                 |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }, None).map(|f| f.point);
@@ -35,33 +57,61 @@ impl<'a> Study<'a> {
                 let same = |other: &Vec<f64>| {
                     other.iter().zip(&point.globals).zip(spans()).all(|((a, b), span)| (a - b).abs() < SAME * span)
                 };
-                if seen.iter().any(same) {
+                if self.seen.iter().any(same) {
                     continue;
                 }
-                seen.push(point.globals.clone());
+                self.seen.push(point.globals.clone());
             }
             let fit = first.and_then(|point| early(point, HORIZONS[1])).and_then(|point| joint.fit(point, FULL, None));
             match fit {
                 Ok(fit) => {
-                    if best.as_ref().is_none_or(|b: &super::joint::Outcome| fit.cost < b.cost) {
-                        best = Some(fit);
+                    if self.best.as_ref().is_none_or(|b| fit.cost < b.cost) {
+                        self.best = Some(fit);
                     }
-                    if best.as_ref().is_some_and(|b| spread(&b.residuals) < SUSPICIOUS) {
+                    if !self.suspicious() {
                         break;
                     }
                 }
-                Err(error) => refused = Some(error),
+                Err(error) => self.refused = Some(error),
             }
         }
-        let fit = best.ok_or_else(|| {
+    }
+}
+
+impl<'a> Study<'a> {
+    /// The best fit of the simulation as it is.
+    pub fn base(&self) -> Result<Model<'a>> {
+        let structure = self.structure(&[])?;
+        let joint = self.joint(&structure);
+        let mut tries = Tries::default();
+        tries.fit(&joint, &structure, Self::ranked(&joint, self.starts(&structure)));
+        if tries.suspicious()
+            && structure.globals.len() > 1
+            && structure.globals.iter().all(|g| self.local(g).is_none())
+        {
+            tries.fit(&joint, &structure, Self::ranked(&joint, self.scattered(&structure)));
+        }
+        let fit = tries.best.ok_or_else(|| {
             // Where none simulates, what is said of the file's own values is told.
             let own = || self.starts(&structure).first().and_then(|own| joint.residuals(own, 1.0).err());
-            refused.or_else(own).unwrap_or_else(|| crate::Error::Simulator {
+            tries.refused.or_else(own).unwrap_or_else(|| crate::Error::Simulator {
                 at: "every start".into(),
                 message: "no start within the bounds could be simulated".into(),
             })
         })?;
         Ok(Model { structure, fit })
+    }
+
+    /// Starts all over the bounds, where nothing in the recordings says where to begin: Halton's points, one prime to a
+    /// parameter.
+    fn scattered(&self, structure: &Structure) -> Vec<Point> {
+        let own: Vec<Vec<f64>> = self.sets.iter().map(|s| s.prepared.own_values()).collect();
+        let place = |number: u32| {
+            let primes = PRIMES.iter().copied().cycle();
+            let each = structure.globals.iter().map(|g| &g.parameter).zip(primes);
+            each.map(|(p, prime)| p.min + radical_inverse(number, prime) * p.span()).collect()
+        };
+        (1..=SCATTERED).map(|number| Point { globals: place(number), own: own.clone() }).collect()
     }
 
     /// The starts that simulate, best first; every object has its own order where objects share no free number.
@@ -114,5 +164,19 @@ impl<'a> Study<'a> {
         let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
         let value = each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight;
         value.is_finite().then(|| value.clamp(global.parameter.min, global.parameter.max))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scattered_places_are_even_in_every_base() {
+        let first = |prime| [1, 2, 3, 4].map(|number| radical_inverse(number, prime));
+        assert_eq!(first(2), [0.5, 0.25, 0.75, 0.125]);
+        let thirds = first(3);
+        let expected = [1.0 / 3.0, 2.0 / 3.0, 1.0 / 9.0, 4.0 / 9.0];
+        assert!(thirds.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{thirds:?}");
     }
 }
