@@ -248,6 +248,38 @@ fn kinds_that_do_not_go_together() {
     assert!(ran.stderr.contains("joints.csv: ") && ran.stderr.contains("found joint series"), "{}", ran.stderr);
 }
 
+/// An answer that cannot be written to standard output is told; a reader that has gone away is not.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_answer_that_cannot_be_written() {
+    let folder = Folder::new();
+    folder.write("drop.csv", Drop::default().csv());
+    for line in ["completions bash", "man", "init ball --overwrite --json", "inspect drop.csv --json"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut command = folder.command();
+        let ran = common::Ran::from(command.args(line.split(' ')).stdout(full).output().unwrap()).ends(1);
+        assert!(ran.stderr.contains("error: standard output: writing failed: "), "{line}: {}", ran.stderr);
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut command = folder.command();
+        let ran = common::Ran::from(command.args(line.split(' ')).stdout(writer).output().unwrap()).ends(0);
+        assert!(!ran.stderr.contains("error"), "{line}: {}", ran.stderr);
+    }
+}
+
+/// A manifest where a recording is asked for is called one.
+#[test]
+fn a_manifest_is_no_recording() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    folder.write("all.toml", "[[observation]]\nfile = \"drop.csv\"\n");
+    refused(
+        &folder,
+        "tune --sim a.toml --observation all.toml",
+        &["found a manifest of 1", "tunenet diagnose --manifest"],
+    );
+}
+
 #[test]
 fn outputs_that_cannot_be_written() {
     let folder = Folder::with_scene();

@@ -96,7 +96,7 @@ fn a_program_that_is_not_there_is_told() {
         ("[\"no-such-program\"]", &["`no-such-program` could not be started in", "No such file", "install it"][..]),
         ("[\"./none.py\"]", &["`./none.py` could not be started", "seen from the folder"]),
         ("[\"./plain.txt\"]", &["Permission denied", "chmod +x"]),
-        ("[\"echo hello; touch ran\"]", &["`echo hello; touch ran` could not be started"]),
+        ("[\"echo hello; touch ran\"]", &["`'echo hello; touch ran'` could not be started"]),
         ("[]", &["process.command`: expected [\"text\", …], at least one"]),
         ("[\"\"]", &["a program's name first"]),
     ] {
@@ -216,6 +216,42 @@ fn a_refusal_of_the_files_own_values_is_told_as_that() {
     let shown: Vec<&str> = page.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text).collect();
     let shown = shown.join(" ");
     assert!(digits(&shown) < 20, "{shown}");
+}
+
+/// Values that a program refuses in the middle of a fit bound what it can find, and end nothing.
+#[test]
+fn a_fit_ends_beside_what_the_program_refuses() {
+    if !python("json") {
+        return;
+    }
+    let folder = Folder::new();
+    let edge = "k = request['parameters']['k']\nrows = [[math.exp(-k * t)] for t in request['times_s']]\n\
+                print(json.dumps({'id': id, 'error': 'too quick'} if k > 1.2 else {'id': id, 'values': rows}), flush=True)";
+    folder.write("edge.py", program(edge));
+    folder.write("a.toml", scene("[\"python3\", \"edge.py\"]").replace("max = 2", "max = 20"));
+    let row = |i: u32| format!("{},{}\n", f64::from(i) / 20.0, (-1.6 * f64::from(i) / 20.0).exp());
+    folder.write("a.csv", format!("t_s,angle_rad\n{}", (0..40).map(row).collect::<String>()));
+    let ran = folder.run("tune --sim a.toml --allow-process --observation a.csv --report a.html --json").ends(3);
+    let (answer, warnings) = (&ran.json()["parameters"]["k"], ran.json()["warnings"].to_string());
+    let value = answer["value"].as_f64().unwrap_or_default();
+    let high = answer["interval95"][1].as_f64().unwrap_or(f64::INFINITY);
+    assert!((1.1999..=1.2).contains(&value) && (value..=1.2).contains(&high), "{answer}");
+    assert!(warnings.contains("program.refused") && warnings.contains("fit.poor"), "{warnings}");
+}
+
+/// A command is shown whole and word by word before leave is given to run it; what is left out of a sentence is counted.
+#[test]
+fn a_command_is_shown_whole() {
+    let folder = Folder::new();
+    let long = format!("true; {}touch ran", " ".repeat(500));
+    folder.write("a.toml", scene(&format!("[\"sh\", \"-c\", \"{long}\", \"\", \"\\u202e\\u200bdneirf\"]")));
+    let ran = folder.run("inspect a.toml").ends(0);
+    let whole = format!("`sh -c '{long}' '' '\u{fffd}\u{fffd}dneirf'`");
+    assert!(ran.stderr.contains(&whole), "{}", ran.stderr);
+    let left_out = whole.chars().count() - 2 - 160;
+    let told = format!("({left_out} more characters, which `tunenet inspect a.toml` shows)");
+    let ran = folder.run("simulate --sim a.toml --out a.csv").ends(2);
+    assert!(ran.stderr.contains(&told), "no `{told}` in {}", ran.stderr);
 }
 
 /// A program that keeps something from rollout to rollout answers well at first: it is asked again what it was asked early.

@@ -5,6 +5,8 @@ use std::process::ExitCode;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use tunenet_core::Error;
 
+use crate::terminal::lines;
+
 /// How a command ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
@@ -42,10 +44,10 @@ pub fn tell(error: &anyhow::Error) -> Exit {
         return exit;
     }
     let (red, reset) = (anstyle::AnsiColor::Red.on_default().bold(), anstyle::Reset);
-    anstream::eprintln!("{red}error{reset}: {}", sentence(error));
+    anstream::eprintln!("{red}error{reset}: {}", lines(&sentence(error)));
     if let Some(hint) = known.and_then(Error::hint) {
         let cyan = anstyle::AnsiColor::Cyan.on_default().bold();
-        anstream::eprintln!("{cyan}help{reset}: {hint}");
+        anstream::eprintln!("{cyan}help{reset}: {}", lines(hint));
     }
     exit
 }

@@ -5,6 +5,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use tunenet_core::observation::preflight::{Check, State};
 use tunenet_core::observation::{Note, with_decimals};
+use tunenet_core::text::visible;
 use tunenet_sim::SimulationFile;
 
 /// A progress bar on standard error; invisible where that is no terminal.
@@ -39,15 +40,20 @@ pub fn rolling(what: &'static str, file: &SimulationFile) -> ProgressBar {
 
 /// Prints a finished stage: `read     drop.csv, 360 samples`.
 pub fn stage(what: &str, text: &str) {
-    anstream::eprintln!("{what:<9}{text}");
+    anstream::eprintln!("{what:<9}{}", lines(text));
+}
+
+/// `text` without what a stranger's file could hide in it; our own ends of lines stay.
+pub fn lines(text: &str) -> String {
+    text.split('\n').map(visible).collect::<Vec<_>>().join("\n")
 }
 
 /// Prints a warning with its remedy.
 pub fn warn(note: &Note) {
     let (yellow, reset) = (anstyle::AnsiColor::Yellow.on_default().bold(), anstyle::Reset);
-    anstream::eprintln!("{yellow}warning{reset}[{}]: {}", note.code, note.text);
+    anstream::eprintln!("{yellow}warning{reset}[{}]: {}", note.code, lines(&note.text));
     if !note.remedy.is_empty() {
-        anstream::eprintln!("  try: {}", note.remedy);
+        anstream::eprintln!("  try: {}", lines(&note.remedy));
     }
 }
 
@@ -61,6 +67,7 @@ pub fn tally(checks: &[Check]) -> String {
 /// Lines with columns two spaces apart: those that hold numbers are right-aligned, those of words, and the first,
 /// left-aligned.
 pub fn table(rows: &[Vec<String>]) -> String {
+    let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|cell| visible(cell)).collect()).collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();

@@ -31,6 +31,7 @@ pub mod error;
 pub mod network;
 pub mod observation;
 pub mod simulator;
+pub mod text;
 pub mod tune;
 
 pub use error::{Error, Result};

@@ -189,7 +189,7 @@ pub fn tell_unseen(error: anyhow::Error, schema: &str, json: bool) -> Result<Exi
         print_json(&json!({
             "schema": schema, "verdict": "rejected", "parameters": {}, "iterations": [], "gap": null, "rollouts": 0,
             "seconds": 0.0, "warnings": [super::tune::warning(&unseen.note)],
-        }));
+        }))?;
     }
     Ok(Exit::Inconclusive)
 }

@@ -136,7 +136,7 @@ pub(super) fn made(
         })?;
         bar.finish_and_clear();
     }
-    Ok(tell(options, header))
+    tell(options, header)
 }
 
 /// Where the pairs are written: under `--out`, or where a shard of it belongs.
@@ -169,7 +169,7 @@ fn there(options: &Gen, header: &DatasetHeader) -> Result<bool> {
     Ok(whole)
 }
 
-fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
+fn tell(options: &Gen, header: &DatasetHeader) -> Result<Exit> {
     if let Some(shard) = options.sharing.shard {
         let block = shard.block(header.pairs);
         let what = format!("of {} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed);
@@ -185,9 +185,9 @@ fn tell(options: &Gen, header: &DatasetHeader) -> Exit {
         print_json(&json!({
             "schema": "tunenet.gen/1", "file": load::name(&options.out), "preset": header.preset,
             "pairs": options.pairs, "seed": header.seed, "frames": frames, "warnings": [],
-        }));
+        }))?;
     }
-    Exit::Done
+    Ok(Exit::Done)
 }
 
 /// The restitutions that proposed and target are drawn from.

@@ -48,7 +48,7 @@ pub fn run(options: &Init) -> Result<Exit> {
         if domain == Domain::Process {
             object["program"] = PROGRAM.0.into();
         }
-        print_json(&object);
+        print_json(&object)?;
     }
     Ok(Exit::Done)
 }

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use sha2::{Digest, Sha256};
-use toml_edit::InlineTable;
+use toml_edit::{DocumentMut, InlineTable};
 use tunenet_core::Error;
 use tunenet_core::observation::Note;
-use tunenet_core::observation::recording::{ReadOptions, Recording, open, read};
+use tunenet_core::observation::recording::{ReadOptions, Recording, open, read, read_text};
 use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
@@ -70,6 +70,7 @@ fn at_most(most: usize, mut recording: Recording) -> Result<Recording> {
 
 /// A recording of what `file` simulates, from a file of numbers or a film, with at most so many samples.
 pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+    no_manifest(path)?;
     if replays(file) {
         return log(file, path, reading);
     }
@@ -88,6 +89,19 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
         .with("--camera-rate", reading.camera_rate.map(|r| r.to_string()));
     let found = asked.of(file).track(path)?;
     at_most(most, film::positions(path, &found)?)
+}
+
+/// Refuses a manifest where a recording is asked for.
+fn no_manifest(path: &Path) -> Result<()> {
+    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        return Ok(());
+    }
+    let document = read_text(path)?.parse::<DocumentMut>().unwrap_or_default();
+    let Some(all) = document.get("observation").and_then(|all| all.as_array_of_tables()) else { return Ok(()) };
+    let message = format!("expected a recording, found a manifest of {}", all.len());
+    let hint =
+        "`tunenet diagnose --manifest` takes it; give `tune` its recordings one by one, each with `--observation`";
+    Err(Error::file(path, message, hint).into())
 }
 
 /// A series on the channels that the program of `file` predicts; it is not run for that.

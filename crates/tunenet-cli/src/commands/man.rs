@@ -1,7 +1,5 @@
 //! `tunenet man`.
 
-use std::io::Write as _;
-
 use anyhow::Result;
 use clap::CommandFactory;
 use tunenet_core::Error;
@@ -26,7 +24,6 @@ pub fn run(command: Option<&str>) -> Result<Exit> {
     };
     let mut text = Vec::new();
     clap_mangen::Man::new(page).render(&mut text)?;
-    // A reader that has gone away is no error.
-    let _ = std::io::stdout().write_all(&text);
+    super::print(&text)?;
     Ok(Exit::Done)
 }

@@ -26,8 +26,11 @@ mod track;
 mod train;
 pub(crate) mod tune;
 
+use std::io::{ErrorKind, Write};
+
 use clap::CommandFactory;
 use serde_json::Value;
+use tunenet_core::Error;
 
 use crate::cli::{Arguments, Command};
 use crate::failure::Exit;
@@ -58,14 +61,60 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
         Command::Init(options) => init::run(&options),
         Command::Man { command } => man::run(command.as_deref()),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Arguments::command(), "tunenet", &mut std::io::stdout());
+            // Written to memory first: where it is written to a pipe that closes, clap_complete panics.
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "tunenet", &mut text);
+            print(&text)?;
             Ok(Exit::Done)
         }
     }
 }
 
-/// Prints the one JSON object of a command. A reader that has gone away is no error.
-fn print_json(value: &Value) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stdout(), "{value:#}");
+/// Prints the one JSON object of a command.
+///
+/// # Errors
+/// As [`print`].
+fn print_json(value: &Value) -> tunenet_core::Result<()> {
+    print(format!("{value:#}\n").as_bytes())
+}
+
+/// Writes an answer to standard output. A reader that has gone away is no error.
+///
+/// # Errors
+/// [`Error::Io`](tunenet_core::Error::Io) where it cannot be written: half an answer must not pass for a whole one.
+fn print(text: &[u8]) -> tunenet_core::Result<()> {
+    write_to(&mut std::io::stdout().lock(), text)
+}
+
+fn write_to(out: &mut dyn Write, text: &[u8]) -> tunenet_core::Result<()> {
+    match out.write_all(text).and_then(|()| out.flush()) {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::Io { path: "standard output".into(), action: "writing", source })
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Broken(ErrorKind);
+
+    impl Write for Broken {
+        fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+            Err(self.0.into())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_reader_that_left_is_no_error_and_a_full_disk_is_one() {
+        assert!(write_to(&mut Broken(ErrorKind::BrokenPipe), b"{}").is_ok());
+        let full = write_to(&mut Broken(ErrorKind::StorageFull), b"{}").unwrap_err().to_string();
+        assert!(full.starts_with("standard output: writing failed: "), "{full}");
+    }
 }

@@ -81,7 +81,7 @@ pub(super) fn write(options: &Simulate, output: &Output, observation: &Observati
         print_json(&json!({
             "schema": "tunenet.simulate/1", "file": load::name(&options.out), "kind": observation.kind().name(),
             "samples": observation.len(), "warnings": [],
-        }));
+        }))?;
     }
     Ok(Exit::Done)
 }

@@ -67,7 +67,7 @@ pub fn run(options: &Track) -> Result<Exit> {
         stage("wrote", &load::name(out));
     }
     if options.common.json {
-        print_json(&object(options, &found));
+        print_json(&object(options, &found))?;
     }
     let Some(kept) = options.out.as_deref().filter(|_| written.is_none()) else { return Ok(Exit::Done) };
     stage("kept", &format!("{} is not written: no bounce is seen", kept.display()));
@@ -89,7 +89,7 @@ fn no(options: &Track, unseen: &Unseen) -> Result<Exit> {
     anstream::eprintln!("{bold}{word}  {}{reset}", sentence(&anyhow::anyhow!("{unseen}")));
     anstream::eprintln!("  try: {}", unseen.note.remedy);
     if options.common.json {
-        print_json(&object(options, &unseen.object));
+        print_json(&object(options, &unseen.object))?;
     }
     if let Some(path) = &options.report {
         report::track::unseen(path, &load::name(&options.video), &unseen.object, &unseen.note)?;

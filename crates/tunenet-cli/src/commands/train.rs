@@ -60,7 +60,7 @@ pub fn run(options: &Train) -> Result<Exit> {
             "schema": "tunenet.train/1", "file": load::name(&options.out), "preset": options.preset.name(),
             "seed": options.common.seed, "steps": steps, "loss": loss, "validation": validation,
             "seconds": seconds, "device": device.name(), "warnings": [],
-        }));
+        }))?;
     }
     Ok(Exit::Done)
 }

@@ -54,7 +54,7 @@ pub fn walk(
 ) -> Result<Walk> {
     let free = positions(simulator.parameters(), model)?;
     let clock = recording.seen.clock();
-    let mut point = start;
+    let mut point = start.clone();
     // A network that learned from pictures as they are looks at the picture; any other at what was read back from it.
     let raw = recording.film.as_ref().filter(|film| !model.reads_back() && film.channels() == model.target_channels());
     let target = Side { observation: raw.unwrap_or(&recording.seen), scale: recording.scale.as_ref() };
@@ -73,7 +73,19 @@ pub fn walk(
     let mut answers = vec![point.at(&free)];
     let mut best: Option<(f64, Point)> = None;
     for k in 0..=settings.iterations {
-        let values = predict(simulator, recording, &point.parameters, &point.own[0], clock)?;
+        let values = match (predict(simulator, recording, &point.parameters, &point.own[0], clock), &best) {
+            (Ok(values), _) => values,
+            (Err(refused), None) if point == start => return Err(refused),
+            (Err(_), None) => {
+                point = start.clone();
+                continue;
+            }
+            // A proposal that cannot be simulated leads no further: what came before it stands.
+            (Err(_), Some((_, before))) => {
+                point = before.clone();
+                break;
+            }
+        };
         let beside = film.as_ref().and_then(|film| film.beside(&values));
         let seen_now = beside.as_ref().map_or(&recording.seen, |b| &b.seen);
         let squares = values.iter().zip(seen_now.values()).map(|(p, s)| (s - p).powi(2)).sum::<f64>();

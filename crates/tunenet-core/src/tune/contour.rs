@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use super::fit::{Fit, Problem};
 use super::interval::Spread;
 use super::ray::Ray;
-use crate::Result;
 
 /// Directions in which the edge is looked for.
 const RAYS: u32 = 36;
@@ -19,16 +18,14 @@ pub struct Contour {
     pub level: f64,
     /// The best values.
     pub best: (f64, f64),
-    /// The edge, once around; where a bound cuts the region it runs along the bound.
+    /// The edge, once around; where a bound, or what the simulator refuses, cuts the region it runs along that.
     pub edge: Vec<(f64, f64)>,
 }
 
 /// The joint region of the free parameters number `i` and `j` at `level` around `fit`, and the rollouts it took. `None`
 /// where the data leave one of them, or a combination of both, without any curvature.
-///
-/// # Errors
-/// Where the simulator refuses.
-pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64) -> Result<Option<(Contour, usize)>> {
+#[must_use]
+pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64) -> Option<(Contour, usize)> {
     let spread = Spread::of(problem, fit);
     let widening = spread.variance * spread.inflation;
     let of = |a: usize, b: usize| fit.covariance[(a, b)] * widening;
@@ -39,7 +36,7 @@ pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64)
     let quantile = spread.joint_quantile(2, level);
     let reach = quantile.sqrt();
     if ![first, across, second, reach].iter().all(|v| v.is_finite()) || first <= 0.0 || second <= 0.0 {
-        return Ok(None);
+        return None;
     }
     let positions = [problem.free[i], problem.free[j]];
     let origin = positions.map(|p| fit.point.parameters[p]);
@@ -48,8 +45,8 @@ pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64)
         let direction = [first * cosine, across * cosine + second * sine].map(|step| reach * step);
         Ray { problem, spread: &spread, positions, best: (&fit.point, fit.cost), origin, direction }.edge(quantile)
     };
-    let rays = (0..RAYS).into_par_iter().map(ray).collect::<Result<Vec<_>>>()?;
+    let rays = (0..RAYS).into_par_iter().map(ray).collect::<Vec<_>>();
     let rollouts = rays.iter().map(|r| r.1).sum();
     let edge = rays.into_iter().map(|r| r.0.into()).collect();
-    Ok(Some((Contour { parameters: positions.into(), level, best: origin.into(), edge }, rollouts)))
+    Some((Contour { parameters: positions.into(), level, best: origin.into(), edge }, rollouts))
 }

@@ -98,7 +98,7 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
     let fit = problem.fit(after.clone(), 1.0)?;
     found.rollouts += fit.rollouts;
     for i in 0..free.len() {
-        let (curve, rollouts) = profile(&problem, &fit, i, range(&problem, &fit, i, outcome, after))?;
+        let (curve, rollouts) = profile(&problem, &fit, i, range(&problem, &fit, i, outcome, after));
         found.rollouts += rollouts;
         found.profiles.push(curve);
     }
@@ -107,7 +107,7 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
     pairs.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     for pair in pairs.into_iter().take(MOST_PAIRS) {
         for level in LEVELS {
-            if let Some((region, rollouts)) = contour(&problem, &fit, pair, level)? {
+            if let Some((region, rollouts)) = contour(&problem, &fit, pair, level) {
                 found.rollouts += rollouts;
                 found.contours.push(region);
             }

@@ -136,7 +136,8 @@ fn correlation(residuals: &[f64], channel: usize, width: usize) -> (f64, f64) {
 pub struct End {
     /// Where it lies.
     pub value: f64,
-    /// Whether it is the bound because the data allow everything up to there.
+    /// Whether it is the bound because the data allow everything up to there; or the last value that the simulator does not
+    /// refuse.
     pub bound: bool,
     /// How many standard deviations the misfit at this end lies above the best: the quantile where the data drew it.
     pub misfit: f64,
@@ -162,23 +163,19 @@ impl Interval {
 }
 
 /// The 95 % interval of each free parameter as (low, high), and the rollouts that it took beyond the fit; see [`ends`].
-///
-/// # Errors
-/// Where the simulator refuses.
-pub fn intervals(problem: &Problem, fit: &Fit) -> Result<(Vec<(f64, f64)>, usize)> {
-    let (all, rollouts) = ends(problem, fit, &Spread::of(problem, fit))?;
-    Ok((all.into_iter().map(|i| (i.low.value, i.high.value)).collect(), rollouts))
+#[must_use]
+pub fn intervals(problem: &Problem, fit: &Fit) -> (Vec<(f64, f64)>, usize) {
+    let (all, rollouts) = ends(problem, fit, &Spread::of(problem, fit));
+    (all.into_iter().map(|i| (i.low.value, i.high.value)).collect(), rollouts)
 }
 
 /// The 95 % interval of each free parameter, and the rollouts that it took beyond the fit.
 ///
 /// From the curvature (Laplace) where the misfit at both ends is what the curvature says and the interval stays well inside
 /// the bounds; elsewhere the values whose misfit is within the quantile of the best, everything else fitted again (profile
-/// likelihood).
-///
-/// # Errors
-/// Where the simulator refuses.
-pub fn ends(problem: &Problem, fit: &Fit, spread: &Spread) -> Result<(Vec<Interval>, usize)> {
+/// likelihood). Where the simulator refuses what lies beyond a value, that value stands for the bound.
+#[must_use]
+pub fn ends(problem: &Problem, fit: &Fit, spread: &Spread) -> (Vec<Interval>, usize) {
     ends_with(problem, fit, spread, &[])
 }
 
@@ -188,7 +185,7 @@ pub(super) fn ends_with(
     fit: &Fit,
     spread: &Spread,
     elsewhere: &[Vec<Place>],
-) -> Result<(Vec<Interval>, usize)> {
+) -> (Vec<Interval>, usize) {
     let mut rollouts = 0;
     let mut all = Vec::with_capacity(problem.free.len());
     for (i, &position) in problem.free.iter().enumerate() {
@@ -215,13 +212,9 @@ pub(super) fn ends_with(
             all.push(curved());
             continue;
         }
-        match profile.interval(places, &mut rollouts) {
-            Ok(interval) => all.push(interval),
-            Err(_) if !near => all.push(curved()),
-            Err(refused) => return Err(refused),
-        }
+        all.push(profile.interval(places, &mut rollouts));
     }
-    Ok((all, rollouts))
+    (all, rollouts)
 }
 
 /// Everything but the parameters at `positions` fitted from `start`, as closely as a misfit needs it.
@@ -264,16 +257,16 @@ impl Profile<'_> {
     }
 
     /// Both ends.
-    fn interval(&self, places: &[Place], rollouts: &mut usize) -> Result<Interval> {
-        let ((low, left), (high, right)) = (self.outermost(-1.0, places)?, self.outermost(1.0, places)?);
+    fn interval(&self, places: &[Place], rollouts: &mut usize) -> Interval {
+        let ((low, left), (high, right)) = (self.outermost(-1.0, places), self.outermost(1.0, places));
         *rollouts += left + right;
-        Ok(Interval { low, high })
+        Interval { low, high }
     }
 
     /// The edge in one direction, of the stretch around the estimate or of the farthest one that has one of `places`.
-    fn outermost(&self, direction: f64, places: &[Place]) -> Result<(End, usize)> {
+    fn outermost(&self, direction: f64, places: &[Place]) -> (End, usize) {
         let position = self.problem.free[self.i];
-        let (mut end, mut rollouts) = self.edge(direction, &self.fit.point, 0.0)?;
+        let (mut end, mut rollouts) = self.edge(direction, &self.fit.point, 0.0);
         let limit = self.spread.quantile();
         let mut beyond: Vec<&Place> = places.iter().filter(|p| (p.value - end.value) * direction > 0.0).collect();
         // The farthest first.
@@ -284,18 +277,18 @@ impl Profile<'_> {
             rollouts += there.rollouts;
             let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
             if misfit < limit {
-                let (farther, used) = self.edge(direction, &there.point, misfit)?;
+                let (farther, used) = self.edge(direction, &there.point, misfit);
                 rollouts += used;
                 end = farther;
                 break;
             }
         }
-        Ok((end, rollouts))
+        (end, rollouts)
     }
 
     /// Walks from a point with this misfit towards a bound until the misfit exceeds the quantile; returns where, or the
-    /// bound.
-    fn edge(&self, direction: f64, from: &Point, misfit: f64) -> Result<(End, usize)> {
+    /// bound. Where the simulator refuses what lies beyond, the last value that it takes is the bound.
+    fn edge(&self, direction: f64, from: &Point, misfit: f64) -> (End, usize) {
         let position = self.problem.free[self.i];
         let p = &self.problem.simulator.parameters()[position];
         let bound = if direction < 0.0 { p.min } else { p.max };
@@ -309,7 +302,14 @@ impl Profile<'_> {
             let value = if (bound - value) * direction <= 0.0 { bound } else { value };
             let mut moved = point.clone();
             moved.parameters[position] = value;
-            let there = held(self.problem, moved, &[position], self.spread)?;
+            let Ok(there) = held(self.problem, moved, &[position], self.spread) else {
+                rollouts += self.problem.recordings.len();
+                if step <= LEAST_STEP_SPAN * p.span() {
+                    return (End { value: before, bound: true, misfit: misfit_before }, rollouts);
+                }
+                step = (value - before).abs() / 4.0;
+                continue;
+            };
             rollouts += there.rollouts;
             let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
             // A jump is looked at more closely before it is interpolated.
@@ -320,10 +320,10 @@ impl Profile<'_> {
             if misfit >= limit {
                 let share = (limit - misfit_before) / (misfit - misfit_before).max(f64::MIN_POSITIVE);
                 let value = before + share.clamp(0.0, 1.0) * (value - before);
-                return Ok((End { value, bound: false, misfit: limit }, rollouts));
+                return (End { value, bound: false, misfit: limit }, rollouts);
             }
             if value == bound {
-                return Ok((End { value: bound, bound: true, misfit }, rollouts));
+                return (End { value: bound, bound: true, misfit }, rollouts);
             }
             if misfit - misfit_before < SMALL_RISE {
                 step *= 2.0;

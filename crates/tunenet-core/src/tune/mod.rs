@@ -253,7 +253,7 @@ impl Tuning<'_> {
     /// The 95 % interval of each free parameter, and what stays beside them without being exact.
     fn intervals(&self, fit: &Fit, spread: &Spread, elsewhere: &[Vec<Place>]) -> Result<(Vec<Interval>, Carried)> {
         let problem = self.problem();
-        let (mut interval95, used) = interval::ends_with(&problem, fit, spread, elsewhere)?;
+        let (mut interval95, used) = interval::ends_with(&problem, fit, spread, elsewhere);
         let mut carried = Carried::of(&problem, fit, &mut interval95)?;
         carried.rollouts += used;
         Ok((interval95, carried))
@@ -322,7 +322,7 @@ impl Tuning<'_> {
         let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);
         let region95 = if self.settings.finish && !poor && !short && joint.len() > 1 {
-            let (mut region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint)?;
+            let (mut region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint);
             rollouts += used;
             carried.widen_region(&mut region, &joint);
             Some(region)

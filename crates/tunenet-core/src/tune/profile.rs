@@ -2,7 +2,6 @@
 
 use super::fit::{Fit, Problem};
 use super::interval::{Spread, held};
-use crate::Result;
 
 /// Values on either side of the best.
 const STEPS: u32 = 12;
@@ -45,11 +44,10 @@ impl Profile {
     }
 }
 
-/// The profile of the free parameter number `i` over `range` (cut to its bounds) around `fit`, and the rollouts it took.
-///
-/// # Errors
-/// Where the simulator refuses.
-pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> Result<(Profile, usize)> {
+/// The profile of the free parameter number `i` over `range` (cut to its bounds, and to where the simulator refuses) around
+/// `fit`, and the rollouts it took.
+#[must_use]
+pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> (Profile, usize) {
     let position = problem.free[i];
     let p = &problem.simulator.parameters()[position];
     let spread = Spread::of(problem, fit);
@@ -62,7 +60,8 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> Res
         let mut point = fit.point.clone();
         for step in 1..=STEPS {
             point.parameters[position] = best + (end - best) * f64::from(step) / f64::from(STEPS);
-            let there = held(problem, point, &[position], &spread)?;
+            // The curve ends where the simulator refuses.
+            let Ok(there) = held(problem, point, &[position], &spread) else { break };
             rollouts += there.rollouts;
             costs.push((there.point.parameters[position], there.cost));
             point = there.point;
@@ -71,7 +70,7 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> Res
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let least = costs.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
     let curve = costs.into_iter().map(|(value, cost)| (value, spread.excess(cost - least))).collect();
-    Ok((Profile { parameter: position, curve, cut50: cut(&spread, 0.5), cut95: cut(&spread, 0.95) }, rollouts))
+    (Profile { parameter: position, curve, cut50: cut(&spread, 0.5), cut95: cut(&spread, 0.95) }, rollouts)
 }
 
 fn cut(spread: &Spread, level: f64) -> f64 {

@@ -3,7 +3,6 @@
 use super::fit::Problem;
 use super::interval::{Spread, held};
 use super::unknowns::Point;
-use crate::Result;
 
 /// The edge is found to this share of its distance from the origin, or of the root of the misfit there.
 const EDGE_SHARE: f64 = 0.01;
@@ -24,23 +23,24 @@ pub(super) struct Ray<'a> {
 }
 
 impl Ray<'_> {
-    /// The last place whose misfit is at most `quantile`, or where the ray meets a bound before, and the rollouts it took.
+    /// The last place whose misfit is at most `quantile`, or where the ray meets a bound or what the simulator refuses before,
+    /// and the rollouts it took.
     ///
     /// The root of the misfit is nearly straight along a ray, so a place is interpolated; where it is not (a flat stretch, a
     /// kink), every second guess halves what is left.
-    pub fn edge(&self, quantile: f64) -> Result<([f64; 2], usize)> {
+    pub fn edge(&self, quantile: f64) -> ([f64; 2], usize) {
         let (mut rollouts, mut near) = (0, self.best.0.clone());
         let (limit, most) = (quantile.sqrt(), self.most());
         let (mut inner, mut outer) = ((0.0, 0.0), (1f64.min(most), f64::INFINITY));
         loop {
-            let (root, point) = self.misfit(&near, outer.0, &mut rollouts)?;
+            let (root, point) = self.misfit(&near, outer.0, &mut rollouts);
             outer.1 = root;
             if root > limit {
                 break;
             }
             (inner, near) = (outer, point);
             if outer.0 >= most {
-                return Ok((self.at(most), rollouts));
+                return (self.at(most), rollouts);
             }
             outer.0 = (1.5 * outer.0).min(most);
         }
@@ -50,9 +50,9 @@ impl Ray<'_> {
             }
             let share = if guess % 2 == 0 { (limit - inner.1) / (outer.1 - inner.1) } else { 0.5 };
             let between = inner.0 + share.clamp(0.05, 0.95) * (outer.0 - inner.0);
-            let (root, point) = self.misfit(&near, between, &mut rollouts)?;
+            let (root, point) = self.misfit(&near, between, &mut rollouts);
             if (root / limit - 1.0).abs() < EDGE_SHARE {
-                return Ok((self.at(between), rollouts));
+                return (self.at(between), rollouts);
             }
             if root <= limit {
                 (inner, near) = ((between, root), point);
@@ -60,15 +60,19 @@ impl Ray<'_> {
                 outer = (between, root);
             }
         }
-        Ok((self.at(f64::midpoint(inner.0, outer.0)), rollouts))
+        (self.at(f64::midpoint(inner.0, outer.0)), rollouts)
     }
 
-    /// The root of the misfit at this length, fitted from `near`, and where that fit ended.
-    fn misfit(&self, near: &Point, length: f64, rollouts: &mut usize) -> Result<(f64, Point)> {
+    /// The root of the misfit at this length, fitted from `near`, and where that fit ended; infinite where the simulator
+    /// refuses.
+    fn misfit(&self, near: &Point, length: f64, rollouts: &mut usize) -> (f64, Point) {
         let start = near.with(&self.positions, &self.at(length));
-        let fit = held(self.problem, start, &self.positions, self.spread)?;
+        let Ok(fit) = held(self.problem, start, &self.positions, self.spread) else {
+            *rollouts += self.problem.recordings.len();
+            return (f64::INFINITY, near.clone());
+        };
         *rollouts += fit.rollouts;
-        Ok((self.spread.excess(fit.cost - self.best.1).sqrt(), fit.point))
+        (self.spread.excess(fit.cost - self.best.1).sqrt(), fit.point)
     }
 
     /// The length at which a bound is met.

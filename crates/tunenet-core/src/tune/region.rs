@@ -47,17 +47,9 @@ pub struct Region {
 
 impl Region {
     /// The region of the free parameters at the places `joint` of `fit`, and the rollouts that it took. `intervals` are
-    /// those of all free parameters, and scale the search for a boundary.
-    ///
-    /// # Errors
-    /// Where the simulator refuses.
-    pub fn of(
-        problem: &Problem,
-        fit: &Fit,
-        spread: &Spread,
-        intervals: &[Interval],
-        joint: &[usize],
-    ) -> Result<(Self, usize)> {
+    /// those of all free parameters, and scale the search for a boundary. It ends where the simulator refuses what lies beyond.
+    #[must_use]
+    pub fn of(problem: &Problem, fit: &Fit, spread: &Spread, intervals: &[Interval], joint: &[usize]) -> (Self, usize) {
         let covariance = DMatrix::from_fn(joint.len(), joint.len(), |a, b| {
             fit.covariance[(joint[a], joint[b])] * spread.variance * spread.inflation
         });
@@ -76,10 +68,10 @@ impl Region {
         };
         let mut rollouts = 0;
         let driven = problem.recordings.iter().all(crate::simulator::Prepared::is_driven);
-        if joint.len() == 2 && !driven && !region.is_elliptic(problem, &mut rollouts)? {
-            region.walk(problem, [intervals[joint[0]], intervals[joint[1]]], &mut rollouts)?;
+        if joint.len() == 2 && !driven && !region.is_elliptic(problem, &mut rollouts) {
+            region.walk(problem, [intervals[joint[0]], intervals[joint[1]]], &mut rollouts);
         }
-        Ok((region, rollouts))
+        (region, rollouts)
     }
 
     /// Whether the region holds `values`, in the order of [`parameters`](Region::parameters): everything else is fitted
@@ -119,8 +111,8 @@ impl Region {
     }
 
     /// Whether the ends of the ellipse's axes lie within the bounds and on the quantile.
-    fn is_elliptic(&self, problem: &Problem, rollouts: &mut usize) -> Result<bool> {
-        let Some(covariance) = &self.covariance else { return Ok(false) };
+    fn is_elliptic(&self, problem: &Problem, rollouts: &mut usize) -> bool {
+        let Some(covariance) = &self.covariance else { return false };
         let eigen = covariance.clone().symmetric_eigen();
         for (k, variance) in eigen.eigenvalues.iter().enumerate() {
             for side in [-1.0, 1.0] {
@@ -131,22 +123,24 @@ impl Region {
                     let p = &problem.simulator.parameters()[i];
                     (p.min..=p.max).contains(v)
                 });
-                if !within || (self.excess(problem, &values, rollouts)? / self.quantile - 1.0).abs() > ELLIPTIC {
-                    return Ok(false);
+                // What the simulator refuses bounds the region as well.
+                let on = |excess: f64| (excess / self.quantile - 1.0).abs() <= ELLIPTIC;
+                if !within || !self.excess(problem, &values, rollouts).is_ok_and(on) {
+                    return false;
                 }
             }
         }
-        Ok(true)
+        true
     }
 
     /// Walks the boundary of a pair: along rays from the middle, the last place that the region holds.
-    fn walk(&mut self, problem: &Problem, intervals: [Interval; 2], rollouts: &mut usize) -> Result<()> {
+    fn walk(&mut self, problem: &Problem, intervals: [Interval; 2], rollouts: &mut usize) {
         let ends = intervals.map(|i| [i.low.value, i.high.value]);
         let half = Vector2::from(ends.map(|[low, high]| ((high - low) / 2.0).max(f64::MIN_POSITIVE)));
         let estimate = Vector2::new(self.centre[0], self.centre[1]);
         // From the middle of the intervals all of a long region is seen; where it is bent, the middle may lie outside.
         let middle = Vector2::from(ends.map(|[low, high]| low.midpoint(high)));
-        let held = self.excess(problem, middle.as_slice(), rollouts)? <= self.quantile;
+        let held = self.excess(problem, middle.as_slice(), rollouts).is_ok_and(|excess| excess <= self.quantile);
         let origin = if held { middle } else { estimate };
         // The ellipse's own shape, or that of the intervals where it has none or is a small part of them: at a kink the
         // curvature speaks of one side only.
@@ -167,11 +161,10 @@ impl Region {
                 origin: origin.into(),
                 direction: direction.into(),
             };
-            let (corner, used) = ray.edge(self.quantile)?;
+            let (corner, used) = ray.edge(self.quantile);
             *rollouts += used;
             self.boundary.push(corner);
         }
-        Ok(())
     }
 }
 

@@ -68,17 +68,17 @@ impl Tuning<'_> {
         let first = locals.len();
         ranked.splice(0..0, locals);
         for (tried, (_, start)) in ranked.into_iter().enumerate() {
-            let grow = tried >= first + 2;
+            let horizons: &[f64] = if tried >= first + 2 { &[0.45, 0.7, 1.0] } else { &[1.0] };
+            let mut fitted = None;
             let mut point = start;
-            if grow {
-                for horizon in [0.45, 0.7] {
-                    let fit = problem.fit(point, horizon)?;
-                    rollouts += fit.rollouts;
-                    point = fit.point;
-                }
+            for horizon in horizons {
+                // What suits the beginning of a record may be refused for the whole of it: that start leads nowhere.
+                fitted = problem.fit(point.clone(), *horizon).ok();
+                let Some(fit) = &fitted else { break };
+                rollouts += fit.rollouts;
+                point.clone_from(&fit.point);
             }
-            let fit = problem.fit(point, 1.0)?;
-            rollouts += fit.rollouts;
+            let Some(fit) = fitted else { continue };
             if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
                 best = Some(fit);
             }
@@ -94,8 +94,8 @@ impl Tuning<'_> {
             at: "every start".into(),
             message: "no start within the bounds could be simulated".into(),
         })?;
-        let (found, along) = self.look_along_bounds(found)?;
-        let (found, past) = self.look_past_flats(found)?;
+        let (found, along) = self.look_along_bounds(found);
+        let (found, past) = self.look_past_flats(found);
         let (found, elsewhere, across) = self.look_across(found);
         Ok((found, elsewhere, rollouts + along + past + across))
     }
@@ -134,7 +134,7 @@ impl Tuning<'_> {
 
     /// Near a bound the slope may vanish (a restitution of a few hundredths leaves next to no rebound), so that a step which
     /// overshoots never comes back: tries the neighbourhood of the bound by plain rollouts, and fits again from the best.
-    fn look_along_bounds(&self, found: Fit) -> Result<(Fit, usize)> {
+    fn look_along_bounds(&self, found: Fit) -> (Fit, usize) {
         let problem = self.problem();
         let mut rollouts = 0;
         let mut best: Option<(f64, Point)> = None;
@@ -158,15 +158,14 @@ impl Tuning<'_> {
                 }
             }
         }
-        let Some((_, start)) = best else { return Ok((found, rollouts)) };
-        let again = problem.fit(start, 1.0)?;
+        let Some(Ok(again)) = best.map(|(_, start)| problem.fit(start, 1.0)) else { return (found, rollouts) };
         rollouts += again.rollouts;
-        Ok((if again.cost < found.cost { again } else { found }, rollouts))
+        (if again.cost < found.cost { again } else { found }, rollouts)
     }
 
     /// Where a parameter has no influence at all, no step leaves the place (friction that grips, however great): looks for
     /// values that do matter by plain rollouts, and fits again from the best of them.
-    fn look_past_flats(&self, found: Fit) -> Result<(Fit, usize)> {
+    fn look_past_flats(&self, found: Fit) -> (Fit, usize) {
         let problem = self.problem();
         let (mut rollouts, mut found) = (0, found);
         for (k, &i) in self.free.iter().enumerate() {
@@ -186,14 +185,13 @@ impl Tuning<'_> {
                     other = Some((rmse, point));
                 }
             }
-            let Some((_, start)) = other else { continue };
-            let again = problem.fit(start, 1.0)?;
+            let Some(Ok(again)) = other.map(|(_, start)| problem.fit(start, 1.0)) else { continue };
             rollouts += again.rollouts;
             if again.cost < found.cost {
                 found = again;
             }
         }
-        Ok((found, rollouts))
+        (found, rollouts)
     }
 
     /// The parameters as the recordings' events alone suggest them.

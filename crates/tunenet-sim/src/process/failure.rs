@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use tunenet_core::Error;
+use tunenet_core::text::visible;
 
 /// Most characters of what a program printed that a sentence repeats.
 const LONGEST_SHOWN: usize = 160;
@@ -35,15 +36,18 @@ impl Failure {
 /// What a stranger's program printed, fit for a terminal and a sentence: one line without control characters, cut where it is
 /// long.
 pub(super) fn printable(text: &str) -> String {
-    let text = text.trim();
-    // What is told apart by sight alone, such as marks that turn the direction of writing, is no text for a message either.
-    let hidden =
-        |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c) || ('\u{2066}'..='\u{2069}').contains(&c);
-    let mut shown: String = text.chars().take(LONGEST_SHOWN).map(|c| if hidden(c) { '\u{fffd}' } else { c }).collect();
-    if text.chars().nth(LONGEST_SHOWN).is_some() {
+    let (mut shown, left_out) = beginning(text);
+    if left_out > 0 {
         shown.push('…');
     }
     shown
+}
+
+/// As much of it as a sentence repeats, and how many characters are left out.
+pub(super) fn beginning(text: &str) -> (String, usize) {
+    let text = text.trim();
+    let shown: String = text.chars().take(LONGEST_SHOWN).collect();
+    (visible(&shown), text.chars().count().saturating_sub(LONGEST_SHOWN))
 }
 
 #[cfg(test)]

@@ -29,6 +29,7 @@ use std::sync::{Arc, Weak};
 
 use tunenet_core::observation::{Channel, GREATEST, Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Simulator};
+use tunenet_core::text::visible;
 use tunenet_core::{Error, Result};
 
 use crate::SimulationFile;
@@ -40,10 +41,11 @@ use protocol::Answer;
 
 pub use program::{channels, words};
 
-/// The program that `file` names, in backquotes and fit for a terminal.
+/// The whole command that `file` names, word by word in the quotes that a shell needs, between backquotes and fit for a
+/// terminal.
 #[must_use]
 pub fn command(file: &SimulationFile) -> String {
-    program::shown(&program::words(file))
+    format!("`{}`", visible(&program::line(&program::words(file))))
 }
 
 /// The leave that was given to run the program of `file`.
@@ -52,7 +54,13 @@ pub fn command(file: &SimulationFile) -> String {
 /// [`Error::Setting`] where none was given.
 pub fn leave(file: &SimulationFile) -> Result<&Permission> {
     file.permission().ok_or_else(|| {
-        let (path, named) = (file.path().display(), command(file));
+        let path = file.path().display();
+        let (beginning, left_out) = failure::beginning(&program::line(&program::words(file)));
+        let named = match left_out {
+            0 => format!("`{beginning}`"),
+            1 => format!("`{beginning}…` (1 more character, which `tunenet inspect {path}` shows)"),
+            more => format!("`{beginning}…` ({more} more characters, which `tunenet inspect {path}` shows)"),
+        };
         let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
         let found = "none: give it for files that you trust".into();
         Error::Setting { name: "--allow-process", expected, found }

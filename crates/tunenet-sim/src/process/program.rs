@@ -94,9 +94,22 @@ pub fn words(file: &SimulationFile) -> Vec<String> {
     if words.is_empty() { vec![String::new()] } else { words }
 }
 
-/// A command for people.
+/// A command for people, cut where it is long.
 pub(super) fn shown(command: &[String]) -> String {
-    format!("`{}`", printable(&command.join(" ")))
+    format!("`{}`", printable(&line(command)))
+}
+
+/// A command as a shell would be told it: words that hold more than safe characters stand in quotes.
+pub(super) fn line(command: &[String]) -> String {
+    let safe = |c: char| c.is_ascii_alphanumeric() || "_-./:=,@%+".contains(c);
+    let word = |word: &String| {
+        if !word.is_empty() && word.chars().all(safe) {
+            word.clone()
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    };
+    command.iter().map(word).collect::<Vec<_>>().join(" ")
 }
 
 fn headers(file: &SimulationFile) -> Vec<String> {
@@ -165,6 +178,13 @@ mod tests {
         // The record is shorter than a probe may be.
         assert!(file.record().clock().len() < PROBED);
         assert_eq!((program.timeout, program.probe), (Duration::from_secs(10), file.record().clock()));
+    }
+
+    #[test]
+    fn words_are_told_apart() {
+        let words = ["sh", "-c", "touch a; cat", "", "it's", "--x=1", "~", "*"].map(str::to_owned);
+        assert_eq!(line(&words), r"sh -c 'touch a; cat' '' 'it'\''s' --x=1 '~' '*'");
+        assert_eq!(shown(&["a\nb".to_owned()]), "`'a\u{fffd}b'`");
     }
 
     #[test]

@@ -96,7 +96,7 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
         print_json(&json!({
             "schema": "tunenet.bench.intervals/1", "drops": options.count(), "seed": options.common.seed, "cells": cells,
             "warnings": [],
-        }));
+        }))?;
     }
     Ok(Exit::Done)
 }

@@ -119,7 +119,7 @@ impl Store {
         Mark::write(&self.folder, shard, Job::Bench(bench))?;
         let all = self.pieces.load(Ordering::Relaxed);
         let share = Share { pieces: self.mine.load(Ordering::Relaxed), all };
-        Ok(Some(shard::tell(shard, &self.folder, share, &format!("of {all} pieces"), as_json)))
+        shard::tell(shard, &self.folder, share, &format!("of {all} pieces"), as_json).map(Some)
     }
 
     /// A folder of its own within, made where it is missing.

@@ -123,7 +123,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
             "plan": { "heights": Settings::default().heights, "nearest_seconds": nearest_s, "probability_seconds": probability_s },
             "film": films.as_json(),
             "warnings": [],
-        }));
+        }))?;
     }
     Ok(Exit::Done)
 }

@@ -45,7 +45,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         stage("urdf", &path.display().to_string());
     }
     if options.common.json {
-        print_json(&json::object(&answer));
+        print_json(&json::object(&answer))?;
     }
     tell::answer(options, &answer, &wrote);
     if let Some(path) = &options.report {

@@ -103,7 +103,7 @@ impl Work<'_> {
             all["warnings"] = json!([warning(&note)]);
         }
         if self.json {
-            print_json(&all);
+            print_json(&all)?;
         }
         if let Some(folder) = &folder {
             write(&folder.join(ALL), &all)?;
@@ -255,7 +255,7 @@ pub fn merged(tool: &str, recordings: &[String], folder: &Path, as_json: bool) -
     let (exit, all) = together(tool, objects, None);
     write(&folder.join(ALL), &all)?;
     if as_json {
-        print_json(&all);
+        print_json(&all)?;
     }
     stage("wrote", &folder.display().to_string());
     Ok(exit)

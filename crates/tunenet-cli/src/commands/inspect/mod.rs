@@ -28,12 +28,12 @@ pub fn run(options: &Inspect) -> Result<Exit> {
     if let [path] = options.files.as_slice() {
         let found = look(path, options)?;
         if options.common.json {
-            print_json(&found.object);
+            print_json(&found.object)?;
         }
         return Ok(if found.usable { Exit::Done } else { Exit::Inconclusive });
     }
     load::distinct(options.files.iter().map(AsRef::as_ref))?;
-    Ok(several(options))
+    several(options)
 }
 
 /// What was found in one file.
@@ -93,7 +93,7 @@ fn recording(path: &Path, options: &Inspect) -> Result<Recording> {
 }
 
 /// Several files: each on its own, then what all of them say of gravity.
-fn several(options: &Inspect) -> Exit {
+fn several(options: &Inspect) -> Result<Exit> {
     let (mut objects, mut gravities, mut worst, mut rate_hz) = (Vec::new(), Vec::new(), Exit::Done, 0.0);
     let head = ["file", "bounces", "gravity", "noticed"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
@@ -144,9 +144,9 @@ fn several(options: &Inspect) -> Exit {
         print_json(&json!({
             "schema": "tunenet.inspect.files/1", "files": objects, "gravity": pooled.as_ref().map(motion::gravity_json),
             "causes": causes, "warnings": [],
-        }));
+        }))?;
     }
-    worst
+    Ok(worst)
 }
 
 /// What an observation of this kind can be used for.

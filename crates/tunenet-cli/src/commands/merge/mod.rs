@@ -47,7 +47,7 @@ fn dataset(options: &Merge, shards: &[PathBuf]) -> Result<Exit> {
         print_json(&json!({
             "schema": "tunenet.merge/1", "file": load::name(&options.out), "shards": shards.len(),
             "preset": header.preset, "pairs": header.pairs, "seed": header.seed, "warnings": [],
-        }));
+        }))?;
     }
     Ok(Exit::Done)
 }

@@ -63,7 +63,7 @@ pub fn run(options: &Plan) -> Result<Exit> {
         stage("report", &report.display().to_string());
     }
     if options.common.json {
-        print_json(&json::object(&answer));
+        print_json(&json::object(&answer))?;
     }
     tell(&answer);
     Ok(if answer.plan.reachable { Exit::Done } else { Exit::Inconclusive })

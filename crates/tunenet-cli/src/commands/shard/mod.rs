@@ -63,7 +63,7 @@ impl Share {
 }
 
 /// Says that a shard is finished.
-pub fn tell(shard: Shard, at: &Path, share: Share, what: &str, as_json: bool) -> Exit {
+pub fn tell(shard: Shard, at: &Path, share: Share, what: &str, as_json: bool) -> anyhow::Result<Exit> {
     let Share { pieces, .. } = share;
     let note = share.noted(shard);
     stage("wrote", &format!("{}, shard {shard}, {pieces} {what}", at.display()));
@@ -72,9 +72,9 @@ pub fn tell(shard: Shard, at: &Path, share: Share, what: &str, as_json: bool) ->
         print_json(&json!({
             "schema": "tunenet.shard/1", "file": super::load::name(at), "shard": shard.to_string(), "pieces": pieces,
             "warnings": note.iter().map(warning).collect::<Vec<_>>(),
-        }));
+        }))?;
     }
-    Exit::Done
+    Ok(Exit::Done)
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     }
     let seconds = began.elapsed().as_secs_f64();
     if options.common.json {
-        print_json(&as_json(&outcome, &chosen, seconds));
+        print_json(&as_json(&outcome, &chosen, seconds))?;
     }
     tell(options, &outcome, &chosen, seconds);
     let exit = exit(outcome.verdict);

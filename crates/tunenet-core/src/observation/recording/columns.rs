@@ -5,12 +5,16 @@ use std::path::Path;
 
 use super::guess::guess;
 use super::guess_joints::guess_joints;
-use super::lines::{Cell, Line, cells};
+use super::lines::{Cell, Line, Lines, cells};
 use super::quantity::{Family, Meaning, Quantity, Scale, meaning};
 use super::ranges::written_out;
 use super::{Note, list};
 use crate::observation::{Channel, Kind};
 use crate::{Error, Result};
+
+/// Rows that are looked at to tell a count from a time, and the fewest that tell it.
+const MOST_COUNTED: usize = 64;
+const FEWEST_COUNTED: usize = 4;
 
 /// Where a channel comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,7 +94,32 @@ impl Header<'_> {
     fn of_joints(&self) -> bool {
         let cells = self.cells();
         let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
-        !self.joints.is_empty() || self.named && guess(&names).is_none() && guess_joints(&names, &[]).is_some()
+        !self.joints.is_empty()
+            || self.named && guess(&names, &self.counting()).is_none() && guess_joints(&names, &[]).is_some()
+    }
+
+    /// The columns that count their rows from 0 or 1, by the first rows of the file; none where those are too few to tell.
+    fn counting(&self) -> Vec<usize> {
+        let first = |mut lines: Lines| {
+            // A line of names, and then what is told by them.
+            let mut rows = Vec::new();
+            lines.next().ok()??;
+            while rows.len() < MOST_COUNTED
+                && let Ok(Some(line)) = lines.next()
+            {
+                let numbers = cells(&line.text, self.separator);
+                rows.push(numbers.iter().map(|cell| cell.text.parse::<f64>().ok()).collect::<Vec<_>>());
+            }
+            Some(rows)
+        };
+        let rows = Lines::open(self.path).ok().and_then(first).unwrap_or_default();
+        if !self.named || rows.len() < FEWEST_COUNTED {
+            return Vec::new();
+        }
+        let from = |column: usize, start: f64| {
+            (0u32..).zip(&rows).all(|(k, row)| row.get(column) == Some(&Some(f64::from(k) + start)))
+        };
+        (0..self.cells().len()).filter(|&column| from(column, 0.0) || from(column, 1.0)).collect()
     }
 
     /// What to type: the mapping that the names suggest, or an example of one.
@@ -126,7 +155,7 @@ impl Header<'_> {
             };
             return format!("say which column is which, counted from 1, for example `--columns {example}`");
         }
-        match guess(&names) {
+        match guess(&names, &self.counting()) {
             Some((option, false)) => format!("try `{option}`"),
             Some((option, true)) => {
                 format!("try `{option}`; where another unit is meant, write it into our name: `t_ms`, `z_mm`")

@@ -1,6 +1,6 @@
 //! Which column of a foreign table could be which, judged by its name: what a message proposes, never what is read.
 
-use super::quantity::{Meaning, Quantity, Scale, meaning, plain};
+use super::quantity::{Meaning, Quantity, Scale, abbreviated, meaning, plain};
 
 /// The words that say what a name stands for. German ones too: spreadsheets speak their owner's language.
 const WORDS: [(Quantity, &[&str]); 5] = [
@@ -21,6 +21,11 @@ const OTHER: [&str; 24] = [
     "angular", "angle", "gyro", "force", "ft", "feet", "inch", "inches", "yd", "min", "px", "pixel",
 ];
 
+/// Words of a number that counts something, wherever they stand in a name: such a column is not proposed.
+const COUNTS: [&str; 9] = ["no", "nr", "num", "number", "index", "idx", "id", "count", "n"];
+/// ... and those that count where they end it: `frame_time` is a time, `time_step` none.
+const COUNT_LAST: [&str; 2] = ["frame", "step"];
+
 /// A column whose name says what it could be.
 #[derive(Clone, Copy)]
 struct Candidate {
@@ -33,9 +38,16 @@ struct Candidate {
 }
 
 /// The option that would make a table with these columns an observation, `--columns t_s=time,z_m=height`, and whether a
-/// unit in it is assumed; `None` where the names do not say enough.
-pub(super) fn guess(names: &[&str]) -> Option<(String, bool)> {
-    let candidates: Vec<Candidate> = names.iter().enumerate().filter_map(|(i, name)| candidate(i, name)).collect();
+/// unit in it is assumed; `None` where the names do not say enough. What stands in the columns `counting` is 0, 1, 2, … or 1, 2,
+/// 3, …: no times of impacts, and no clock whose name has no unit.
+pub(super) fn guess(names: &[&str], counting: &[usize]) -> Option<(String, bool)> {
+    let counts = |c: &Candidate| match c.quantity {
+        Quantity::BounceTime => counting.contains(&c.index),
+        Quantity::Time => counting.contains(&c.index) && c.unit.is_none() && !c.known,
+        _ => false,
+    };
+    let candidates = names.iter().enumerate().filter_map(|(i, name)| candidate(i, name));
+    let candidates: Vec<Candidate> = candidates.filter(|c| !counts(c)).collect();
     let of =
         |quantity: Quantity| candidates.iter().filter(|c| c.quantity == quantity).min_by_key(|c| !c.known).copied();
     let wanted = match (of(Quantity::Time), of(Quantity::Z), of(Quantity::BounceTime)) {
@@ -76,7 +88,7 @@ fn candidate(index: usize, name: &str) -> Option<Candidate> {
     let unit = |quantity: Quantity| {
         let units = quantity.units().iter().map(|(unit, _)| *unit);
         // "seconds" is a name and a unit.
-        units.rev().find(|unit| words.iter().skip(1).any(|word| word == unit))
+        units.rev().find(|unit| words.iter().skip(1).any(|word| abbreviated(word) == *unit))
     };
     match meaning(name) {
         Meaning::Known(quantity, scale) => {
@@ -84,7 +96,8 @@ fn candidate(index: usize, name: &str) -> Option<Candidate> {
             Some(Candidate { index, quantity, unit: own.or(unit(quantity)), known: true })
         }
         Meaning::WrongUnit(..) => None,
-        Meaning::Unknown if words.iter().any(|word| OTHER.contains(word)) => None,
+        Meaning::Unknown if words.iter().any(|word| OTHER.contains(word) || COUNTS.contains(word)) => None,
+        Meaning::Unknown if words.last().is_some_and(|word| COUNT_LAST.contains(word)) => None,
         Meaning::Unknown => {
             let (quantity, _) = WORDS.iter().find(|(_, known)| words.iter().any(|word| known.contains(word)))?;
             Some(Candidate { index, quantity: *quantity, unit: unit(*quantity), known: false })
@@ -128,12 +141,27 @@ mod tests {
             (&["time_s", "z", "z"], "z_m=2", true),
             (&["impact"], "bounce_time_s=impact", true),
             (&["n", "click time (ms)"], "'bounce_time_ms=click time (ms)'", false),
+            (&["click_no", "click_at_ms"], "bounce_time_ms=click_at_ms", false),
+            (&["hit index", "hit [msec]"], "'bounce_time_ms=hit [msec]'", false),
+            (&["time_step", "frame_time", "height"], "t_s=frame_time,z_m=height", true),
         ] {
-            assert_eq!(guess(names), Some((format!("--columns {option}"), assumed)), "{names:?}");
+            assert_eq!(guess(names, &[]), Some((format!("--columns {option}"), assumed)), "{names:?}");
         }
-        for names in [&["a", "b"][..], &["time", "vel_z"], &["t_s", "z_m"], &["time", "height_ft"], &["", ""]] {
-            assert_eq!(guess(names), None, "{names:?}");
+        for names in
+            [&["a", "b"][..], &["time", "vel_z"], &["t_s", "z_m"], &["time", "height_ft"], &["", ""], &["click_no"]]
+        {
+            assert_eq!(guess(names, &[]), None, "{names:?}");
         }
+    }
+
+    #[test]
+    fn a_column_that_counts_is_no_time() {
+        let option = |names: &[&str], counting: &[usize]| guess(names, counting).map(|(option, _)| option);
+        assert_eq!(option(&["click", "hit"], &[0]).as_deref(), Some("--columns bounce_time_s=hit"));
+        assert_eq!(option(&["time", "elapsed", "height"], &[0]).as_deref(), Some("--columns t_s=elapsed,z_m=height"));
+        assert_eq!(option(&["time", "height"], &[0]), None);
+        // A clock that says its unit may tick once a second.
+        assert_eq!(option(&["clock [s]", "height"], &[0]).as_deref(), Some("--columns 't_s=clock [s],z_m=height'"));
     }
 
     /// What is proposed can be typed: every pair is of the form that `--columns` takes.

@@ -126,9 +126,19 @@ pub(super) fn meaning(name: &str) -> Meaning {
         },
     };
     let Some(quantity) = quantity(stem) else { return Meaning::Unknown };
-    match quantity.units().iter().find(|(known, _)| *known == unit) {
+    match quantity.units().iter().find(|(known, _)| *known == abbreviated(unit)) {
         Some((_, scale)) => Meaning::Known(quantity, *scale),
         None => Meaning::WrongUnit(quantity, unit.to_owned()),
+    }
+}
+
+/// A unit of time as we write it.
+pub(super) fn abbreviated(unit: &str) -> &str {
+    match unit {
+        "msec" | "msecs" | "millis" | "milliseconds" => "ms",
+        "usec" | "usecs" | "micros" | "microseconds" => "us",
+        "nsec" | "nsecs" | "nanos" | "nanoseconds" => "ns",
+        other => other,
     }
 }
 
@@ -167,6 +177,9 @@ mod tests {
         assert_eq!(meaning("t_s"), Meaning::Known(Quantity::Time, Scale::Keep));
         assert_eq!(meaning("Time (ms)"), Meaning::Known(Quantity::Time, Scale::Divide(1e3)));
         assert_eq!(meaning("time_µs"), Meaning::Known(Quantity::Time, Scale::Divide(1e6)));
+        for name in ["time [msec]", "t_msec", "Time (ms)", "t [milliseconds]"] {
+            assert_eq!(meaning(name), Meaning::Known(Quantity::Time, Scale::Divide(1e3)), "{name}");
+        }
         assert_eq!(meaning("Z [cm]"), Meaning::Known(Quantity::Z, Scale::Divide(1e2)));
         assert_eq!(meaning("dq12_rad/s"), Meaning::Known(Quantity::Speed(12), Scale::Keep));
         assert_eq!(meaning("tau3_N·m"), Meaning::Known(Quantity::Torque(3), Scale::Keep));

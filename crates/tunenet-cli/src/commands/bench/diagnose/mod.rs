@@ -87,7 +87,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     anstream::eprintln!("{}", write::markdown(&results));
     stage("wrote", &options.out.join("diagnose.md").display().to_string());
     if options.common.json {
-        print_json(&serde_json::to_value(&results)?);
+        print_json(&serde_json::to_value(&results)?)?;
     }
     Ok(Exit::Done)
 }

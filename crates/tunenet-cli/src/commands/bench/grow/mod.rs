@@ -63,7 +63,7 @@ pub fn run(options: &BenchGrow) -> Result<Exit> {
     anstream::eprintln!("{text}");
     stage("wrote", &options.out.join("grow.md").display().to_string());
     if options.common.json {
-        print_json(&object);
+        print_json(&object)?;
     }
     Ok(Exit::Done)
 }

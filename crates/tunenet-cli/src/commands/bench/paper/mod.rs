@@ -63,7 +63,7 @@ pub fn run(options: &BenchPaper) -> Result<Exit> {
         return Ok(exit);
     }
     if options.common.json {
-        print_json(&all.into());
+        print_json(&all.into())?;
     }
     Ok(Exit::Done)
 }

@@ -103,7 +103,7 @@ pub fn run(options: &BenchPreflight) -> Result<Exit> {
     let met = found.iter().all(|f| *f >= GOAL_FOUND) && good.iter().all(|g| g.rejected <= GOAL_REJECTED);
     anstream::eprint!("{}", markdown(records, seed, &good, &found));
     if options.common.json {
-        print_json(&as_json(records, seed, &good, &found, met));
+        print_json(&as_json(records, seed, &good, &found, met))?;
     }
     Ok(Exit::Done)
 }

@@ -93,7 +93,7 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
     anstream::eprintln!("{text}");
     stage("wrote", &options.out.join("regions.md").display().to_string());
     if options.common.json {
-        print_json(&object);
+        print_json(&object)?;
     }
     Ok(Exit::Done)
 }

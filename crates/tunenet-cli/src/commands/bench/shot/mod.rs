@@ -64,7 +64,7 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
     anstream::eprintln!("{}", results.markdown());
     stage("wrote", &options.out.join("shot.md").display().to_string());
     if options.common.json {
-        print_json(&results.as_json());
+        print_json(&results.as_json())?;
     }
     Ok(Exit::Done)
 }

@@ -114,7 +114,7 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
     anstream::eprintln!("{}", write::markdown(&results));
     stage("wrote", &options.out.join("tuning.md").display().to_string());
     if options.common.json {
-        print_json(&serde_json::to_value(&results)?);
+        print_json(&serde_json::to_value(&results)?)?;
     }
     Ok(Exit::Done)
 }

@@ -171,7 +171,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     }
     stage("wrote", &path.display().to_string());
     if options.common.json {
-        print_json(&results);
+        print_json(&results)?;
     }
     Ok(Exit::Done)
 }
