@@ -49,7 +49,7 @@ pub fn walk(
     simulator: &dyn Simulator,
     recording: &Prepared,
     model: &Model,
-    start: Point,
+    start: &Point,
     settings: Loop,
 ) -> Result<Walk> {
     let free = positions(simulator.parameters(), model)?;
@@ -75,7 +75,7 @@ pub fn walk(
     for k in 0..=settings.iterations {
         let values = match (predict(simulator, recording, &point.parameters, &point.own[0], clock), &best) {
             (Ok(values), _) => values,
-            (Err(refused), None) if point == start => return Err(refused),
+            (Err(refused), None) if point == *start => return Err(refused),
             (Err(_), None) => {
                 point = start.clone();
                 continue;

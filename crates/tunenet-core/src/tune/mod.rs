@@ -277,7 +277,7 @@ impl Tuning<'_> {
                 best: self.settings.finish,
                 library: self.settings.finish && self.settings.initial.is_empty(),
             };
-            let walk = walk(self.simulator, &self.recordings[0], model, start.clone(), how)?;
+            let walk = walk(self.simulator, &self.recordings[0], model, &start, how)?;
             rollouts += walk.rollouts;
             iterations = walk.iterations;
             near = walk.point;

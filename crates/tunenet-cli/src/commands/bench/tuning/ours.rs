@@ -75,6 +75,6 @@ pub fn course(simulation: &Simulation, model: &Model, target: &Target, most: usi
     // As `tune` asks for the two: the paper's loop is the bare one. Values without a rollout are none, so both are clamped.
     let own = !of_the_paper(model.preset());
     let how = Loop { iterations: most, clamp: true, secant: own, best: own, library: own };
-    let walk = walk(&simulation.ball, &target.prepared, model, simulation.start(target), how)?;
+    let walk = walk(&simulation.ball, &target.prepared, model, &simulation.start(target), how)?;
     Ok(walk.answers.iter().map(|answer| answer[0]).collect())
 }

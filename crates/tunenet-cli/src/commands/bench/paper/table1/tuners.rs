@@ -205,7 +205,7 @@ impl Tuners {
 fn walked(model: &Model, arm: &ObservedArm, case: &Case, how: Loop) -> Result<Vec<f64>> {
     let mut start = Point::start(arm, std::slice::from_ref(&case.seen));
     start.parameters[0] = case.proposed_kg;
-    let walk = walk(arm, &case.seen, model, start, how)?;
+    let walk = walk(arm, &case.seen, model, &start, how)?;
     let mut best = (f64::INFINITY, 0.0);
     let each = walk.iterations.iter().map(|i| {
         if !how.best || i.rmse < best.0 {

@@ -122,7 +122,7 @@ impl Tuners {
 
 /// Where a network's loop ends.
 fn along(drops: &Drops, drop: &Drop, model: &Model, seen: &Prepared, how: Loop) -> Result<Estimate> {
-    let walk = walk(drops.filmed.ball(), seen, model, drops.start(drop, seen), how)?;
+    let walk = walk(drops.filmed.ball(), seen, model, &drops.start(drop, seen), how)?;
     Ok(Estimate::Restitution(walk.point.parameters[0]))
 }
 
