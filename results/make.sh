@@ -75,7 +75,7 @@ for what in "${@:-paper}"; do
             done
             ;;
         grow)
-            measure grow bench grow --pairs 1000 10000 100000 1000000 --threads 2 --seed 0 --want 100000000 --nodes 16 --cores 32
+            measure grow bench grow --pairs 1000 10000 100000 1000000 --threads 2 --want 100000000 --nodes 16 --cores 32
             paste grow docs/grow.md results/grow/grow.md
             ;;
         shot)
