@@ -73,7 +73,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
 /// Prints the one JSON object of a command.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 fn print_json(value: &Value) -> tunenet_core::Result<()> {
     print(format!("{value:#}\n").as_bytes())
 }
@@ -81,7 +81,7 @@ fn print_json(value: &Value) -> tunenet_core::Result<()> {
 /// Writes an answer to standard output. A reader that has gone away is no error.
 ///
 /// # Errors
-/// [`Error::Io`](tunenet_core::Error::Io) where it cannot be written: half an answer must not pass for a whole one.
+/// [`Error::Io`] where it cannot be written: half an answer must not pass for a whole one.
 fn print(text: &[u8]) -> tunenet_core::Result<()> {
     write_to(&mut std::io::stdout().lock(), text)
 }
