@@ -2,6 +2,7 @@
 //! on spoilt copies of them. `fuzz/run.sh TARGET EXECUTIONS` looks for more.
 
 mod common;
+#[allow(dead_code, reason = "there is time for every reader of a log here, and no need for one drawn")]
 #[path = "../fuzz/src/readers.rs"]
 mod readers;
 

@@ -4,20 +4,12 @@ mod common;
 
 use std::fmt::Write as _;
 
-use common::{Folder, Noise};
+use common::{Folder, Noise, SCENE};
 
-const RADIUS_M: f64 = 0.0315;
+/// That of the scene.
+const RADIUS_M: f64 = 0.02;
 const RESTITUTION: f64 = 0.72;
 const DRAG_1_M: f64 = 0.08;
-
-const BALL: &str = "\
-kind = \"ball\"
-ball.radius_m = 0.0315
-[parameters.restitution]
-value = 0.5
-min = 0.0
-max = 1.0
-";
 
 /// Heights of the centre every 10 ms for 3 s, in steps of 10 µs, with 2 mm of white noise.
 fn drop_in_air(fall_m: f64, seed: u64) -> String {
@@ -42,7 +34,7 @@ fn drop_in_air(fall_m: f64, seed: u64) -> String {
 #[test]
 fn air_is_found_however_long_the_record_goes_on() {
     let folder = Folder::new();
-    folder.write("ball.toml", BALL);
+    folder.write("ball.toml", SCENE);
     for seed in 1..=4 {
         folder.write("drop.csv", drop_in_air(1.2, seed));
         let answer = folder.run("diagnose --sim ball.toml --observation drop.csv --json").json();

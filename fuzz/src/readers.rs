@@ -73,14 +73,12 @@ const LOG_READERS: usize = 5;
 
 /// A log: the first byte says which reader gets it, and whether these bytes are the file (even) or the file is well formed
 /// and only the messages in it are foreign: a byte for the kind, one for the length, one for the time, and so many bytes.
-#[allow(dead_code, reason = "the fuzz target has time for one")]
 pub fn mcap(bytes: &[u8]) {
     let (way, bytes) = choice(bytes, 2 * LOG_READERS);
     read_log(way / 2, way % 2 == 1, bytes);
 }
 
 /// As [`mcap`], by every reader.
-#[allow(dead_code, reason = "the test of the corpora has time for all")]
 pub fn mcap_by_all(bytes: &[u8]) {
     let (way, bytes) = choice(bytes, 2);
     (0..LOG_READERS).for_each(|reader| read_log(reader, way == 1, bytes));

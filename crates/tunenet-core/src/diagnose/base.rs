@@ -17,8 +17,9 @@ const SUSPICIOUS: f64 = 3.0;
 /// Starts across the bounds of each object's first parameters.
 const SPREAD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
-/// Starts all over the bounds, where those above end in a suspicious valley; one prime to a parameter.
+/// Starts all over the bounds, where those above end in a suspicious valley.
 const SCATTERED: u32 = 48;
+/// Bases of Halton's points, one to a parameter.
 const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
 
 /// The digits of `number` to base `prime` behind the point, the lowest first (Halton 1960): evenly over 0 to 1.
@@ -102,8 +103,7 @@ impl<'a> Study<'a> {
         Ok(Model { structure, fit })
     }
 
-    /// Starts all over the bounds, where nothing in the recordings says where to begin: Halton's points, one prime to a
-    /// parameter.
+    /// Starts all over the bounds, where nothing in the recordings says where to begin: Halton's points.
     fn scattered(&self, structure: &Structure) -> Vec<Point> {
         let own: Vec<Vec<f64>> = self.sets.iter().map(|s| s.prepared.own_values()).collect();
         let place = |number: u32| {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::derivatives::{Columns, Which};
 use super::joint::{Joint, Outcome, Part, Point, spread};
 use crate::Result;
+use crate::simulator::every;
 use crate::tune::arrow::Arrow;
 use crate::tune::huber_cost;
 
@@ -140,8 +141,7 @@ impl Joint<'_> {
             let mut improved = None;
             while damping < GREATEST_DAMPING {
                 let candidate = self.moved(part, &point, &known, damping);
-                let each = part.sets.par_iter().map(|&d| self.residual(d, &candidate, effort.horizon));
-                let rolled: Result<Vec<Vec<f64>>> = each.collect::<Vec<_>>().into_iter().collect();
+                let rolled = every(part.sets.par_iter().map(|&d| self.residual(d, &candidate, effort.horizon)));
                 // A refused or worse step is a step too long.
                 if let Ok(new) = rolled {
                     let gain = cost - huber_cost(&new, scale) - self.pull(&candidate, sets());

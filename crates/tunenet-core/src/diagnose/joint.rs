@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::sets::Set;
 use super::structure::Structure;
 use crate::Result;
-use crate::simulator::predict;
+use crate::simulator::{every, predict};
 use crate::tune::robust_scale;
 
 /// Where a fit stands.
@@ -77,13 +77,13 @@ impl Joint<'_> {
     /// Measured − predicted in the channels' own units, shape `[recording][sample · channel]`.
     pub fn plain_residuals(&self, point: &Point) -> Result<Vec<Vec<f64>>> {
         let each = |d: usize| self.plain(d, &point.globals, &point.own[d], self.sets[d].clock().len());
-        (0..self.sets.len()).into_par_iter().map(each).collect::<Vec<_>>().into_iter().collect()
+        every((0..self.sets.len()).into_par_iter().map(each))
     }
 
     /// White residuals over the first share `horizon` of each recording.
     pub fn residuals(&self, point: &Point, horizon: f64) -> Result<Vec<Vec<f64>>> {
         let each = |d: usize| self.residual(d, point, horizon);
-        (0..self.sets.len()).into_par_iter().map(each).collect::<Vec<_>>().into_iter().collect()
+        every((0..self.sets.len()).into_par_iter().map(each))
     }
 
     pub fn residual(&self, d: usize, point: &Point, horizon: f64) -> Result<Vec<f64>> {

@@ -5,15 +5,13 @@ use super::answer::Test;
 use super::colour;
 use super::search::Found;
 use super::sets::Set;
-use super::study::{Model, Study};
+use super::study::Study;
 use crate::Result;
 
 /// A lag-one correlation above this is more than sensors and trackers are known for at the rates that people record at.
 const LONG: f64 = 0.7;
 /// Where effects take so much of the correlation away, it was theirs.
 const TAKEN: f64 = 0.5;
-/// The test of the residual against the noise that neighbouring samples show.
-pub(super) const MEMORY: &str = "correlation of the noise";
 
 impl<'a> Study<'a> {
     /// The search with white noise, beside one that took a long memory for the noise's. `None` where no effect takes the
@@ -34,19 +32,10 @@ impl<'a> Study<'a> {
         self.sets.iter_mut().for_each(|set: &mut Set| set.colour(0.0));
         let base = self.fit_near(&[], &found.base)?;
         let white = self.search(base, progress)?;
-        if let Some(best) = &white.best {
-            let left = colour::correlation(&self.sets, &self.weighted(best)?);
-            if left < *rho - TAKEN {
-                let mut now = 0.0;
-                let model = Model { structure: self.structure(&best.structure.effects)?, fit: best.fit.clone() };
-                let changed = self.learn_noise(&model, &mut now)?;
-                *rho = now;
-                if !changed {
-                    return Ok(Some(white));
-                }
-                let base = self.fit_near(&[], &white.base)?;
-                return self.search(base, progress).map(Some);
-            }
+        let left = white.best.as_ref().map(|best| self.weighted(best)).transpose()?;
+        if left.is_some_and(|left| colour::correlation(&self.sets, &left) < *rho - TAKEN) {
+            *rho = 0.0;
+            return self.search_again(white, rho, progress).map(Some);
         }
         self.sets = known;
         Ok(None)
@@ -55,5 +44,5 @@ impl<'a> Study<'a> {
 
 /// Fails where the noise that was whitened remembers for longer than noise is known to: nothing tells it from a misfit.
 pub(super) fn believable(rho: f64) -> Option<Test> {
-    (rho > LONG).then_some(Test { name: MEMORY, value: rho, threshold: LONG, passed: false })
+    (rho > LONG).then_some(Test { name: "correlation of the noise", value: rho, threshold: LONG, passed: false })
 }

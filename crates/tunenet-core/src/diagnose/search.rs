@@ -52,6 +52,16 @@ pub(super) struct Place {
 }
 
 impl<'a> Study<'a> {
+    /// With the effects in, the noise shows more clearly; where it differs from what was taken for it, all is done again.
+    pub fn search_again(&mut self, found: Found<'a>, rho: &mut f64, progress: &dyn Fn(Progress)) -> Result<Found<'a>> {
+        let Some(best) = &found.best else { return Ok(found) };
+        if !self.learn_noise(best, rho)? {
+            return Ok(found);
+        }
+        let base = self.fit_near(&[], &found.base)?;
+        self.search(base, progress)
+    }
+
     /// Searches from the tuned simulation.
     pub fn search(&self, base: Model<'a>, progress: &dyn Fn(Progress)) -> Result<Found<'a>> {
         progress(Progress::Scoring { candidates: self.catalogue.len(), effects: 0 });

@@ -133,16 +133,8 @@ fn first_look<'a>(study: &mut Study<'a>, held_out: &mut [Set], progress: &dyn Fn
     if study.learn_noise(&base, &mut rho)? {
         base = study.fit_near(&[], &base)?;
     }
-    let mut found = study.search(base, progress)?;
-    // With the effects in, the noise shows more clearly; where it differs from what was taken for it, all is done again.
-    if let Some(best) = &found.best {
-        let structure = study.structure(&best.structure.effects)?;
-        let model = Model { structure, fit: best.fit.clone() };
-        if study.learn_noise(&model, &mut rho)? {
-            let base = study.fit_near(&[], &found.base)?;
-            found = study.search(base, progress)?;
-        }
-    }
+    let found = study.search(base, progress)?;
+    let mut found = study.search_again(found, &mut rho, progress)?;
     if let Some(white) = study.search_without_memory(&found, &mut rho, progress)? {
         found = white;
     }

@@ -13,6 +13,7 @@ pub use effects::measurement_effects;
 pub use measured::Measured;
 pub use parameter::Parameter;
 pub use prepared::{Preparation, Prepared, Rejected};
+pub(crate) use rollouts::every;
 pub use rollouts::{predict, rollout, rollouts};
 pub use scale::Scale;
 

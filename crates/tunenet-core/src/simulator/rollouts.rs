@@ -59,7 +59,14 @@ fn checked(
 /// # Errors
 /// The first failure in order, as [`rollout`].
 pub fn rollouts(simulator: &dyn Simulator, points: &[(Vec<f64>, Vec<f64>)], clock: &[f64]) -> Result<Vec<Vec<f64>>> {
-    let all = points.par_iter().map(|(parameters, own)| rollout(simulator, parameters, own, clock));
-    // One that fails stops no other: which rollouts are asked for must not depend on the number of threads.
-    all.collect::<Vec<_>>().into_iter().collect()
+    every(points.par_iter().map(|(parameters, own)| rollout(simulator, parameters, own, clock)))
+}
+
+/// All results in order, or the first failure in order. One that fails stops no other: which rollouts are asked for must not
+/// depend on the number of threads.
+///
+/// # Errors
+/// That failure.
+pub(crate) fn every<T: Send>(results: impl ParallelIterator<Item = Result<T>>) -> Result<Vec<T>> {
+    results.collect::<Vec<_>>().into_iter().collect()
 }

@@ -73,12 +73,14 @@ pub fn walk(
     let mut answers = vec![point.at(&free)];
     let mut best: Option<(f64, Point)> = None;
     for k in 0..=settings.iterations {
-        let values = match (predict(simulator, recording, &point.parameters, &point.own[0], clock), &best) {
+        let rolled = |point: &Point| predict(simulator, recording, &point.parameters, &point.own[0], clock);
+        let values = match (rolled(&point), &best) {
             (Ok(values), _) => values,
-            (Err(refused), None) if point == *start => return Err(refused),
+            // What the stored rollouts propose cannot be simulated: the start given has to.
             (Err(_), None) => {
                 point = start.clone();
-                continue;
+                answers = vec![point.at(&free)];
+                rolled(&point)?
             }
             // A proposal that cannot be simulated leads no further: what came before it stands.
             (Err(_), Some((_, before))) => {

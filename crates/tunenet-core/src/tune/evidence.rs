@@ -12,7 +12,7 @@ use super::unknowns::{Point, free};
 use super::{Adequacy, Outcome, Spread};
 use crate::Result;
 use crate::observation::{Kind, Observation};
-use crate::simulator::{Prepared, Simulator, predict};
+use crate::simulator::{Prepared, Simulator, every, predict};
 
 /// Instants of a rollout that is drawn as a curve.
 const CURVE: u32 = 1200;
@@ -143,12 +143,8 @@ fn compare(
     let seen = &recording.seen;
     let clock = curve_clock(seen);
     let ends: [Values; 2] = [(old, old_own), (new, new_own)];
-    let mut curves = ends
-        .par_iter()
-        .map(|(parameters, own)| predict(simulator, recording, parameters, own, &clock))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .collect::<Result<Vec<_>>>()?;
+    let roll = |(parameters, own): &Values| predict(simulator, recording, parameters, own, &clock);
+    let mut curves = every(ends.par_iter().map(roll))?;
     let (after, before) = (curves.pop().unwrap_or_default(), curves.pop().unwrap_or_default());
     let residual = weighted(simulator, recording, noise, new, new_own, seen.len())?;
     let width = noise.len();

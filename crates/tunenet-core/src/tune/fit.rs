@@ -8,7 +8,7 @@ use super::arrow::{Arrow, Block};
 use super::residual::weighted;
 use super::unknowns::Point;
 use crate::Result;
-use crate::simulator::{Parameter, Prepared, Simulator};
+use crate::simulator::{Parameter, Prepared, Simulator, every};
 
 /// Forward-difference step, as a share of an unknown's bounds: far above rounding (1e-14 of a trajectory), far below
 /// anything that bends.
@@ -81,8 +81,7 @@ impl Problem<'_> {
                 self.samples(d, horizon),
             )
         };
-        // As with every other rollout: one that fails stops no other.
-        (0..self.recordings.len()).into_par_iter().map(each).collect::<Vec<_>>().into_iter().collect()
+        every((0..self.recordings.len()).into_par_iter().map(each))
     }
 
     /// Root mean square of measured − predicted in the channels' own unit, a sample of several channels counted once.
@@ -118,8 +117,7 @@ impl Problem<'_> {
             moved.iter_mut().zip(&residuals[d]).for_each(|(m, r)| *m = (*m - r) / step);
             Ok(moved)
         };
-        let columns = tasks.par_iter().map(column).collect::<Vec<_>>();
-        let mut columns = columns.into_iter().collect::<Result<Vec<_>>>()?.into_iter();
+        let mut columns = every(tasks.par_iter().map(column))?.into_iter();
         let gather = |(d, residual): (usize, &Vec<f64>)| Linearised {
             residual: residual.clone(),
             columns: columns.by_ref().take(self.free.len() + point.own[d].len()).collect(),

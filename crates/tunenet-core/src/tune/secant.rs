@@ -20,22 +20,16 @@ struct Rolled {
 pub(super) struct Made {
     bounds: (f64, f64),
     rolled: Vec<Rolled>,
-    /// Rollouts since the best.
-    since: usize,
-    /// Whether slopes have failed; from then on the gaps around the best are filled.
-    astray: bool,
 }
 
 impl Made {
     /// None yet, of a parameter between these bounds.
     pub(super) fn within(bounds: (f64, f64)) -> Self {
-        Self { bounds, rolled: Vec::new(), since: 0, astray: false }
+        Self { bounds, rolled: Vec::new() }
     }
 
     /// One more.
     pub(super) fn push(&mut self, at: f64, values: Vec<f64>, rmse: f64) {
-        let better = self.best().is_none_or(|best| rmse < best.rmse);
-        self.since = if better { 0 } else { self.since + 1 };
         self.rolled.push(Rolled { at, values, rmse });
     }
 
@@ -43,8 +37,10 @@ impl Made {
         self.bounds.1 - self.bounds.0
     }
 
-    fn best(&self) -> Option<&Rolled> {
-        self.rolled.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))
+    /// The best rollout, and how many came after it.
+    fn best(&self) -> Option<(&Rolled, usize)> {
+        let best = self.rolled.iter().enumerate().min_by(|a, b| a.1.rmse.total_cmp(&b.1.rmse));
+        best.map(|(place, best)| (best, self.rolled.len() - 1 - place))
     }
 
     /// Where the Gauss–Newton step from the best rollout leads, its slope the difference to the nearest other. At the end it
@@ -53,7 +49,7 @@ impl Made {
     /// All others are worse, so the best value lies nearer to the best rollout than to any of them: a step goes at most half
     /// the way to the next. That keeps it from the wilderness where a slope is hardly there (a restitution near 0).
     pub(super) fn step(&self, seen: &[f64]) -> Option<f64> {
-        let (best, span) = (self.best()?, self.span());
+        let (best, span) = (self.best()?.0, self.span());
         let distance = |other: &Rolled| (other.at - best.at).abs() / span;
         let others = || self.rolled.iter().filter(|other| distance(other) > SHORTEST_SECANT);
         let near =
@@ -72,17 +68,19 @@ impl Made {
 
     /// Where to look once slopes lead no further: as far as possible from every rollout, within reach of the best. `None`
     /// while they do. Where a curve has several valleys, the slopes in the wrong one never leave it.
-    pub(super) fn elsewhere(&mut self) -> Option<f64> {
-        let (best, reach) = (self.best()?.at, LONGEST_SECANT * self.span());
-        self.astray = self.since >= PATIENCE || self.astray && self.since > 0;
-        if !self.astray {
+    pub(super) fn elsewhere(&self) -> Option<f64> {
+        let (best, since) = self.best()?;
+        if since < PATIENCE {
             return None;
         }
-        let (low, high) = (self.bounds.0.max(best - reach), self.bounds.1.min(best + reach));
+        let reach = LONGEST_SECANT * self.span();
+        let (low, high) = (self.bounds.0.max(best.at - reach), self.bounds.1.min(best.at + reach));
         let mut known: Vec<f64> = self.rolled.iter().map(|r| r.at).filter(|at| (low..=high).contains(at)).collect();
         known.sort_by(f64::total_cmp);
         let between = known.windows(2).map(|pair| (0.5 * (pair[1] - pair[0]), f64::midpoint(pair[0], pair[1])));
-        let ends = [(known[0] - low, low), (high - known[known.len() - 1], high)];
+        // None where the best lies outside the bounds, as a start may.
+        let (first, last) = (*known.first()?, *known.last()?);
+        let ends = [(first - low, low), (high - last, high)];
         let (far, place) = between.chain(ends).max_by(|a, b| a.0.total_cmp(&b.0))?;
         (far > SHORTEST_SECANT * self.span()).then_some(place)
     }
@@ -128,6 +126,15 @@ mod tests {
         push(&mut made, between, &seen);
         assert!(made.elsewhere().is_none(), "it is better than all before");
         assert!((made.step(&seen).unwrap() - 0.016).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_best_rollout_outside_the_bounds_has_no_surroundings_within() {
+        let (mut made, seen) = (Made::within((0.0, 1.0)), vec![0.0]);
+        for _ in 0..4 {
+            push(&mut made, -5.0, &seen);
+        }
+        assert!(made.elsewhere().is_none());
     }
 
     #[test]

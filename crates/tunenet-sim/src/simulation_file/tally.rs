@@ -98,11 +98,14 @@ impl Tally {
 
     /// What a person should know of it.
     pub fn notes(&self) -> Vec<Note> {
-        const REMEDY: &str = "narrow `min` and `max` of `[parameters.NAME]` to what the program can simulate, where the answer lies near that";
+        const REMEDY: &str = "narrow `min` and `max` of `[parameters.NAME]` to what the program can simulate, where the answer \
+                              lies near that";
         self.counted(|counted| {
             let all = counted.asked;
             let refused = counted.refused.iter().map(|Lacking { rollouts, nearest: Place { at, what, .. } }| {
-                let text = format!("the program refused {rollouts} of {all} rollouts, of these nearest to the file's values {at}: {what}");
+                let text = format!(
+                    "the program refused {rollouts} of {all} rollouts, of these nearest to the file's values {at}: {what}"
+                );
                 Note::new("program.refused", text, REMEDY)
             });
             let beyond = counted.beyond.iter().map(|Lacking { rollouts, nearest: Place { at, what, .. } }| {

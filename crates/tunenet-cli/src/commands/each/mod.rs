@@ -57,7 +57,8 @@ pub struct Answered<C> {
 pub type Case<C> = (String, std::result::Result<C, String>);
 
 impl Work<'_> {
-    /// Treats each recording with `one`, which is given its path and what it is called for people. One that cannot be used does not keep the others from being treated.
+    /// Treats each recording with `one`, which is given its path and what it is called for people. One that cannot be used does
+    /// not keep the others from being treated.
     pub fn run<C: Send>(
         &self,
         one: &(dyn Fn(&Path, &str) -> Result<Answered<C>> + Sync),

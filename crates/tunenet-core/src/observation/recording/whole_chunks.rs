@@ -10,9 +10,6 @@ use mcap::records::op;
 
 use super::mcap_read::PIECE;
 
-/// The mark at the start of a file, in bytes.
-const MARK: u64 = 8;
-
 /// Kind and length before every record, in bytes.
 const RECORD_HEAD: usize = 9;
 
@@ -61,9 +58,10 @@ enum At {
     Inside { left: u64, behind: u64 },
     /// A record was longer than its chunk.
     Overrun,
-    /// The lengths say what the reader itself refuses.
-    Hopeless,
 }
+
+/// Where the lengths are such as the reader itself refuses, everything passes.
+const LET_BY: (At, u64) = (At::Record, u64::MAX);
 
 /// Where in a log one is: the lengths alone.
 #[derive(Debug)]
@@ -77,7 +75,7 @@ struct Outline {
 
 impl Outline {
     fn start() -> Self {
-        Self { at: At::Record, skip: MARK, head: Vec::with_capacity(CHUNK_HEAD) }
+        Self { at: At::Record, skip: mcap::MAGIC.len() as u64, head: Vec::with_capacity(CHUNK_HEAD) }
     }
 
     /// Goes on over `piece`; how many bytes of it come before an overrun.
@@ -95,7 +93,6 @@ impl Outline {
                 At::Chunk { .. } => CHUNK_HEAD,
                 At::Size { .. } => SIZE,
                 At::Overrun => return piece.len() - rest.len(),
-                At::Hopeless => return piece.len(),
             };
             let (taken, after) = rest.split_at((length - self.head.len()).min(rest.len()));
             self.head.extend_from_slice(taken);
@@ -120,14 +117,14 @@ fn next(at: At, head: &[u8]) -> (At, u64) {
             if head[0] == op::CHUNK { (At::Chunk { bytes }, 0) } else { (At::Record, bytes) }
         }
         At::Chunk { bytes } => {
-            let Some(left) = bytes.checked_sub((CHUNK_HEAD + SIZE) as u64) else { return (At::Hopeless, 0) };
+            let Some(left) = bytes.checked_sub((CHUNK_HEAD + SIZE) as u64) else { return LET_BY };
             // A compressed chunk is unpacked by the reader record by record, and its length not counted down.
             let plain = head[CHUNK_HEAD - 4..].iter().all(|byte| *byte == 0);
             if plain { (At::Size { bytes: left }, 0) } else { (At::Record, left + SIZE as u64) }
         }
         At::Size { bytes } => {
             let left = number(head);
-            let Some(behind) = bytes.checked_sub(left) else { return (At::Hopeless, 0) };
+            let Some(behind) = bytes.checked_sub(left) else { return LET_BY };
             inside(left, behind, 0)
         }
         At::Inside { left, behind } => {
@@ -137,7 +134,7 @@ fn next(at: At, head: &[u8]) -> (At, u64) {
                 None => (At::Overrun, 0),
             }
         }
-        At::Overrun | At::Hopeless => (at, 0),
+        At::Overrun => (at, 0),
     }
 }
 
