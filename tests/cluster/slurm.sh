@@ -104,6 +104,8 @@ JobRequeue=1
 RequeueExit=137
 SchedulerParameters=batch_sched_delay=0,sched_interval=2,sched_min_interval=0
 KillWait=2
+# Four tasks run at once, also on a machine with fewer cores: the figures below count, not what slurmd finds.
+SlurmdParameters=config_overrides
 StateSaveLocation=$root/state
 SlurmdSpoolDir=$root/spool
 SlurmctldPidFile=$root/slurmctld.pid
