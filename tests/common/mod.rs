@@ -1,5 +1,4 @@
 //! What the process tests share: a folder that goes away, the binary run in it, and a ball's drop from formulas alone.
-#![allow(dead_code, reason = "each test file uses a part")]
 
 use std::fmt::Write;
 use std::path::PathBuf;

@@ -3,9 +3,9 @@
 use std::process::ExitCode;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use tunenet_core::Error;
+use tunenet_core::{Error, Origin};
 
-use crate::terminal::lines;
+use crate::view::text::lines;
 
 /// How a command ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,14 +26,11 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Settings that stand in a file; all others come from flags.
-const FROM_FILES: [&str; 1] = ["parameters"];
-
 /// Prints an error to standard error and says how the process ends.
 pub fn tell(error: &anyhow::Error) -> Exit {
     let known = error.chain().find_map(|cause| cause.downcast_ref::<Error>());
     let exit = match known {
-        Some(Error::Setting { name, .. }) if !FROM_FILES.contains(name) => Exit::Usage,
+        Some(Error::Setting { origin: Origin::Flag | Origin::Caller, .. }) => Exit::Usage,
         _ => Exit::Refused,
     };
     if let Some(Error::Text { path, line, column, width, source_line, message, hint }) = known {
@@ -45,11 +42,23 @@ pub fn tell(error: &anyhow::Error) -> Exit {
     }
     let (red, reset) = (anstyle::AnsiColor::Red.on_default().bold(), anstyle::Reset);
     anstream::eprintln!("{red}error{reset}: {}", lines(&sentence(error)));
-    if let Some(hint) = known.and_then(Error::hint) {
+    if let Some(hint) = known.and_then(hint) {
         let cyan = anstyle::AnsiColor::Cyan.on_default().bold();
         anstream::eprintln!("{cyan}help{reset}: {}", lines(hint));
     }
     exit
+}
+
+/// What to type, where the error itself says no more than what is wrong.
+fn hint(error: &Error) -> Option<&str> {
+    match error {
+        Error::Setting { name: "device", .. } => {
+            Some("install one with it: `cargo install --locked --path crates/tunenet-cli --features cuda`")
+        }
+        Error::Device { .. } => Some("look at what `nvidia-smi` says, or train with `--device cpu`"),
+        Error::Model { .. } => Some("train a model for this scene: `tunenet gen`, then `tunenet train`"),
+        other => other.hint(),
+    }
 }
 
 /// The whole chain in one sentence; what a message already ends with is not said again.

@@ -1,12 +1,9 @@
 //! How long a training takes: the `paper` preset on 800 pairs of 400 heights, and steps of the `default` preset.
 
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use tunenet_core::network::{
-    Course, CoveredParameter, DatasetHeader, DatasetWriter, Pair, Preset, TrainOptions, train,
-};
+use tunenet_core::network::{Course, CoveredParameter, DatasetHeader, Pair, Preset, TrainOptions, train_on};
 use tunenet_core::observation::Channel;
 use tunenet_core::simulator::Scale;
 
@@ -15,8 +12,7 @@ fn height(parameter: f64, time_s: f64) -> f64 {
     4.5 * (-parameter * time_s).exp() * (3.0 * time_s).cos().abs()
 }
 
-fn dataset(folder: &Path) -> PathBuf {
-    let path = folder.join("pairs.mcap");
+fn dataset() -> (DatasetHeader, Vec<Pair>) {
     let clock: Vec<f64> = (0..400).map(|i| f64::from(i) / 60.0).collect();
     let parameters = [("decay", 0.3, 0.7)].map(|(name, min, max)| CoveredParameter {
         name: name.into(),
@@ -35,11 +31,10 @@ fn dataset(folder: &Path) -> PathBuf {
         clock: clock.clone(),
         scene: String::new(),
     };
-    let mut writer = DatasetWriter::open(&path, header).expect("a fresh file");
-    for i in 0..800 {
+    let pair = |i: u32| {
         let (proposed, target) = (0.3 + 0.0005 * f64::from(i), 0.7 - 0.0005 * f64::from(i * 7 % 800));
         let rollout = |parameter| clock.iter().map(|t| height(parameter, *t)).collect();
-        let pair = Pair {
+        Pair {
             proposed_parameters: vec![proposed],
             target_parameters: vec![target],
             own: vec![],
@@ -47,16 +42,13 @@ fn dataset(folder: &Path) -> PathBuf {
             proposed: rollout(proposed),
             target: rollout(target),
             clock: vec![],
-        };
-        writer.write(&pair).expect("room on the disk");
-    }
-    writer.finish().expect("all pairs");
-    path
+        }
+    };
+    (header, (0..800).map(pair).collect())
 }
 
 fn training(criterion: &mut Criterion) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = dataset(folder.path());
+    let (header, pairs) = dataset();
     let steps = Course::Remixed { steps: 400, noise: 0.06, cut: 0.05 };
     let mut group = criterion.benchmark_group("train");
     group.sample_size(10);
@@ -66,7 +58,7 @@ fn training(criterion: &mut Criterion) {
     ] {
         let options = TrainOptions::new(preset, 0);
         group.bench_function(name, |b| {
-            b.iter(|| train(black_box(&path), &options, &mut |_| true).expect("a training"));
+            b.iter(|| train_on(black_box(&header), black_box(&pairs), &options, &mut |_| true).expect("a training"));
         });
     }
     group.finish();

@@ -2,8 +2,21 @@
 
 use std::path::PathBuf;
 
+use crate::network::WeightsFault;
+
 /// What this crate returns.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// Who set what is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Origin {
+    /// The command line.
+    Flag,
+    /// A file.
+    File,
+    /// Whoever called the library: a command with what its line says, or a program.
+    Caller,
+}
 
 /// Everything that can go wrong, each with where it happened, what was expected and what was found.
 ///
@@ -77,7 +90,7 @@ pub enum Error {
         /// What it said.
         message: String,
     },
-    /// A simulator answered a number that cannot be reckoned with: not finite, or beyond
+    /// A simulator answered a number that is unusable: not finite, or beyond
     /// [`GREATEST`](crate::observation::GREATEST).
     #[error("the simulator answered {found} for {place} with {at}: expected {expected}")]
     Prediction {
@@ -85,7 +98,7 @@ pub enum Error {
         at: String,
         /// The channel and the sample, from 1.
         place: String,
-        /// What can be reckoned with.
+        /// The range of usable numbers.
         expected: String,
         /// The number.
         found: String,
@@ -100,9 +113,42 @@ pub enum Error {
         /// What the model has.
         found: String,
     },
+    /// A data set cannot be learned from.
+    #[error("the data set: expected {expected}, found {found}")]
+    Dataset {
+        /// What the preset needs.
+        expected: String,
+        /// What the data set has.
+        found: String,
+        /// What to try; may be empty.
+        remedy: &'static str,
+    },
+    /// Stored weights cannot be used.
+    #[error("stored weights: expected {expected}, found {found}")]
+    Weights {
+        /// What was looked for.
+        expected: String,
+        /// What is there.
+        found: String,
+        /// What kind of fault it is.
+        fault: WeightsFault,
+    },
+    /// Rollouts that do not fit into memory could not be kept elsewhere.
+    #[error("temporary file of the training: {action} failed: {source}")]
+    Overflow {
+        /// What was being done, as a verb: "reading", "writing".
+        action: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// What the caller supplied (a data set, a checkpoint) failed.
+    #[error(transparent)]
+    Supplied(Box<dyn std::error::Error + Send + Sync>),
     /// A setting is outside its range.
     #[error("`{name}`: expected {expected}, found {found}")]
     Setting {
+        /// Who set it.
+        origin: Origin,
         /// Which setting.
         name: &'static str,
         /// Its range.
@@ -117,8 +163,11 @@ pub enum Error {
         message: String,
     },
     /// The network library failed.
-    #[error("the network library failed: {0}")]
-    Network(#[from] candle_core::Error),
+    #[error("the network library failed: {message}")]
+    Network {
+        /// What it said.
+        message: String,
+    },
     /// The work was asked to stop (the progress callback said so); what is on disk can be resumed.
     #[error("stopped on request")]
     Stopped,
@@ -131,11 +180,6 @@ impl Error {
         match self {
             Self::Text { hint, .. } | Self::File { hint, .. } if !hint.is_empty() => Some(hint),
             Self::Io { action, source, .. } => io_hint(action, source.kind()),
-            Self::Setting { name: "device", .. } => {
-                Some("install one with it: `cargo install --locked --path crates/tunenet-cli --features cuda`")
-            }
-            Self::Device { .. } => Some("look at what `nvidia-smi` says, or train with `--device cpu`"),
-            Self::Model { .. } => Some("train a model for this scene: `tunenet gen`, then `tunenet train`"),
             _ => None,
         }
     }
@@ -159,7 +203,7 @@ fn io_hint(action: &str, kind: std::io::ErrorKind) -> Option<&'static str> {
         ErrorKind::NotFound => Some("check the path"),
         ErrorKind::PermissionDenied => Some("check who may use the file"),
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            Some("free some space, or write elsewhere; what was there before is untouched")
+            Some("free some space, or write to another place; the previous file is untouched")
         }
         ErrorKind::IsADirectory => Some("name a file, not a folder"),
         ErrorKind::InvalidData => Some("is this the right file?"),

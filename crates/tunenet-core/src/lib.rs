@@ -31,7 +31,9 @@ pub mod error;
 pub mod network;
 pub mod observation;
 pub mod simulator;
+pub mod statistics;
+pub mod testing;
 pub mod text;
 pub mod tune;
 
-pub use error::{Error, Result};
+pub use error::{Error, Origin, Result};

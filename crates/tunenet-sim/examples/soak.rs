@@ -4,8 +4,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use tunenet_core::observation::recording::{ReadOptions, read};
 use tunenet_core::tune::{Settings, tune};
+use tunenet_formats::{ReadOptions, read};
 use tunenet_sim::{SimulationFile, built_in, simulator};
 
 /// What one run of the tool does: files are read, the simulator and, for drops, the network are made, and it is tuned.

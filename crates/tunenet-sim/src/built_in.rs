@@ -1,12 +1,16 @@
-//! The network that comes with the tool: for any dropped ball whose release and floor nobody measured.
+//! The network that comes with the tool: for any dropped ball with unknown release and floor.
 
 use std::path::Path;
 
 use tunenet_core::Result;
 use tunenet_core::network::Model;
 use tunenet_core::simulator::Prepared;
+use tunenet_core::statistics::median;
+use tunenet_formats::model_from_bytes;
 
 use crate::SimulationFile;
+use crate::ball::Forces;
+use crate::ball::effects::BallEffect;
 
 /// Made by `make model`, and by nothing else.
 const BYTES: &[u8] = include_bytes!("../../../assets/networks/ball.safetensors");
@@ -23,7 +27,7 @@ const GREATEST_DRAG: f64 = 0.3;
 /// # Errors
 /// [`tunenet_core::Error::File`] where the program's own bytes are damaged.
 pub fn ball() -> Result<Model> {
-    Model::from_bytes(Path::new("the built-in network"), BYTES)
+    model_from_bytes(Path::new("the built-in network"), BYTES)
 }
 
 /// Whether that network is made for `file` and this recording of its ball; where not, why.
@@ -46,12 +50,17 @@ pub fn serves(file: &SimulationFile, recording: &Prepared) -> std::result::Resul
     if rate < RATE_HZ.0 * 0.98 {
         return Err(format!("{rate:.1} samples per second, expected {} or more", RATE_HZ.0));
     }
-    let number = |path: &str| file.number(path).unwrap_or(0.0);
-    let bent = number("effects.quadratic_drag.c_1_m") * scale.length > GREATEST_DRAG
-        || number("effects.linear_drag.b_1_s") * scale.time_s > GREATEST_DRAG;
-    let sideways = ["effects.magnus.sx_1_s", "effects.magnus.sy_1_s", "effects.magnus.sz_1_s"].map(number);
-    let level = number("surface.tilt_about_x_rad") == 0.0 && number("surface.tilt_about_y_rad") == 0.0;
-    if bent || sideways.iter().any(|s| *s != 0.0) {
+    let ball = file.ball().map_err(|e| e.to_string())?;
+    let mut scene = ball.simulated();
+    for present in file.effects() {
+        if let Some(effect) = BallEffect::find(&present.name) {
+            (effect.apply)(&mut scene, &present.values);
+        }
+    }
+    let Forces { quadratic_drag_1_m, linear_drag_1_s, magnus_1_s, .. } = scene.flight;
+    let bent = quadratic_drag_1_m * scale.length > GREATEST_DRAG || linear_drag_1_s * scale.time_s > GREATEST_DRAG;
+    let level = ball.surface.tilt_about_x_rad == 0.0 && ball.surface.tilt_about_y_rad == 0.0;
+    if bent || magnus_1_s != [0.0; 3] {
         return Err("the scene's forces bend the flight".into());
     }
     if !level {
@@ -62,7 +71,5 @@ pub fn serves(file: &SimulationFile, recording: &Prepared) -> std::result::Resul
 
 /// Samples per second in the middle of all intervals.
 fn median_rate_hz(clock: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = clock.windows(2).map(|w| w[1] - w[0]).collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    1.0 / steps[steps.len() / 2]
+    1.0 / median(clock.windows(2).map(|w| w[1] - w[0])).unwrap_or(f64::NAN)
 }

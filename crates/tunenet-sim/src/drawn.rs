@@ -13,6 +13,8 @@ use tunenet_core::simulator::{Preparation, Prepared, Simulator, rollout};
 use tunenet_core::{Error, Result};
 
 use crate::ball::impact_times;
+use crate::scene::BallScene;
+use crate::simulation_file::LeftOpen;
 use crate::{ObservedBall, SimulationFile};
 
 /// Draws that may fail in a row (no bounce before the record ends, say) before a scene is given up.
@@ -75,10 +77,13 @@ impl Drawn {
     /// As [`ObservedBall::new`].
     pub fn new(file: &SimulationFile, ranges: Ranges) -> Result<Self> {
         let mut open = file.clone();
-        for key in ["release.height_m", "release.position_m", "release.velocity_m_s", "release.time_s"] {
-            open.unset(key);
-        }
-        open.unset("surface.height_m");
+        open.leave_open(&[
+            LeftOpen::ReleaseHeight,
+            LeftOpen::ReleasePosition,
+            LeftOpen::ReleaseVelocity,
+            LeftOpen::ReleaseTime,
+            LeftOpen::SurfaceHeight,
+        ]);
         let ball = ObservedBall::new(file, Kind::Positions)?;
         Ok(Self { ball, open: ObservedBall::new(&open, Kind::Positions)?, file: file.clone(), ranges })
     }
@@ -114,7 +119,7 @@ impl Drawn {
             let truth = self.parameters(random);
             let proposed = self.parameters(random);
             let Some(prepared) = self.recording(&truth, random) else { continue };
-            let (own, clock) = (prepared.own_values(), prepared.seen.clock().to_vec());
+            let (own, clock) = (prepared.nuisance_values(), prepared.seen.clock().to_vec());
             if let Ok(rolled) = rollout(&self.ball, &proposed, &own, &clock) {
                 return Ok(Pair {
                     proposed_parameters: proposed,
@@ -150,10 +155,9 @@ impl Drawn {
     /// One recording, prepared; `None` where it shows nothing or is refused.
     fn recording(&self, truth: &[f64], random: &mut ChaCha8Rng) -> Option<Prepared> {
         let Ranges { fall_m, rate_hz, begun, across, bounces, longest, noise } = &self.ranges;
-        let release = self.file.release();
-        let gravity = self.file.number("world.gravity_m_s2").unwrap_or(9.81);
-        let floor = self.file.number("surface.height_m").unwrap_or(0.0);
-        let radius = self.file.number("ball.radius_m")?;
+        let BallScene { release, world, surface, ball, .. } = self.file.ball().ok()?;
+        let (gravity, radius) = (world.gravity_m_s2, ball.radius_m);
+        let floor = surface.height_m.unwrap_or(0.0);
         let fall = logarithmic(random, *fall_m);
         let speed = (gravity * fall).sqrt();
         let direction = std::f64::consts::TAU * random.random::<f64>();

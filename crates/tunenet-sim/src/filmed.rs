@@ -24,7 +24,7 @@ const PICTURE_PX: (usize, usize) = (160, 120);
 const NOISE_PX: f64 = 0.25;
 const MOST_DRAWS: usize = 1000;
 
-/// Drops of one ball from rest, each from a height of its own, in front of a camera that nobody knows.
+/// Drops of one ball from rest, each from a height of its own, in front of an uncalibrated camera.
 #[derive(Debug, Clone)]
 pub struct FilmedDrops {
     ball: ObservedBall,
@@ -40,10 +40,11 @@ impl FilmedDrops {
     /// # Errors
     /// As [`ObservedBall::new`].
     pub fn new(file: &SimulationFile) -> Result<Self> {
+        let scene = file.ball()?;
         Ok(Self {
             ball: ObservedBall::new(file, Kind::Positions)?,
-            radius_m: file.number("ball.radius_m").unwrap_or(0.0),
-            floor_m: file.number("surface.height_m").unwrap_or(0.0),
+            radius_m: scene.ball.radius_m,
+            floor_m: scene.surface.height_m.unwrap_or(0.0),
             clock: file.record().clock(),
         })
     }
@@ -166,7 +167,7 @@ impl FilmedDrops {
         let mut prepared = Prepared::whole(seen, self.ball.parameters().len());
         // Known, so the bounds say nothing; a parameter needs some.
         let known = [0.0, 0.0, top_m].into_iter().zip(["x", "y", "z"]);
-        prepared.own = known
+        prepared.nuisances = known
             .map(|(v, axis)| Parameter::new(format!("release.{axis}"), "m", v, v - 1.0, v + 1.0))
             .collect::<Result<_>>()?;
         prepared.scale = Some(self.scale(top_m));
@@ -181,13 +182,14 @@ impl FilmedDrops {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation_file::LeftOpen;
     use rand::SeedableRng;
     use std::path::Path;
 
     fn drops() -> FilmedDrops {
         let text = include_str!("../../../assets/ball_easy.toml");
         let mut file = SimulationFile::parse(Path::new("ball_easy.toml"), text).unwrap();
-        file.unset("release.height_m");
+        file.leave_open(&[LeftOpen::ReleaseHeight]);
         FilmedDrops::new(&file).unwrap()
     }
 

@@ -1,10 +1,11 @@
-//! A ball that is let go from rest at a known height, seen by a camera that nobody knows.
+//! A ball released from rest at a known height, seen by an uncalibrated camera.
 
 use tunenet_core::camera::LineCamera;
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Rejected, Simulator};
 use tunenet_core::{Error, Result};
 
+use crate::scene::BallScene;
 use crate::{ObservedBall, SimulationFile};
 
 /// Own unknowns of the camera, behind those of the ball.
@@ -29,10 +30,9 @@ impl FilmedBall {
     /// [`Error::Observation`] where the file leaves the height or the instant of the release, or the surface, to the data,
     /// or throws the ball; as [`ObservedBall::new`].
     pub fn new(file: &SimulationFile) -> Result<Self> {
-        let release = file.release();
+        let BallScene { release, surface, .. } = file.ball()?;
         let dropped = release.velocity_m_s.is_none_or(|v| v == [0.0; 3]);
-        let (Some(start_s), Some(_), Some(_), true) =
-            (release.time_s, release.height_m, file.number("surface.height_m"), dropped)
+        let (Some(start_s), Some(_), Some(_), true) = (release.time_s, release.height_m, surface.height_m, dropped)
         else {
             return Err(Error::Observation {
                 what: "pixels".into(),
@@ -88,7 +88,7 @@ impl Simulator for FilmedBall {
             ("camera.rise", "m", 0.0, -reach, reach),
             ("camera.perspective", "1/m", 0.0, -0.4 / reach, 0.4 / reach),
         ] {
-            prepared.own.push(Parameter::new(name, unit, value, low, high)?);
+            prepared.nuisances.push(Parameter::new(name, unit, value, low, high)?);
         }
         Ok(Preparation::Usable(prepared))
     }
@@ -117,6 +117,7 @@ impl Simulator for FilmedBall {
 mod tests {
     use super::*;
     use crate::filmed::FilmedDrops;
+    use crate::simulation_file::LeftOpen;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use std::path::Path;
@@ -133,7 +134,7 @@ mod tests {
     #[test]
     fn restitution_comes_out_of_pixels_without_a_scale() {
         let mut open = file(4.0);
-        open.unset("release.height_m");
+        open.leave_open(&[LeftOpen::ReleaseHeight]);
         let drops = FilmedDrops::new(&open).unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(11);
         for restitution in [0.35, 0.6] {
@@ -152,7 +153,7 @@ mod tests {
     #[test]
     fn a_release_left_to_the_data_is_refused() {
         let mut open = file(4.0);
-        open.unset("release.height_m");
+        open.leave_open(&[LeftOpen::ReleaseHeight]);
         assert!(FilmedBall::new(&open).unwrap_err().to_string().contains("release.height_m"));
     }
 }

@@ -3,6 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`simulation_file`] | the one file that describes a simulation |
+//! | [`scene`] | what such a file says, as values |
 //! | [`arm`] | arms read from a URDF: kinematics, inverse dynamics, motions |
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
@@ -12,7 +13,7 @@
 //! | [`open_drag`] | the drag that recordings leave open |
 //! | [`process`] | a simulator of any language: a program that speaks lines of JSON |
 //! | [`built_in`] | the network that comes with the tool |
-//! | [`filmed`] | drops in front of a camera that nobody knows |
+//! | [`filmed`] | drops in front of an uncalibrated camera |
 //! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
 //! | [`shot`] | a ball that bounces off a plane through a hoop, and from where to let it go |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
@@ -29,6 +30,7 @@ pub mod observed_ball;
 pub mod open_drag;
 pub mod process;
 pub mod replayed_arm;
+pub mod scene;
 pub mod shot;
 pub mod simulation_file;
 

@@ -12,7 +12,6 @@ use tunenet_core::tune::{Held, held};
 use crate::SimulationFile;
 use crate::ball::effects::{BallEffect, DRAG};
 use crate::observed::simulator;
-use crate::observed_ball::body;
 use crate::simulation_file::Domain;
 
 /// Strengths that are tried beside none at all, evenly in their logarithm.
@@ -33,7 +32,7 @@ pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> R
     if there || seen.is_empty() || file.domain() != Domain::Ball {
         return Ok(Vec::new());
     }
-    let Some((low, high)) = body(file).usual_drag_1_m() else { return Ok(Vec::new()) };
+    let Some((low, high)) = file.ball()?.body().usual_drag_1_m() else { return Ok(Vec::new()) };
     let physical = sure.iter().copied().filter(|name| BallEffect::find(name).is_some());
     let names: Vec<&str> = physical.chain([DRAG]).collect();
     let ball = simulator(file, seen[0].kind())?.with_effects(&names)?;

@@ -1,21 +1,21 @@
-//! A camera that was bumped, or moved on the way: what was seen meanwhile is left out, and said.
+//! Camera motion: frames in which the background is displaced are left out and reported.
 
-use tunenet_core::observation::Note;
+use tunenet_video_protocol::track::Unseen;
+use tunenet_video_protocol::{FindingKind, VideoFinding};
 
 use crate::noticed;
 use crate::samples::Samples;
-use crate::scout::Unseen;
 use crate::stillness::{LIKELY, SURELY, elsewhere};
-use crate::track::{Answer, Track};
+use crate::track::answer::{Answer, Track};
 
-/// A camera that is elsewhere in this share of the pictures is why no ball was found.
+/// A camera that is displaced in this share of the pictures is why no ball was found.
 const EXPLAINS: f64 = 0.15;
 /// Which pictures the others are held against, as shares of all: one of them shows the usual place.
 const REFERENCES: [f64; 4] = [0.05, 0.35, 0.65, 0.95];
-/// One that is elsewhere in more of them than this has no place of its own.
+/// One that is displaced in more of them than this has no usual position.
 const MOST: f64 = 0.5;
 
-/// Leaves out of `answer` what was seen while the camera was elsewhere than in most of the film; an answer without a track is the
+/// Leaves out of `answer` what was seen while the camera was displaced from its usual position; an answer without a track is the
 /// camera's doing where that was often.
 pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result<Answer> {
     let placed = samples.placed();
@@ -38,14 +38,18 @@ pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result
     Ok(match answer {
         Answer::Unseen { frames, reason, .. } if share > EXPLAINS && reason != Unseen::CameraMoves => {
             let reason = Unseen::CameraMoves;
-            Answer::Unseen { reason, frames, note: noticed::unseen(reason, false, "") }
+            Answer::Unseen { reason, frames, finding: noticed::unseen(reason, false, "") }
         }
         Answer::Tracked(mut track) if count > 0 && share <= MOST => {
             let places: Vec<usize> = placed.iter().map(|(place, _)| *place).collect();
             leave_out(&mut track, &places, &away);
             if track.sightings.is_empty() {
                 let reason = Unseen::CameraMoves;
-                return Ok(Answer::Unseen { reason, frames: track.frames, note: noticed::unseen(reason, false, "") });
+                return Ok(Answer::Unseen {
+                    reason,
+                    frames: track.frames,
+                    finding: noticed::unseen(reason, false, ""),
+                });
             }
             Answer::Tracked(track)
         }
@@ -53,7 +57,7 @@ pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result
     })
 }
 
-/// Leaves out the sightings between the still pictures on either side of those elsewhere, and says so.
+/// Leaves out the sightings between the undisplaced pictures on either side of displaced ones, and reports it.
 fn leave_out(track: &mut Track, places: &[usize], away: &[bool]) {
     let frames = track.frames;
     let shaken = |frame: usize| {
@@ -67,7 +71,7 @@ fn leave_out(track: &mut Track, places: &[usize], away: &[bool]) {
     let (Some(first), Some(last)) = (bumped.first(), bumped.last()) else { return };
     let time = |frame: usize| frame as f64 / track.rate_hz;
     let back = *last + 1 < frames && *first > 0;
-    let how = if back { "and came back" } else { "and stands elsewhere than in the rest of the film" };
+    let how = if back { "and came back" } else { "and did not come back" };
     let stays = |s: &crate::tracker::Sighting| bumped.binary_search(&s.frame).is_err();
     if 2 * track.sightings.iter().filter(|s| stays(s)).count() > track.sightings.len() {
         track.sightings.retain(stays);
@@ -75,11 +79,14 @@ fn leave_out(track: &mut Track, places: &[usize], away: &[bool]) {
     let became = if track.sightings.iter().all(stays) {
         format!("{} frames are left out of the track", bumped.len())
     } else {
-        "the ball is seen there alone, which is used".to_owned()
+        "the ball is only seen there, which is used".to_owned()
     };
-    let text =
-        format!("the camera was bumped or moved between {:.2} and {:.2} s {how}: {became}", time(*first), time(*last));
-    track.notes.push(Note::new("camera.bumped", text, "put the camera on a stand, and touch neither while it films"));
+    let text = format!("the camera moved between {:.2} and {:.2} s {how}: {became}", time(*first), time(*last));
+    track.notes.push(VideoFinding::new(
+        FindingKind::CameraBumped,
+        text,
+        "put the camera on a stand and do not touch it while it records",
+    ));
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-//! The clock of a film: its step, the frames that are missing, and stamps that a container has rounded.
+//! The clock of a video: its step, the frames that are missing, and stamps that a container has rounded.
 
-use crate::track::median;
+use tunenet_core::statistics::median;
 
 /// Steps below this many medians hold no missing frame.
 const GAP: f64 = 1.5;

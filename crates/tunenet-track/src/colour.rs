@@ -1,6 +1,6 @@
 //! A window of hue, saturation and value: the colour by which a ball is known.
 
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 /// Degrees of hue on OpenCV's 8-bit circle.
 pub const HUES: i32 = 180;
@@ -52,6 +52,7 @@ impl Window {
         }
         let names: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
         let refused = || Error::Setting {
+            origin: Origin::Caller,
             name: "--color",
             expected: format!("{} or an HSV window such as 170,90,60:8,255,255", names.join(", ")),
             found: format!("`{text}`"),

@@ -8,10 +8,10 @@ use tunenet_core::Error;
 
 const HINT: &str = "copy it again from the camera, once the recording has ended and been saved. Where the original is cut off \
                     as well, no player shows it: `ffmpeg -i FILE -c copy NEW.mp4` mends only a file whose index is there";
-/// Boxes that are looked at; a film has few on its outermost level.
+/// Boxes that are looked at; a video has few on its outermost level.
 const MOST_BOXES: usize = 10_000;
 
-/// That the file is the beginning of a film (ISO 14496-12) whose index (`moov`) is missing or cut off; `None` where it is
+/// That the file is the beginning of a video (ISO 14496-12) whose index (`moov`) is missing or cut off; `None` where it is
 /// something else. A camera writes the index last, so a copy that stops early, or a recording that was never ended, has none.
 pub(crate) fn incomplete(path: &Path) -> Option<Error> {
     let mut file = File::open(path).ok()?;
@@ -22,7 +22,7 @@ pub(crate) fn incomplete(path: &Path) -> Option<Error> {
             break;
         }
         let (length, kind) = head(&mut file, at, size)?;
-        // Any file's first bytes can be read as a length; only a film begins with its type.
+        // Any file's first bytes can be read as a length; only a video begins with its type.
         if i == 0 && kind != *b"ftyp" {
             return None;
         }
@@ -66,7 +66,7 @@ fn head(file: &mut File, at: u64, size: u64) -> Option<(u64, [u8; 4])> {
 pub(crate) mod tests {
     use super::*;
 
-    /// The start of a film: its type, and pictures that stop early.
+    /// The start of a video: its type, and pictures that stop early.
     pub(crate) fn cut_before_index() -> Vec<u8> {
         let mut bytes = b"\0\0\0\x18ftypisom\0\0\x02\0isommp42\0\x10\0\0mdat".to_vec();
         bytes.resize(5000, 0x5A);

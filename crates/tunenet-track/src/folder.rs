@@ -1,4 +1,4 @@
-//! A folder of numbered pictures, as a film.
+//! A folder of numbered pictures, as a video.
 
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ impl Folder {
         }
         if files.is_empty() {
             let message = "expected a folder of pictures, found none in it";
-            return Err(Error::file(path, message, "name the folder that holds the film's frames as PNG or JPEG"));
+            return Err(Error::file(path, message, "name the folder that contains the video's frames as PNG or JPEG"));
         }
         let Some(rate_hz) = rate_hz else {
             let message = format!("expected pictures of a known rate, found {} without one", files.len());

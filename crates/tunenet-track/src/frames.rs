@@ -1,4 +1,4 @@
-//! Pictures one after the other, each with the instant at which it was taken: a film, or a topic of a log.
+//! Pictures one after the other, each with the instant at which it was taken: a video, or a topic of a log.
 
 use std::path::{Path, PathBuf};
 
@@ -10,9 +10,9 @@ use tunenet_core::Result;
 
 use crate::video;
 
-/// A time that a container states is believed where it follows the last one by this many nominal steps at the least ...
+/// A container's time stamp is plausible if it follows the last one by this many nominal steps at the least ...
 const LEAST_STEP: f64 = 0.5;
-/// ... and at the most: a film does not stand still for so long.
+/// ... and at the most: a video does not stand still for so long.
 const MOST_STEPS: f64 = 1e3;
 
 /// Pictures in the order in which they were taken.
@@ -28,7 +28,7 @@ pub trait Pictures: Send {
     fn promised(&self) -> Option<usize>;
 }
 
-/// A film that is being read.
+/// A video that is being read.
 pub struct Film {
     path: PathBuf,
     reader: VideoCapture,
@@ -39,7 +39,7 @@ pub struct Film {
 }
 
 impl Film {
-    /// Opens the film at `path`.
+    /// Opens the video at `path`.
     ///
     /// # Errors
     /// As [`video::open`], but for what shows only when all frames are decoded.
@@ -53,7 +53,7 @@ impl Film {
 }
 
 impl Pictures for Film {
-    /// The container's own time stamps count where it has sensible ones; a film without them runs at the nominal rate.
+    /// The container's own time stamps count where they are plausible; a video without them runs at the nominal rate.
     fn next(&mut self, image: &mut Mat) -> Result<Option<f64>> {
         let broken = |e: opencv::Error| video::undecodable(&self.path, &e);
         if !self.reader.read(image).map_err(broken)? || image.empty() {

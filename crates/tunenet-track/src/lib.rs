@@ -1,11 +1,11 @@
 //! What a camera saw: the only crate of tunenet that knows OpenCV.
 //!
 //! A video is the cheapest measurement there is, but its header is a promise: it may count frames that do not decode, and
-//! a phone turns the picture in a way that the header's width and height do not tell. So everything here starts from
+//! a phone turns the picture in a way that the header's width and height do not state. So everything here starts from
 //! frames that were really decoded.
 //!
 //! ```text
-//! film or log → pictures with times → scout (what to look for) → tracker (where it is) → track → scale → observation
+//! video or log → pictures with times → scout (what to look for) → tracker (where it is) → track → scale → observation
 //! ```
 //!
 //! | module | what |
@@ -13,12 +13,12 @@
 //! | [`video`] | a file becomes a [`video::Clip`]: how large, how fast, how many frames |
 //! | [`source`], [`frames`] | pictures one after the other, each with the instant at which it was taken |
 //! | [`colour`], [`lookup`] | the window of hue, saturation and value by which a ball is known |
-//! | [`scout`] | that window found by itself: the saturated thing that moves before a still background |
+//! | [`scout`] | ball colour detection: the saturated thing that moves before a static background |
 //! | [`tracker`] | the ball in one frame, to a fraction of a pixel |
-//! | [`track`](mod@track) | the ball in a whole film, and what was noticed on the way |
+//! | [`track`](mod@track) | the ball in a whole video, and the findings |
 //! | [`scale`] | pixels become metres |
-//! | [`render`], [`rehearsal`] | films of a ball whose truth is known |
-//! | [`overlay`] | the track drawn into its film |
+//! | [`render`], [`rehearsal`] | synthetic videos of a ball with known position |
+//! | [`overlay`] | the track overlaid on its video |
 //!
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 

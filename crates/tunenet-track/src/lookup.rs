@@ -4,11 +4,11 @@ use std::sync::LazyLock;
 
 use crate::colour::Window;
 
-/// Bits of each channel that are told apart; the finest steps of a compressed film are noise anyway.
+/// Bits of each channel that are distinguished; the finest steps of a compressed video are noise.
 const BITS: u32 = 6;
 const DROPPED: u32 = 8 - BITS;
 
-/// Hue, saturation and value of every step of a table. A film is asked for many windows.
+/// Hue, saturation and value of every step of a table. A video is searched with many windows.
 static STEPS: LazyLock<Vec<[u8; 3]>> = LazyLock::new(|| {
     // The middle of each step of the table; its last step holds full white, its first full black.
     let level = |step: usize| u8::try_from((step << DROPPED) + (1 << DROPPED) / 2).unwrap_or(u8::MAX);

@@ -1,9 +1,9 @@
-//! What a person should know of a film: each with a fixed code, a sentence, and what to try.
+//! Findings about a video: each with a fixed code, a sentence, and what to try.
 
-use tunenet_core::observation::Note;
+use tunenet_video_protocol::track::Unseen;
+use tunenet_video_protocol::{FindingKind, VideoFinding};
 
-use crate::scout::Unseen;
-use crate::track::Track;
+use crate::track::answer::Track;
 
 /// A ball that is not seen in this many frames between two sightings was lost.
 const LOST_FRAMES: usize = 3;
@@ -17,7 +17,7 @@ const LONG: f64 = 4.0;
 const LEVEL: f64 = 0.6;
 
 /// That a ball goes along a line that is no plumb line, and so never flies.
-fn rolls(track: &Track) -> Option<Note> {
+fn rolls(track: &Track) -> Option<VideoFinding> {
     let places: Vec<(f64, f64)> = track.whole().map(|s| (s.u_px, s.v_px)).collect();
     let n = places.len() as f64;
     let (u, v) = (places.iter().map(|p| p.0).sum::<f64>() / n, places.iter().map(|p| p.1).sum::<f64>() / n);
@@ -32,40 +32,40 @@ fn rolls(track: &Track) -> Option<Note> {
     let (across, down, radius) = (span(&|p| p.0), span(&|p| p.1), track.radius_px());
     (across > LONG * radius && down < LEVEL * across && off < STRAIGHT * radius).then(|| {
         let text = format!(
-            "the ball moves along a straight line, {across:.0} px across and {down:.0} px down: it rolls, and never leaves the ground"
+            "the ball moves along a straight line, {across:.0} px across and {down:.0} px down: it rolls and never flies"
         );
-        Note::new("ball.rolls", text, "film a ball that falls and bounces; rolling does not show restitution")
+        VideoFinding::new(FindingKind::Rolls, text, "record a ball that falls and bounces; rolling does not show restitution")
     })
 }
 
 /// Why there is no track.
-pub(crate) fn unseen(reason: Unseen, named: bool, found: &str) -> Note {
+pub(crate) fn unseen(reason: Unseen, named: bool, found: &str) -> VideoFinding {
     let (text, remedy) = match (reason, named) {
         (Unseen::CameraMoves, _) => (
-            "expected a still camera, found most of the picture moving".to_owned(),
+            "expected a fixed camera, found most of the picture moving".to_owned(),
             "put the camera on a stand, or against something",
         ),
         (Unseen::TwoBalls, _) => (
-            format!("expected one ball, found two things alike {found}"),
+            format!("expected one ball, found two similar things {found}"),
             "leave one ball in view, or name its colour with `--color`",
         ),
         (Unseen::NotRound, _) => (
             format!("expected a ball, found something that is not round: {found}"),
-            "name the ball's colour with `--color`, or leave nothing else in view that moves",
+            "name the ball's colour with `--color`, or remove other moving things from the view",
         ),
         (Unseen::NoBall, false) => (
             "expected a ball, found nothing round and coloured that moves".to_owned(),
-            "name its colour, as in `--color white`, or record a saturated ball before a dull background",
+            "name its colour, as in `--color white`, or record a saturated ball in front of a dull background",
         ),
         (Unseen::NoBall, true) => (
             "expected a ball of the given colour, found nothing round of it that moves".to_owned(),
-            "leave `--color` out, so that the colour is found by itself",
+            "omit `--color` to detect the colour",
         ),
     };
-    Note::new(reason.code(), text, remedy)
+    VideoFinding::new(reason.kind(), text, remedy)
 }
 
-/// Where a film ends before its end.
+/// Where a video ends before its announced end.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CutOff {
     /// Frames that decode.
@@ -79,17 +79,21 @@ pub(crate) struct CutOff {
 }
 
 impl CutOff {
-    fn note(&self) -> Note {
+    fn note(&self) -> VideoFinding {
         let Self { frames, last_s, promised, why } = self;
         let promised = promised.map_or(String::new(), |n| format!(" of {n}"));
         let why = why.as_ref().map_or(String::new(), |why| format!("; then: {why}"));
-        let text = format!("the film is cut off: {frames}{promised} frames decode, until {last_s:.3} s{why}");
-        Note::new("film.truncated", text, "what was read is used; copy the film again where its end matters")
+        let text = format!("the video is cut off: {frames}{promised} frames can be decoded, until {last_s:.3} s{why}");
+        VideoFinding::new(
+            FindingKind::Truncated,
+            text,
+            "what was read is used; copy the video again if its end matters",
+        )
     }
 }
 
-/// What was noticed of a track, and of a film that ends before its end.
-pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<Note> {
+/// Findings about a track, and about a video that is cut off.
+pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<VideoFinding> {
     let mut notes = Vec::new();
     let frames = track.frames;
     notes.extend(missing.map(CutOff::note));
@@ -98,24 +102,28 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
         let numbers: Vec<String> = track.repeated.iter().take(4).map(ToString::to_string).collect();
         let more = if track.repeated.len() > 4 { ", …" } else { "" };
         let text = format!(
-            "{} of {frames} frames repeat the one before: {}{more} (from 0)",
+            "{} of {frames} frames repeat the previous one: {}{more} (from 0)",
             track.repeated.len(),
             numbers.join(", ")
         );
-        notes.push(Note::new("film.repeated", text, "they are left out"));
+        notes.push(VideoFinding::new(FindingKind::FramesRepeated, text, "they are left out"));
     }
     if track.dropped > 0 {
-        let text = format!("{} frames are missing by the film's own clock", track.dropped);
-        notes.push(Note::new("film.dropped", text, "the gaps stay in the clock"));
+        let text = format!("{} frames are missing according to the video's clock", track.dropped);
+        notes.push(VideoFinding::new(FindingKind::FramesDropped, text, "the gaps stay in the clock"));
     }
     if clutter {
-        let text = "the background holds the ball's colour, so only what moves is taken for the ball";
-        notes.push(Note::new("ball.background", text, "record before another background, where the track has holes"));
+        let text = "the background contains the ball's colour, so only moving pixels count as the ball";
+        notes.push(VideoFinding::new(
+            FindingKind::ColourInBackground,
+            text,
+            "use another background if the track has gaps",
+        ));
     }
     let cut = track.sightings.iter().filter(|s| s.cut).count();
     if cut > 0 {
         let text = format!("the border of the picture cuts the ball in {cut} frames, which are left out of the track");
-        notes.push(Note::new("ball.cut", text, "keep the whole flight in view"));
+        notes.push(VideoFinding::new(FindingKind::CutByBorder, text, "keep the whole flight in view"));
     }
     let lost: Vec<(usize, f64)> = track
         .sightings
@@ -126,7 +134,7 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
     if let Some((_, since)) = lost.first() {
         let count: usize = lost.iter().map(|l| l.0).sum();
         let text = format!("the ball is not seen in {count} frames in between, first after {since:.3} s");
-        notes.push(Note::new("ball.lost", text, "see the overlay; more light makes for less blur"));
+        notes.push(VideoFinding::new(FindingKind::Lost, text, "see the overlay; more light reduces blur"));
     }
     if let Some(last) = track.sightings.last().filter(|s| s.frame + LOST_FRAMES < frames) {
         let (width, height) = (track.size_px.0 as f64, track.size_px.1 as f64);
@@ -138,7 +146,7 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
             last.time_s,
             frames - 1 - last.frame
         );
-        notes.push(Note::new("ball.gone", text, "what was seen until then is used"));
+        notes.push(VideoFinding::new(FindingKind::Gone, text, "what was seen until then is used"));
     }
     notes
 }

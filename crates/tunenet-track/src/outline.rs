@@ -1,12 +1,12 @@
 //! Where a ball's edge runs, to a fraction of a pixel: rays from its middle, and the circle through where they leave it.
 //!
 //! Along each ray the colour goes from the ball's own, near the edge, to that of whatever lies behind. How far towards the
-//! ball each point is, summed over the ray, is where the edge lies: a lens, the coarser colour of a compressed film, and an
+//! ball each point is, summed over the ray, is where the edge lies: a lens, the coarser colour of a compressed video, and an
 //! exposure all blur that step and none of them moves its middle. A mask does not know this: it is too large by whatever
 //! its thresholds let in.
 
-use crate::track::median;
 use crate::view::View;
+use tunenet_core::statistics::median;
 
 /// So many rays for each px of the radius, within these bounds.
 const RAYS_PER_PX: f64 = 4.0;
@@ -17,7 +17,7 @@ const NEAR: f64 = 0.1;
 const FEWEST_EDGES: usize = 8;
 /// Ball and background differ by so many grey levels along a ray that says where the edge is.
 const LEAST_CONTRAST: f32 = 18.0;
-/// Half the width of the blurred edge: so many px, and this share of the radius. Films store colour at half the resolution.
+/// Half the width of the blurred edge: so many px, and this share of the radius. Videos store colour at half the resolution.
 const BLUR: (f64, f64) = (2.0, 0.06);
 /// The same, px, where a picture keeps all of its colour and nothing blurs it.
 const SHARP_BLUR_PX: f64 = 1.0;
@@ -61,7 +61,7 @@ pub(crate) struct Edges {
     pub sharp: bool,
 }
 
-/// The ball's outline about a first guess. `None` where no edge can be told.
+/// The ball's outline about a first guess. `None` where no edge can be detected.
 pub(crate) fn outline(view: &View<'_>, own: &Own<'_>, guess: (f64, f64, f64), edges: Edges) -> Option<Circle> {
     let first = around(view, own, guess, edges)?;
     // From a middle that was far off, rays meet the edge at a slant, or miss a part of it.
@@ -131,7 +131,7 @@ fn off_ellipse(edges: &[(f64, f64)], (u, v, radius): (f64, f64, f64)) -> Option<
             *r -= product / square * w[part];
         }
     }
-    median(polar.iter().map(|(_, r)| r.abs()).collect()).filter(|off| off.is_finite())
+    median(polar.iter().map(|(_, r)| r.abs())).filter(|off| off.is_finite())
 }
 
 enum Edge {

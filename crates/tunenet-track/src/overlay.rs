@@ -1,4 +1,4 @@
-//! The track drawn into its film: a few frames for a sheet, and a film to watch.
+//! The track overlaid on its video: a few frames for a sheet, and a video to watch.
 
 use std::path::Path;
 
@@ -35,11 +35,11 @@ pub struct Drawn {
     pub jpeg: Vec<u8>,
 }
 
-/// Draws `track` into its film: at most `most` frames in which the ball is seen, evenly chosen, come back; all frames are
+/// Draws `track` into its video: at most `most` frames in which the ball is seen, evenly chosen, come back; all frames are
 /// written to `film` where one is given, at the rate at which they were taken, no faster than 60 a second.
 ///
 /// # Errors
-/// Of reading the film again; [`Error::File`] where `film` cannot be written.
+/// Of reading the video again; [`Error::File`] where `film` cannot be written.
 pub fn overlay(
     source: &Source,
     track: &Track,
@@ -73,20 +73,20 @@ pub fn overlay(
         Ok(vec![image])
     })?;
     if let Some(path) = refused {
-        let message = "expected a film that OpenCV can write, found none for this name";
+        let message = "expected a video that OpenCV can write, found none for this name";
         return Err(Error::file(path, message, "end the name in .mp4 or .avi, in a folder that exists"));
     }
     if let (Some(mut writer), Some(path)) = (writer, film) {
-        let failed = |e: opencv::Error| Error::file(path, format!("writing the film failed: {}", e.message), "");
+        let failed = |e: opencv::Error| Error::file(path, format!("writing the video failed: {}", e.message), "");
         writer.release().map_err(failed)?;
     }
     Ok(drawn)
 }
 
-/// At most `most` of the first `frames` frames as they are, evenly chosen, for films in which no ball is seen.
+/// At most `most` of the first `frames` frames as they are, evenly chosen, for videos in which no ball is found.
 ///
 /// # Errors
-/// Of reading the film again.
+/// Of reading the video again.
 pub fn plain(source: &Source, frames: usize, most: usize) -> Result<Vec<Drawn>> {
     let count = most.min(frames);
     let wanted: Vec<usize> = (0..count).map(|i| i * (frames - 1) / (count - 1).max(1)).collect();

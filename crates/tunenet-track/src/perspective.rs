@@ -1,6 +1,6 @@
-//! What camera saw a bouncing ball, where nobody knows from what height it fell.
+//! Camera calibration from the hops of a bouncing ball, with unknown height of fall.
 //!
-//! Between two contacts a ball is in free flight, and how long it is tells how high it was at every instant: `g/2` times the
+//! Between two contacts a ball is in free flight, and its duration gives its height at every instant: `g/2` times the
 //! time since the one and the time until the other. So the hops between contacts have known heights without a scale and
 //! without the restitution, and say what any camera makes of heights: `v = (a z + b) / (c z + 1)`.
 

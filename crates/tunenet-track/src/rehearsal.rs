@@ -1,64 +1,18 @@
-//! Films whose truth is known, rendered and tracked without a file in between.
+//! Videos whose truth is known, rendered and tracked without a file in between.
 
 use std::path::Path;
 
 use opencv::core::{CV_8UC3, LogLevel, Mat, MatTraitManual, Scalar, Size, Vector, set_log_level};
 use opencv::imgcodecs::{IMREAD_COLOR, IMWRITE_JPEG_QUALITY, imdecode, imencode};
 use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
-use serde::{Deserialize, Serialize};
-use tunenet_core::camera::Pinhole;
+use tunenet_video_protocol::synthetic::{Places, Spoilt, SyntheticTrack, Take};
+use tunenet_video_protocol::track::Unseen;
 
 use crate::render::{Look, Renderer};
 use crate::samples::Samples;
-use crate::scout::{Scene, Unseen, scout};
+use crate::scout::{Scene, scout};
 use crate::tracker::{Sighting, Tracker};
 use crate::view::View;
-
-/// One film.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Take {
-    /// What films it.
-    pub camera: Pinhole,
-    /// Heights of the ball's centre, one for each frame, m.
-    pub heights_m: Vec<f64>,
-    /// Where it is along x and y, m; on the vertical line above the origin where there are fewer than frames.
-    #[serde(default)]
-    pub across_m: Vec<[f64; 2]>,
-}
-
-impl Take {
-    /// The ball's centre in a frame, m.
-    fn place(&self, frame: usize) -> [f64; 3] {
-        let [x, y] = self.across_m.get(frame).copied().unwrap_or_default();
-        [x, y, self.heights_m[frame]]
-    }
-}
-
-/// How the pictures are spoilt.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Spoilt {
-    /// Standard deviation of the noise on every channel, 0 to 255.
-    pub noise: f64,
-    /// How long the shutter is open, as a share of the time between two frames, 0 to 1.
-    pub exposure: f64,
-    /// Quality of the JPEG that every picture goes through, 1 to 100; none for none.
-    pub jpeg_quality: Option<i32>,
-}
-
-/// Where the ball was seen.
-#[derive(Debug, Clone, Serialize)]
-pub struct Tracked {
-    /// To the right, px; where a frame does not show the ball, as in the frame before.
-    pub u_px: Vec<f64>,
-    /// Downwards, px.
-    pub v_px: Vec<f64>,
-    /// Frames in which it was not seen.
-    pub missed: usize,
-    /// Whether it was seen, frame by frame.
-    pub seen: Vec<bool>,
-}
 
 /// The pictures of a take, in order.
 ///
@@ -94,7 +48,7 @@ fn through_jpeg(picture: &Mat, quality: i32) -> opencv::Result<Mat> {
     imdecode(&bytes, IMREAD_COLOR)
 }
 
-/// What to look for in pictures, found as in a film.
+/// What to look for in pictures, found as in a video.
 ///
 /// # Errors
 /// Where OpenCV fails.
@@ -106,7 +60,7 @@ pub fn scene(pictures: &[Mat]) -> opencv::Result<Result<Scene, Unseen>> {
     scout(samples.telling(), None)
 }
 
-/// Tracks pictures as a film's are: the ball's colour found by itself, then frame after frame. `None` for a frame that
+/// Tracks pictures as those of a video are: the ball's colour found by itself, then frame after frame. `None` for a frame that
 /// does not show it.
 ///
 /// # Errors
@@ -120,11 +74,11 @@ pub fn tracked(pictures: &[Mat]) -> opencv::Result<Result<Vec<Option<Sighting>>,
     pictures.iter().map(|p| tracker.look(&View::of(p)?)).collect::<opencv::Result<_>>().map(Ok)
 }
 
-/// Writes a take as a film at `rate_hz`, with noise of this standard deviation on every channel: H.264 as phones write it
+/// Writes a take as a video at `rate_hz`, with noise of this standard deviation on every channel: H.264 as phones write it
 /// where OpenCV has a coder for it, else MPEG-4.
 ///
 /// # Errors
-/// Where OpenCV fails, or writes no such film.
+/// Where OpenCV fails, or writes no such video.
 pub fn write(path: &Path, take: &Take, radius_m: f64, noise: f64, rate_hz: f64) -> opencv::Result<()> {
     let look = Look { noise, ..Look::default() };
     let mut renderer = Renderer::new(take.camera.clone(), radius_m, look, 1);
@@ -153,33 +107,41 @@ pub fn write(path: &Path, take: &Take, radius_m: f64, noise: f64, rate_hz: f64) 
     writer.release()
 }
 
-/// Renders and tracks a take. `Err` inside where no ball was found.
+/// Renders and tracks a take.
 ///
 /// # Errors
 /// Where OpenCV fails.
-pub fn rehearse(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> opencv::Result<Result<Tracked, Unseen>> {
+pub fn rehearse(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> opencv::Result<SyntheticTrack> {
     let sightings = match tracked(&pictures(take, radius_m, spoilt, seed)?)? {
         Ok(sightings) => sightings,
-        Err(reason) => return Ok(Err(reason)),
+        Err(reason) => return Ok(SyntheticTrack::Refused(reason)),
     };
-    let Some(first) = sightings.iter().flatten().next() else { return Ok(Err(Unseen::NoBall)) };
+    let Some(first) = sightings.iter().flatten().next() else { return Ok(SyntheticTrack::Refused(Unseen::NoBall)) };
     let mut last = (first.u_px, first.v_px);
-    let mut track = Tracked { u_px: Vec::new(), v_px: Vec::new(), missed: 0, seen: Vec::new() };
+    let mut places = Places { u_px: Vec::new(), v_px: Vec::new(), seen: Vec::new() };
     for sighting in &sightings {
-        match sighting {
-            Some(seen) => last = (seen.u_px, seen.v_px),
-            None => track.missed += 1,
+        if let Some(seen) = sighting {
+            last = (seen.u_px, seen.v_px);
         }
-        track.seen.push(sighting.is_some());
-        track.u_px.push(last.0);
-        track.v_px.push(last.1);
+        places.seen.push(sighting.is_some());
+        places.u_px.push(last.0);
+        places.v_px.push(last.1);
     }
-    Ok(Ok(track))
+    Ok(SyntheticTrack::Tracked(places))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tunenet_core::camera::Pinhole;
+
+    /// The track of a ball that every frame has to show.
+    fn found(take: &Take, spoilt: &Spoilt) -> Places {
+        match rehearse(take, 0.5, spoilt, 3).unwrap() {
+            SyntheticTrack::Tracked(places) if places.seen.iter().all(|seen| *seen) => places,
+            other => panic!("{other:?}"),
+        }
+    }
 
     fn take() -> Take {
         let camera = Pinhole::aimed([6.0, 3.0, 6.0], [0.0, 0.0, 2.0], std::f64::consts::FRAC_PI_3, (160, 120)).unwrap();
@@ -195,8 +157,7 @@ mod tests {
     fn errors(spoilt: &Spoilt, eye_m: [f64; 3]) -> (f64, f64, f64) {
         let camera = Pinhole::aimed(eye_m, [0.0, 0.0, 2.0], std::f64::consts::FRAC_PI_3, (160, 120)).unwrap();
         let take = Take { camera, ..take() };
-        let track = rehearse(&take, 0.5, spoilt, 3).unwrap().unwrap();
-        assert_eq!(track.missed, 0);
+        let track = found(&take, spoilt);
         let truth: Vec<[f64; 2]> =
             take.heights_m.iter().map(|z| take.camera.disc([0.0, 0.0, *z], 0.5).unwrap().centre_px).collect();
         let off: Vec<f64> = track.v_px.iter().zip(&truth).map(|(v, t)| v - t[1]).collect();
@@ -220,7 +181,7 @@ mod tests {
     fn a_ball_that_lies_still_for_most_of_the_film_is_found() {
         let fall = |i: u32| 0.5 + 3.5 * (1.0 - f64::from(i) / 70.0).max(0.0) * (f64::from(i) / 20.0).cos().abs();
         let take = Take { heights_m: (0..400).map(fall).collect(), ..take() };
-        assert_eq!(rehearse(&take, 0.5, &Spoilt::default(), 3).unwrap().unwrap().missed, 0);
+        found(&take, &Spoilt::default());
     }
 
     /// Small and large balls of every colour, dark and bright, under noise, that fall at once or lie still before or after.

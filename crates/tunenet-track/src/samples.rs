@@ -1,4 +1,4 @@
-//! Small pictures of a film, mostly of the part in which something happens: what the scout looks at.
+//! Small pictures of a video, mostly of the part with motion: the input of colour detection.
 
 use opencv::core::{Mat, MatTraitConst, Size};
 use opencv::imgproc::{INTER_LINEAR, resize};
@@ -9,11 +9,11 @@ use super::view::View;
 const SMALL_PX: i32 = 400;
 /// Pictures that are kept of what changes ...
 const MOST_CHANGING: usize = 48;
-/// ... and evenly over the film.
+/// ... and evenly over the video.
 const MOST_EVEN: usize = 24;
-/// Fewer pictures that show something new do not tell what moves.
+/// Fewer pictures with changes do not determine what moves.
 const FEWEST_CHANGING: usize = 8;
-/// So many pictures of a film are looked at for changes.
+/// So many pictures of a video are examined for changes.
 const LOOKED_AT: usize = 400;
 /// Points that are compared, along the longer side; each is the mean of four pixels.
 const POINTS: usize = 128;
@@ -36,7 +36,7 @@ pub(crate) fn reduced(frame: &Mat) -> opencv::Result<Mat> {
     Ok(small)
 }
 
-/// Small pictures of a film, however long it is. A ball that lies still for most of it is in few of them, so that it is not
+/// Small pictures of a video, however long it is. A ball that lies still for most of it is in few of them, so that it is not
 /// taken for background.
 #[derive(Default)]
 pub(crate) struct Samples {
@@ -66,12 +66,12 @@ impl Samples {
         Ok(())
     }
 
-    /// Those that tell most: where something changes, or all where that is hardly anywhere.
+    /// The most informative ones: those with changes, or all if there are hardly any.
     pub fn telling(&self) -> &[Mat] {
         if self.changing.kept.len() < FEWEST_CHANGING { &self.even.kept } else { &self.changing.kept }
     }
 
-    /// All of them with their places in the film, in order.
+    /// All of them with their positions in the video, in order.
     pub fn placed(&self) -> Vec<(usize, &Mat)> {
         let mut all: Vec<(usize, &Mat)> = [&self.even, &self.changing]
             .into_iter()

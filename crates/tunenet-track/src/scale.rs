@@ -1,14 +1,16 @@
 //! From pixels to metres: by the ball's radius, by a length in the picture, or by how fast the ball falls.
 
-use serde::Serialize;
+use tunenet_ball::preflight::{Expected, Preflight, examine};
 use tunenet_core::camera::LineCamera;
-use tunenet_core::observation::preflight::{Expected, Preflight, examine};
-use tunenet_core::observation::{Note, Observation};
-use tunenet_core::{Error, Result};
+use tunenet_core::observation::Observation;
+use tunenet_core::{Error, Origin, Result};
+use tunenet_video_protocol::track::ScaleSource;
+use tunenet_video_protocol::{FindingKind, VideoFinding};
 
 use crate::parabola::Parabola;
 use crate::perspective;
-use crate::track::{Track, median};
+use crate::track::Track;
+use tunenet_core::statistics::median;
 
 /// Gravity is first read off windows of so many seconds, and at least so many frames.
 const WINDOW: (f64, usize) = (0.12, 5);
@@ -41,37 +43,13 @@ pub enum Known {
     Nothing,
 }
 
-/// Where a scale comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum By {
-    /// The ball's radius.
-    Radius,
-    /// A length in the picture.
-    Length,
-    /// How fast the ball falls.
-    Gravity,
-}
-
-impl By {
-    /// In words.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Radius => "the ball's radius",
-            Self::Length => "a length in the picture",
-            Self::Gravity => "the fall of the ball",
-        }
-    }
-}
-
 /// A track in metres.
 #[derive(Debug, Clone)]
 pub struct Metric {
     /// m for each px, in the plane in which the ball moves.
     pub metres_per_px: f64,
     /// Where that comes from.
-    pub by: By,
+    pub by: ScaleSource,
     /// The camera by which heights were read back, where it does not look from the side; its height 0 is the ball's at
     /// contact.
     pub camera: Option<LineCamera>,
@@ -80,14 +58,14 @@ pub struct Metric {
     /// What core's checks say of it.
     pub preflight: Preflight,
     /// What was noticed of the scale and the flights.
-    pub notes: Vec<Note>,
+    pub notes: Vec<VideoFinding>,
 }
 
 impl Metric {
     /// The track in metres; `None` where nothing says how large a pixel is, since the ball does not fly freely.
     ///
     /// Gravity, where there is enough of it to see, is taken before the radius of a ball: it makes the flights what the
-    /// simulation expects of them. A length that is given is believed first, then a radius that is `Known`.
+    /// simulation expects of them. A given length has priority, then a radius that is `Known`.
     ///
     /// # Errors
     /// [`Error::Observation`] where too few frames show the whole ball; [`Error::Setting`] for a length that is none.
@@ -95,28 +73,33 @@ impl Metric {
         let gravity = expected.gravity_m_s2;
         let by_gravity = by_gravity(track, gravity);
         let positive = |value: f64, name: &'static str| {
-            let refused = || Error::Setting { name, expected: "a length above 0".into(), found: value.to_string() };
+            let refused = || Error::Setting {
+                origin: Origin::Caller,
+                name,
+                expected: "a length above 0".into(),
+                found: value.to_string(),
+            };
             (value.is_finite() && value > 0.0).then_some(value).ok_or_else(refused)
         };
         let (metres_per_px, by) = match (known, by_gravity) {
             (Known::Length { metres, pixels }, _) => {
-                (positive(metres, "--length")? / positive(pixels, "--length")?, By::Length)
+                (positive(metres, "--length")? / positive(pixels, "--length")?, ScaleSource::Length)
             }
-            (Known::Radius(radius), _) => (positive(radius, "--radius")? / track.radius_px(), By::Radius),
-            (Known::Nothing, Some(scale)) => (scale, By::Gravity),
+            (Known::Radius(radius), _) => (positive(radius, "--radius")? / track.radius_px(), ScaleSource::Radius),
+            (Known::Nothing, Some(scale)) => (scale, ScaleSource::Gravity),
             (Known::Nothing, None) => match expected.radius_m {
-                Some(radius) => (radius / track.radius_px(), By::Radius),
+                Some(radius) => (radius / track.radius_px(), ScaleSource::Radius),
                 None => return Ok(None),
             },
         };
         let radius_m = expected.radius_m.unwrap_or(metres_per_px * track.radius_px());
         let mut notes = Vec::new();
         let by_radius = expected.radius_m.map(|r| r / track.radius_px());
-        if let (Some(a), Some(b)) = (by_gravity, by_radius.or((by != By::Gravity).then_some(metres_per_px))) {
+        if let (Some(a), Some(b)) = (by_gravity, by_radius.or((by != ScaleSource::Gravity).then_some(metres_per_px))) {
             notes.extend(disagreement(a, b));
         }
         let eye = Eye { metres_per_px, camera: None };
-        let eye = if by == By::Gravity { eye.turned(track, gravity) } else { eye };
+        let eye = if by == ScaleSource::Gravity { eye.turned(track, gravity) } else { eye };
         let (observation, preflight) = placed(track, &eye, radius_m, expected)?;
         notes.extend(odd_flights(&observation, &preflight));
         Ok(Some(Self { metres_per_px: eye.metres_per_px, by, camera: eye.camera, observation, preflight, notes }))
@@ -124,9 +107,9 @@ impl Metric {
 }
 
 /// That the fall and the size of the ball do not go together.
-fn disagreement(by_gravity: f64, by_length: f64) -> Option<Note> {
+fn disagreement(by_gravity: f64, by_length: f64) -> Option<VideoFinding> {
     let factor = by_length / by_gravity;
-    // A film that is played k times slower falls k² times slower, which makes pixels look k² times larger.
+    // A video that is played k times slower falls k² times slower, which makes pixels look k² times larger.
     let slower = (1.0 / factor).sqrt();
     ((factor - 1.0).abs() > DISAGREE).then(|| {
         let text = format!(
@@ -134,8 +117,7 @@ fn disagreement(by_gravity: f64, by_length: f64) -> Option<Note> {
             1e3 * by_length,
             1e3 * by_gravity
         );
-        Note::new(
-            "scale.disagrees",
+        VideoFinding::new(FindingKind::ScaleDisagrees,
             text,
             "correct `ball.radius_m` or `--length`, or give the camera's true rate with `--camera-rate` (slow motion)",
         )
@@ -157,8 +139,8 @@ fn by_gravity(track: &Track, gravity: f64) -> Option<f64> {
             Parabola::fit(&times[i..i + width], part).filter(|p| high - low > least && p.acceleration > 0.0)
         })
         .collect();
-    let usual = median(windows.iter().map(|p| p.residual).collect())?;
-    let fall = median(windows.iter().filter(|p| p.residual <= 2.0 * usual).map(|p| p.acceleration).collect())?;
+    let usual = median(windows.iter().map(|p| p.residual))?;
+    let fall = median(windows.iter().filter(|p| p.residual <= 2.0 * usual).map(|p| p.acceleration))?;
     let mut scale = gravity / fall;
     // Whole flights say it better than windows do.
     for _ in 0..2 {
@@ -232,7 +214,7 @@ fn placed(track: &Track, eye: &Eye, radius_m: f64, expected: &Expected) -> Resul
     let free = Expected { radius_m: None, surface_height_m: None, release_height_m: None, ..*expected };
     let contacts = examine(&raw, &free).arcs.map(|arcs| arcs.contacts).unwrap_or_default();
     let lowest = raw.column(2).fold(f64::INFINITY, f64::min);
-    let level = median(contacts.iter().map(|c| c.height_m).collect()).unwrap_or(lowest);
+    let level = median(contacts.iter().map(|c| c.height_m)).unwrap_or(lowest);
     let place = expected.surface_height_m.unwrap_or(0.0) + radius_m - level;
     let seen = positions(track, eye, place)?;
     let preflight = examine(&seen, &Expected { radius_m: Some(radius_m), ..*expected });
@@ -240,11 +222,11 @@ fn placed(track: &Track, eye: &Eye, radius_m: f64, expected: &Expected) -> Resul
 }
 
 /// Flights that fall otherwise than the rest: a hand still holds the ball, or it comes nearer.
-fn odd_flights(seen: &Observation, preflight: &Preflight) -> Vec<Note> {
+fn odd_flights(seen: &Observation, preflight: &Preflight) -> Vec<VideoFinding> {
     let Some(arcs) = &preflight.arcs else { return Vec::new() };
     let clock = seen.clock();
     let heights: Vec<f64> = seen.column(2).collect();
-    let frame = median(clock.windows(2).map(|w| w[1] - w[0]).collect()).unwrap_or(0.0);
+    let frame = median(clock.windows(2).map(|w| w[1] - w[0])).unwrap_or(0.0);
     let bounds: Vec<f64> = [clock[0] - frame]
         .into_iter()
         .chain(arcs.contacts.iter().map(|c| c.time_s))
@@ -263,7 +245,7 @@ fn odd_flights(seen: &Observation, preflight: &Preflight) -> Vec<Note> {
     if flights.len() < 3 {
         return Vec::new();
     }
-    let usual = median(flights.iter().map(|f| f.2.acceleration).collect()).unwrap_or(0.0);
+    let usual = median(flights.iter().map(|f| f.2.acceleration)).unwrap_or(0.0);
     flights
         .iter()
         .filter(|(_, _, f)| {
@@ -275,7 +257,11 @@ fn odd_flights(seen: &Observation, preflight: &Preflight) -> Vec<Note> {
                 "from {begin:.3} to {end:.3} s the ball falls with {:.2} of the acceleration of the other flights",
                 f.acceleration / usual
             );
-            Note::new("flight.odd", text, "let it go without touching it, and film from the side, level and far away")
+            VideoFinding::new(
+                FindingKind::OddFlight,
+                text,
+                "release it cleanly, and record from the side, level and far away",
+            )
         })
         .collect()
 }

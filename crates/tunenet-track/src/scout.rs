@@ -3,19 +3,18 @@
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Size};
 use opencv::imgproc::{COLOR_BGR2HSV, blur_def, cvt_color_def};
 use rayon::prelude::*;
+use tunenet_video_protocol::track::Unseen;
 
 use super::blob::{Blob, blobs};
 use super::colour::{BLACK, HUES, WHITE, Window};
 use super::lookup::Lookup;
-use super::stillness::moves;
+use super::stillness::{MOVED, moves};
 
 /// Frames that make the background: the median of so many forgets whatever passes.
 const BACKGROUND_FRAMES: usize = 31;
 /// Bytes whose medians are taken together.
 const SIDE_BY_SIDE: usize = 512;
-/// How far a pixel has to differ from the background, in grey levels of any channel, to belong to something that moves.
-pub(crate) const MOVED: u8 = 20;
-/// ... and while the colour is still unknown.
+/// As [`MOVED`], while the colour is still unknown.
 const MOVED_CLEARLY: u8 = 30;
 /// Saturation and value from which a hue means something.
 const COLOURED: (u8, u8) = (70, 40);
@@ -39,7 +38,7 @@ pub struct Scene {
     pub window: Window,
     /// The still background in blue, green, red; as small as the frames that were scouted.
     pub(crate) background: Mat,
-    /// Whether the background itself holds the ball's colour, so that colour alone does not tell.
+    /// Whether the background itself holds the ball's colour, so that colour alone does not identify it.
     pub clutter: bool,
     /// Median area of the ball, as a share of the picture.
     pub(crate) area_share: f64,
@@ -47,50 +46,13 @@ pub struct Scene {
     pub(crate) seen_share: f64,
 }
 
-/// Why nothing was found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unseen {
-    /// Nothing coloured and round moves.
-    NoBall,
-    /// Two things look alike.
-    TwoBalls,
-    /// What moves has no round outline.
-    NotRound,
-    /// Most of the picture moves.
-    CameraMoves,
-}
-
-impl Unseen {
-    /// A fixed word for scripts.
-    #[must_use]
-    pub fn verdict(self) -> &'static str {
-        match self {
-            Self::NoBall => "no_ball",
-            Self::TwoBalls => "two_balls",
-            Self::NotRound => "not_round",
-            Self::CameraMoves => "camera_moves",
-        }
-    }
-
-    /// The code of its note.
-    #[must_use]
-    pub fn code(self) -> &'static str {
-        match self {
-            Self::NoBall => "ball.none",
-            Self::TwoBalls => "ball.two",
-            Self::NotRound => "ball.shape",
-            Self::CameraMoves => "camera.moves",
-        }
-    }
-}
-
-/// Scouts `frames`, small pictures of the whole film in blue, green and red, for the ball, of colour `window` where that is
+/// Scouts `frames`, small pictures of the whole video in blue, green and red, for the ball, of colour `window` where that is
 /// known.
 ///
 /// # Errors
 /// Where OpenCV fails.
 pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
-    // What moves is told in pictures with less noise; colours are the ball's own.
+    // Motion is detected in pictures with less noise; colours are the ball's own.
     let smooth: Vec<Mat> = frames.par_iter().map(smoothed).collect::<opencv::Result<_>>()?;
     let background = median(frames)?;
     let behind = median(&smooth)?;
@@ -110,7 +72,7 @@ pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Sc
     };
     let mut best = likeliest(frames, &moved, &candidates)?;
     if best.is_none() && window.is_none() {
-        // Without a hue the ball is told by its brightness alone, so it has to be seen in most pictures.
+        // Without a hue the ball is identified by its brightness only, so it has to be seen in most pictures.
         best = likeliest(frames, &moved, &[WHITE, BLACK])?.filter(|(.., share)| *share > PALE_SHARE);
     }
     let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
@@ -130,7 +92,7 @@ fn likeliest(
 ) -> opencv::Result<Option<(f64, Window, f64, f64)>> {
     let mut best: Option<(f64, Window, f64, f64)> = None;
     for &window in candidates {
-        // A ball that lies long in one place is background there, and its colour alone still tells it; where the background
+        // A ball that lies long in one place is background there, and only its colour identifies it; where the background
         // holds the colour, only motion does.
         for moved in [None, Some(moved)] {
             let seen = sightings(frames, moved, &window)?;
@@ -270,7 +232,7 @@ fn merit(seen: &[Option<Blob>], frames: usize) -> Option<(f64, f64)> {
         return None;
     }
     let share = found.len() as f64 / frames as f64;
-    // What only goes across is somebody who walks by, rather than a ball.
+    // What only crosses the picture is a person who walks by, not a ball.
     let (across, down) = (reach(&|b| b.u), reach(&|b| b.v));
     let falls = (2.0 * down / (across + down)).clamp(LEVEL, 1.0);
     Some((share.sqrt() * alike * area.sqrt() * travel.min(10.0) * falls * (1.0 - (fill - 1.0).abs()), area))

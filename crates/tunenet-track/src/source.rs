@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{channel, sync_channel};
 
 use opencv::core::{Mat, MatTraitConst};
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 use crate::folder::Folder;
 use crate::frames::{Film, Pictures};
@@ -25,7 +25,7 @@ pub struct Streamed {
     pub broken: Option<String>,
 }
 
-/// A film, a folder of pictures, or a topic of a log.
+/// A video, a folder of pictures, or a topic of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
     path: PathBuf,
@@ -42,7 +42,7 @@ impl Source {
         Self { path: path.into(), topic: topic.map(Into::into), log, rate_hz: None }
     }
 
-    /// Says how many pictures of a folder were taken each second; films and logs know it themselves.
+    /// Says how many pictures of a folder were taken each second; videos and logs contain it.
     #[must_use]
     pub fn at_rate(self, rate_hz: Option<f64>) -> Self {
         Self { rate_hz, ..self }
@@ -63,8 +63,8 @@ impl Source {
             return Ok(Box::new(Log::open(&self.path, self.topic.as_deref())?));
         }
         if let Some(topic) = &self.topic {
-            let (expected, found) = ("a log in MCAP form".into(), format!("`{topic}` of a film"));
-            return Err(Error::Setting { name: "--topic", expected, found });
+            let (expected, found) = ("a log in MCAP form".into(), format!("`{topic}` of a video"));
+            return Err(Error::Setting { origin: Origin::Caller, name: "--topic", expected, found });
         }
         if self.path.is_dir() {
             return Ok(Box::new(Folder::open(&self.path, self.rate_hz)?));
@@ -124,7 +124,7 @@ impl Source {
                         "expected pictures of one size, found {} × {} px after {columns} × {rows} px in frame {count}",
                         size.0, size.1
                     );
-                    return Err(Error::file(&self.path, message, "cut the film where its size changes"));
+                    return Err(Error::file(&self.path, message, "cut the video where its size changes"));
                 }
                 for spare in each(count, time_s, image, promised).map_err(|e| undecodable(&self.path, &e))? {
                     let _ = give_back.send(spare);

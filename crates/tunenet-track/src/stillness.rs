@@ -3,9 +3,10 @@
 use opencv::core::Mat;
 use rayon::prelude::*;
 
-use crate::scout::MOVED;
 use crate::view::View;
 
+/// How far a pixel has to differ from the background, in grey levels of any channel, to belong to something that moves.
+pub(crate) const MOVED: u8 = 20;
 /// An edge: neighbours of a pixel differ by more than so many grey levels.
 const EDGE: u8 = 40;
 /// The picture is looked at in so many by so many tiles.
@@ -14,14 +15,14 @@ const TILES: usize = 8;
 const FEWEST_EDGES: usize = 12;
 /// Fewer tiles with edges may be the ball and a hand before a plain wall, which looks alike from everywhere.
 const FEWEST_TILES: usize = 12;
-/// They have to lie in so many of the columns of tiles: somebody who walks by has edges as well, but in few.
+/// They have to lie in so many of the columns of tiles: a person who walks by has edges as well, but in few.
 const FEWEST_COLUMNS: usize = 5;
 /// A tile moves where this share of its edges looks different in the next picture.
 const MOVED_EDGES: f64 = 0.4;
 /// A camera moves where this share of the tiles does, in half of the pictures.
 const MOVED_TILES: f64 = 0.5;
 
-/// When a single picture shows the background elsewhere: what counts as an edge and as a change of one, in grey levels, and the
+/// When a single picture shows the background displaced: what counts as an edge and as a change of one, in grey levels, and the
 /// share of the tiles that moved.
 #[derive(Clone, Copy)]
 pub(crate) struct Doubt {
@@ -48,7 +49,7 @@ pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
     Ok(shares.get(shares.len() / 2).is_some_and(|s| *s > MOVED_TILES))
 }
 
-/// Which of these pictures show the background elsewhere than `reference` does: the camera was bumped or moved.
+/// Which of these pictures show the background displaced from `reference`: the camera moved.
 pub(crate) fn elsewhere(pictures: &[(usize, &Mat)], reference: &Mat, doubt: Doubt) -> opencv::Result<Vec<bool>> {
     pictures
         .par_iter()

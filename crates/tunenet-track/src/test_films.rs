@@ -1,4 +1,4 @@
-//! Films of discs, drawn for the tests of this crate.
+//! Videos of discs, drawn for the tests of this crate.
 
 use std::path::Path;
 
@@ -38,7 +38,7 @@ impl Default for Film {
     }
 }
 
-/// Writes a film of discs that fall and bounce before a grey wall at 60 frames per second: where the first one's centre is
+/// Writes a video of discs that fall and bounce before a grey wall at 60 frames per second: where the first one's centre is
 /// in each frame, px.
 pub(crate) fn disc_film(path: &Path, film: &Film) -> Vec<(f64, f64)> {
     let codec = VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();

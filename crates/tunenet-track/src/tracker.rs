@@ -3,15 +3,16 @@
 use super::blob::{Blob, blobs};
 use super::lookup::Lookup;
 use super::outline::{Edges, outline};
-use super::scout::{MOVED, ROUND, Scene};
-use super::track::median;
+use super::scout::{ROUND, Scene};
+use super::stillness::MOVED;
 use super::view::View;
+use tunenet_core::statistics::median;
 
 /// The longer side of the coarse picture in which a lost ball is looked for, px.
 const SEARCH_PX: usize = 480;
 /// A followed ball is looked for in a coarse picture in which its radius is about so many px.
 const FOLLOW_RADIUS_PX: f64 = 10.0;
-/// After so many frames the whole picture is looked at again, so that a second ball does not go unseen.
+/// After so many frames the whole picture is looked at again, so that a second ball is not missed.
 const LOOK_AROUND: usize = 8;
 /// A second patch of at least this share of the first one's area is a second ball.
 const SECOND_BALL: f64 = 0.5;
@@ -19,9 +20,9 @@ const SECOND_BALL: f64 = 0.5;
 const APART: f64 = 2.0;
 /// From frame to frame the ball's area changes by no more than this factor; beyond, it is looked for everywhere.
 const SAME_AREA: f64 = 2.5;
-/// A film whose edges are no more gradual than this is sharp, px: nothing but its pixels blurs it.
+/// A video whose edges are no more gradual than this is sharp, px: nothing but its pixels blurs it.
 const SHARP_PX: f64 = 0.34;
-/// So many frames tell whether it is.
+/// So many frames determine whether it is.
 const ASKED: usize = 9;
 /// Fewer pixels of the coarse picture are crumbs.
 const LEAST_AREA: f64 = 3.0;
@@ -44,7 +45,7 @@ pub struct Sighting {
     /// How much it looks like the ball, 0 to 1: how much of its edge lies on a circle, and how near its size is to the
     /// usual one.
     pub confidence: f64,
-    /// Whether something else in the frame looks alike; `None` where nobody looked.
+    /// Whether something else in the frame looks alike; `None` if it was not examined.
     pub(crate) second: Option<bool>,
     /// How far its edge lies off the circle, as a share of the radius; `None` where it has no outline.
     pub(crate) off: Option<f64>,

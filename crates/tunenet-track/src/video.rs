@@ -16,7 +16,7 @@ use crate::container::incomplete;
 /// Fewest frames in which something can be seen to move.
 pub const FEWEST_FRAMES: usize = 2;
 
-/// So much of a file's start tells text from pictures.
+/// So much of a file's start distinguishes text from pictures.
 const TEXT_BYTES: u64 = 512;
 const HINT: &str = "give a video that a player shows, such as mp4 or avi, or convert it first";
 
@@ -115,7 +115,7 @@ mod tests {
     use opencv::core::{CV_8UC3, Scalar, Size};
     use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 
-    /// A small film that gets brighter: Motion JPEG needs no codec beyond OpenCV itself.
+    /// A small video that gets brighter: Motion JPEG needs no codec beyond OpenCV itself.
     fn film(path: &Path, frames: u32) {
         let codec = VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();
         let mut writer = VideoWriter::new(path.to_str().unwrap(), codec, 50.0, Size::new(64, 48), true).unwrap();

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tunenet_core::Error;
+use tunenet_core::{Error, Origin};
 
 /// `paths` with every pattern among them replaced by the names that match, in order. What exists under the very name is no
 /// pattern.
@@ -19,7 +19,12 @@ pub fn expanded(paths: &[PathBuf], flag: &'static str) -> Result<Vec<PathBuf>> {
             all.push(path.clone());
             continue;
         };
-        let refuse = |expected: &str, found: String| Error::Setting { name: flag, expected: expected.into(), found };
+        let refuse = |expected: &str, found: String| Error::Setting {
+            origin: Origin::Flag,
+            name: flag,
+            expected: expected.into(),
+            found,
+        };
         let matching = glob::glob(pattern).map_err(|e| refuse("a pattern", format!("`{pattern}`: {}", e.msg)))?;
         let mut found: Vec<PathBuf> = matching.filter_map(std::result::Result::ok).collect();
         if found.is_empty() {

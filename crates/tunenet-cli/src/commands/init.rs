@@ -4,14 +4,15 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_core::observation::recording::write_atomically;
+use tunenet_formats::write_atomically;
 use tunenet_sim::simulation_file::{Domain, template};
 
-use super::destination::{self, Output, Product};
-use super::{load, print_json};
-use crate::cli::{Init, Scene};
+use crate::args::{Init, Scene};
 use crate::failure::Exit;
-use crate::terminal::stage;
+use crate::files::destination::{self, Output, Product};
+use crate::files::names;
+use crate::view::json::print_json;
+use crate::view::text::stage;
 
 /// The program that the simulation file of a program names.
 const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../assets/process/pendulum.py"));
@@ -27,7 +28,7 @@ pub fn run(options: &Init) -> Result<Exit> {
         Scene::Process => (Domain::Process, "process.toml", "put your simulator into the program"),
     };
     let out = options.out.clone().unwrap_or_else(|| name.into());
-    load::ending(&out, &["toml"])?;
+    names::require_ending(&out, &["toml"])?;
     let program = (domain == Domain::Process).then(|| out.with_file_name(PROGRAM.0));
     let same = |path: &&Path| std::fs::read(path).is_ok_and(|there| there == PROGRAM.1.as_bytes());
     let program = program.as_deref().filter(|path| !same(path));
@@ -44,7 +45,7 @@ pub fn run(options: &Init) -> Result<Exit> {
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
     stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} --observation FILE`"));
     if options.common.json {
-        let mut object = json!({ "schema": "tunenet.init/1", "file": load::name(&out), "warnings": [] });
+        let mut object = json!({ "schema": "tunenet.init/1", "file": names::file_name(&out), "warnings": [] });
         if domain == Domain::Process {
             object["program"] = PROGRAM.0.into();
         }

@@ -1,21 +1,21 @@
 //! Loading what several commands need.
 
-use std::fmt::Write;
-use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use sha2::{Digest, Sha256};
-use toml_edit::{DocumentMut, InlineTable};
-use tunenet_core::Error;
+use toml_edit::DocumentMut;
 use tunenet_core::observation::Note;
-use tunenet_core::observation::recording::{ReadOptions, Recording, open, read, read_text};
+use tunenet_core::{Error, Origin};
+use tunenet_formats::{ReadOptions, Recording, read, read_text};
 use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
 use super::film;
-use crate::cli::{Leave, Reading, Simulation};
+use crate::args::{Leave, Reading, Simulation};
+use crate::files::destination::urdf_beside;
+use crate::files::hash;
+use crate::files::names::file_name;
 
 /// A simulation file with its overrides.
 pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
@@ -81,8 +81,8 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
         return at_most(most, read(path, &self::reading(reading))?);
     }
     if !reading.columns.is_empty() {
-        let (expected, found) = ("a CSV file".into(), format!("the film {}", path.display()));
-        return Err(Error::Setting { name: "columns", expected, found }.into());
+        let (expected, found) = ("a CSV file".into(), format!("the video {}", path.display()));
+        return Err(Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
     }
     let asked = film::Asked::default()
         .with("--topic", reading.topic.as_ref())
@@ -107,7 +107,7 @@ fn no_manifest(path: &Path) -> Result<()> {
 /// A series on the channels that the program of `file` predicts; it is not run for that.
 pub fn of_channels(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
     if film::is_film(path) {
-        let message = "expected a series on the channels of the simulation, found a film";
+        let message = "expected a series on the channels of the simulation, found a video";
         let hint = "`tunenet track` makes a CSV file of a ball's positions in it";
         return Err(Error::file(path, message, hint).into());
     }
@@ -145,12 +145,15 @@ pub fn beside(
     let Some(path) = reference else { return Ok(recording) };
     if !replays(file) {
         let (expected, found) = ("an arm with `motion.kind = \"replay\"`".into(), "another simulation".into());
-        return Err(Error::Setting { name: "--reference", expected, found }.into());
+        return Err(Error::Setting { origin: Origin::Flag, name: "--reference", expected, found }.into());
     }
     let bare = log(file, path, reading)?;
-    let (observation, note) = with_reference(&recording.observation, &bare.observation).with_context(|| name(path))?;
+    let (observation, note) =
+        with_reference(&recording.observation, &bare.observation).with_context(|| file_name(path))?;
     let mut notes = recording.notes;
-    notes.extend(bare.notes.into_iter().map(|note| Note { text: format!("{}: {}", name(path), note.text), ..note }));
+    notes.extend(
+        bare.notes.into_iter().map(|note| Note { text: format!("{}: {}", file_name(path), note.text), ..note }),
+    );
     notes.push(note);
     Ok(Recording { observation, notes })
 }
@@ -165,92 +168,8 @@ pub fn reading(reading: &Reading) -> ReadOptions {
     }
 }
 
-/// Refuses a recording that is given twice, whatever it is called: the same evidence counted twice looks like twice as much.
-/// Only files of one length are read, so that a single large one costs nothing.
-pub fn distinct<'a>(recordings: impl Iterator<Item = &'a Path>) -> Result<()> {
-    let mut seen: Vec<(&Path, u64)> = Vec::new();
-    for path in recordings {
-        // What cannot be read is refused by whoever reads it.
-        let length = std::fs::metadata(path).map_or(0, |about| about.len());
-        for (other, _) in seen.iter().filter(|(_, known)| *known == length && length > 0) {
-            if hash(path)? == hash(other)? {
-                let message = format!("expected another recording, found the same as in {}", other.display());
-                return Err(Error::file(path, message, "give every recording once").into());
-            }
-        }
-        seen.push((path, length));
-    }
-    Ok(())
-}
-
-/// Refuses an output whose name ends otherwise than its contents say: whoever finds the file later goes by its name.
-pub fn ending(out: &Path, endings: &[&str]) -> Result<()> {
-    let found = out.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if endings.contains(&found.as_str()) {
-        return Ok(());
-    }
-    let each: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
-    let (expected, found) = (format!("a name that ends in {}", each.join(" or ")), format!("`{}`", out.display()));
-    Err(Error::Setting { name: "--out", expected, found }.into())
-}
-
-/// The SHA-256 of a file's bytes, in hexadecimal; of a folder of frames, that of all their bytes.
-pub fn hash(path: &Path) -> Result<String> {
-    let mut hasher = Sha256::new();
-    if path.is_dir() {
-        for picture in film::pictures(path).map_err(|source| Error::io(path, "reading", source))? {
-            digest(&picture, &mut hasher)?;
-        }
-    } else {
-        digest(path, &mut hasher)?;
-    }
-    Ok(hex(&hasher.finalize()))
-}
-
-/// A file's name and hash, as `[provenance]` names what was read.
-pub fn fingerprint(path: &Path) -> Result<InlineTable> {
-    let mut one = InlineTable::new();
-    one.insert("file", name(path).into());
-    one.insert("sha256", hash(path)?.into());
-    Ok(one)
-}
-
-fn digest(path: &Path, hasher: &mut Sha256) -> Result<()> {
-    let failed = |source| Error::io(path, "reading", source);
-    let mut file = open(path)?;
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        let count = file.read(&mut buffer).map_err(failed)?;
-        if count == 0 {
-            break;
-        }
-        hasher.update(&buffer[..count]);
-    }
-    Ok(())
-}
-
-/// Bytes in hexadecimal.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
-}
-
-/// A file's own name, for output that must not depend on where it lies.
-pub fn name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-}
-
 /// The SHA-256 of the URDF that a simulation names, where it names one that is there.
 pub fn urdf_hash(options: &Simulation) -> Result<Option<String>> {
-    let named = options.urdf_set().or_else(|| super::destination::urdf_beside(&options.sim));
-    named.filter(|path| path.is_file()).map(|path| hash(&path)).transpose()
-}
-
-/// A pool of so many threads; of as many as the machine has cores where nothing is said.
-pub fn threads(jobs: Option<usize>) -> Result<rayon::ThreadPool> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));
-    pool.build().context("starting threads")
+    let named = options.urdf_set().or_else(|| urdf_beside(&options.sim));
+    named.filter(|path| path.is_file()).map(|path| hash::sha256(&path)).transpose()
 }

@@ -2,12 +2,17 @@
 
 use anyhow::Result;
 use clap::CommandFactory;
-use tunenet_core::Error;
+use tunenet_core::{Error, Origin};
 
-use crate::cli::Arguments;
+use super::bench;
+use crate::args::Arguments;
 use crate::failure::Exit;
+use crate::view::json;
 
 pub fn run(command: Option<&str>) -> Result<Exit> {
+    if command == Some("bench") {
+        return bench::run(&["man"]);
+    }
     let mut tool = Arguments::command();
     tool.build();
     let page = match command {
@@ -16,6 +21,7 @@ pub fn run(command: Option<&str>) -> Result<Exit> {
             let known: Vec<&str> =
                 tool.get_subcommands().map(clap::Command::get_name).filter(|name| *name != "help").collect();
             Error::Setting {
+                origin: Origin::Flag,
                 name: "man",
                 expected: format!("a command ({})", known.join(", ")),
                 found: format!("`{name}`"),
@@ -24,6 +30,6 @@ pub fn run(command: Option<&str>) -> Result<Exit> {
     };
     let mut text = Vec::new();
     clap_mangen::Man::new(page).render(&mut text)?;
-    super::print(&text)?;
+    json::print(&text)?;
     Ok(Exit::Done)
 }

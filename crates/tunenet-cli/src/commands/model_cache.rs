@@ -1,13 +1,15 @@
 //! Networks trained for a scene, kept for the next run.
 
+use crate::files::{hash, names};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 use tunenet_core::network::Model;
 use tunenet_core::observation::Note;
-use tunenet_core::observation::recording::write_atomically;
+use tunenet_formats::write_atomically;
+use tunenet_formats::{model_from_bytes, model_to_bytes};
 
-use super::load::hex;
+use hash::hex;
 
 /// Names another folder; empty for none.
 const FOLDER: &str = "TUNENET_CACHE";
@@ -53,9 +55,9 @@ impl Cache {
         };
         let whole =
             bytes.split_at_checked(DIGEST + 1).filter(|(head, rest)| head[..DIGEST] == *digest(key, rest).as_bytes());
-        let model = whole.and_then(|(_, rest)| Model::from_bytes(&path, rest).ok());
+        let model = whole.and_then(|(_, rest)| model_from_bytes(&path, rest).ok());
         let notes = if model.is_none() {
-            let text = format!("{} in the cache was damaged and has been made again", super::load::name(&path));
+            let text = format!("{} in the cache was damaged and has been made again", names::file_name(&path));
             vec![Note::new("cache.replaced", text, "")]
         } else {
             Vec::new()
@@ -66,7 +68,7 @@ impl Cache {
     /// Keeps a network; a note where that is not possible.
     pub fn keep(&self, key: &str, model: &Model) -> Option<Note> {
         let path = self.path(key)?;
-        let written = model.to_bytes().and_then(|bytes| {
+        let written = model_to_bytes(model).and_then(|bytes| {
             let failed = |source| tunenet_core::Error::io(&path, "writing", source);
             std::fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(failed)?;
             write_atomically(&path, |file| {

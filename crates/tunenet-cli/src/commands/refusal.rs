@@ -13,7 +13,7 @@ pub enum Asked {
     Within,
 }
 
-/// A refusal by the program of `file`, or an answer of it that cannot be reckoned with, and at which values; `None` for an
+/// A refusal by the program of `file`, or an unusable answer of it, and at which values; `None` for an
 /// error that is neither.
 pub fn of_program(file: &SimulationFile, asked: Asked, error: &Error) -> Option<Error> {
     if file.domain() != Domain::Process {

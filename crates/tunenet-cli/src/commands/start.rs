@@ -1,9 +1,9 @@
 //! What `tune` starts from: said before any recording is read, so that no recording is blamed for it.
 
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 use tunenet_sim::SimulationFile;
 
-use crate::cli::Tune;
+use crate::args::Tune;
 
 /// Refuses a start from which nothing can be tuned.
 ///
@@ -15,7 +15,12 @@ pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
         let named = |set: &&String| set.starts_with("parameters.") && set.contains(".tune");
         if let Some(last) = options.simulation.set.iter().rev().find(named) {
             let expected = "at least one parameter that may be tuned".into();
-            return Err(Error::Setting { name: "--set", expected, found: format!("none after `{last}`") });
+            return Err(Error::Setting {
+                origin: Origin::Flag,
+                name: "--set",
+                expected,
+                found: format!("none after `{last}`"),
+            });
         }
         let message = "expected at least one parameter with `tune = true`, found none";
         let first = &parameters[0].name;
@@ -23,7 +28,9 @@ pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
         return Err(Error::file(file.path(), message, hint));
     }
     for (name, value) in &options.initial {
-        let refuse = |expected: String, found: String| Err(Error::Setting { name: "--initial", expected, found });
+        let refuse = |expected: String, found: String| {
+            Err(Error::Setting { origin: Origin::Flag, name: "--initial", expected, found })
+        };
         let Some(parameter) = parameters.iter().find(|p| p.name == *name) else {
             let known: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
             return refuse(format!("a parameter ({})", known.join(", ")), format!("`{name}`"));

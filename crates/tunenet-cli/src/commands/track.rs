@@ -3,23 +3,26 @@
 use std::path::Path;
 
 use anyhow::Result;
+use serde::Serialize;
 use serde_json::{Value, json};
 use tunenet_core::observation::Note;
-use tunenet_core::observation::recording::write_atomically;
+use tunenet_core::observation::State;
+use tunenet_formats::write_atomically;
+use tunenet_video_protocol::VideoFinding;
+use tunenet_video_protocol::track::{Estimate, Facts, Samples, Untracked};
 
-use super::destination::{self, Output, Product};
-use super::film::{self, Asked, Unseen};
-use super::{load, print_json};
-use crate::cli::Track;
+use super::film::{Asked, Unseen};
+use crate::args::Track;
 use crate::failure::{Exit, sentence};
-use crate::report;
-use crate::terminal::{stage, warn};
+use crate::files::destination::{self, Output, Product};
+use crate::files::names;
+use crate::view::html;
+use crate::view::json::print_json;
+use crate::view::text::{stage, warn};
 
 const SCHEMA: &str = "tunenet.track/1";
 /// Pictures in a report.
 const SHEET: usize = 12;
-/// Found on the way, and of no use in the answer itself: what a CSV or a report holds.
-const INNER: [&str; 3] = ["samples", "pictures", "reason"];
 
 pub fn run(options: &Track) -> Result<Exit> {
     let outputs = [
@@ -31,7 +34,7 @@ pub fn run(options: &Track) -> Result<Exit> {
         outputs.into_iter().filter_map(|(path, flag, product)| Some(Output::new(path.as_ref()?, flag, product)));
     destination::check(&outputs.collect::<Vec<_>>(), &[&options.video], options.writing.overwrite)?;
     if let Some(out) = &options.out {
-        load::ending(out, &["csv"])?;
+        names::require_ending(out, &["csv"])?;
     }
     let asked = Asked::default()
         .with("--color", options.color.as_ref())
@@ -45,68 +48,70 @@ pub fn run(options: &Track) -> Result<Exit> {
         .length(options.length);
     let found = match asked.track(&options.video) {
         Ok(found) => found,
-        Err(error) => match error.downcast::<Unseen>() {
-            Ok(unseen) => return no(options, &unseen),
-            Err(other) => return Err(other),
+        Err(error) => match error.downcast_ref::<Unseen>() {
+            Some(unseen @ Unseen { untracked: Some(untracked), .. }) => return no(options, untracked, unseen),
+            _ => return Err(error),
         },
     };
-    let notes: Vec<Note> = found["warnings"].as_array().into_iter().flatten().map(film::note).collect();
-    let bounces_s: Vec<f64> = found["bounces_s"].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+    let notes: Vec<Note> = found.facts.warnings.iter().map(VideoFinding::note).collect();
+    let bounces_s = &found.facts.bounces_s;
     // A list without a bounce is no recording.
     let written = options.out.as_deref().filter(|_| !options.bounces || !bounces_s.is_empty());
     match written {
-        Some(out) if options.bounces => write_bounces(out, &bounces_s)?,
-        Some(out) => write(out, &found, options.pixels)?,
+        Some(out) if options.bounces => write_bounces(out, bounces_s)?,
+        Some(out) => write(out, &found.samples, options.pixels)?,
         None => {}
     }
     if let Some(path) = &options.report {
-        report::track::write(path, &load::name(&options.video), &found, &notes)?;
+        html::track::write(path, &names::file_name(&options.video), &found, &notes)?;
     }
-    tell(options, &found, &notes);
+    tell(options, &found.facts, &notes);
     for out in [written, options.report.as_deref(), options.overlay.as_deref()].into_iter().flatten() {
-        stage("wrote", &load::name(out));
+        stage("wrote", &names::file_name(out));
     }
     if options.common.json {
-        print_json(&object(options, &found))?;
+        print_json(&json(options, "tracked", &found.facts)?)?;
     }
     let Some(kept) = options.out.as_deref().filter(|_| written.is_none()) else { return Ok(Exit::Done) };
     stage("kept", &format!("{} is not written: no bounce is seen", kept.display()));
     Ok(Exit::Inconclusive)
 }
 
-/// The answer for scripts.
-fn object(options: &Track, found: &Value) -> Value {
-    let mut object = json!({ "schema": SCHEMA, "file": load::name(&options.video) });
-    for (key, value) in found.as_object().into_iter().flatten().filter(|(key, _)| !INNER.contains(&key.as_str())) {
-        object[key] = value.clone();
+/// The answer for scripts: what was found, behind what it was found in.
+fn json(options: &Track, verdict: &str, facts: &impl Serialize) -> Result<Value> {
+    let mut object = json!({ "schema": SCHEMA, "file": names::file_name(&options.video), "verdict": verdict });
+    if let (Value::Object(object), Value::Object(facts)) = (&mut object, serde_json::to_value(facts)?) {
+        object.extend(facts);
     }
-    object
+    Ok(object)
 }
 
-fn no(options: &Track, unseen: &Unseen) -> Result<Exit> {
+fn no(options: &Track, untracked: &Untracked, error: &Unseen) -> Result<Exit> {
     let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
-    let word = unseen.object["verdict"].as_str().unwrap_or_default().replace('_', " ").to_uppercase();
-    anstream::eprintln!("{bold}{word}  {}{reset}", sentence(&anyhow::anyhow!("{unseen}")));
-    anstream::eprintln!("  try: {}", unseen.note.remedy);
+    let word = untracked.reason.word().replace('_', " ").to_uppercase();
+    anstream::eprintln!("{bold}{word}  {}{reset}", sentence(&anyhow::anyhow!("{error}")));
+    anstream::eprintln!("  try: {}", error.note.remedy);
     if options.common.json {
-        print_json(&object(options, &unseen.object))?;
+        let facts = json!({ "frames": untracked.frames, "seen": 0, "warnings": [untracked.finding] });
+        print_json(&json(options, untracked.reason.word(), &facts)?)?;
     }
     if let Some(path) = &options.report {
-        report::track::unseen(path, &load::name(&options.video), &unseen.object, &unseen.note)?;
-        stage("wrote", &load::name(path));
+        html::track::unseen(path, &names::file_name(&options.video), untracked)?;
+        stage("wrote", &names::file_name(path));
     }
     Ok(Exit::Inconclusive)
 }
 
 /// Writes the samples in metres, or in pixels where nothing says how large one is, or where that is wanted.
-fn write(out: &Path, found: &Value, pixels: bool) -> Result<()> {
-    let metres = !pixels && found["samples"].get("x_m").is_some();
-    let place = if metres { ["x_m", "z_m"] } else { ["u_px", "v_px"] };
-    let names = ["t_s", place[0], place[1], "radius_px", "confidence"];
-    let columns: Vec<Vec<f64>> = names.iter().map(|name| film::column(found, name).unwrap_or_default()).collect();
+fn write(out: &Path, samples: &Samples, pixels: bool) -> Result<()> {
+    let (names, places) = match samples.metres.as_ref().filter(|_| !pixels) {
+        Some(metres) => (["x_m", "z_m"], [&metres.x_m, &metres.z_m]),
+        None => (["u_px", "v_px"], [&samples.u_px, &samples.v_px]),
+    };
+    let columns = [&samples.t_s, places[0], places[1], &samples.radius_px, &samples.confidence];
     write_atomically(out, |file| {
-        writeln!(file, "{}", names.join(","))?;
-        for i in 0..columns[0].len() {
+        writeln!(file, "t_s,{},{},radius_px,confidence", names[0], names[1])?;
+        for i in 0..samples.t_s.len() {
             let row: Vec<String> = columns.iter().map(|column| format!("{:?}", rounded(column[i]))).collect();
             writeln!(file, "{}", row.join(","))?;
         }
@@ -128,60 +133,24 @@ fn rounded(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-fn tell(options: &Track, found: &Value, notes: &[Note]) {
-    let number = |key: &str| found[key].as_f64().unwrap_or(0.0);
-    stage(
-        "film",
-        &format!(
-            "{}, {} × {} px, {} frames, {:.2} a second",
-            load::name(&options.video),
-            number("width_px"),
-            number("height_px"),
-            number("frames"),
-            number("fps")
-        ),
-    );
-    stage(
-        "ball",
-        &format!(
-            "seen in {} frames, whole in {}, radius {:.1} px",
-            number("seen"),
-            number("whole"),
-            number("radius_px")
-        ),
-    );
-    match &found["scale"] {
-        Value::Null => stage("scale", "none: the ball does not fly freely, and no length is given"),
-        scale => stage(
-            "scale",
-            &format!(
-                "{:.4} mm a pixel, by {}",
-                1e3 * scale["m_per_px"].as_f64().unwrap_or(0.0),
-                scale["words"].as_str().unwrap_or_default()
-            ),
-        ),
+fn tell(options: &Track, facts: &Facts, notes: &[Note]) {
+    let Facts { width_px, height_px, frames, fps, seen, whole, radius_px, .. } = facts;
+    let name = names::file_name(&options.video);
+    stage("film", &format!("{name}, {width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
+    stage("ball", &format!("seen in {seen} frames, whole in {whole}, radius {radius_px:.1} px"));
+    match &facts.scale {
+        None => stage("scale", "none: the ball does not fly freely, and no length is given"),
+        Some(scale) => stage("scale", &format!("{:.4} mm a pixel, by {}", 1e3 * scale.m_per_px, scale.words)),
     }
-    let bounces: Vec<String> = found["bounces_s"]
-        .as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(Value::as_f64)
-        .map(|t| format!("{t:.3}"))
-        .collect();
+    let bounces: Vec<String> = facts.bounces_s.iter().map(|t| format!("{t:.3}")).collect();
     if !bounces.is_empty() {
         stage("bounces", &format!("{} s", bounces.join(", ")));
     }
-    if let Some(value) = found["restitution"]["value"].as_f64() {
-        let bound = |i: usize| found["restitution"]["interval95"][i].as_f64().unwrap_or(value);
-        stage(
-            "rebound",
-            &format!("{value:.3} of the speed (95 %: {:.3}–{:.3}), before any simulation", bound(0), bound(1)),
-        );
+    if let Some(Estimate { value, interval95: [low, high] }) = facts.restitution {
+        stage("rebound", &format!("{value:.3} of the speed (95 %: {low:.3}–{high:.3}), before any simulation"));
     }
-    for check in found["preflight"].as_array().into_iter().flatten() {
-        if check["state"] == "failed" {
-            stage("unusable", check["text"].as_str().unwrap_or_default());
-        }
+    for check in facts.preflight.iter().filter(|check| check.state == State::Failed) {
+        stage("unusable", &check.text);
     }
     notes.iter().for_each(warn);
 }

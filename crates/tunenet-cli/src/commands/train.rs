@@ -6,13 +6,16 @@ use std::time::Instant;
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::Error;
-use tunenet_core::network::{DatasetReader, Preset, TrainDevice, TrainOptions, train};
+use tunenet_core::network::{Preset, TrainDevice, TrainOptions};
+use tunenet_formats::dataset::DatasetReader;
+use tunenet_formats::{save_model, train_file};
 
-use super::destination::{self, Output, Product};
-use super::{load, print_json};
-use crate::cli::Train;
+use crate::args::Train;
 use crate::failure::Exit;
-use crate::terminal::{progress, stage};
+use crate::files::destination::{self, Output, Product};
+use crate::files::names;
+use crate::view::json::print_json;
+use crate::view::text::{progress, stage};
 
 pub fn run(options: &Train) -> Result<Exit> {
     let began = Instant::now();
@@ -26,7 +29,6 @@ pub fn run(options: &Train) -> Result<Exit> {
     let channels = DatasetReader::open(&options.data)?.header().channels.clone();
     let preset = Preset::named_for(options.preset.name(), &channels)?;
     let settings = TrainOptions {
-        checkpoint: Some(checkpoint.clone()),
         memory_bytes: usize::try_from(options.memory_mib).unwrap_or(usize::MAX >> 20) << 20,
         device,
         ..TrainOptions::new(preset, options.common.seed)
@@ -41,9 +43,9 @@ pub fn run(options: &Train) -> Result<Exit> {
         last = Some(*now);
         true
     };
-    let model = train(&options.data, &settings, &mut report)?;
+    let model = train_file(&options.data, &settings, Some(&checkpoint), &mut report)?;
     bar.finish_and_clear();
-    model.save(&options.out)?;
+    save_model(&model, &options.out)?;
     // Only a saved model makes the checkpoint useless.
     if checkpoint.exists() {
         std::fs::remove_file(&checkpoint).map_err(|source| Error::io(&checkpoint, "removing", source))?;
@@ -57,7 +59,7 @@ pub fn run(options: &Train) -> Result<Exit> {
     stage("wrote", &options.out.display().to_string());
     if options.common.json {
         print_json(&json!({
-            "schema": "tunenet.train/1", "file": load::name(&options.out), "preset": options.preset.name(),
+            "schema": "tunenet.train/1", "file": names::file_name(&options.out), "preset": options.preset.name(),
             "seed": options.common.seed, "steps": steps, "loss": loss, "validation": validation,
             "seconds": seconds, "device": device.name(), "warnings": [],
         }))?;

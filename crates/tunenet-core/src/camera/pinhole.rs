@@ -157,7 +157,7 @@ mod tests {
         assert!((sum[1] / count - disc.centre_px[1]).abs() < 0.005, "{} {disc:?}", sum[1] / count);
         let radius = (count * step * step / std::f64::consts::PI).sqrt();
         assert!((radius / disc.radius_px - 1.0).abs() < 0.002, "{radius} {disc:?}");
-        // The ball's own centre appears elsewhere.
+        // The projection of the ball's centre is not the centre of the disc.
         assert!((camera.project(centre).unwrap()[1] - disc.centre_px[1]).abs() > 0.1);
     }
 }

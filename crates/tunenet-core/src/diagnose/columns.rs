@@ -1,15 +1,15 @@
 //! Columns of effects, less what start states and parameters can do in their stead.
 
 use super::derivatives::Columns;
-use super::joint::dot;
+use crate::statistics::dot;
 
 /// A direction whose projection keeps less than this share of its square is taken for dependent.
 const DEPENDENT: f64 = 1e-9;
 
-/// Takes out of a stacked column whatever own unknowns and free numbers of the model explain.
+/// Takes out of a stacked column whatever nuisance parameters and free numbers of the model explain.
 pub(super) struct Projector {
     /// Orthonormal, one group for each recording; the stretch of the stack that it covers.
-    own: Vec<(std::ops::Range<usize>, Vec<Vec<f64>>)>,
+    nuisances: Vec<(std::ops::Range<usize>, Vec<Vec<f64>>)>,
     /// Orthonormal, stacked over all recordings.
     shared: Vec<Vec<f64>>,
 }
@@ -17,31 +17,31 @@ pub(super) struct Projector {
 impl Projector {
     /// From the derivatives of a model with `globals` free numbers, over recordings of these lengths (values).
     pub fn new(columns: &[Columns], lengths: &[usize], globals: usize) -> Self {
-        let mut own = Vec::with_capacity(columns.len());
+        let mut nuisances = Vec::with_capacity(columns.len());
         let mut begin = 0;
         for (one, &length) in columns.iter().zip(lengths) {
-            own.push((begin..begin + length, orthonormal(one.own.clone())));
+            nuisances.push((begin..begin + length, orthonormal(one.nuisances.clone())));
             begin += length;
         }
-        let mut projector = Self { own, shared: Vec::new() };
+        let mut projector = Self { nuisances, shared: Vec::new() };
         let stacked = (0..globals).map(|place| stack(columns, lengths, place));
         let reduced = stacked.map(|mut column| {
-            projector.project_own(&mut column);
+            projector.project_nuisances(&mut column);
             column
         });
         projector.shared = orthonormal(reduced.collect());
         projector
     }
 
-    fn project_own(&self, column: &mut [f64]) {
-        for (range, basis) in &self.own {
+    fn project_nuisances(&self, column: &mut [f64]) {
+        for (range, basis) in &self.nuisances {
             take_out(&mut column[range.clone()], basis);
         }
     }
 
     /// In place.
     pub fn project(&self, column: &mut [f64]) {
-        self.project_own(column);
+        self.project_nuisances(column);
         take_out(column, &self.shared);
     }
 }
@@ -95,7 +95,7 @@ mod tests {
         // Two recordings of three values; each has its own level, both share a slope.
         let level = vec![1.0; 3];
         let slope = vec![0.0, 1.0, 2.0];
-        let one = Columns { places: vec![0], shared: vec![slope.clone()], own: vec![level.clone()] };
+        let one = Columns { places: vec![0], shared: vec![slope.clone()], nuisances: vec![level.clone()] };
         let projector = Projector::new(&[one.clone(), one], &[3, 3], 1);
         let mut line = vec![5.0, 6.0, 7.0, -1.0, 0.0, 1.0];
         projector.project(&mut line);

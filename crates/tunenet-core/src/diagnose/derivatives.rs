@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::joint::{Joint, Point};
 use crate::simulator::Parameter;
 
-/// Forward-difference step of a parameter or own unknown, as a share of its bounds.
+/// Forward-difference step of a parameter or nuisance parameter, as a share of its bounds.
 const DIFFERENCE_STEP: f64 = 1e-6;
 /// ... and of a coefficient, as a share of a small visible one.
 const COEFFICIENT_STEP: f64 = 1e-3;
@@ -17,8 +17,8 @@ pub(super) struct Columns {
     pub places: Vec<usize>,
     /// A column for each of them.
     pub shared: Vec<Vec<f64>>,
-    /// A column for each own unknown.
-    pub own: Vec<Vec<f64>>,
+    /// A column for each nuisance parameter.
+    pub nuisances: Vec<Vec<f64>>,
 }
 
 /// Which derivatives.
@@ -28,14 +28,14 @@ pub(super) struct Which {
     pub horizon: f64,
     /// By free numbers from this one on ...
     pub first: usize,
-    /// ... and by the own unknowns.
-    pub own: bool,
+    /// ... and by the nuisance parameters.
+    pub nuisances: bool,
     /// By steps of a visible size.
     pub visibly: bool,
 }
 
 impl Which {
-    pub const ALL: Self = Self { horizon: 1.0, first: 0, own: true, visibly: false };
+    pub const ALL: Self = Self { horizon: 1.0, first: 0, nuisances: true, visibly: false };
 }
 
 impl Joint<'_> {
@@ -50,27 +50,27 @@ impl Joint<'_> {
 
     /// The same of the recordings `sets`, whose residuals are `residuals`.
     pub fn columns_of(&self, sets: &[usize], point: &Point, residuals: &[Vec<f64>], what: Which) -> Vec<Columns> {
-        let Which { horizon, first, own, visibly } = what;
+        let Which { horizon, first, nuisances, visibly } = what;
         let places: Vec<Vec<usize>> = sets
             .iter()
             .map(|&d| self.structure.places(self.sets[d].object).into_iter().filter(|&p| p >= first).collect())
             .collect();
-        let own_count = |k: usize| if own { point.own[sets[k]].len() } else { 0 };
+        let nuisance_count = |k: usize| if nuisances { point.nuisances[sets[k]].len() } else { 0 };
         let tasks: Vec<(usize, usize)> =
-            (0..sets.len()).flat_map(|k| (0..places[k].len() + own_count(k)).map(move |c| (k, c))).collect();
+            (0..sets.len()).flat_map(|k| (0..places[k].len() + nuisance_count(k)).map(move |c| (k, c))).collect();
         let column = |&(k, c): &(usize, usize)| -> Vec<f64> {
             let d = sets[k];
             let samples = self.samples(d, horizon);
             let rolled = |direction: f64| {
-                let (mut globals, mut own) = (point.globals.clone(), point.own[d].clone());
+                let (mut globals, mut nuisances) = (point.globals.clone(), point.nuisances[d].clone());
                 let step = if let Some(&place) = places[k].get(c) {
                     self.nudge_global(&mut globals, place, direction, visibly)
                 } else {
                     let i = c - places[k].len();
-                    let unknown = &self.sets[d].prepared.own[i];
-                    nudge(&mut own[i], unknown, direction * DIFFERENCE_STEP * unknown.span())
+                    let unknown = &self.sets[d].prepared.nuisances[i];
+                    nudge(&mut nuisances[i], unknown, direction * DIFFERENCE_STEP * unknown.span())
                 };
-                self.white(d, &globals, &own, samples).map(|r| (r, step))
+                self.white(d, &globals, &nuisances, samples).map(|r| (r, step))
             };
             // On the edge of what can be simulated only one side exists, or none; then nothing is known of this direction.
             let Ok((mut moved, step)) = rolled(1.0).or_else(|_| rolled(-1.0)) else {
@@ -82,7 +82,7 @@ impl Joint<'_> {
         let mut columns = tasks.par_iter().map(column).collect::<Vec<_>>().into_iter();
         let gather = |(k, places): (usize, Vec<usize>)| Columns {
             shared: columns.by_ref().take(places.len()).collect(),
-            own: columns.by_ref().take(own_count(k)).collect(),
+            nuisances: columns.by_ref().take(nuisance_count(k)).collect(),
             places,
         };
         places.into_iter().enumerate().map(gather).collect()

@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::derivatives::Columns;
-use super::joint::{Joint, Part, Point, dot};
+use super::joint::{Joint, Part, Point};
+use crate::statistics::dot;
 use crate::tune::arrow::{Arrow, Block};
 use crate::tune::huber_weight;
 
@@ -20,8 +21,8 @@ impl Joint<'_> {
         let mut arrow = Arrow::new(part.places.len(), columns.len());
         for ((&d, one), left) in part.sets.iter().zip(columns).zip(residuals) {
             let weights: Vec<f64> = left.iter().map(|r| huber_weight(*r, scale)).collect();
-            let all: Vec<&Vec<f64>> = one.shared.iter().chain(&one.own).collect();
-            let (shared, own) = (one.shared.len(), one.own.len());
+            let all: Vec<&Vec<f64>> = one.shared.iter().chain(&one.nuisances).collect();
+            let (shared, nuisances) = (one.shared.len(), one.nuisances.len());
             let mut normal = DMatrix::zeros(all.len(), all.len());
             let mut right = DVector::zeros(all.len());
             let mut weighted = vec![0.0; weights.len()];
@@ -42,15 +43,15 @@ impl Joint<'_> {
                     arrow.shared[(row, column)] += normal[(i, j)];
                 }
             }
-            let mut own_normal = normal.view((shared, shared), (own, own)).into_owned();
-            let mut own_right = right.rows(shared, own).into_owned();
+            let mut nuisance_normal = normal.view((shared, shared), (nuisances, nuisances)).into_owned();
+            let mut nuisance_right = right.rows(shared, nuisances).into_owned();
             let set = &self.sets[d];
-            for (i, (p, pull)) in set.prepared.own.iter().zip(&set.pull).enumerate() {
-                own_normal[(i, i)] += pull.powi(-2);
-                own_right[i] -= (point.own[d][i] - p.value) / pull.powi(2);
+            for (i, (p, pull)) in set.prepared.nuisances.iter().zip(&set.pull).enumerate() {
+                nuisance_normal[(i, i)] += pull.powi(-2);
+                nuisance_right[i] -= (point.nuisances[d][i] - p.value) / pull.powi(2);
             }
-            let coupling = normal.view((0, shared), (shared, own)).into_owned();
-            arrow.blocks.push(Block { places, coupling, own: own_normal, own_right });
+            let coupling = normal.view((0, shared), (shared, nuisances)).into_owned();
+            arrow.blocks.push(Block { places, coupling, nuisances: nuisance_normal, nuisance_right });
         }
         // A coefficient on which the data are silent stays put.
         for (i, &place) in part.places.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The joint fit: parameters and coefficients of all objects with every recording's own unknowns, by Levenberg–Marquardt.
+//! The joint fit: parameters and coefficients of all objects with every recording's nuisance parameters, by Levenberg–Marquardt.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -60,17 +60,17 @@ impl Joint<'_> {
     /// that it takes, one unknown at a time.
     fn admit(&self, d: usize, start: &mut Point, horizon: f64) {
         let samples = self.samples(d, horizon);
-        let taken = |own: &[f64]| self.plain(d, &start.globals, own, samples).is_ok();
-        if taken(&start.own[d]) {
+        let taken = |nuisances: &[f64]| self.plain(d, &start.globals, nuisances, samples).is_ok();
+        if taken(&start.nuisances[d]) {
             return;
         }
         for share in MOVES {
-            for (i, unknown) in self.sets[d].prepared.own.iter().enumerate() {
+            for (i, unknown) in self.sets[d].prepared.nuisances.iter().enumerate() {
                 for direction in [1.0, -1.0] {
-                    let mut own = start.own[d].clone();
-                    own[i] = (own[i] + direction * share * unknown.span()).clamp(unknown.min, unknown.max);
-                    if taken(&own) {
-                        start.own[d] = own;
+                    let mut nuisances = start.nuisances[d].clone();
+                    nuisances[i] = (nuisances[i] + direction * share * unknown.span()).clamp(unknown.min, unknown.max);
+                    if taken(&nuisances) {
+                        start.nuisances[d] = nuisances;
                         return;
                     }
                 }
@@ -108,7 +108,7 @@ impl Joint<'_> {
                 }
             }
             for (&d, left) in part.sets.iter().zip(fitted.residuals) {
-                point.own[d].clone_from(&fitted.point.own[d]);
+                point.nuisances[d].clone_from(&fitted.point.nuisances[d]);
                 residuals[d] = left;
             }
         }
@@ -174,9 +174,9 @@ impl Joint<'_> {
 
     /// What a linear model of this point promises to gain by the damped step.
     fn promise(equations: &Arrow, damping: f64) -> f64 {
-        let (shared, own) = equations.solve(damping);
-        let own: f64 = equations.blocks.iter().zip(&own).map(|(b, step)| b.own_right.dot(step)).sum();
-        shared.dot(&equations.right) + own
+        let (shared, nuisances) = equations.solve(damping);
+        let nuisances: f64 = equations.blocks.iter().zip(&nuisances).map(|(b, step)| b.nuisance_right.dot(step)).sum();
+        shared.dot(&equations.right) + nuisances
     }
 
     fn distance(&self, part: &Part, a: &Point, b: &Point) -> f64 {
@@ -184,15 +184,15 @@ impl Joint<'_> {
             let span = self.structure.globals[g].parameter.span();
             (a.globals[g] - b.globals[g]).abs() / span
         });
-        let own = part.sets.iter().flat_map(|&d| {
-            let both = a.own[d].iter().zip(&b.own[d]);
-            self.sets[d].prepared.own.iter().zip(both).map(|(p, (a, b))| (a - b).abs() / p.span())
+        let nuisances = part.sets.iter().flat_map(|&d| {
+            let both = a.nuisances[d].iter().zip(&b.nuisances[d]);
+            self.sets[d].prepared.nuisances.iter().zip(both).map(|(p, (a, b))| (a - b).abs() / p.span())
         });
-        shared.chain(own).fold(0.0, f64::max)
+        shared.chain(nuisances).fold(0.0, f64::max)
     }
 
     fn moved(&self, part: &Part, point: &Point, equations: &Arrow, damping: f64) -> Point {
-        let (shared, own) = equations.solve(damping);
+        let (shared, nuisances) = equations.solve(damping);
         let mut moved = point.clone();
         for (&place, step) in part.places.iter().zip(shared.iter()) {
             let global = &self.structure.globals[place];
@@ -202,8 +202,10 @@ impl Joint<'_> {
             let short = global.effect.is_none() && bound != *value + step;
             *value += if short { NEARER * (bound - *value) } else { bound - *value };
         }
-        for (&d, steps) in part.sets.iter().zip(own) {
-            for ((value, step), p) in moved.own[d].iter_mut().zip(steps.iter()).zip(&self.sets[d].prepared.own) {
+        for (&d, steps) in part.sets.iter().zip(nuisances) {
+            for ((value, step), p) in
+                moved.nuisances[d].iter_mut().zip(steps.iter()).zip(&self.sets[d].prepared.nuisances)
+            {
                 *value = (*value + step).clamp(p.min, p.max);
             }
         }

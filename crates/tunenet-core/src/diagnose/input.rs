@@ -2,7 +2,7 @@
 
 use crate::observation::{Note, Observation};
 use crate::simulator::Simulator;
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 /// One object: what all its recordings share.
 pub struct Subject<'a> {
@@ -49,7 +49,7 @@ impl Default for Settings {
 impl Settings {
     pub(super) fn check(&self) -> Result<()> {
         let refuse = |name, expected: &str, found: f64| {
-            Err(Error::Setting { name, expected: expected.into(), found: found.to_string() })
+            Err(Error::Setting { origin: Origin::Caller, name, expected: expected.into(), found: found.to_string() })
         };
         if !(self.significance > 0.0 && self.significance < 1.0) {
             return refuse("significance", "more than 0 and less than 1", self.significance);

@@ -4,8 +4,8 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::sets::Set;
-use super::structure::Structure;
+use super::evidence::recording::Set;
+use super::hypothesis::structure::Structure;
 use crate::Result;
 use crate::simulator::{every, predict};
 use crate::tune::robust_scale;
@@ -16,7 +16,7 @@ pub(super) struct Point {
     /// In the structure's order.
     pub globals: Vec<f64>,
     /// Shape `[recording][unknown]`.
-    pub own: Vec<Vec<f64>>,
+    pub nuisances: Vec<Vec<f64>>,
 }
 
 /// What a fit ended with.
@@ -58,25 +58,25 @@ impl Joint<'_> {
     }
 
     /// Measured − predicted of one recording in its own unit, over its first `samples`.
-    pub fn plain(&self, d: usize, globals: &[f64], own: &[f64], samples: usize) -> Result<Vec<f64>> {
+    pub fn plain(&self, d: usize, globals: &[f64], nuisances: &[f64], samples: usize) -> Result<Vec<f64>> {
         let set = &self.sets[d];
         self.rollouts.fetch_add(1, Ordering::Relaxed);
         let parameters = self.structure.parameters(set.object, globals);
         let simulator = self.structure.simulator(set.object);
-        let mut values = predict(simulator, &set.prepared, &parameters, own, &set.clock()[..samples])?;
+        let mut values = predict(simulator, &set.prepared, &parameters, nuisances, &set.clock()[..samples])?;
         values.iter_mut().zip(set.prepared.seen.values()).for_each(|(value, seen)| *value = seen - *value);
         Ok(values)
     }
 
-    pub fn white(&self, d: usize, globals: &[f64], own: &[f64], samples: usize) -> Result<Vec<f64>> {
-        let mut values = self.plain(d, globals, own, samples)?;
+    pub fn white(&self, d: usize, globals: &[f64], nuisances: &[f64], samples: usize) -> Result<Vec<f64>> {
+        let mut values = self.plain(d, globals, nuisances, samples)?;
         self.sets[d].filter.apply(&mut values);
         Ok(values)
     }
 
     /// Measured − predicted in the channels' own units, shape `[recording][sample · channel]`.
     pub fn plain_residuals(&self, point: &Point) -> Result<Vec<Vec<f64>>> {
-        let each = |d: usize| self.plain(d, &point.globals, &point.own[d], self.sets[d].clock().len());
+        let each = |d: usize| self.plain(d, &point.globals, &point.nuisances[d], self.sets[d].clock().len());
         every((0..self.sets.len()).into_par_iter().map(each))
     }
 
@@ -87,7 +87,7 @@ impl Joint<'_> {
     }
 
     pub fn residual(&self, d: usize, point: &Point, horizon: f64) -> Result<Vec<f64>> {
-        self.white(d, &point.globals, &point.own[d], self.samples(d, horizon))
+        self.white(d, &point.globals, &point.nuisances[d], self.samples(d, horizon))
     }
 
     /// Recordings and free numbers that hang together. A number that all objects share joins all.
@@ -104,10 +104,10 @@ impl Joint<'_> {
         (0..objects).map(part).filter(|part| !part.sets.is_empty()).collect()
     }
 
-    /// A weak pull of the own unknowns towards their guesses, so that a direction on which the data are silent stays put.
+    /// A weak pull of the nuisance parameters towards their guesses, so that a direction on which the data are silent stays put.
     pub fn pull(&self, point: &Point, sets: impl Iterator<Item = usize>) -> f64 {
-        let each = sets.map(|d| (&self.sets[d], &point.own[d]));
-        each.flat_map(|(s, own)| s.prepared.own.iter().zip(&s.pull).zip(own))
+        let each = sets.map(|d| (&self.sets[d], &point.nuisances[d]));
+        each.flat_map(|(s, nuisances)| s.prepared.nuisances.iter().zip(&s.pull).zip(nuisances))
             .map(|((p, pull), v)| 0.5 * ((v - p.value) / pull).powi(2))
             .sum()
     }
@@ -117,8 +117,4 @@ impl Joint<'_> {
 pub(super) fn spread(residuals: &[Vec<f64>]) -> f64 {
     let counted: Vec<f64> = residuals.iter().flatten().copied().filter(|r| *r != 0.0).collect();
     if counted.is_empty() { 1.0 } else { robust_scale(&[counted]) }
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -8,61 +8,19 @@
 //! an effect is named only where the information criterion gains clearly, its coefficients are physical, nothing else of the
 //! catalogue does as well, and what is left looks like noise. Otherwise the answer says which of these failed.
 
-mod adequacy;
-mod aloft;
 mod answer;
-mod apart;
-mod assemble;
-mod base;
-mod believed;
-mod between;
-mod by_name;
-mod by_object;
-mod catalogue;
-mod chance;
-mod colour;
 mod columns;
-mod confusable;
-mod contacts;
-mod control;
-mod decide;
 mod derivatives;
-mod driven;
 mod equations;
 mod evidence;
-mod expected;
-mod experiment;
 mod fit;
-mod flights;
-mod held_out;
-mod hidden;
+mod hypothesis;
 mod input;
-mod insufficient;
-mod intervals;
 mod joint;
-mod likely;
-mod memory;
-mod mirrored;
-mod nameless;
+mod judge;
 mod outliers;
-mod pieces;
-mod practical;
-mod prune;
-mod rest;
-mod scatter;
-mod scores;
-mod search;
-mod sets;
-mod stage;
-mod steady;
-mod straight;
-mod structure;
-mod study;
-mod throws;
-mod unknown;
-mod unmeasured;
-mod verdict;
-mod words;
+mod pipeline;
+mod strategy;
 
 #[cfg(test)]
 mod tests;
@@ -73,14 +31,16 @@ pub use answer::{
 };
 pub use input::{Progress, Recording, Settings, Subject};
 
-use std::sync::atomic::AtomicUsize;
-
 use crate::observation::{Kind, Note};
 use crate::simulator::Preparation;
-use crate::{Error, Result};
-use catalogue::Entry;
-use sets::Set;
-use study::Study;
+use crate::{Error, Origin, Result};
+use evidence::copies;
+use evidence::recording::Set;
+use judge::held_out_proof;
+use pipeline::{Preparations, Problem};
+use strategy::contacts_only::contacts_alone;
+use strategy::flights_only::flights_alone;
+use strategy::linear;
 
 /// Finds which effects are missing from the simulators of `subjects`, given what was seen of them.
 ///
@@ -100,12 +60,12 @@ pub fn diagnose(
     if let Some(lost) = recordings.iter().find(|r| r.object >= subjects.len()) {
         let (expected, found) =
             (format!("one of {} subjects", subjects.len()), format!("{} of {}", lost.object, lost.name));
-        return Err(Error::Setting { name: "object", expected, found });
+        return Err(Error::Setting { origin: Origin::Caller, name: "object", expected, found });
     }
     if !subjects.is_empty()
         && subjects.iter().all(|s| s.simulator.kind() == Kind::Joints && !s.simulator.effects().is_empty())
     {
-        return driven::diagnose(subjects, recordings, settings, progress);
+        return linear::diagnose(subjects, recordings, settings, progress);
     }
     let mut uses = Vec::new();
     let mut sets = Vec::new();
@@ -124,76 +84,34 @@ pub fn diagnose(
         }
         uses.push(one);
     }
-    throws::label(&mut sets);
+    copies::label(&mut sets);
     let mut notes = Vec::new();
     if settings.set_aside && !sets.iter().any(|s| s.held_out) {
         let objects: Vec<usize> = sets.iter().map(|s| s.object).collect();
-        for i in held_out::set_aside(&objects, settings.seed) {
+        for i in held_out_proof::set_aside(&objects, settings.seed) {
             sets[i].held_out = true;
             uses[sets[i].recording].held_out = true;
         }
         let names: Vec<&str> = uses.iter().filter(|u| u.held_out).map(|u| u.name.as_str()).collect();
         if !names.is_empty() {
-            notes.push(Note::new("held_out.chosen", format!("set aside to judge by: {}", names.join(", ")), ""));
+            notes.push(Note::new("held_out.chosen", format!("held out for validation: {}", names.join(", ")), ""));
         }
     }
-    let asked = Asked { subjects, recordings, settings, progress };
-    let known = Answered { uses, notes };
-    let whole = asked.judge(sets.clone(), known.clone())?;
-    let open = whole.notes.iter().any(|note| note.code == verdict::CONTACT_OPEN);
+    let problem = Problem { subjects, recordings, settings, progress };
+    let preparations = Preparations { uses, notes };
+    let whole = problem.run(sets.clone(), preparations.clone())?;
+    let (events_open, whole) = (whole.events_open, whole.diagnosis);
     // Where several effects together are but a guess, as of one throw with a contact, fewer of the flights are better.
     let crowded = whole.verdict == Verdict::OneOf && whole.effects.len() > 1;
     let crowded = crowded && sets.iter().any(|set| !set.contacts.is_empty());
-    if (whole.verdict == Verdict::Unknown || open || crowded)
-        && let Some(flights) = asked.flights_alone(&sets, &known, &whole)?
+    if (whole.verdict == Verdict::Unknown || events_open || crowded)
+        && let Some(flights) = flights_alone(&problem, &sets, &preparations, &whole)?
     {
         return Ok(flights);
     }
     let doubtful = crowded || whole.verdict == Verdict::Unknown || !whole.adequacy.iter().all(|test| test.passed);
-    if doubtful && let Some(contacts) = asked.contacts_alone(&sets, &known, &whole)? {
+    if doubtful && let Some(contacts) = contacts_alone(&problem, &sets, &preparations, &whole)? {
         return Ok(contacts);
     }
     Ok(whole)
-}
-
-/// What [`diagnose`] was asked.
-#[derive(Clone, Copy)]
-struct Asked<'a> {
-    subjects: &'a [Subject<'a>],
-    recordings: &'a [Recording<'a>],
-    settings: &'a Settings,
-    progress: &'a dyn Fn(Progress),
-}
-
-impl Asked<'_> {
-    /// The answer of these recordings, ready.
-    fn judge(&self, sets: Vec<Set>, known: Answered) -> Result<Diagnosis> {
-        self.judge_among(sets, known, &|_| true)
-    }
-
-    /// The same, where only these effects may be missing.
-    fn judge_among(&self, sets: Vec<Set>, known: Answered, may: &dyn Fn(&Entry) -> bool) -> Result<Diagnosis> {
-        let mut catalogue = catalogue::catalogue(self.subjects);
-        catalogue.retain(may);
-        let (held_out, sets): (Vec<Set>, Vec<Set>) = sets.into_iter().partition(|s| s.held_out);
-        let study = Study {
-            subjects: self.subjects,
-            sets,
-            catalogue,
-            settings: self.settings,
-            chance: None,
-            independent: 1.0,
-            given: Vec::new(),
-            expecting: false,
-            rollouts: AtomicUsize::new(0),
-        };
-        verdict::judge(study, held_out, self.recordings, known, self.progress)
-    }
-}
-
-/// What is known of the answer before anything is fitted.
-#[derive(Clone)]
-struct Answered {
-    uses: Vec<Use>,
-    notes: Vec<Note>,
 }

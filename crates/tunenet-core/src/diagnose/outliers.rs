@@ -1,8 +1,9 @@
-//! Single wild samples.
+//! Outliers: single samples far from their neighbours (median filter, Hampel 1974).
 
-use super::sets::{Set, median};
+use super::evidence::recording::Set;
+use crate::statistics::{mad_sd, median};
 
-/// A sample is set aside where it leaves the median of its neighbours' residuals by this many robust standard deviations.
+/// A sample is an outlier where it leaves the median of its neighbours' residuals by this many robust standard deviations.
 const OUTLYING: f64 = 6.0;
 /// More than this share of outlying samples is no accident, and they stay.
 const MOST_OUTLYING: f64 = 0.05;
@@ -75,11 +76,11 @@ fn outlying(set: &Set, residuals: &[f64]) -> Vec<usize> {
         let off: Vec<f64> = (0..places.len())
             .map(|k| {
                 let (low, high) = (k.saturating_sub(3), (k + 4).min(places.len()));
-                let near = (low..high).filter(|&j| j != k).map(|j| residuals[places[j]]).collect();
-                residuals[places[k]] - median(near)
+                let near = (low..high).filter(|&j| j != k).map(|j| residuals[places[j]]);
+                residuals[places[k]] - median(near).unwrap_or(0.0)
             })
             .collect();
-        let spread = (1.4826 * median(off.iter().map(|v| v.abs()).collect())).max(0.5);
+        let spread = mad_sd(off.iter().copied()).max(0.5);
         let wild: Vec<usize> = (0..off.len()).filter(|&k| off[k].abs() > OUTLYING * spread).collect();
         if (wild.len() as f64) < MOST_OUTLYING * places.len() as f64 {
             all.extend(wild.into_iter().map(|k| places[k]));

@@ -1,4 +1,4 @@
-//! Which pairs a training step sees.
+//! Minibatches: the pairs of each step, shuffled by epochs or drawn anew with noise and cuts (data augmentation).
 
 use std::ops::Range;
 
@@ -13,8 +13,8 @@ use super::rows::Rollout;
 use super::training_set::{self, TrainingSet};
 use crate::Result;
 
-/// Pairs that are judged together.
-const JUDGED_AT_ONCE: usize = 1024;
+/// Validation pairs that pass the network together.
+const VALIDATION_BATCH: usize = 1024;
 
 /// Proposed `[batch, width]`, target `[batch, width]` and difference `[batch, parameter]`.
 pub(super) struct Batch {
@@ -25,7 +25,7 @@ pub(super) struct Batch {
 
 /// Draws batches. Each depends on the seed and the step alone, so that a resumed training sees what it would have seen.
 pub(super) struct Batches<'a> {
-    set: &'a TrainingSet,
+    set: &'a TrainingSet<'a>,
     preset: &'a Preset,
     seed: u64,
     /// Pairs that are trained on; those behind them are held back.
@@ -35,7 +35,7 @@ pub(super) struct Batches<'a> {
 }
 
 impl<'a> Batches<'a> {
-    pub(super) fn new(set: &'a TrainingSet, preset: &'a Preset, seed: u64) -> Self {
+    pub(super) fn new(set: &'a TrainingSet<'a>, preset: &'a Preset, seed: u64) -> Self {
         let held_back = (set.pairs() as f64 * preset.held_back).floor();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most half the pairs")]
         let pairs = set.pairs() - held_back as usize;
@@ -59,11 +59,11 @@ impl<'a> Batches<'a> {
         }
     }
 
-    /// The pairs held back, so many at a time that their number does not tell in the memory.
+    /// The validation pairs in blocks, so that memory does not depend on their number.
     pub(super) fn held_back(&self) -> impl Iterator<Item = Result<Batch>> + '_ {
         let (first, end) = (self.pairs, self.set.pairs());
-        let block = move |start: usize| plain(self.set, start..(start + JUDGED_AT_ONCE).min(end));
-        (first..end).step_by(JUDGED_AT_ONCE).map(block)
+        let block = move |start: usize| plain(self.set, start..(start + VALIDATION_BATCH).min(end));
+        (first..end).step_by(VALIDATION_BATCH).map(block)
     }
 
     /// The pairs of step `step`, from 0.
@@ -121,7 +121,7 @@ fn stream(seed: u64, number: u64) -> ChaCha8Rng {
 }
 
 /// The dataset's own pairs, as they are.
-fn plain(set: &TrainingSet, pairs: impl ExactSizeIterator<Item = usize>) -> Result<Batch> {
+fn plain(set: &TrainingSet<'_>, pairs: impl ExactSizeIterator<Item = usize>) -> Result<Batch> {
     let mut build = Builder::new(set, pairs.len());
     for pair in pairs {
         build.read(2 * pair, 2 * pair + 1)?;
@@ -131,7 +131,7 @@ fn plain(set: &TrainingSet, pairs: impl ExactSizeIterator<Item = usize>) -> Resu
 }
 
 struct Builder<'a> {
-    set: &'a TrainingSet,
+    set: &'a TrainingSet<'a>,
     /// The two rollouts that were read last.
     read: [Rollout; 2],
     proposed: Vec<f32>,
@@ -140,7 +140,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(set: &'a TrainingSet, pairs: usize) -> Self {
+    fn new(set: &'a TrainingSet<'a>, pairs: usize) -> Self {
         let width = set.input.width();
         Self {
             set,
@@ -171,7 +171,7 @@ impl<'a> Builder<'a> {
             side.resize(start + row.len(), 0.0);
             side[start + seen.start..start + seen.end].copy_from_slice(&row[seen.clone()]);
         }
-        self.difference.extend(b.places.iter().zip(&a.places).map(|(b, a)| super::numbers::single(b - a)));
+        self.difference.extend(b.normalised.iter().zip(&a.normalised).map(|(b, a)| super::numbers::single(b - a)));
     }
 
     /// The target of the last pair within `seen`.

@@ -1,20 +1,13 @@
-//! Filling a dataset with rollouts.
-
-use std::path::Path;
+//! The pairs of a data set: drawn, checked and rolled out.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::dataset::{DatasetHeader, Pair};
-use super::dataset_file::DatasetWriter;
-use super::shard::Shard;
 use crate::simulator::Scale;
 use crate::simulator::{Simulator, rollout};
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
-/// Pairs rolled out before they are written. Bounds the memory; many times the number of cores, so that none waits long.
-const BLOCK: u64 = 128;
 /// Pairs on which each parameter is tried out before any is written.
 const PROBES: u64 = 32;
 
@@ -31,107 +24,30 @@ pub struct PairDraw {
     pub scale: Option<Scale>,
 }
 
-/// Rolls out the pairs of a dataset into `out`, or those that an interrupted run left over.
-///
-/// `draw` is asked for pair 0, 1, … with a generator that depends on the header's seed and the pair's number alone, and
-/// rollouts are spread over the cores: whatever the number of threads and however often the run was interrupted, the
-/// bytes are the same. `progress` gets the number of pairs done and of all; where it answers `false`, the work stops and
-/// can be resumed; that of the last call is asked before the file gets its name.
-///
-/// # Errors
-/// [`Error::Setting`] where a parameter to be learned changes no rollout, since a network would learn to make it up;
-/// [`Error::Simulator`] where a rollout fails, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
-pub fn generate(
-    simulator: &dyn Simulator,
-    header: &DatasetHeader,
-    draw: &(dyn Fn(u64, &mut ChaCha8Rng) -> PairDraw + Sync),
-    out: &Path,
-    progress: &mut dyn FnMut(u64, u64) -> bool,
-) -> Result<()> {
-    generate_shard(simulator, header, None, draw, out, progress)
-}
+/// What draws pair 0, 1, … from a generator of its own; see [`stream`].
+pub type Draw<'a> = dyn Fn(u64, &mut ChaCha8Rng) -> PairDraw + Sync + 'a;
 
-/// As [`generate`], of one share of the pairs alone where `shard` says so: [`merge`](super::merge) puts shares together.
+/// Refuses parameters to be learned that change no rollout, since a network would learn to make them up.
 ///
 /// # Errors
-/// As [`generate`].
-pub fn generate_shard(
-    simulator: &dyn Simulator,
-    header: &DatasetHeader,
-    shard: Option<Shard>,
-    draw: &(dyn Fn(u64, &mut ChaCha8Rng) -> PairDraw + Sync),
-    out: &Path,
-    progress: &mut dyn FnMut(u64, u64) -> bool,
-) -> Result<()> {
+/// [`Error::Setting`] for the first such parameter; [`Error::Simulator`] where a rollout fails.
+pub fn check_learned(simulator: &dyn Simulator, header: &DatasetHeader, draw: &Draw<'_>) -> Result<()> {
     for i in (0..header.parameters.len()).filter(|&i| header.parameters[i].tuned) {
         if !matters(simulator, header, draw, i)? {
             return Err(Error::Setting {
+                origin: Origin::File,
                 name: "parameters",
                 expected: "parameters to learn that change what is observed".into(),
                 found: format!("`{}`, which changes nothing", header.parameters[i].name),
             });
         }
     }
-    let make = |number: u64, random: &mut ChaCha8Rng| roll_pair(simulator, header, draw(number, random));
-    fill_shard(header, shard, &make, out, progress)
-}
-
-/// Writes the pairs of a dataset into `out`, or those that an interrupted run left over: `make` is asked for pair 0, 1, …
-/// with a generator that depends on the header's seed and the pair's number alone. What holds of [`generate`] holds here.
-///
-/// # Errors
-/// What `make` refuses, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
-pub fn fill(
-    header: &DatasetHeader,
-    make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
-    out: &Path,
-    progress: &mut dyn FnMut(u64, u64) -> bool,
-) -> Result<()> {
-    fill_shard(header, None, make, out, progress)
-}
-
-/// As [`fill`], of one share of the pairs alone where `shard` says so.
-///
-/// # Errors
-/// As [`fill`].
-pub fn fill_shard(
-    header: &DatasetHeader,
-    shard: Option<Shard>,
-    make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
-    out: &Path,
-    progress: &mut dyn FnMut(u64, u64) -> bool,
-) -> Result<()> {
-    let mut writer = match shard {
-        Some(shard) => DatasetWriter::open_shard(out, header.clone(), shard)?,
-        None => DatasetWriter::open(out, header.clone())?,
-    };
-    let first = shard.map_or(0, |shard| shard.block(header.pairs).start);
-    let all = writer.end() - first;
-    while writer.written() < writer.end() {
-        if !progress(writer.written() - first, all) {
-            return Err(Error::Stopped);
-        }
-        let block = writer.written()..(writer.written() + BLOCK).min(writer.end());
-        let pairs: Vec<Result<Pair>> =
-            block.into_par_iter().map(|number| make(number, &mut stream(header.seed, number))).collect();
-        for pair in pairs {
-            writer.write(&pair?)?;
-        }
-    }
-    if !progress(all, all) {
-        return Err(Error::Stopped);
-    }
-    writer.finish()
+    Ok(())
 }
 
 /// Whether parameter `i`, moved alone from the proposed model's value to the target's or to an end of its range, changes
 /// any rollout.
-fn matters(
-    simulator: &dyn Simulator,
-    header: &DatasetHeader,
-    draw: &(dyn Fn(u64, &mut ChaCha8Rng) -> PairDraw + Sync),
-    i: usize,
-) -> Result<bool> {
+fn matters(simulator: &dyn Simulator, header: &DatasetHeader, draw: &Draw<'_>, i: usize) -> Result<bool> {
     for number in 0..PROBES.min(header.pairs) {
         let drawn = draw(number, &mut stream(header.seed, number));
         let seen = rollout(simulator, &drawn.proposed, &drawn.own, &header.clock)?;
@@ -156,7 +72,11 @@ pub fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     random
 }
 
-fn roll_pair(simulator: &dyn Simulator, header: &DatasetHeader, draw: PairDraw) -> Result<Pair> {
+/// A pair as drawn, rolled out on the header's clock.
+///
+/// # Errors
+/// [`Error::Simulator`] where a rollout fails.
+pub fn roll_pair(simulator: &dyn Simulator, header: &DatasetHeader, draw: PairDraw) -> Result<Pair> {
     let PairDraw { proposed, target, own, scale } = draw;
     Ok(Pair {
         proposed: rollout(simulator, &proposed, &own, &header.clock)?,
@@ -225,11 +145,8 @@ mod tests {
             own: Vec::new(),
             scale: None,
         };
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().join("pairs.mcap");
-        let error = generate(&line, &header([true, true]), &draw, &out, &mut |_, _| true).unwrap_err().to_string();
+        let error = check_learned(&line, &header([true, true]), &draw).unwrap_err().to_string();
         assert!(error.contains("`colour`") && !error.contains("`slope`"), "{error}");
-        assert!(!out.exists());
-        generate(&line, &header([true, false]), &draw, &out, &mut |_, _| true).unwrap();
+        check_learned(&line, &header([true, false]), &draw).unwrap();
     }
 }

@@ -1,4 +1,4 @@
-//! Of many numbers, those nearest to an even grid over `[0, 1]`, found in one look at each and without keeping them.
+//! One-pass selection of the numbers nearest to an even grid over `[0, 1]`, in memory that does not grow with their count.
 
 /// A number with its place in the order that it was shown in.
 type Numbered = (f64, usize);

@@ -1,7 +1,5 @@
 //! A trained network that estimates parameter differences.
 
-use std::path::Path;
-
 use candle_core::{DType, Device, Tensor};
 use serde::{Deserialize, Serialize};
 
@@ -10,12 +8,12 @@ use super::input::{Encoded, Input};
 use super::library::Library;
 use super::preset::Preset;
 use super::two_branch::{TwoBranch, Widths};
-use super::weights_file::{self, Contents};
+use super::weights::{Weights, WeightsFault};
 use crate::observation::{Channel, Observation, resample};
 use crate::simulator::Scale;
 use crate::{Error, Result};
 
-/// Version of the model file's format. Raised whenever an older program would misread a newer file.
+/// Version of a model's [`Weights`]. Raised whenever an older program would misread a newer file.
 pub const MODEL_VERSION: u32 = 1;
 
 /// Everything about a model but its numbers.
@@ -234,62 +232,42 @@ impl Model {
         input.encode(seen.clock(), seen.values(), channels, side.scale)
     }
 
-    /// The model file: weights under their field names, the training set's clock as `clock`, stored rollouts under
-    /// `library`, and everything else as JSON under `tunenet` in the metadata. The same training gives the same bytes.
+    /// All of it as named arrays: weights under their field names, the training set's clock as `clock`, stored rollouts under
+    /// `library`, and everything else as JSON. The same training gives the same arrays.
     ///
     /// # Errors
     /// [`Error::Network`] where a tensor cannot be read.
-    pub fn to_bytes(&self) -> Result<Vec<u8>> {
+    pub fn weights(&self) -> Result<Weights> {
         let about = serde_json::to_string(&self.about).map_err(|e| candle_core::Error::Msg(e.to_string()))?;
         let mut tensors = named(&self.network);
         tensors.push(("clock".into(), Tensor::from_slice(&self.clock, self.clock.len(), &Device::Cpu)?));
         if let Some(library) = &self.library {
             tensors.extend(library.tensors()?);
         }
-        weights_file::to_bytes(about, &tensors)
+        Weights::new(about, &tensors)
     }
 
-    /// Writes the model file; `path` never holds half of one.
+    /// The model that [`Model::weights`] described.
     ///
     /// # Errors
-    /// [`Error::Io`] where the disk refuses.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        weights_file::write(path.as_ref(), &self.to_bytes()?)
-    }
-
-    /// Reads a model file.
-    ///
-    /// # Errors
-    /// [`Error::Io`] where the file cannot be read; [`Error::File`] where it is not safetensors, is not a model, has another
-    /// version, or a weight is missing or has another shape.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
-        let path = path.as_ref();
-        Self::from_bytes(path, &weights_file::read_bytes(path, "a model")?)
-    }
-
-    /// As [`Model::load`], from bytes at hand; `path` names them in messages.
-    ///
-    /// # Errors
-    /// [`Error::File`] as [`Model::load`].
-    pub fn from_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Self> {
-        let path = path.as_ref();
-        let mut contents = weights_file::from_bytes(path, bytes, "a model")?;
-        let about = read_about(path, &contents)?;
-        let samples = contents.tensors.get("clock").map_or(0, Tensor::elem_count);
-        let clock = contents.take(path, "clock", DType::F64, &[samples])?.to_vec1()?;
-        let network = take_network(path, &mut contents, &about)?;
-        let library = Library::take(path, &mut contents, about.input.width(), about.parameters.len())?;
+    /// [`Error::Weights`] where they are no model, of another version, or an array is missing or has another shape.
+    pub fn from_weights(mut weights: Weights) -> Result<Self> {
+        let about = read_about(&weights.about)?;
+        let samples = weights.shape("clock").map_or(0, |shape| shape.iter().product());
+        let clock = weights.take("clock", DType::F64, &[samples])?.to_vec1()?;
+        let network = take_network(&mut weights, &about)?;
+        let library = Library::take(&mut weights, about.input.width(), about.parameters.len())?;
         Self::new(about, clock, network, library)
     }
 }
 
-fn read_about(path: &Path, contents: &Contents) -> Result<About> {
+fn read_about(text: &str) -> Result<About> {
     let refuse = |found: String| {
-        let text = format!("expected a model of version {MODEL_VERSION}, found {found}");
-        Error::file(path, text, "train it again with this version of `tunenet train`")
+        let expected = format!("a model of version {MODEL_VERSION}");
+        Error::Weights { expected, found, fault: WeightsFault::Version }
     };
     // The version decides whether the rest can be understood at all.
-    let json: serde_json::Value = serde_json::from_str(&contents.about).map_err(|e| refuse(e.to_string()))?;
+    let json: serde_json::Value = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
     match json.get("version").and_then(serde_json::Value::as_u64) {
         Some(version) if version == u64::from(MODEL_VERSION) => {}
         Some(version) => return Err(refuse(format!("version {version}"))),
@@ -305,11 +283,11 @@ pub(super) fn named(network: &TwoBranch) -> Vec<(String, Tensor)> {
     TwoBranch::NAMES.iter().map(|name| (*name).to_owned()).zip(network.weights().into_iter().cloned()).collect()
 }
 
-/// The network that `about` describes, out of a file.
-pub(super) fn take_network(path: &Path, contents: &mut Contents, about: &About) -> Result<TwoBranch> {
+/// The network that `about` describes, out of stored weights.
+pub(super) fn take_network(stored: &mut Weights, about: &About) -> Result<TwoBranch> {
     let mut weights = Vec::with_capacity(8);
     for (name, shape) in TwoBranch::NAMES.iter().zip(TwoBranch::shapes(widths(about))) {
-        weights.push(contents.take(path, name, DType::F32, &shape)?);
+        weights.push(stored.take(name, DType::F32, &shape)?);
     }
     let Ok(weights) = <[Tensor; 8]>::try_from(weights) else { unreachable!("eight names") };
     Ok(TwoBranch::from_weights(weights, about.preset.head))

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::observation::Channel;
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 /// A training in full: what the network sees, its shape, and how it learns.
 ///
@@ -319,7 +319,7 @@ impl Default for Preset {
 }
 
 fn setting(name: &'static str, expected: &str, found: impl std::fmt::Display) -> Error {
-    Error::Setting { name, expected: expected.into(), found: found.to_string() }
+    Error::Setting { origin: Origin::Caller, name, expected: expected.into(), found: found.to_string() }
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
-//! Encoded rollouts, however many: in memory, or beyond a limit in a temporary file that is read rollout by rollout.
+//! Out-of-core array of encoded rollouts: in memory, or beyond a limit in a temporary file that is read record by record.
 
 use std::fs::File;
 use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 
 use crate::{Error, Result};
 
@@ -16,7 +15,7 @@ pub(super) struct Rollout {
     /// What it covers of its row.
     pub(super) covered: Range<usize>,
     /// Tuned parameters less their least value, over their span. Double precision: the differences are what is learned.
-    pub(super) places: Vec<f64>,
+    pub(super) normalised: Vec<f64>,
     /// Shape `[width]`.
     pub(super) row: Vec<f32>,
 }
@@ -27,26 +26,29 @@ enum Kept {
     File(BufWriter<File>),
 }
 
+/// Opens a file without a name, which the system takes away with the process.
+pub type Overflow<'a> = dyn Fn() -> std::io::Result<File> + 'a;
+
+/// Where encoded rollouts are kept: so many bytes in memory, and a temporary file for more, where there is one.
+#[derive(Clone, Copy)]
+pub(super) struct Room<'a> {
+    pub(super) memory_bytes: usize,
+    pub(super) overflow: Option<&'a Overflow<'a>>,
+}
+
 /// Records of one length, one for each rollout.
-pub(super) struct Rows {
+pub(super) struct Rows<'a> {
     parameters: usize,
     width: usize,
     count: usize,
     kept: Kept,
-    /// Most bytes in memory.
-    limit_bytes: usize,
-    /// Where the temporary file is made, and what it is called where something is wrong with it.
-    folder: PathBuf,
-    called: PathBuf,
+    room: Room<'a>,
 }
 
-impl Rows {
-    /// None yet, of `parameters` places and `width` numbers each. At most `limit_bytes` stay in memory; more go to a file
-    /// without a name in `folder`, which the system takes away with the process.
-    pub(super) fn new(parameters: usize, width: usize, limit_bytes: usize, folder: &Path) -> Self {
-        let kept = Kept::Memory(Vec::new());
-        let called = folder.join("temporary file of the training");
-        Self { parameters, width, count: 0, kept, limit_bytes, folder: folder.into(), called }
+impl<'a> Rows<'a> {
+    /// None yet, of `parameters` normalised parameters and `width` numbers each.
+    pub(super) fn new(parameters: usize, width: usize, room: Room<'a>) -> Self {
+        Self { parameters, width, count: 0, kept: Kept::Memory(Vec::new()), room }
     }
 
     /// How many rollouts.
@@ -60,18 +62,19 @@ impl Rows {
         for bound in [rollout.covered.start, rollout.covered.end] {
             record.extend((bound as u64).to_le_bytes());
         }
-        rollout.places.iter().for_each(|place| record.extend(place.to_le_bytes()));
+        rollout.normalised.iter().for_each(|value| record.extend(value.to_le_bytes()));
         rollout.row.iter().for_each(|value| record.extend(value.to_le_bytes()));
         if let Kept::Memory(bytes) = &self.kept
-            && bytes.len() + record.len() > self.limit_bytes
+            && bytes.len() + record.len() > self.room.memory_bytes
+            && let Some(open) = self.room.overflow
         {
-            let mut file = BufWriter::new(tempfile::tempfile_in(&self.folder).map_err(|e| self.failed("creating", e))?);
-            file.write_all(bytes).map_err(|e| self.failed("writing", e))?;
+            let mut file = BufWriter::new(open().map_err(failed("creating"))?);
+            file.write_all(bytes).map_err(failed("writing"))?;
             self.kept = Kept::File(file);
         }
         match &mut self.kept {
             Kept::Memory(bytes) => bytes.extend(record),
-            Kept::File(file) => file.write_all(&record).map_err(|e| Error::io(&self.called, "writing", e))?,
+            Kept::File(file) => file.write_all(&record).map_err(failed("writing"))?,
         }
         self.count += 1;
         Ok(())
@@ -81,7 +84,7 @@ impl Rows {
     pub(super) fn finish(&mut self) -> Result<()> {
         match &mut self.kept {
             Kept::Memory(_) => Ok(()),
-            Kept::File(file) => file.flush().map_err(|e| Error::io(&self.called, "writing", e)),
+            Kept::File(file) => file.flush().map_err(failed("writing")),
         }
     }
 
@@ -127,15 +130,15 @@ impl Rows {
         let Kept::File(file) = &self.kept else { return Ok(()) };
         let mut file = file.get_ref();
         let start = SeekFrom::Start((number * self.record_bytes()) as u64);
-        file.seek(start).and_then(|_| file.read_exact(into)).map_err(|e| self.failed("reading", e))
+        file.seek(start).and_then(|_| file.read_exact(into)).map_err(failed("reading"))
     }
 
     fn decode(&self, record: &[u8], rollout: &mut Rollout) {
         let eight = |at: usize| <[u8; 8]>::try_from(&record[at..at + 8]).unwrap_or_default();
         let bound = |at: usize| usize::try_from(u64::from_le_bytes(eight(at))).unwrap_or(usize::MAX);
         rollout.covered = bound(0)..bound(8);
-        rollout.places.clear();
-        rollout.places.extend((0..self.parameters).map(|i| f64::from_le_bytes(eight(16 + 8 * i))));
+        rollout.normalised.clear();
+        rollout.normalised.extend((0..self.parameters).map(|i| f64::from_le_bytes(eight(16 + 8 * i))));
         let row = record[16 + 8 * self.parameters..].chunks_exact(4);
         rollout.row.clear();
         rollout.row.extend(row.map(|four| f32::from_le_bytes(four.try_into().unwrap_or_default())));
@@ -145,10 +148,6 @@ impl Rows {
         16 + 8 * self.parameters + 4 * self.width
     }
 
-    fn failed(&self, action: &'static str, source: std::io::Error) -> Error {
-        Error::io(&self.called, action, source)
-    }
-
     /// Whether they are in a file.
     #[cfg(test)]
     pub(super) fn on_disk(&self) -> bool {
@@ -156,22 +155,27 @@ impl Rows {
     }
 }
 
+fn failed(action: &'static str) -> impl Fn(std::io::Error) -> Error {
+    move |source| Error::Overflow { action, source }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn rollout(number: usize) -> Rollout {
-        let place = number as f64 / 7.0;
-        let row = (0..5u16).map(|i| f32::from(i) / 3.0 + super::super::numbers::single(place)).collect();
-        Rollout { covered: number..number + 3, places: vec![place, -place], row }
+        let value = number as f64 / 7.0;
+        let row = (0..5u16).map(|i| f32::from(i) / 3.0 + super::super::numbers::single(value)).collect();
+        Rollout { covered: number..number + 3, normalised: vec![value, -value], row }
     }
 
     #[test]
     fn memory_and_file_hold_the_same() {
         let folder = tempfile::tempdir().unwrap();
-        // The third takes the change of place with it.
+        // The third causes the move to the file.
         for (limit, on_disk) in [(1 << 20, false), (2 * 52 + 3, true), (0, true)] {
-            let mut rows = Rows::new(2, 5, limit, folder.path());
+            let open = || tempfile::tempfile_in(folder.path());
+            let mut rows = Rows::new(2, 5, Room { memory_bytes: limit, overflow: Some(&open) });
             (0..40).for_each(|i| rows.push(&rollout(i)).unwrap());
             rows.finish().unwrap();
             assert_eq!((rows.len(), rows.on_disk()), (40, on_disk));
@@ -192,10 +196,10 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_takes_no_file_is_named() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut rows = Rows::new(2, 5, 0, &folder.path().join("none"));
+    fn a_temporary_file_that_cannot_be_made_is_an_error() {
+        let open = || Err(std::io::ErrorKind::StorageFull.into());
+        let mut rows = Rows::new(2, 5, Room { memory_bytes: 0, overflow: Some(&open) });
         let refused = rows.push(&rollout(0)).unwrap_err().to_string();
-        assert!(refused.contains("none/temporary file of the training: creating failed"), "{refused}");
+        assert!(refused.starts_with("temporary file of the training: creating failed"), "{refused}");
     }
 }

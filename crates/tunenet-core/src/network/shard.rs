@@ -1,4 +1,4 @@
-//! One of several equal shares of a work that consists of numbered, independent pieces.
+//! Static partition of numbered, independent pieces of work into equal shards.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 /// Share `index` of `count`, from 0: written `2/8`.
 ///
@@ -37,7 +37,7 @@ impl Shard {
     pub fn new(index: u32, count: u32) -> Result<Self> {
         let refuse = |expected: String| {
             let found = format!("`{index}/{count}`");
-            Err(Error::Setting { name: "--shard", expected, found })
+            Err(Error::Setting { origin: Origin::Caller, name: "--shard", expected, found })
         };
         if count == 0 || count > Self::MOST {
             return refuse(format!("1 to {} shards", Self::MOST));
@@ -92,7 +92,7 @@ impl FromStr for Shard {
             return Self::new(index, count);
         }
         let (expected, found) = ("i/n with i from 0 to n − 1, such as 0/4".into(), format!("`{text}`"));
-        Err(Error::Setting { name: "--shard", expected, found })
+        Err(Error::Setting { origin: Origin::Caller, name: "--shard", expected, found })
     }
 }
 

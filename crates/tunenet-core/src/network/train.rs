@@ -1,18 +1,18 @@
-//! Training a network on a dataset.
+//! Minibatch training of a network on a data set, with validation, progress and checkpoints.
 
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::batches::{Batch, Batches};
-use super::checkpoint::{self, Kept};
-use super::dataset::{DatasetHeader, Pair};
-use super::learner::{Learner, Moment, Place};
+use super::checkpoint::{self, Checkpoint, Kept};
+use super::dataset::{DataSet, DatasetHeader, Pair, PairsInMemory};
+use super::learner::Learner;
 use super::library::Library;
 use super::model::{self, About, MODEL_VERSION, Model, Target};
-use super::optimiser::Descent;
+use super::optimiser::{GradientDescent, Schedule};
 use super::preset::Preset;
+use super::rows::{Overflow, Room};
 use super::train_device::TrainDevice;
-use super::training_set::{Room, TrainingSet};
+use super::training_set::TrainingSet;
 use super::two_branch::TwoBranch;
 use crate::observation::Channel;
 use crate::{Error, Result};
@@ -30,11 +30,8 @@ pub struct TrainOptions {
     pub preset: Preset,
     /// What the initial weights and all draws start from.
     pub seed: u64,
-    /// Where to keep a checkpoint, if anywhere. It is found again by the same training after a kill, stays when training
-    /// is done, and is the caller's to delete once the model is safe.
-    pub checkpoint: Option<PathBuf>,
-    /// Most bytes of encoded rollouts in memory. What is more waits in a temporary file beside the checkpoint, else in the
-    /// system's folder for such files; what is learned is the same, bit for bit.
+    /// Most bytes of encoded rollouts in memory. What is more waits in [`Keeping::overflow`]; what is learned is the same, bit
+    /// for bit.
     pub memory_bytes: usize,
     /// Where the sums are done. A checkpoint goes on where it was made, or not at all.
     pub device: TrainDevice,
@@ -44,21 +41,21 @@ impl TrainOptions {
     /// [`memory_bytes`](Self::memory_bytes) where nobody says otherwise.
     pub const MEMORY_BYTES: usize = 256 << 20;
 
-    /// Without a checkpoint, with the usual memory, on the CPU.
+    /// With the usual memory, on the CPU.
     #[must_use]
     pub fn new(preset: Preset, seed: u64) -> Self {
-        Self { preset, seed, checkpoint: None, memory_bytes: Self::MEMORY_BYTES, device: TrainDevice::Cpu }
+        Self { preset, seed, memory_bytes: Self::MEMORY_BYTES, device: TrainDevice::Cpu }
     }
+}
 
-    /// Where the temporary file belongs.
-    fn folder(&self) -> PathBuf {
-        let beside = self.checkpoint.as_deref().and_then(Path::parent);
-        match beside {
-            Some(folder) if folder.as_os_str().is_empty() => PathBuf::from("."),
-            Some(folder) => folder.into(),
-            None => std::env::temp_dir(),
-        }
-    }
+/// What a training writes besides its model.
+#[derive(Clone, Copy, Default)]
+pub struct Keeping<'a> {
+    /// Where its state is kept, if anywhere. It is found again by the same training after a kill, stays when training is
+    /// done, and is the caller's to remove once the model is safe.
+    pub checkpoint: Option<&'a dyn Checkpoint>,
+    /// Where encoded rollouts beyond [`TrainOptions::memory_bytes`] wait; without one all stay in memory.
+    pub overflow: Option<&'a Overflow<'a>>,
 }
 
 /// Where a training stands.
@@ -77,40 +74,29 @@ pub struct TrainProgress {
     pub seconds_left: f64,
 }
 
-/// Trains a network on `dataset`.
+/// Trains a network on `data`, which is gone through once or twice, pair by pair, and may be larger than the memory.
 ///
-/// The dataset is read from its file once or twice, pair by pair, and may be larger than the memory.
-/// The same dataset, preset and seed give the same weights, bit for bit on one kind of processor, whatever the number of
+/// The same data set, preset and seed give the same weights, bit for bit on one kind of processor, whatever the number of
 /// threads and however often the training was interrupted. On a GPU the same holds for one kind of GPU, as far as its own
-/// libraries do. Where `progress` answers `false`, a checkpoint is written and
-/// the training stops.
+/// libraries do. Where `progress` answers `false`, a checkpoint is written and the training stops.
 ///
 /// # Errors
-/// [`Error::Setting`] for a preset out of range; [`Error::File`] and [`Error::Io`] where the dataset or the checkpoint
-/// cannot be used; [`Error::Model`] where the dataset does not fit the preset; those of [`TrainDevice::check`]; [`Error::Stopped`] on request.
+/// [`Error::Setting`] for a preset out of range; [`Error::Dataset`] and [`Error::Model`] where the data set does not fit the
+/// preset; [`Error::Weights`] for a checkpoint of another training; those of `data`, of `keeping` and of
+/// [`TrainDevice::check`]; [`Error::Stopped`] on request.
 pub fn train(
-    dataset: &Path,
+    data: &dyn DataSet,
     options: &TrainOptions,
-    progress: &mut dyn FnMut(&TrainProgress) -> bool,
-) -> Result<Model> {
-    train_at(&options.device.place()?, dataset, options, progress)
-}
-
-/// As [`train`], wherever [`TrainOptions::device`] is.
-pub(super) fn train_at(
-    place: &Place,
-    dataset: &Path,
-    options: &TrainOptions,
+    keeping: Keeping<'_>,
     progress: &mut dyn FnMut(&TrainProgress) -> bool,
 ) -> Result<Model> {
     options.preset.check()?;
-    let room = Room { memory_bytes: options.memory_bytes, folder: &options.folder() };
-    let set = TrainingSet::read(dataset, &options.preset, room)?;
-    let kept = options.checkpoint.as_deref().map(|checkpoint| (checkpoint, dataset));
-    learn(place, &set, options, kept, progress)
+    let room = Room { memory_bytes: options.memory_bytes, overflow: keeping.overflow };
+    let set = TrainingSet::gather(data, &options.preset, room)?;
+    learn(&set, options, keeping.checkpoint, progress)
 }
 
-/// As [`train`], on pairs at hand; [`TrainOptions::checkpoint`] is not used.
+/// As [`train`], on pairs in memory and without a checkpoint.
 ///
 /// # Errors
 /// As [`train`]; [`Error::Model`] for a pair that is not what `header` announces.
@@ -120,21 +106,17 @@ pub fn train_on(
     options: &TrainOptions,
     progress: &mut dyn FnMut(&TrainProgress) -> bool,
 ) -> Result<Model> {
-    options.preset.check()?;
-    let room = Room { memory_bytes: options.memory_bytes, folder: &options.folder() };
-    let set = TrainingSet::collect(header, pairs, &options.preset, room)?;
-    learn(&options.device.place()?, &set, options, None, progress)
+    train(&PairsInMemory { header, pairs }, options, Keeping::default(), progress)
 }
 
-/// Trains on `set`; `kept` is where the state is kept and the file that the set was read from.
+/// Trains on `set`, with its state in `checkpoint`.
 fn learn(
-    place: &Place,
-    set: &TrainingSet,
+    set: &TrainingSet<'_>,
     options: &TrainOptions,
-    kept: Option<(&Path, &Path)>,
+    checkpoint: Option<&dyn Checkpoint>,
     progress: &mut dyn FnMut(&TrainProgress) -> bool,
 ) -> Result<Model> {
-    let preset = &options.preset;
+    let (preset, device) = (&options.preset, options.device.device()?);
     let about = About {
         version: MODEL_VERSION,
         preset: preset.clone(),
@@ -145,19 +127,16 @@ fn learn(
         seed: options.seed,
     };
     let mut network = TwoBranch::new(model::widths(&about), preset.head, options.seed)?;
-    let mut descent = Descent::new(preset.optimiser.clone(), &network)?;
+    let mut descent = GradientDescent::new(preset.optimiser.clone(), &network)?;
     let mut batches = Batches::new(set, preset, options.seed);
-    let fingerprint = match kept {
-        Some((_, dataset)) => checkpoint::fingerprint(dataset, &about)?,
-        None => String::new(),
-    };
-    let kept = kept.map(|(path, _)| Kept { path, fingerprint: &fingerprint, place });
+    let fingerprint = checkpoint.map(|kept| checkpoint::fingerprint(kept, &about)).transpose()?.unwrap_or_default();
+    let kept = checkpoint.map(|checkpoint| Kept { checkpoint, fingerprint: &fingerprint, device: options.device });
     let mut first = 0;
     if let Some(kept) = kept {
         first = checkpoint::load(kept, &about, &mut network, &mut descent)?.unwrap_or(0);
     }
-    let mut learner = place.learner(network, descent, preset.loss)?;
-    let save = |step: u64, learner: &dyn Learner| {
+    let mut learner = Learner::new(&network, &descent, preset.loss, &device)?;
+    let save = |step: u64, learner: &Learner| {
         let Some(kept) = kept else { return Ok(()) };
         let (network, descent) = learner.state()?;
         checkpoint::save(kept, step, &network, &descent)
@@ -170,7 +149,7 @@ fn learn(
     let (started, mut saved) = (Instant::now(), Instant::now());
     for step in first..steps {
         let batch = batches.draw(step)?;
-        let loss = learner.learn(&batch, Moment { step, steps, epoch: step / batches.in_epoch() })?;
+        let loss = learner.learn(&batch, Schedule { step, steps, epoch: step / batches.in_epoch() })?;
         let done = step + 1;
         if done % validate_every == 0 || done == first + 1 {
             validation = mean_error(&learner.state()?.0, batches.held_back())?;
@@ -184,11 +163,11 @@ fn learn(
             let report =
                 TrainProgress { step: done, steps, loss, validation, seconds_left: pace * (steps - done) as f64 };
             if !progress(&report) && done < steps {
-                save(done, learner.as_ref())?;
+                save(done, &learner)?;
                 return Err(Error::Stopped);
             }
             if saved.elapsed() >= CHECKPOINT_EVERY || done == steps {
-                save(done, learner.as_ref())?;
+                save(done, &learner)?;
                 saved = Instant::now();
             }
         }

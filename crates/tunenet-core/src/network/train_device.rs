@@ -2,13 +2,12 @@
 
 use candle_core::Device;
 
-use super::learner::Place;
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 /// Where a network is trained.
 ///
-/// The same pairs, initial weights, loss and steps everywhere; the sums are rounded otherwise, so that the weights differ in
-/// their last digits at first, and then as two trainings do.
+/// The same code runs everywhere; the sums are rounded otherwise, so that the weights differ in their last digits at first,
+/// and then as two trainings do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TrainDevice {
     /// The processor, on the thread that asks: the same bits whatever the number of threads.
@@ -39,19 +38,20 @@ impl TrainDevice {
     /// # Errors
     /// [`Error::Setting`] in a build without the feature `cuda`; [`Error::Device`] where no GPU answers.
     pub fn check(self) -> Result<()> {
-        self.place().map(drop)
+        self.device().map(drop)
     }
 
     /// As [`check`](Self::check).
-    pub(super) fn place(self) -> Result<Place> {
+    pub(super) fn device(self) -> Result<Device> {
         match self {
-            Self::Cpu => Ok(Place::ByHand),
+            Self::Cpu => Ok(Device::Cpu),
             Self::Cuda if !candle_core::utils::cuda_is_available() => Err(Error::Setting {
+                origin: Origin::Caller,
                 name: "device",
                 expected: "`cpu` or `auto` in a build without support for GPUs".into(),
                 found: "`cuda`".into(),
             }),
-            Self::Cuda => Device::new_cuda(0).map(Place::Candle).map_err(|e| {
+            Self::Cuda => Device::new_cuda(0).map_err(|e| {
                 // A trace of calls may follow.
                 let message = e.to_string().lines().next().unwrap_or_default().to_owned();
                 Error::Device { message }

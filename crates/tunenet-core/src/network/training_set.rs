@@ -1,70 +1,45 @@
-//! A dataset as the network sees it.
+//! The training set: every pair of a data set, encoded as network input.
 
 use std::ops::Range;
-use std::path::Path;
 
-use super::dataset::{CoveredParameter, DatasetHeader, Pair};
-use super::dataset_file::DatasetReader;
+use super::dataset::{CoveredParameter, DataSet, DatasetHeader, Pair};
 use super::input::Input;
 use super::preset::{InputChoice, Preset};
-use super::rows::{Rollout, Rows};
+use super::rows::{Rollout, Room, Rows};
 use crate::{Error, Result};
 
-/// Where encoded rollouts are kept: so many bytes in memory, and the folder of a temporary file for more.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Room<'a> {
-    pub(super) memory_bytes: usize,
-    pub(super) folder: &'a Path,
-}
-
 /// All rollouts of a dataset, encoded. Pair `i` is rollouts `2 i` (proposed) and `2 i + 1` (target).
-pub(super) struct TrainingSet {
+pub(super) struct TrainingSet<'a> {
     pub(super) header: DatasetHeader,
     pub(super) input: Input,
     /// What it sees of a target, where that is observed otherwise.
     pub(super) target: Option<Input>,
     /// The tuned parameters.
     pub(super) parameters: Vec<CoveredParameter>,
-    pub(super) rollouts: Rows,
+    pub(super) rollouts: Rows<'a>,
     /// The most that a proposed rollout covers of its row.
     pub(super) longest: usize,
     /// Whether any rollout can stand beside any other.
     pub(super) mixable: bool,
 }
 
-impl TrainingSet {
-    /// From a dataset's file.
-    pub(super) fn read(path: &Path, preset: &Preset, room: Room) -> Result<Self> {
-        let header = DatasetReader::open(path)?.header().clone();
-        Self::gather(path, header, &|| Ok(Box::new(DatasetReader::open(path)?)), preset, room)
-    }
-
-    /// From pairs at hand.
-    pub(super) fn collect(header: &DatasetHeader, pairs: &[Pair], preset: &Preset, room: Room) -> Result<Self> {
-        let checked = |pair: &Pair| {
-            let refuse =
-                |text: String| Error::Model { what: "training".into(), expected: "whole pairs".into(), found: text };
-            header.check(pair).map_err(refuse).map(|()| pair.clone())
-        };
-        Self::gather(Path::new("pairs"), header.clone(), &|| Ok(Box::new(pairs.iter().map(checked))), preset, room)
-    }
-
-    /// `open` starts the pairs over; `path` names their origin in messages.
-    fn gather(path: &Path, header: DatasetHeader, open: &Pairs, preset: &Preset, room: Room) -> Result<Self> {
+impl<'a> TrainingSet<'a> {
+    /// Goes through `data` once or twice, as `preset` needs.
+    pub(super) fn gather(data: &dyn DataSet, preset: &Preset, room: Room<'a>) -> Result<Self> {
+        let header = data.header().clone();
         let tuned: Vec<usize> = (0..header.parameters.len()).filter(|&i| header.parameters[i].tuned).collect();
         let parameters: Vec<CoveredParameter> = tuned.iter().map(|&i| header.parameters[i].clone()).collect();
         if parameters.is_empty() {
-            return Err(Error::file(path, "expected at least one parameter to learn, found none", ""));
+            return Err(refuse("at least one parameter to learn", "none", ""));
         }
         if let Some(p) = parameters.iter().find(|p| p.span() <= 0.0 || !p.span().is_finite()) {
-            let text = format!("expected a range for `{}`, found {} to {}", p.name, p.min, p.max);
-            return Err(Error::file(path, text, ""));
+            return Err(refuse(format!("a range for `{}`", p.name), format!("{} to {}", p.min, p.max), ""));
         }
-        let (input, target) = fit_inputs(path, &header, open, preset)?;
-        let rollouts = Rows::new(parameters.len(), input.width(), room.memory_bytes, room.folder);
+        let (input, target) = fit_inputs(data, preset)?;
+        let rollouts = Rows::new(parameters.len(), input.width(), room);
         let mut set = Self { header, input, target, parameters, rollouts, longest: 0, mixable: true };
         let (mut own, mut differ): (Option<Vec<f64>>, bool) = (None, false);
-        for pair in open()? {
+        for pair in data.pairs()? {
             let pair = pair?;
             differ |= set.push(&pair, &tuned)?;
             set.mixable &= own.get_or_insert_with(|| pair.own.clone()) == &pair.own;
@@ -73,12 +48,12 @@ impl TrainingSet {
         // In units of its own scale a rollout no longer remembers its height.
         set.mixable |= matches!(set.input, Input::Dimensionless { .. });
         if set.pairs() == 0 {
-            return Err(Error::file(path, "expected at least one pair, found none", ""));
+            return Err(refuse("at least one pair", "none", ""));
         }
         if !differ {
             let names: Vec<String> = set.parameters.iter().map(|p| format!("`{}`", p.name)).collect();
-            let text = format!("expected rollouts that differ with {}, found none that do", names.join(", "));
-            return Err(Error::file(path, text, "learn parameters that change what is observed"));
+            let expected = format!("rollouts that differ with {}", names.join(", "));
+            return Err(refuse(expected, "none that do", "learn parameters that change what is observed"));
         }
         Ok(set)
     }
@@ -91,7 +66,7 @@ impl TrainingSet {
             let seen = input.encode(header.clock_of(pair), values, channels, pair.scale.as_ref())?;
             Ok(Rollout {
                 covered: seen.covered,
-                places: tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()).collect(),
+                normalised: tuned.iter().zip(&self.parameters).map(|(&i, p)| (all[i] - p.min) / p.span()).collect(),
                 row: seen.values.iter().map(|v| super::numbers::single(*v)).collect(),
             })
         };
@@ -115,19 +90,22 @@ pub(super) fn common(a: &Rollout, b: &Rollout) -> Range<usize> {
     start..a.covered.end.min(b.covered.end).max(start)
 }
 
-/// Starts the pairs of a dataset over.
-type Pairs<'a> = dyn Fn() -> Result<Box<dyn Iterator<Item = Result<Pair>> + 'a>> + 'a;
+/// A data set that cannot be learned from.
+fn refuse(expected: impl Into<String>, found: impl Into<String>, remedy: &'static str) -> Error {
+    Error::Dataset { expected: expected.into(), found: found.into(), remedy }
+}
 
 /// What the network is to see of a proposed rollout, and of a target where that is observed otherwise.
-fn fit_inputs(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset) -> Result<(Input, Option<Input>)> {
+fn fit_inputs(data: &dyn DataSet, preset: &Preset) -> Result<(Input, Option<Input>)> {
+    let header = data.header();
     if header.target_channels.is_empty() {
-        return Ok((fit_input(path, header, open, preset)?, None));
+        return Ok((fit_input(data, preset)?, None));
     }
     // The last channel on either side: a ball's height, and `v` in its picture.
     let (z, v) = (header.channels.len().saturating_sub(1), header.target_channels.len() - 1);
     match &preset.input {
         InputChoice::Raw { channel: None } if !header.clocks_in_pairs() => {
-            let [proposed, target] = bounds(header, open)?;
+            let [proposed, target] = bounds(data)?;
             let samples = header.clock.len();
             let raw = |channel: usize, (low, high): (f64, f64)| Input::Raw { channel, samples, low, high };
             Ok((raw(z, proposed[z]), Some(raw(v, target[v]))))
@@ -138,17 +116,18 @@ fn fit_inputs(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset
             Ok((Input::Dimensionless { channel: z, bins, tau_max }, Some(seen)))
         }
         _ => {
-            let text = "expected a preset that sees heights on both sides, found targets that are pictures";
-            Err(Error::file(path, text, "train with preset `default` or `paper`"))
+            let expected = "a preset that sees heights on both sides";
+            Err(refuse(expected, "targets that are pictures", "train with preset `default` or `paper`"))
         }
     }
 }
 
 /// The least and the greatest value of every channel, of the proposed rollouts and of the targets.
-fn bounds(header: &DatasetHeader, open: &Pairs) -> Result<[Vec<(f64, f64)>; 2]> {
+fn bounds(data: &dyn DataSet) -> Result<[Vec<(f64, f64)>; 2]> {
+    let header = data.header();
     let mut bounds =
         [header.channels.len(), header.seen_channels().len()].map(|n| vec![(f64::INFINITY, f64::NEG_INFINITY); n]);
-    for pair in open()? {
+    for pair in data.pairs()? {
         let pair = pair?;
         for (bounds, values) in bounds.iter_mut().zip([&pair.proposed, &pair.target]) {
             for sample in values.chunks_exact(bounds.len().max(1)) {
@@ -166,60 +145,65 @@ fn around<'a>(all: impl Iterator<Item = &'a (f64, f64)>) -> (f64, f64) {
     all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), b| (low.min(b.0), high.max(b.1)))
 }
 
+/// Raw samples mean something only on one clock.
+fn clocks_differ() -> Error {
+    refuse("one clock for all pairs", "one in each: raw samples cannot be compared", "train with another preset")
+}
+
 /// What the network is to see, with whatever must be read off the data first.
-fn fit_input(path: &Path, header: &DatasetHeader, open: &Pairs, preset: &Preset) -> Result<Input> {
+fn fit_input(data: &dyn DataSet, preset: &Preset) -> Result<Input> {
+    let header = data.header();
     let find = |name: &Option<String>| match name {
         None => Ok(header.channels.len().saturating_sub(1)),
         Some(name) => header.channels.iter().position(|c| c.name == *name).ok_or_else(|| {
             let found: Vec<&str> = header.channels.iter().map(|c| c.name.as_str()).collect();
-            Error::file(path, format!("expected a channel `{name}`, found {}", found.join(", ")), "")
+            refuse(format!("a channel `{name}`"), found.join(", "), "")
         }),
     };
     match &preset.input {
         InputChoice::Raw { channel } => {
             let channel = find(channel)?;
             if header.clocks_in_pairs() {
-                let text = "expected one clock for all pairs, found one in each: raw samples cannot be compared";
-                return Err(Error::file(path, text, "train with another preset"));
+                return Err(clocks_differ());
             }
-            let (low, high) = around(bounds(header, open)?.iter().map(|side| &side[channel]));
+            let (low, high) = around(bounds(data)?.iter().map(|side| &side[channel]));
             Ok(Input::Raw { channel, samples: header.clock.len(), low, high })
         }
         InputChoice::Dimensionless { channel, bins, tau_max } => {
-            let first = open()?.next().transpose()?;
+            let first = data.pairs()?.next().transpose()?;
             if first.is_some_and(|pair| pair.scale.is_some()) {
                 return Ok(Input::Dimensionless { channel: find(channel)?, bins: *bins, tau_max: *tau_max });
             }
-            standardised(header, open, *bins)
+            standardised(data, *bins)
         }
-        InputChoice::Scaled { bins, tau_max } => scaled(header, open, *bins, *tau_max),
-        InputChoice::Standardised { bins } => standardised(header, open, *bins),
+        InputChoice::Scaled { bins, tau_max } => scaled(data, *bins, *tau_max),
+        InputChoice::Standardised { bins } => standardised(data, *bins),
         InputChoice::Recorded => {
             if header.clocks_in_pairs() {
-                let text = "expected one clock for all pairs, found one in each: raw samples cannot be compared";
-                return Err(Error::file(path, text, "train with another preset"));
+                return Err(clocks_differ());
             }
             let (channels, samples) = (header.channels.len(), header.clock.len());
-            let (low, high) = around(bounds(header, open)?.iter().flatten());
+            let (low, high) = around(bounds(data)?.iter().flatten());
             Ok(Input::Recorded { channels, samples, low, high })
         }
-        InputChoice::Balanced { bins } => balanced(header, open, *bins),
+        InputChoice::Balanced { bins } => balanced(data, *bins),
     }
 }
 
 /// Every channel less its mean, in units of one spread: the root mean square of those of all channels.
-fn balanced(header: &DatasetHeader, open: &Pairs, bins: usize) -> Result<Input> {
-    let Input::Standardised { bins, mean, sd } = standardised(header, open, bins)? else { unreachable!("as asked") };
+fn balanced(data: &dyn DataSet, bins: usize) -> Result<Input> {
+    let Input::Standardised { bins, mean, sd } = standardised(data, bins)? else { unreachable!("as asked") };
     let together = (sd.iter().map(|s| s * s).sum::<f64>() / sd.len() as f64).sqrt();
     Ok(Input::Standardised { bins, mean, sd: vec![together; sd.len()] })
 }
 
 /// Every channel in the recording's own units, its root mean square over the training set brought to 1.
-fn scaled(header: &DatasetHeader, open: &Pairs, bins: usize, tau_max: f64) -> Result<Input> {
+fn scaled(data: &dyn DataSet, bins: usize, tau_max: f64) -> Result<Input> {
+    let header = data.header();
     let channels = header.channels.len();
     let plain = Input::Scaled { bins, tau_max, unit: vec![1.0; channels] };
     let (mut squares, mut count) = (vec![0.0; channels], 0.0);
-    for pair in open()? {
+    for pair in data.pairs()? {
         let pair = pair?;
         let seen = plain.encode(header.clock_of(&pair), &pair.proposed, channels, pair.scale.as_ref())?;
         for (i, value) in seen.values.iter().enumerate() {
@@ -232,11 +216,11 @@ fn scaled(header: &DatasetHeader, open: &Pairs, bins: usize, tau_max: f64) -> Re
     Ok(Input::Scaled { bins, tau_max, unit: squares.iter().map(unit).collect() })
 }
 
-fn standardised(header: &DatasetHeader, open: &Pairs, bins: usize) -> Result<Input> {
-    let channels = header.channels.len();
+fn standardised(data: &dyn DataSet, bins: usize) -> Result<Input> {
+    let channels = data.header().channels.len();
     // Welford's running mean and sum of squares: no loss of digits where the mean is far from 0.
     let (mut mean, mut squares, mut count) = (vec![0.0; channels], vec![0.0; channels], 0.0);
-    for pair in open()? {
+    for pair in data.pairs()? {
         let pair = pair?;
         for row in pair.proposed.chunks_exact(channels).chain(pair.target.chunks_exact(channels)) {
             count += 1.0;

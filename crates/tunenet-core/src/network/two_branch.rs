@@ -1,12 +1,13 @@
-//! The network: two branches, one head.
+//! The two-branch perceptron of `TuneNet` (arXiv 1907.11200, appendix): a forward pass and its weights.
 
-use candle_core::{DType, Device, Tensor};
+use candle_core::{DType, Device, Tensor, Var};
+use candle_nn::{Activation, Module};
 use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::preset::Head;
-use super::product::product;
+use super::product::{Left, product};
 use crate::Result;
 
 /// How many numbers go in, through and out.
@@ -112,13 +113,32 @@ impl TwoBranch {
     }
 
     /// The same network in double precision, for inference: training in single precision is exact enough, but the last
-    /// updates of an iteration are smaller than single precision can tell apart. Its weights are not trained.
+    /// updates of an iteration are smaller than single precision can distinguish.
     pub(super) fn widened(&self) -> Result<Self> {
-        let mut wide = Vec::with_capacity(8);
+        self.each(|weight| weight.detach().to_dtype(DType::F64))
+    }
+
+    /// The same weights on `device`, for inference.
+    pub(super) fn detached(&self, device: &Device) -> Result<Self> {
+        self.each(|weight| weight.detach().to_device(device))
+    }
+
+    /// A copy on `device` whose weights are variables, which gradients are taken by and steps change.
+    pub(super) fn trainable(&self, device: &Device) -> Result<(Self, [Var; 8])> {
+        let mut variables = Vec::with_capacity(8);
         for weight in self.weights() {
-            wide.push(weight.detach().to_dtype(DType::F64)?);
+            variables.push(Var::from_tensor(&weight.to_device(device)?)?);
         }
-        let Ok(weights) = <[Tensor; 8]>::try_from(wide) else { unreachable!("eight in, eight out") };
+        let Ok(variables) = <[Var; 8]>::try_from(variables) else { unreachable!("eight in, eight out") };
+        Ok((Self::from_weights(variables.each_ref().map(|v| v.as_tensor().clone()), self.head), variables))
+    }
+
+    fn each(&self, made: impl Fn(&Tensor) -> candle_core::Result<Tensor>) -> Result<Self> {
+        let mut weights = Vec::with_capacity(8);
+        for weight in self.weights() {
+            weights.push(made(weight)?);
+        }
+        let Ok(weights) = <[Tensor; 8]>::try_from(weights) else { unreachable!("eight in, eight out") };
         Ok(Self::from_weights(weights, self.head))
     }
 
@@ -126,37 +146,24 @@ impl TwoBranch {
     /// observations, each `[batch, inputs]`.
     pub(super) fn forward(&self, proposed: &Tensor, target: &Tensor) -> Result<Tensor> {
         match self.head {
-            Head::Tanh => Ok(self.one_way(proposed, target)?.output.tanh()?),
+            Head::Tanh => Ok(self.one_way(proposed, target)?.tanh()?),
             // Two equal inputs take the same path twice and cancel to the last bit.
-            Head::Antisymmetric => {
-                let forth = self.one_way(proposed, target)?.output;
-                let back = self.one_way(target, proposed)?.output;
-                Ok(((forth - back)? * 0.5)?)
-            }
+            Head::Antisymmetric => Ok(((self.one_way(proposed, target)? - self.one_way(target, proposed)?)? * 0.5)?),
         }
     }
 
-    /// `h(a, b)`, with what every layer passed on.
-    pub(super) fn one_way(&self, a: &Tensor, b: &Tensor) -> Result<OneWay> {
-        let branches = [self.proposed.pass(a)?.relu()?, self.target.pass(b)?.relu()?];
-        let both = Tensor::cat(&branches, 1)?;
-        let hidden = self.hidden.pass(&both)?.relu()?;
-        let output = self.output.pass(&hidden)?;
-        Ok(OneWay { both, hidden, output })
+    /// `h(a, b)`.
+    fn one_way(&self, a: &Tensor, b: &Tensor) -> candle_core::Result<Tensor> {
+        let rectified = |layer: candle_core::Result<Tensor>| layer.and_then(|values| Activation::Relu.forward(&values));
+        let branches = [rectified(self.proposed.pass(a, Left::Data))?, rectified(self.target.pass(b, Left::Data))?];
+        let hidden = rectified(self.hidden.pass(&Tensor::cat(&branches, 1)?, Left::Features))?;
+        self.output.pass(&hidden, Left::Features)
     }
 }
 
-/// What the layers passed on, each `[batch, numbers]`.
-pub(super) struct OneWay {
-    /// Both branches, side by side.
-    pub(super) both: Tensor,
-    pub(super) hidden: Tensor,
-    pub(super) output: Tensor,
-}
-
 impl Linear {
-    fn pass(&self, entering: &Tensor) -> Result<Tensor> {
-        Ok(product(entering, &self.weight)?.broadcast_add(&self.bias)?)
+    fn pass(&self, entering: &Tensor, left: Left) -> candle_core::Result<Tensor> {
+        product(entering, &self.weight, left)?.broadcast_add(&self.bias)
     }
 }
 

@@ -84,7 +84,8 @@ impl Channel {
 }
 
 /// Lower case, with every run of other signs as one `_`: "Time (s)" is `time_s`, "rad/s" is `rad_s`.
-pub(super) fn plain(name: &str) -> String {
+#[must_use]
+pub fn plain(name: &str) -> String {
     let name = name.to_lowercase().replace('μ', "µ");
     name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_")
 }

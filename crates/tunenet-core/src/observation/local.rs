@@ -1,6 +1,6 @@
 //! Numbers read off a part of the data, and what several of them say together.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use crate::statistics::{NORMAL_95, UPPER_95, student_quantile};
 
 /// A number read off a part of the data, with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,9 +28,9 @@ impl LocalEstimate {
 }
 
 /// A standard deviation known from `freedom` degrees, such that ± 1.96 of it hold 95 % as for one that is known.
-pub(super) fn widened(sd: f64, freedom: f64) -> f64 {
-    let reach = StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(1.96, |t| t.inverse_cdf(0.975));
-    sd * (reach / 1.96).max(1.0)
+#[must_use]
+pub fn widened(sd: f64, freedom: f64) -> f64 {
+    sd * (student_quantile(UPPER_95, freedom.max(1.0)) / NORMAL_95).max(1.0)
 }
 
 #[cfg(test)]

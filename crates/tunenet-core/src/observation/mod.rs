@@ -1,35 +1,26 @@
-//! What was seen: time series with a clock, and the files they come in.
+//! What was seen: time series with a clock.
 //!
 //! [`Observation`] is the one type that every later wing reads. It cannot hold NaN, a clock that does not rise or too few
-//! samples: its constructor refuses them, so nobody downstream has to check again.
+//! samples: its constructor refuses them, so no later code has to check again.
 
-mod arcs;
-mod bounce_noise;
-mod first_fall;
+mod check;
+mod event_noise;
 mod header;
-mod lasting;
-mod line;
 mod local;
 mod noise;
 mod note;
 mod number;
-mod parabolas;
-pub mod preflight;
-pub mod recording;
-mod release;
+mod outliers;
 mod resample;
-mod turns;
-mod wild;
 
-pub use arcs::{Arcs, Contact};
-pub(crate) use bounce_noise::bounce_time_sd;
-pub use first_fall::FirstFall;
-pub use local::LocalEstimate;
-pub use noise::noise_sd;
+pub use check::{Check, State};
+pub use event_noise::event_time_sd;
+pub use header::plain;
+pub use local::{LocalEstimate, widened};
+pub use noise::{noise_sd, step};
 pub use note::Note;
 pub use number::with_decimals;
 pub use resample::resample;
-pub use turns::bounces;
 
 use crate::{Error, Result};
 
@@ -57,7 +48,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// A plain name for people: "positions", "bounce times".
+    /// A name for users: "positions", "bounce times".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -70,7 +61,7 @@ impl Kind {
     }
 }
 
-/// Whether a number, measured or predicted, can be reckoned with.
+/// Whether a number, measured or predicted, is usable.
 pub(crate) fn usable(number: f64) -> bool {
     number.abs() <= GREATEST
 }

@@ -1,5 +1,7 @@
 //! How noisy a channel is, read off the channel itself.
 
+use crate::statistics::mad_sd;
+
 /// Standard deviation of white noise on a smooth, nearly evenly sampled signal, from its third differences:
 /// `1.4826 · median |Δ³x| / √20`.
 ///
@@ -11,19 +13,18 @@
 /// returned. Returns 0 for fewer than four samples.
 #[must_use]
 pub fn noise_sd(values: &[f64]) -> f64 {
-    let mut third: Vec<f64> = values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).collect();
-    if third.is_empty() {
+    if values.len() < 4 {
         return 0.0;
     }
-    let middle = third.len() / 2;
-    let (_, median, _) = third.select_nth_unstable_by(middle, f64::total_cmp);
-    let spread = 1.4826 * *median / 20f64.sqrt();
+    let third = values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]);
+    let spread = mad_sd(third) / 20f64.sqrt();
     spread.max(step(values) / 12f64.sqrt())
 }
 
 /// The grid on which the values lie, 0 where they lie on none. Only powers of ten count, since only the digits of a file
 /// make a grid; a parabola sampled evenly lies on one too, and is not rounded.
-pub(super) fn step(values: &[f64]) -> f64 {
+#[must_use]
+pub fn step(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let least = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 1e-12).fold(f64::INFINITY, f64::min);

@@ -1,6 +1,6 @@
-//! Numbers for people.
+//! Numbers for users.
 
-/// From here on nobody counts the digits before the point.
+/// From here on scientific notation is easier to read.
 const LARGE: f64 = 1e10;
 
 /// A number with so many decimals; a large one with three digits and a power of ten: `12.3`, `1.23e99`.

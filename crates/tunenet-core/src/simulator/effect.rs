@@ -18,7 +18,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// A plain phrase for people: "in flight".
+    /// A phrase for users: "in flight".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -65,12 +65,12 @@ pub struct Effect {
     pub phase: Phase,
     /// Its numbers, in order.
     pub coefficients: Vec<Coefficient>,
-    /// For each coefficient: where it has to lie to be believed, within what can be fitted. Narrower where mass and size
+    /// For each coefficient: its physical bounds, within the bounds of the fit. Narrower where mass and size
     /// are known (the drag coefficient of a ball is .1 to 1.5).
     pub plausible: Vec<(f64, f64)>,
-    /// One plain sentence for people: what it is and what it does.
+    /// One sentence for users: what it is and what it does.
     pub sentence: &'static str,
-    /// Names of effects that some recordings cannot tell from it.
+    /// Names of effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
     /// Why it is not to be expected of this object, where something else that explains recordings as well is: it stands
     /// back behind the other, and alone only where nothing else does.
@@ -78,14 +78,14 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// Whether it has to be there, only its size being open: what is believed of it excludes its absence.
+    /// Whether it is required, with unknown size: its physical bounds exclude its absence.
     #[must_use]
     pub fn certain(&self) -> bool {
         let outside = |c: &Coefficient, (low, high): (f64, f64)| c.absent < low || c.absent > high;
         !self.coefficients.is_empty() && self.coefficients.iter().zip(&self.plausible).all(|(c, p)| outside(c, *p))
     }
 
-    /// Whether coefficients with these values are physically believable, each with `slack` (its standard error, say).
+    /// Whether coefficients with these values lie within their physical bounds, each with `slack` (its standard error, say).
     #[must_use]
     pub fn believable(&self, values: &[f64], slack: &[f64]) -> bool {
         let each = values.iter().zip(slack).zip(&self.plausible);

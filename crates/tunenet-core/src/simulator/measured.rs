@@ -3,7 +3,7 @@
 use super::effects::{Act, MeasurementEffect, find};
 use super::{Effect, Parameter, Preparation, Simulator, measurement_effects};
 use crate::observation::{Channel, Kind, Observation};
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 /// Rounds of the fixed point `t = stamp + delay(z(t))`. Each gains a factor of delay times speed, at most a tenth or so.
 const READOUT_ROUNDS: usize = 4;
@@ -98,7 +98,12 @@ impl<S: Simulator> Measured<S> {
 
     /// The effect of this name, if it is not there already.
     fn unused(&self, name: &str) -> Result<(usize, &'static MeasurementEffect)> {
-        let refuse = |expected: String| Error::Setting { name: "effects", expected, found: format!("`{name}`") };
+        let refuse = |expected: String| Error::Setting {
+            origin: Origin::Caller,
+            name: "effects",
+            expected,
+            found: format!("`{name}`"),
+        };
         let kind = self.inner.kind();
         let known = || measurement_effects(kind).iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
         let found =
@@ -142,14 +147,14 @@ impl<S: Simulator> Measured<S> {
     fn run(
         &self,
         p: &[f64],
-        own: &[f64],
+        nuisances: &[f64],
         input: Option<&Observation>,
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String> {
         match input {
-            Some(input) => self.inner.rollout_driven(p, own, input, clock, values),
-            None => self.inner.rollout(p, own, clock, values),
+            Some(input) => self.inner.rollout_driven(p, nuisances, input, clock, values),
+            None => self.inner.rollout(p, nuisances, clock, values),
         }
     }
 
@@ -157,21 +162,21 @@ impl<S: Simulator> Measured<S> {
     fn ask(
         &self,
         p: &[f64],
-        own: &[f64],
+        nuisances: &[f64],
         input: Option<&Observation>,
         instants: &[f64],
     ) -> std::result::Result<Vec<f64>, String> {
         let width = self.channels().len();
         let mut values = vec![0.0; instants.len() * width];
         if instants.is_sorted() {
-            self.run(p, own, input, instants, &mut values)?;
+            self.run(p, nuisances, input, instants, &mut values)?;
             return Ok(values);
         }
         let mut order: Vec<usize> = (0..instants.len()).collect();
         order.sort_by(|&a, &b| instants[a].total_cmp(&instants[b]));
         let rising: Vec<f64> = order.iter().map(|&i| instants[i]).collect();
         let mut sorted = values.clone();
-        self.run(p, own, input, &rising, &mut sorted)?;
+        self.run(p, nuisances, input, &rising, &mut sorted)?;
         for (row, &i) in sorted.chunks_exact(width).zip(&order) {
             values[i * width..(i + 1) * width].copy_from_slice(row);
         }
@@ -203,7 +208,7 @@ impl<S: Simulator> Measured<S> {
     fn observe(
         &self,
         parameters: &[f64],
-        own: &[f64],
+        nuisances: &[f64],
         input: Option<&Observation>,
         clock: &[f64],
         values: &mut [f64],
@@ -211,10 +216,10 @@ impl<S: Simulator> Measured<S> {
         let (p, coefficients) = parameters.split_at(self.inner.parameters().len());
         let active = self.active(coefficients)?;
         if active.is_empty() {
-            return self.run(p, own, input, clock, values);
+            return self.run(p, nuisances, input, clock, values);
         }
         if self.kind() == Kind::BounceTimes {
-            self.run(p, own, input, clock, values)?;
+            self.run(p, nuisances, input, clock, values)?;
             for (_, effect, c) in &active {
                 if let Act::Clock { to_seen, .. } = effect.act {
                     for time in values.iter_mut() {
@@ -241,14 +246,14 @@ impl<S: Simulator> Measured<S> {
         };
         let stamps = clock.iter().flat_map(|t| nodes.iter().map(move |(share, _)| t + length * share));
         let stamps: Vec<f64> = stamps.map(to_true).collect();
-        let mut inner = self.ask(p, own, input, &stamps)?;
+        let mut inner = self.ask(p, nuisances, input, &stamps)?;
         let width = self.channels().len();
         for (_, effect, c) in &active {
             let Act::Readout(delay) = effect.act else { continue };
             for _ in 0..READOUT_ROUNDS {
                 let late = |(t, row): (&f64, &[f64])| t + delay(row[2], c);
                 let instants: Vec<f64> = stamps.iter().zip(inner.chunks_exact(width)).map(late).collect();
-                inner = self.ask(p, own, input, &instants)?;
+                inner = self.ask(p, nuisances, input, &instants)?;
             }
         }
         for (rows, out) in inner.chunks_exact_mut(width * nodes.len()).zip(values.chunks_exact_mut(width)) {
@@ -317,21 +322,21 @@ impl<S: Simulator> Simulator for Measured<S> {
     fn rollout(
         &self,
         parameters: &[f64],
-        own: &[f64],
+        nuisances: &[f64],
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String> {
-        self.observe(parameters, own, None, clock, values)
+        self.observe(parameters, nuisances, None, clock, values)
     }
 
     fn rollout_driven(
         &self,
         parameters: &[f64],
-        own: &[f64],
+        nuisances: &[f64],
         input: &Observation,
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String> {
-        self.observe(parameters, own, Some(input), clock, values)
+        self.observe(parameters, nuisances, Some(input), clock, values)
     }
 }

@@ -7,6 +7,7 @@ mod parameter;
 mod prepared;
 mod rollouts;
 mod scale;
+mod segmentation;
 
 pub use effect::{Coefficient, Effect, Phase};
 pub use effects::measurement_effects;
@@ -16,11 +17,12 @@ pub use prepared::{Preparation, Prepared, Rejected};
 pub(crate) use rollouts::every;
 pub use rollouts::{predict, rollout, rollouts};
 pub use scale::Scale;
+pub use segmentation::Segmentation;
 
 use auto_impl::auto_impl;
 
 use crate::observation::{Channel, Kind, Observation};
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 /// Anything that can be rolled out with given parameters. Implement this to tune a simulator of your own.
 ///
@@ -29,8 +31,8 @@ use crate::{Error, Result};
 ///
 /// Two sorts of unknowns go into a rollout:
 /// - **parameters** belong to the thing itself (its restitution, its payload) and are what a person asks for;
-/// - **own unknowns** belong to one recording (the height of its release, where its floor lay) and are estimated with
-///   it and then set aside. See [`prepare`](Simulator::prepare).
+/// - **nuisance parameters** belong to one recording (the height of its release, where its floor lay) and are estimated with
+///   it and then discarded. See [`prepare`](Simulator::prepare).
 ///
 /// What stands behind a reference or lies in a box is a simulator as well.
 #[auto_impl(&, Box)]
@@ -66,22 +68,27 @@ pub trait Simulator: Send + Sync {
     /// # Errors
     /// [`Error::Setting`] where it does not know one of them.
     fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
-        Err(Error::Setting { name: "effects", expected: "an effect of this simulator".into(), found: names.join(", ") })
+        Err(Error::Setting {
+            origin: Origin::Caller,
+            name: "effects",
+            expected: "an effect of this simulator".into(),
+            found: names.join(", "),
+        })
     }
 
     /// The same where nothing is ever touched: a piece of a recording between two contacts, whose start is an unknown of its
-    /// own. `None` where it knows no contacts, or does not tell flights from them.
+    /// own. `None` where it knows no contacts, or does not distinguish flights from them.
     fn in_flight(&self) -> Option<Box<dyn Simulator>> {
         None
     }
 
     /// The same simulator, in which what a throw brings beside position and velocity (its spin, and how the air answers it)
-    /// is unknown of every recording: further own unknowns, after those that it has. `None` where it knows no such thing.
+    /// is unknown of every recording: further nuisance parameters, after those that it has. `None` where it knows no such thing.
     fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
         None
     }
 
-    /// The same simulator, in which the spin with which a recording starts is unknown: further own unknowns, after those that
+    /// The same simulator, in which the spin with which a recording starts is unknown: further nuisance parameters, after those that
     /// it has. Air does not answer it, contacts do. `None` where it knows no such thing.
     fn with_release_spin(&self) -> Option<Box<dyn Simulator>> {
         None
@@ -95,25 +102,25 @@ pub trait Simulator: Send + Sync {
     fn rollout_driven(
         &self,
         parameters: &[f64],
-        own: &[f64],
+        nuisances: &[f64],
         input: &Observation,
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String> {
         let _ = input;
-        self.rollout(parameters, own, clock, values)
+        self.rollout(parameters, nuisances, clock, values)
     }
 
     /// Simulates once and writes the prediction for every instant of `clock` into `values`, row-major
-    /// `[sample, channel]`. `parameters` are all of [`parameters`](Simulator::parameters), `own` all of
-    /// [`Prepared::own`]. Deterministic: the same arguments give the same bits.
+    /// `[sample, channel]`. `parameters` are all of [`parameters`](Simulator::parameters), `nuisances` all of
+    /// [`Prepared::nuisances`]. Deterministic: the same arguments give the same bits.
     ///
     /// # Errors
-    /// A sentence for people where these values cannot be simulated.
+    /// A sentence for users where these values cannot be simulated.
     fn rollout(
         &self,
         parameters: &[f64],
-        own: &[f64],
+        nuisances: &[f64],
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String>;

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Parameter, Scale};
-use crate::observation::preflight::Check;
-use crate::observation::{LocalEstimate, Note, Observation};
+use super::{Parameter, Scale, Segmentation};
+use crate::observation::{Check, LocalEstimate, Note, Observation};
 
 /// The usable part of a recording, with the unknowns that it brings of its own.
 #[derive(Debug, Clone)]
@@ -19,7 +18,7 @@ pub struct Prepared {
     /// The spread of what a fit leaves in each channel, where that is found to exceed the noise: what residuals are weighed by.
     pub spread: Option<Vec<f64>>,
     /// Unknowns of this recording alone (its release, its floor), each with a first guess as `value`.
-    pub own: Vec<Parameter>,
+    pub nuisances: Vec<Parameter>,
     /// For each parameter of the simulator: what the neighbourhood of the events alone says of it, whatever happens in
     /// between. It starts the fit, and stands in for it where the record as a whole cannot be explained.
     pub local: Vec<Option<LocalEstimate>>,
@@ -31,6 +30,8 @@ pub struct Prepared {
     pub scale: Option<Scale>,
     /// When something sudden happened to the thing (impacts), on the clock of `seen`; empty where that is not known.
     pub events: Vec<f64>,
+    /// How it is cut into segments between events, where its simulator knows any.
+    pub segmentation: Option<Arc<dyn Segmentation>>,
     /// Every check that was made of it.
     pub checks: Vec<Check>,
     /// What was noticed.
@@ -38,7 +39,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// `seen` as it is, with no unknowns of its own.
+    /// `seen` as it is, without nuisance parameters.
     #[must_use]
     pub fn whole(seen: Observation, parameters: usize) -> Self {
         let (local, silent) = (vec![None; parameters], vec![None; parameters]);
@@ -47,12 +48,13 @@ impl Prepared {
             input: None,
             noise: None,
             spread: None,
-            own: Vec::new(),
+            nuisances: Vec::new(),
             local,
             silent,
             film: None,
             scale: None,
             events: Vec::new(),
+            segmentation: None,
             checks: Vec::new(),
             notes: Vec::new(),
         }
@@ -64,10 +66,10 @@ impl Prepared {
         self.input.is_some()
     }
 
-    /// The first guesses of the own unknowns.
+    /// The first guesses of the nuisance parameters.
     #[must_use]
-    pub fn own_values(&self) -> Vec<f64> {
-        self.own.iter().map(|p| p.value).collect()
+    pub fn nuisance_values(&self) -> Vec<f64> {
+        self.nuisances.iter().map(|p| p.value).collect()
     }
 }
 

@@ -11,8 +11,8 @@ use crate::{Error, Result};
 /// # Errors
 /// [`Error::Simulator`] where the simulator refuses; [`Error::Prediction`] where it returns a number that is not finite or
 /// beyond [`GREATEST`](crate::observation::GREATEST).
-pub fn rollout(simulator: &dyn Simulator, parameters: &[f64], own: &[f64], clock: &[f64]) -> Result<Vec<f64>> {
-    checked(simulator, parameters, clock, |values| simulator.rollout(parameters, own, clock, values))
+pub fn rollout(simulator: &dyn Simulator, parameters: &[f64], nuisances: &[f64], clock: &[f64]) -> Result<Vec<f64>> {
+    checked(simulator, parameters, clock, |values| simulator.rollout(parameters, nuisances, clock, values))
 }
 
 /// One rollout as `recording` was driven, values row-major `[sample, channel]`.
@@ -23,14 +23,16 @@ pub fn predict(
     simulator: &dyn Simulator,
     recording: &Prepared,
     parameters: &[f64],
-    own: &[f64],
+    nuisances: &[f64],
     clock: &[f64],
 ) -> Result<Vec<f64>> {
-    let Some(input) = &recording.input else { return rollout(simulator, parameters, own, clock) };
-    checked(simulator, parameters, clock, |values| simulator.rollout_driven(parameters, own, input, clock, values))
+    let Some(input) = &recording.input else { return rollout(simulator, parameters, nuisances, clock) };
+    checked(simulator, parameters, clock, |values| {
+        simulator.rollout_driven(parameters, nuisances, input, clock, values)
+    })
 }
 
-/// What `run` writes, if it can and all of it can be reckoned with.
+/// What `run` writes, if it succeeds and all numbers are usable.
 fn checked(
     simulator: &dyn Simulator,
     parameters: &[f64],
@@ -54,12 +56,12 @@ fn checked(
 }
 
 /// Several rollouts on the same clock, spread over the processor's cores; the order of the results is that of `points`,
-/// each a pair of parameters and own unknowns.
+/// each a pair of parameters and nuisance parameters.
 ///
 /// # Errors
 /// The first failure in order, as [`rollout`].
 pub fn rollouts(simulator: &dyn Simulator, points: &[(Vec<f64>, Vec<f64>)], clock: &[f64]) -> Result<Vec<Vec<f64>>> {
-    every(points.par_iter().map(|(parameters, own)| rollout(simulator, parameters, own, clock)))
+    every(points.par_iter().map(|(parameters, nuisances)| rollout(simulator, parameters, nuisances, clock)))
 }
 
 /// All results in order, or the first failure in order. One that fails stops no other: which rollouts are asked for must not

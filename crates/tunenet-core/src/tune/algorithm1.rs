@@ -73,7 +73,7 @@ pub fn walk(
     let mut answers = vec![point.at(&free)];
     let mut best: Option<(f64, Point)> = None;
     for k in 0..=settings.iterations {
-        let rolled = |point: &Point| predict(simulator, recording, &point.parameters, &point.own[0], clock);
+        let rolled = |point: &Point| predict(simulator, recording, &point.parameters, &point.nuisances[0], clock);
         let values = match (rolled(&point), &best) {
             (Ok(values), _) => values,
             // What the stored rollouts propose cannot be simulated: the start given has to.

@@ -20,9 +20,9 @@ pub(crate) struct Block {
     /// Shape `[places, own]`.
     pub coupling: DMatrix<f64>,
     /// Shape `[own, own]`.
-    pub own: DMatrix<f64>,
+    pub nuisances: DMatrix<f64>,
     /// Shape `[own]`.
-    pub own_right: DVector<f64>,
+    pub nuisance_right: DVector<f64>,
 }
 
 impl Block {
@@ -70,29 +70,29 @@ impl Arrow {
         };
         let mut schur = damped(&self.shared);
         let mut right = self.right.clone();
-        let inverses: Vec<DMatrix<f64>> = self.blocks.iter().map(|b| inverse(damped(&b.own))).collect();
+        let inverses: Vec<DMatrix<f64>> = self.blocks.iter().map(|b| inverse(damped(&b.nuisances))).collect();
         for (block, inverse) in self.blocks.iter().zip(&inverses) {
             let through = &block.coupling * inverse;
             block.take(&mut schur, &(&through * block.coupling.transpose()));
-            let known = &through * &block.own_right;
+            let known = &through * &block.nuisance_right;
             block.places.iter().zip(known.iter()).for_each(|(&place, known)| right[place] -= known);
         }
         let shared = inverse(schur) * right;
-        let own = |(block, inverse): (&Block, &DMatrix<f64>)| {
+        let nuisances = |(block, inverse): (&Block, &DMatrix<f64>)| {
             let near = DVector::from_iterator(block.places.len(), block.places.iter().map(|&place| shared[place]));
-            inverse * (&block.own_right - block.coupling.transpose() * near)
+            inverse * (&block.nuisance_right - block.coupling.transpose() * near)
         };
-        let own = self.blocks.iter().zip(&inverses).map(own).collect();
-        (shared, own)
+        let nuisances = self.blocks.iter().zip(&inverses).map(nuisances).collect();
+        (shared, nuisances)
     }
 
     /// The equations of the shared unknowns alone, the own eliminated.
     pub fn reduced(&self) -> (DMatrix<f64>, DVector<f64>) {
         let (mut schur, mut right) = (self.shared.clone(), self.right.clone());
         for block in &self.blocks {
-            let through = &block.coupling * inverse(block.own.clone());
+            let through = &block.coupling * inverse(block.nuisances.clone());
             block.take(&mut schur, &(&through * block.coupling.transpose()));
-            let known = &through * &block.own_right;
+            let known = &through * &block.nuisance_right;
             block.places.iter().zip(known.iter()).for_each(|(&place, known)| right[place] -= known);
         }
         (schur, right)
@@ -141,12 +141,12 @@ mod tests {
         let mut arrow = Arrow::new(2, 2);
         arrow.shared = DMatrix::from_row_slice(2, 2, &[9.0, 1.0, 1.0, 7.0]);
         arrow.right = DVector::from_row_slice(&[1.0, -2.0]);
-        for (place, coupling, own, right) in [(0, 1.5, 4.0, 0.3), (1, -0.5, 3.0, 0.7)] {
+        for (place, coupling, nuisances, right) in [(0, 1.5, 4.0, 0.3), (1, -0.5, 3.0, 0.7)] {
             arrow.blocks.push(Block {
                 places: vec![place],
                 coupling: DMatrix::from_element(1, 1, coupling),
-                own: DMatrix::from_element(1, 1, own),
-                own_right: DVector::from_element(1, right),
+                nuisances: DMatrix::from_element(1, 1, nuisances),
+                nuisance_right: DVector::from_element(1, right),
             });
         }
         #[rustfmt::skip]
@@ -157,8 +157,8 @@ mod tests {
             0.0, -0.5, 0.0, 3.0,
         ]);
         let all = whole.clone().lu().solve(&DVector::from_row_slice(&[1.0, -2.0, 0.3, 0.7])).unwrap();
-        let (shared, own) = arrow.solve(0.0);
-        let found = [shared[0], shared[1], own[0][0], own[1][0]];
+        let (shared, nuisances) = arrow.solve(0.0);
+        let found = [shared[0], shared[1], nuisances[0][0], nuisances[1][0]];
         assert!(found.iter().zip(all.iter()).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {all}");
         let covariance = whole.try_inverse().unwrap();
         assert!((arrow.covariance() - covariance.view((0, 0), (2, 2))).norm() < 1e-14);

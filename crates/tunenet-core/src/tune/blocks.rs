@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::fit::{Fit, Problem};
 use crate::Result;
+use crate::statistics::dot;
 
 /// Stretches of each recording: long against what the residual remembers, enough for a spread.
 const BLOCKS: usize = 15;
@@ -30,7 +31,7 @@ impl Problem<'_> {
     /// Where the simulator refuses.
     pub(super) fn blocks(&self, fit: &Fit, variance: f64) -> Result<Option<Blocks>> {
         let n = self.free.len();
-        if n == 0 || variance <= 0.0 || self.recordings.iter().any(|r| r.input.is_none() || !r.own.is_empty()) {
+        if n == 0 || variance <= 0.0 || self.recordings.iter().any(|r| r.input.is_none() || !r.nuisances.is_empty()) {
             return Ok(None);
         }
         let (mut curvature, mut between) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
@@ -40,7 +41,6 @@ impl Problem<'_> {
             let blocks = BLOCKS.min(samples);
             for b in 0..blocks {
                 let range = b * samples / blocks * noise.len()..(b + 1) * samples / blocks * noise.len();
-                let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
                 let pull =
                     DVector::from_fn(n, |i, _| dot(&one.columns[i][range.clone()], &one.residual[range.clone()]));
                 between += &pull * pull.transpose();

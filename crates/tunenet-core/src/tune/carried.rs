@@ -11,9 +11,7 @@ use super::interval::Interval;
 use super::region::Region;
 use crate::Result;
 use crate::observation::{Note, with_decimals};
-
-/// Half a 95 % interval of a normal distribution, in standard deviations.
-const HALF: f64 = 1.959_964;
+use crate::statistics::NORMAL_95;
 
 /// What all such values do to the answers.
 pub(super) struct Carried {
@@ -70,7 +68,7 @@ impl Carried {
     /// Widens the joint region of the free parameters at the places `joint` likewise.
     pub fn widen_region(&self, region: &mut Region, joint: &[usize]) {
         for moves in &self.moves {
-            let moved = DVector::from_fn(joint.len(), |k, _| moves[joint[k]] / HALF);
+            let moved = DVector::from_fn(joint.len(), |k, _| moves[joint[k]] / NORMAL_95);
             if let Some(covariance) = &mut region.covariance {
                 *covariance += &moved * moved.transpose();
             }

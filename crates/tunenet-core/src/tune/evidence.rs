@@ -13,6 +13,7 @@ use super::{Adequacy, Outcome, Spread};
 use crate::Result;
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Prepared, Simulator, every, predict};
+use crate::statistics::{NORMAL_95, autocorrelation};
 
 /// Instants of a rollout that is drawn as a curve.
 const CURVE: u32 = 1200;
@@ -41,7 +42,7 @@ pub struct Comparison {
     pub moves: Vec<bool>,
     /// The instants of the curves.
     pub clock: Vec<f64>,
-    /// The rollout with the old parameters, own unknowns fitted; row-major `[instant, channel]`.
+    /// The rollout with the old parameters, nuisance parameters fitted; row-major `[instant, channel]`.
     pub before: Vec<f64>,
     /// The rollout with the new parameters, likewise.
     pub after: Vec<f64>,
@@ -57,7 +58,7 @@ impl Comparison {
     /// White residuals stay within ± this in 95 of 100 lags: 1.96/√n.
     #[must_use]
     pub fn envelope(&self) -> f64 {
-        1.96 / (self.seen.len() as f64).sqrt()
+        NORMAL_95 / (self.seen.len() as f64).sqrt()
     }
 }
 
@@ -86,7 +87,7 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
     let free = free(simulator.parameters(), recordings);
     let shared = free.len().div_ceil(recordings.len().max(1));
     for (d, recording) in recordings.iter().enumerate() {
-        let (old, new) = ((&before.parameters, &before.own[d]), (&after.parameters, &after.own[d]));
+        let (old, new) = ((&before.parameters, &before.nuisances[d]), (&after.parameters, &after.nuisances[d]));
         found.recordings.push(compare(simulator, recording, &floor(recording), old, new, shared)?);
         found.rollouts += 3;
     }
@@ -143,7 +144,7 @@ fn compare(
     let seen = &recording.seen;
     let clock = curve_clock(seen);
     let ends: [Values; 2] = [(old, old_own), (new, new_own)];
-    let roll = |(parameters, own): &Values| predict(simulator, recording, parameters, own, &clock);
+    let roll = |(parameters, nuisances): &Values| predict(simulator, recording, parameters, nuisances, &clock);
     let mut curves = every(ends.par_iter().map(roll))?;
     let (after, before) = (curves.pop().unwrap_or_default(), curves.pop().unwrap_or_default());
     let residual = weighted(simulator, recording, noise, new, new_own, seen.len())?;
@@ -151,7 +152,7 @@ fn compare(
     let column = |channel: usize| residual.iter().copied().skip(channel).step_by(width);
     let lags = MOST_LAGS.min(seen.len() / 3);
     let autocorrelation = (0..width).map(|c| autocorrelation(&column(c).collect::<Vec<_>>(), lags)).collect();
-    let adequacy = Adequacy::of(seen, noise, &residual, recording.own.len() + shared);
+    let adequacy = Adequacy::of(seen, noise, &residual, recording.nuisances.len() + shared);
     Ok(Comparison {
         // A joint whose torque hardly changes is still one that a person asks after.
         moves: if seen.kind() == Kind::Joints { vec![true; width] } else { moves(&after, noise) },
@@ -189,14 +190,6 @@ fn moves(curve: &[f64], noise: &[f64]) -> Vec<bool> {
     if found.contains(&true) { found } else { ranges.iter().map(|r| *r == widest).collect() }
 }
 
-/// Σ rᵢ rᵢ₊ₖ / Σ rᵢ² over the mean-free residual, for lags `k` from 0 to `lags`.
-fn autocorrelation(residual: &[f64], lags: usize) -> Vec<f64> {
-    let mean = residual.iter().sum::<f64>() / residual.len() as f64;
-    let square: f64 = residual.iter().map(|r| (r - mean).powi(2)).sum();
-    let at = |k: usize| residual.iter().zip(&residual[k..]).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
-    (0..=lags).map(|k| if square > 0.0 { at(k) / square } else { 0.0 }).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -204,13 +197,6 @@ mod tests {
     use crate::simulator::Parameter;
     use crate::tune::{Settings, tune};
     use rand::{Rng, SeedableRng};
-
-    #[test]
-    fn an_alternating_residual_is_its_own_opposite() {
-        let residual = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
-        let found = autocorrelation(&residual, 2);
-        assert!(found.iter().zip([1.0, -5.0 / 6.0, 4.0 / 6.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
-    }
 
     #[test]
     fn channels_that_only_carry_noise_are_not_drawn() {

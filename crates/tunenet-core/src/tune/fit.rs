@@ -9,6 +9,7 @@ use super::residual::weighted;
 use super::unknowns::Point;
 use crate::Result;
 use crate::simulator::{Parameter, Prepared, Simulator, every};
+use crate::statistics::mad_sd;
 
 /// Forward-difference step, as a share of an unknown's bounds: far above rounding (1e-14 of a trajectory), far below
 /// anything that bends.
@@ -27,7 +28,7 @@ pub struct Fit {
     pub residuals: Vec<Vec<f64>>,
     /// Half the robust sum of squares.
     pub cost: f64,
-    /// Covariance of the free parameters for noise as stated, the own unknowns marginalised; bounds ignored.
+    /// Covariance of the free parameters for noise as stated, the nuisance parameters marginalised; bounds ignored.
     pub covariance: DMatrix<f64>,
     /// How many rollouts it took.
     pub rollouts: usize,
@@ -47,7 +48,7 @@ pub struct Problem<'a> {
     pub free: &'a [usize],
 }
 
-/// Derivatives of one recording: residuals at the point, and a column per free parameter and own unknown.
+/// Derivatives of one recording: residuals at the point, and a column per free parameter and nuisance parameter.
 pub(super) struct Linearised {
     pub residual: Vec<f64>,
     pub columns: Vec<Vec<f64>>,
@@ -77,7 +78,7 @@ impl Problem<'_> {
                 recording,
                 &self.noise[d],
                 &point.parameters,
-                &point.own[d],
+                &point.nuisances[d],
                 self.samples(d, horizon),
             )
         };
@@ -97,19 +98,19 @@ impl Problem<'_> {
 
     pub(super) fn linearise(&self, point: &Point, residuals: &[Vec<f64>], horizon: f64) -> Result<Vec<Linearised>> {
         let tasks: Vec<(usize, usize)> = (0..self.recordings.len())
-            .flat_map(|d| (0..self.free.len() + point.own[d].len()).map(move |column| (d, column)))
+            .flat_map(|d| (0..self.free.len() + point.nuisances[d].len()).map(move |column| (d, column)))
             .collect();
         let column = |&(d, column): &(usize, usize)| -> Result<Vec<f64>> {
             let samples = self.samples(d, horizon);
             let rolled = |direction: f64| {
-                let (mut parameters, mut own) = (point.parameters.clone(), point.own[d].clone());
+                let (mut parameters, mut nuisances) = (point.parameters.clone(), point.nuisances[d].clone());
                 let step = if column < self.free.len() {
                     nudge(&mut parameters[self.free[column]], self.parameter(column), direction)
                 } else {
-                    let own_column = column - self.free.len();
-                    nudge(&mut own[own_column], &self.recordings[d].own[own_column], direction)
+                    let nuisance_column = column - self.free.len();
+                    nudge(&mut nuisances[nuisance_column], &self.recordings[d].nuisances[nuisance_column], direction)
                 };
-                weighted(self.simulator, &self.recordings[d], &self.noise[d], &parameters, &own, samples)
+                weighted(self.simulator, &self.recordings[d], &self.noise[d], &parameters, &nuisances, samples)
                     .map(|r| (r, step))
             };
             // On the edge of what can be simulated (a ball that touches the floor at its start) only one side exists.
@@ -120,7 +121,7 @@ impl Problem<'_> {
         let mut columns = every(tasks.par_iter().map(column))?.into_iter();
         let gather = |(d, residual): (usize, &Vec<f64>)| Linearised {
             residual: residual.clone(),
-            columns: columns.by_ref().take(self.free.len() + point.own[d].len()).collect(),
+            columns: columns.by_ref().take(self.free.len() + point.nuisances[d].len()).collect(),
         };
         Ok(residuals.iter().enumerate().map(gather).collect())
     }
@@ -194,11 +195,13 @@ impl Problem<'_> {
         Ok(Fit { point, residuals, cost, covariance, rollouts, trace })
     }
 
-    /// Half the squared distance of the own unknowns from their guesses in units of their bounds: too weak to matter where
+    /// Half the squared distance of the nuisance parameters from their guesses in units of their bounds: too weak to matter where
     /// the data speak, enough to keep a direction that they are silent on in place.
     fn prior(&self, point: &Point) -> f64 {
-        let each = self.recordings.iter().zip(&point.own);
-        each.flat_map(|(r, own)| r.own.iter().zip(own)).map(|(p, v)| 0.5 * ((v - p.value) / p.span()).powi(2)).sum()
+        let each = self.recordings.iter().zip(&point.nuisances);
+        each.flat_map(|(r, nuisances)| r.nuisances.iter().zip(nuisances))
+            .map(|(p, v)| 0.5 * ((v - p.value) / p.span()).powi(2))
+            .sum()
     }
 
     fn distance(&self, a: &Point, b: &Point) -> f64 {
@@ -206,15 +209,16 @@ impl Problem<'_> {
             .free
             .iter()
             .map(|&i| (a.parameters[i] - b.parameters[i]).abs() / self.simulator.parameters()[i].span());
-        let own = self.recordings.iter().zip(a.own.iter().zip(&b.own));
-        let own =
-            own.flat_map(|(r, (a, b))| r.own.iter().zip(a.iter().zip(b)).map(|(p, (a, b))| (a - b).abs() / p.span()));
-        shared.chain(own).fold(0.0, f64::max)
+        let nuisances = self.recordings.iter().zip(a.nuisances.iter().zip(&b.nuisances));
+        let nuisances = nuisances.flat_map(|(r, (a, b))| {
+            r.nuisances.iter().zip(a.iter().zip(b)).map(|(p, (a, b))| (a - b).abs() / p.span())
+        });
+        shared.chain(nuisances).fold(0.0, f64::max)
     }
 
-    /// What the data say of the free parameters at `fit`, each recording's own unknowns fitted: the Schur complement of the
+    /// What the data say of the free parameters at `fit`, each recording's nuisance parameters fitted: the Schur complement of the
     /// normal equations (the inverse of a covariance for noise as stated), the pull on each parameter (the slope of −cost),
-    /// and the diagonal before the own unknowns took their share. Bounds are ignored.
+    /// and the diagonal before the nuisance parameters took their share. Bounds are ignored.
     ///
     /// # Errors
     /// Where the simulator refuses.
@@ -243,7 +247,7 @@ impl Problem<'_> {
         let mut equations = Arrow::new(shared, linear.len());
         for (d, one) in linear.iter().enumerate() {
             let width = one.columns.len();
-            let own = width - shared;
+            let nuisances = width - shared;
             let weights: Vec<f64> = one.residual.iter().map(|r| huber_weight(*r, scale)).collect();
             let product =
                 |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&weights).map(|((a, b), w)| a * b * w).sum::<f64>();
@@ -259,28 +263,33 @@ impl Problem<'_> {
             let right = DVector::from_fn(width, |i, _| -product(&one.columns[i], &one.residual));
             equations.shared += normal.view((0, 0), (shared, shared));
             equations.right += right.rows(0, shared);
-            let mut own_normal = normal.view((shared, shared), (own, own)).into_owned();
-            let mut own_right = right.rows(shared, own).into_owned();
-            for (i, p) in self.recordings[d].own.iter().enumerate() {
-                own_normal[(i, i)] += p.span().powi(-2);
-                own_right[i] -= (point.own[d][i] - p.value) / p.span().powi(2);
+            let mut nuisance_normal = normal.view((shared, shared), (nuisances, nuisances)).into_owned();
+            let mut nuisance_right = right.rows(shared, nuisances).into_owned();
+            for (i, p) in self.recordings[d].nuisances.iter().enumerate() {
+                nuisance_normal[(i, i)] += p.span().powi(-2);
+                nuisance_right[i] -= (point.nuisances[d][i] - p.value) / p.span().powi(2);
             }
-            let coupling = normal.view((0, shared), (shared, own)).into_owned();
-            equations.blocks.push(Block { places: (0..shared).collect(), coupling, own: own_normal, own_right });
+            let coupling = normal.view((0, shared), (shared, nuisances)).into_owned();
+            equations.blocks.push(Block {
+                places: (0..shared).collect(),
+                coupling,
+                nuisances: nuisance_normal,
+                nuisance_right,
+            });
         }
         equations
     }
 
     fn moved(&self, point: &Point, equations: &Arrow, damping: f64) -> Point {
-        let (shared, own) = equations.solve(damping);
+        let (shared, nuisances) = equations.solve(damping);
         let mut moved = point.clone();
         for (i, step) in shared.iter().enumerate() {
             let p = self.parameter(i);
             let value = &mut moved.parameters[self.free[i]];
             *value = (*value + step).clamp(p.min, p.max);
         }
-        for ((values, steps), recording) in moved.own.iter_mut().zip(own).zip(self.recordings) {
-            for ((value, step), p) in values.iter_mut().zip(steps.iter()).zip(&recording.own) {
+        for ((values, steps), recording) in moved.nuisances.iter_mut().zip(nuisances).zip(self.recordings) {
+            for ((value, step), p) in values.iter_mut().zip(steps.iter()).zip(&recording.nuisances) {
                 *value = (*value + step).clamp(p.min, p.max);
             }
         }
@@ -298,10 +307,7 @@ fn nudge(value: &mut f64, parameter: &Parameter, direction: f64) -> f64 {
 
 /// The residuals' own spread where it exceeds the stated noise, so that a misfit of the whole is not taken for outliers.
 pub(crate) fn robust_scale(residuals: &[Vec<f64>]) -> f64 {
-    let mut sizes: Vec<f64> = residuals.iter().flatten().map(|r| r.abs()).collect();
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    (1.4826 * *median).max(1.0)
+    mad_sd(residuals.iter().flatten().copied()).max(1.0)
 }
 
 pub(crate) fn huber_weight(residual: f64, scale: f64) -> f64 {

@@ -1,12 +1,13 @@
 //! The answer beside other values of a parameter: what recordings leave of it where they do not determine it.
 
+use super::channel_weights;
 use super::fit::{Fit, Problem};
 use super::interval::{self, Spread};
-use super::residual;
+use super::residual::weights;
 use super::unknowns::{Point, free};
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 /// The answer beside one value of a parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +32,7 @@ pub fn held(simulator: &dyn Simulator, observations: &[Observation], name: &str,
     let parameters = simulator.parameters();
     let Some(position) = parameters.iter().position(|p| p.name == name) else {
         let expected = parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
-        return Err(Error::Setting { name: "parameter", expected, found: format!("`{name}`") });
+        return Err(Error::Setting { origin: Origin::Caller, name: "parameter", expected, found: format!("`{name}`") });
     };
     let mut recordings = Vec::new();
     for seen in observations {
@@ -44,8 +45,8 @@ pub fn held(simulator: &dyn Simulator, observations: &[Observation], name: &str,
     }
     let mut others = free(parameters, &recordings);
     others.retain(|i| *i != position);
-    residual::weigh(simulator, &mut recordings, &others)?;
-    let noise: Vec<Vec<f64>> = recordings.iter().map(residual::weights).collect();
+    channel_weights::weigh(simulator, &mut recordings, &others)?;
+    let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
     let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &others };
     let mut point = Point::start(simulator, &recordings);
     let mut fits: Vec<Fit> = Vec::with_capacity(values.len());

@@ -1,19 +1,16 @@
 //! How sure a fit is: 95 % intervals from the curvature around it, and from the profile of the misfit near a bound.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
-
 use super::fit::{Fit, Problem, robust_scale};
+use super::misfit_place::Place;
 use super::unknowns::Point;
-use super::valleys::Place;
 use crate::Result;
 use crate::simulator::Prepared;
+use crate::statistics::{UPPER_95, fisher_quantile, student_quantile};
 
 /// The level of every interval that tunenet states.
 pub const LEVEL: f64 = 0.95;
 /// Residuals that follow each other (ρ above 2/√n, where white noise stays below) carry less than they count.
 const WORST_CORRELATION: f64 = 0.95;
-/// More degrees of freedom change no quantile in its fourth digit.
-const MOST_FREEDOM: f64 = 1e5;
 /// A channel whose squared residuals are below this share of the largest channel's is exact.
 const EXACT_SHARE: f64 = 1e-4;
 /// Steps of the profile, as a share of the standard deviation and of the bounds.
@@ -54,7 +51,7 @@ impl Spread {
     pub fn of(problem: &Problem, fit: &Fit) -> Self {
         let width = problem.simulator.channels().len();
         let count = fit.residuals.iter().map(|r| moving(r, width) * r.len() / width).sum::<usize>();
-        let unknowns = problem.free.len() + fit.point.own.iter().map(Vec::len).sum::<usize>();
+        let unknowns = problem.free.len() + fit.point.nuisances.iter().map(Vec::len).sum::<usize>();
         let freedom = count as f64 - unknowns as f64;
         if freedom < 1.0 {
             return Self { variance: 1.0, inflation: 1.0, freedom: 1e6 };
@@ -78,13 +75,13 @@ impl Spread {
     /// How many standard deviations an interval of [`LEVEL`] reaches.
     #[must_use]
     pub fn quantile(&self) -> f64 {
-        self.one_sided(0.5 + LEVEL / 2.0)
+        self.one_sided(UPPER_95)
     }
 
     /// How many standard deviations chance stays below with this probability.
     #[must_use]
     pub fn one_sided(&self, level: f64) -> f64 {
-        StudentsT::new(0.0, 1.0, self.freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(level))
+        student_quantile(level, self.freedom)
     }
 
     /// How far a cost lies above the least one, as a square of standard deviations: twice the difference over the variance
@@ -103,9 +100,7 @@ impl Spread {
     /// quantile of Fisher's F (Beale 1960).
     #[must_use]
     pub fn joint_quantile(&self, count: usize, level: f64) -> f64 {
-        let count = count as f64;
-        let fisher = FisherSnedecor::new(count, self.freedom.min(MOST_FREEDOM)).map(|f| f.inverse_cdf(level));
-        count * fisher.unwrap_or(f64::INFINITY)
+        count as f64 * fisher_quantile(level, count as f64, self.freedom)
     }
 
     /// The standard deviation of an estimate whose variance for noise as stated is `variance`.

@@ -12,6 +12,7 @@ use super::unknowns::Point;
 use super::{Adequacy, Tuning};
 use crate::observation::{Kind, Note, with_decimals};
 use crate::simulator::Parameter;
+use crate::statistics::NORMAL_95;
 
 /// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
 /// 95 % interval of .95.
@@ -30,7 +31,7 @@ impl Tuning<'_> {
     fn adequacy(&self, fit: &Fit, d: usize) -> Adequacy {
         let share = self.free.len().div_ceil(self.recordings.len());
         let recording = &self.recordings[d];
-        let (noise, unknowns) = (floor(recording), recording.own.len() + share);
+        let (noise, unknowns) = (floor(recording), recording.nuisances.len() + share);
         if recording.spread.is_none() {
             return Adequacy::of(&recording.seen, &noise, &fit.residuals[d], unknowns);
         }
@@ -79,7 +80,7 @@ impl Tuning<'_> {
     /// That there are no more numbers than unknowns: such a fit is always exact, so that nothing says how sure it is.
     fn too_short(&self) -> Option<Note> {
         let values: usize = self.recordings.iter().map(|r| r.seen.values().len()).sum();
-        let unknowns = self.free.len() + self.recordings.iter().map(|r| r.own.len()).sum::<usize>();
+        let unknowns = self.free.len() + self.recordings.iter().map(|r| r.nuisances.len()).sum::<usize>();
         (values <= unknowns && !self.free.is_empty()).then(|| {
             let text = format!(
                 "{values} measured numbers for {unknowns} unknowns fit whatever they are, so nothing says how sure the answer is"
@@ -219,7 +220,7 @@ impl Standing {
     fn local(p: &Parameter, value: f64, sd: f64, whole: &Self) -> Self {
         let held = value.clamp(p.min, p.max);
         // Beyond a bound, the interval begins there.
-        let (low, high) = ((held - 1.96 * sd).max(p.min), (held + 1.96 * sd).min(p.max));
+        let (low, high) = ((held - NORMAL_95 * sd).max(p.min), (held + NORMAL_95 * sd).min(p.max));
         let beyond = (value - held).abs();
         let far = beyond > BOUND_SDS * sd && beyond > PRACTICAL_SHARE * p.span();
         let on_bound = held <= p.min || held >= p.max;

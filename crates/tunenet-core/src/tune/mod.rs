@@ -1,7 +1,7 @@
 //! What fits: Algorithm 1, the fit through rollouts, intervals and verdicts.
 //!
 //! ```text
-//! recordings → prepare → Algorithm 1 (with a network) → fit with own unknowns → intervals → verdict
+//! recordings → prepare → Algorithm 1 (with a network) → fit with nuisance parameters → intervals → verdict
 //! ```
 //!
 //! [`tune`] runs the whole chain; the pieces are public for those who want only one.
@@ -11,6 +11,7 @@ mod algorithm1;
 pub(crate) mod arrow;
 mod blocks;
 mod carried;
+mod channel_weights;
 mod contour;
 mod evidence;
 mod film;
@@ -19,6 +20,7 @@ mod held;
 mod information;
 mod interval;
 mod judge;
+mod misfit_place;
 mod outcome;
 mod profile;
 mod ray;
@@ -39,6 +41,7 @@ pub(crate) use fit::{huber_cost, huber_weight, robust_scale};
 pub use held::{Held, held};
 pub use information::{Direction, Information};
 pub use interval::{End, Interval, LEVEL, Spread, ends, intervals};
+use misfit_place::Place;
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
 pub use profile::{Profile, profile};
 pub use region::Region;
@@ -46,7 +49,6 @@ pub use residual::channel_noise;
 pub(crate) use residual::floor as noise_of;
 use residual::weights;
 pub use unknowns::{Point, free};
-use valleys::Place;
 
 use carried::Carried;
 use judge::Standing;
@@ -55,7 +57,7 @@ use nalgebra::DMatrix;
 use crate::network::Model;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Prepared, Simulator};
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 /// How to tune.
 #[derive(Debug, Clone)]
@@ -86,7 +88,7 @@ impl Default for Settings {
     }
 }
 
-/// Tunes `simulator` to `observations`, all of the same thing: shared parameters, and for each recording its own unknowns.
+/// Tunes `simulator` to `observations`, all of the same thing: shared parameters, and for each recording its nuisance parameters.
 /// A `model` starts the fit; of several recordings it looks at the first that can be used.
 ///
 /// ```
@@ -145,13 +147,13 @@ pub fn tune(
     }
     if !simulator.parameters().iter().any(|p| p.tune) {
         let expected = "at least one parameter with `tune = true`".into();
-        return Err(Error::Setting { name: "parameters", expected, found: "none".into() });
+        return Err(Error::Setting { origin: Origin::File, name: "parameters", expected, found: "none".into() });
     }
     if let Some(model) = model {
         agrees(model, simulator)?;
     }
     let free = free(simulator.parameters(), &recordings);
-    residual::weigh(simulator, &mut recordings, &free)?;
+    channel_weights::weigh(simulator, &mut recordings, &free)?;
     let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
     // Numbers as a person counts the recordings, those set aside included.
     let numbers: Vec<usize> = used.iter().enumerate().filter(|(_, used)| **used).map(|(i, _)| i + 1).collect();
@@ -161,12 +163,12 @@ pub fn tune(
     (outcome.used, outcome.preflight) = (used, preflight);
     if let Some(point) = &outcome.point {
         let mut all = Vec::new();
-        for ((recording, noise), own) in recordings.iter().zip(&noise).zip(&point.own) {
-            let (shown, rollouts) = shown::shown(simulator, recording, noise, &point.parameters, own)?;
+        for ((recording, noise), nuisances) in recordings.iter().zip(&noise).zip(&point.nuisances) {
+            let (shown, rollouts) = shown::shown(simulator, recording, noise, &point.parameters, nuisances)?;
             all.push(shown);
             outcome.rollouts += rollouts;
         }
-        outcome.own = all;
+        outcome.nuisances = all;
     }
     outcome.recordings = recordings;
     Ok(outcome)
@@ -187,7 +189,7 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         recordings: Vec::new(),
         point: None,
         free: Vec::new(),
-        own: Vec::new(),
+        nuisances: Vec::new(),
         used,
         preflight: Vec::new(),
     }
@@ -224,6 +226,7 @@ impl Tuning<'_> {
             let known = || self.simulator.parameters().iter().map(|p| p.name.clone()).collect::<Vec<_>>().join(", ");
             let position =
                 self.simulator.parameters().iter().position(|p| p.name == *name).ok_or_else(|| Error::Setting {
+                    origin: Origin::Caller,
                     name: "initial",
                     expected: format!("a parameter: {}", known()),
                     found: format!("`{name}`"),
@@ -231,23 +234,28 @@ impl Tuning<'_> {
             let p = &self.simulator.parameters()[position];
             if !(p.min..=p.max).contains(value) {
                 let expected = format!("{} to {} for `{name}`", p.min, p.max);
-                return Err(Error::Setting { name: "initial", expected, found: value.to_string() });
+                return Err(Error::Setting {
+                    origin: Origin::Caller,
+                    name: "initial",
+                    expected,
+                    found: value.to_string(),
+                });
             }
             point.parameters[position] = *value;
         }
         Ok(point)
     }
 
-    /// Takes the answer from the contacts alone where they say something; the recordings' own unknowns follow the parameters
+    /// Takes the answer from the contacts alone where they say something; the recordings' nuisance parameters follow the parameters
     /// that now stand, and so does all that is said of the answer. Returns the rollouts that it took.
     fn settle_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> Result<usize> {
         let whole = self.problem().rmse(&fit.residuals);
         if !self.fall_back_on_local(fit, found, whole, notes) {
             return Ok(0);
         }
-        let own = Problem { free: &[], ..self.problem() }.fit(fit.point.clone(), 1.0)?;
-        (fit.point, fit.residuals) = (own.point, own.residuals);
-        Ok(own.rollouts)
+        let nuisances = Problem { free: &[], ..self.problem() }.fit(fit.point.clone(), 1.0)?;
+        (fit.point, fit.residuals) = (nuisances.point, nuisances.residuals);
+        Ok(nuisances.rollouts)
     }
 
     /// The 95 % interval of each free parameter, and what stays beside them without being exact.
@@ -262,12 +270,12 @@ impl Tuning<'_> {
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
         let problem = self.problem();
         let start = self.start()?;
-        // The gap before is the old parameters' best: only the recordings' own unknowns are fitted.
+        // The gap before is the old parameters' best: only the recordings' nuisance parameters are fitted.
         let before = Problem { free: &[], ..self.problem() }.fit(start.clone(), 1.0)?;
         let mut rollouts = before.rollouts;
         let gap_before = problem.rmse(&before.residuals);
         let (mut iterations, mut stop, mut notes) = (Vec::new(), Stop::Converged, Vec::new());
-        let mut near = Point { parameters: start.parameters.clone(), own: before.point.own.clone() };
+        let mut near = Point { parameters: start.parameters.clone(), nuisances: before.point.nuisances.clone() };
         if let Some(model) = model.filter(|_| !self.free.is_empty()) {
             let secant = self.settings.finish && self.free.len() == 1;
             let how = Loop {
@@ -282,17 +290,17 @@ impl Tuning<'_> {
             iterations = walk.iterations;
             near = walk.point;
             if self.settings.finish {
-                // The recordings' own unknowns follow, before they pull the parameters after them.
-                let own = Problem { free: &[], ..self.problem() }.fit(near, 1.0)?;
-                rollouts += own.rollouts;
-                near = own.point;
+                // The recordings' nuisance parameters follow, before they pull the parameters after them.
+                let nuisances = Problem { free: &[], ..self.problem() }.fit(near, 1.0)?;
+                rollouts += nuisances.rollouts;
+                near = nuisances.point;
             }
             stop = Stop::Iterations;
         }
         let mut elsewhere = Vec::new();
         let mut fit = if self.settings.finish || iterations.is_empty() {
             // The start without a network stays among the starts: with one, the answer is never worse.
-            let plain = Point { parameters: start.parameters.clone(), own: before.point.own.clone() };
+            let plain = Point { parameters: start.parameters.clone(), nuisances: before.point.nuisances.clone() };
             let (fit, places, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
             (elsewhere, rollouts) = (places, rollouts + used);
             if iterations.is_empty() {
@@ -313,7 +321,7 @@ impl Tuning<'_> {
         };
         let spread = Spread::of(&problem, &fit);
         let known = Information::of(&problem, &fit, &spread)?;
-        rollouts += self.recordings.iter().map(|r| self.free.len() + r.own.len()).sum::<usize>();
+        rollouts += self.recordings.iter().map(|r| self.free.len() + r.nuisances.len()).sum::<usize>();
         fit.covariance = known.covariance.clone();
         let (interval95, carried) = self.intervals(&fit, &spread, &elsewhere)?;
         rollouts += carried.rollouts;
@@ -360,7 +368,7 @@ impl Tuning<'_> {
             recordings: Vec::new(),
             point: Some(fit.point),
             free,
-            own: Vec::new(),
+            nuisances: Vec::new(),
             used: Vec::new(),
             preflight: Vec::new(),
         })

@@ -2,8 +2,8 @@
 
 use super::region::Region;
 use super::unknowns::Point;
+use crate::observation::Check;
 use crate::observation::Note;
-use crate::observation::preflight::Check;
 use crate::simulator::{Parameter, Prepared};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -83,7 +83,7 @@ pub struct Iteration {
 pub struct Gap {
     /// The unit of all three.
     pub unit: String,
-    /// With the parameters as they were, each recording's own unknowns fitted.
+    /// With the parameters as they were, each recording's nuisance parameters fitted.
     pub before: f64,
     /// With the answer: of all parameters those that fit best, or those read off the contacts alone (`fit.local`), which
     /// lie farther away.
@@ -129,15 +129,15 @@ pub struct Outcome {
     pub stop: Stop,
     /// What a person should know.
     pub notes: Vec<Note>,
-    /// The start parameters with the own unknowns fitted to them: where [`Gap::before`] was taken.
+    /// The start parameters with the nuisance parameters fitted to them: where [`Gap::before`] was taken.
     pub before: Option<Point>,
     /// The recordings used, as they were prepared for the fit.
     pub recordings: Vec<Prepared>,
-    /// All parameters and own unknowns at the end.
+    /// All parameters and nuisance parameters at the end.
     pub point: Option<Point>,
-    /// For each recording used: its own unknowns as they were fitted, `value` being the answer; without those that it does
+    /// For each recording used: its nuisance parameters as they were fitted, `value` being the answer; without those that it does
     /// not show, such as the height of a surface that it never touches.
-    pub own: Vec<Vec<Parameter>>,
+    pub nuisances: Vec<Vec<Parameter>>,
     /// For each recording given: whether it was used.
     pub used: Vec<bool>,
     /// For each recording given: every check that was made of it.
@@ -149,7 +149,7 @@ pub struct Outcome {
 /// least costs half the logarithm of the number of samples (Schwarz 1978).
 #[must_use]
 pub fn shares(fits: &[Outcome]) -> Vec<f64> {
-    let unknowns = |o: &Outcome| o.free.len() + o.own.iter().map(Vec::len).sum::<usize>();
+    let unknowns = |o: &Outcome| o.free.len() + o.nuisances.iter().map(Vec::len).sum::<usize>();
     let samples = |o: &Outcome| o.recordings.iter().map(|r| r.seen.len() * r.seen.channels().len()).sum::<usize>();
     let gap = |o: &Outcome| Some(o.gap.as_ref().filter(|_| o.verdict != Verdict::Rejected)?.after);
     let fitted = || fits.iter().filter(|o| gap(o).is_some());

@@ -1,4 +1,4 @@
-//! The misfit over one parameter, everything else fitted again: what an interval is cut from, for people to look at.
+//! The misfit over one parameter, everything else fitted again: what an interval is cut from, for users to look at.
 
 use super::fit::{Fit, Problem};
 use super::interval::{Spread, held};

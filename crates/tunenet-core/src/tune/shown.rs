@@ -1,4 +1,4 @@
-//! Which of a recording's own unknowns it shows at all: the height of a surface that is never touched is none, nor a place
+//! Which of a recording's nuisance parameters it shows at all: the height of a surface that is never touched is none, nor a place
 //! along an axis that was not measured.
 
 use crate::Result;
@@ -9,7 +9,7 @@ const NUDGE: f64 = 1e-6;
 /// What follows counts from this share of the noise on: rounding alone stays below.
 const LEAST: f64 = 1e-5;
 
-/// The own unknowns of a recording with the values `own`, without those that nothing measured depends on.
+/// The nuisance parameters of a recording with the values `own`, without those that nothing measured depends on.
 ///
 /// # Errors
 /// Where the simulator refuses the values themselves.
@@ -18,16 +18,16 @@ pub(super) fn shown(
     recording: &Prepared,
     noise: &[f64],
     parameters: &[f64],
-    own: &[f64],
+    nuisances: &[f64],
 ) -> Result<(Vec<Parameter>, usize)> {
     let clock = recording.seen.clock();
     let width = noise.len();
     // A channel that never varies, not even by noise, was not measured.
     let measured: Vec<bool> =
         (0..width).map(|c| recording.seen.column(c).any(|v| v != recording.seen.row(0)[c])).collect();
-    let here = predict(simulator, recording, parameters, own, clock)?;
+    let here = predict(simulator, recording, parameters, nuisances, clock)?;
     let moves = |i: usize, step: f64| {
-        let mut moved = own.to_vec();
+        let mut moved = nuisances.to_vec();
         moved[i] += step;
         // A step that cannot be simulated makes a difference.
         predict(simulator, recording, parameters, &moved, clock).map_or(true, |there| {
@@ -41,7 +41,7 @@ pub(super) fn shown(
         let step = NUDGE * (p.max - p.min);
         moves(*i, step) && moves(*i, -step)
     };
-    let kept = recording.own.iter().enumerate().filter(seen);
-    let kept = kept.map(|(i, p)| Parameter { value: own[i], ..p.clone() }).collect();
-    Ok((kept, 1 + 2 * recording.own.len()))
+    let kept = recording.nuisances.iter().enumerate().filter(seen);
+    let kept = kept.map(|(i, p)| Parameter { value: nuisances[i], ..p.clone() }).collect();
+    Ok((kept, 1 + 2 * recording.nuisances.len()))
 }

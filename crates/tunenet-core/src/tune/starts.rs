@@ -2,13 +2,13 @@
 
 use super::Tuning;
 use super::fit::{Fit, robust_scale};
+use super::misfit_place::Elsewhere;
 use super::unknowns::Point;
-use super::valleys::Elsewhere;
 use crate::observation::LocalEstimate;
 use crate::simulator::Prepared;
 use crate::{Error, Result};
 
-/// A fit whose residual exceeds the noise this many times may sit in a wrong valley and is tried again from elsewhere.
+/// A fit whose residual exceeds the noise this many times may sit in a wrong local minimum and is tried again from elsewhere.
 const SUSPICIOUS_SCALE: f64 = 3.0;
 /// ... and one whose mean square does so this many times, where the median is blind: a channel or two may be far off while
 /// the others fit.
@@ -49,11 +49,11 @@ impl Tuning<'_> {
         let networked = also.is_some();
         starts.extend(also);
         for start in starts.clone() {
-            // The recordings' first guesses as well, where the start carries own unknowns fitted to other parameters.
-            starts.push(Point { own: self.recordings.iter().map(Prepared::own_values).collect(), ..start });
+            // The recordings' first guesses as well, where the start carries nuisance parameters fitted to other parameters.
+            starts.push(Point { nuisances: self.recordings.iter().map(Prepared::nuisance_values).collect(), ..start });
         }
         let mut rollouts = starts.len() * self.recordings.len();
-        // A network's start is fitted whatever lies nearer by rollouts alone: short records have several valleys.
+        // A network's start is fitted whatever lies nearer by rollouts alone: short records have several local minima.
         let mut best: Option<Fit> = None;
         if networked {
             let fit = problem.fit(near.clone(), 1.0)?;
@@ -62,7 +62,7 @@ impl Tuning<'_> {
         }
         let mut ranked = self.ranked(starts);
         // What the events suggest comes before what lies nearer by rollouts alone: where they are right, release and surface
-        // are right too, and what is left (friction) can be a long way off and still lie in the same valley.
+        // are right too, and what is left (friction) can be a long way off and still lie in the same local minimum.
         let mut locals = self.ranked(locals);
         locals.truncate(LOCAL_FITS);
         let first = locals.len();
@@ -201,11 +201,11 @@ impl Tuning<'_> {
             local_estimate(self.recordings, i).map_or(near.parameters[i], |(value, _)| value.clamp(p.min, p.max))
         };
         let values: Vec<f64> = self.free.iter().map(local).collect();
-        let own = self.recordings.iter().map(Prepared::own_values).collect();
+        let nuisances = self.recordings.iter().map(Prepared::nuisance_values).collect();
         self.free
             .iter()
             .any(|&i| local_estimate(self.recordings, i).is_some())
-            .then(|| Point { own, ..near.with(self.free, &values) })
+            .then(|| Point { nuisances, ..near.with(self.free, &values) })
     }
 }
 

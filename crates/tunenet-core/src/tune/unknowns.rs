@@ -1,14 +1,14 @@
-//! Which numbers a fit may move: the tuned parameters, shared by all recordings, and each recording's own unknowns.
+//! Which numbers a fit may move: the tuned parameters, shared by all recordings, and each recording's nuisance parameters.
 
 use crate::simulator::{Parameter, Prepared, Simulator};
 
-/// A point of the search: all parameters of the simulator, and the own unknowns of every recording.
+/// A point of the search: all parameters of the simulator, and the nuisance parameters of every recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// All parameters, in the simulator's order.
     pub parameters: Vec<f64>,
-    /// The own unknowns, shape `[recording][unknown]`.
-    pub own: Vec<Vec<f64>>,
+    /// The nuisance parameters, shape `[recording][unknown]`.
+    pub nuisances: Vec<Vec<f64>>,
 }
 
 impl Point {
@@ -16,7 +16,7 @@ impl Point {
     #[must_use]
     pub fn start(simulator: &dyn Simulator, recordings: &[Prepared]) -> Self {
         let parameters = simulator.parameters().iter().map(|p| p.value).collect();
-        Self { parameters, own: recordings.iter().map(Prepared::own_values).collect() }
+        Self { parameters, nuisances: recordings.iter().map(Prepared::nuisance_values).collect() }
     }
 
     /// The same point with the parameters at `positions` replaced.

@@ -1,11 +1,11 @@
 //! The misfit far from a fit. Where an impact slips that gripped, or where weak rebounds are too short to be seen, the misfit
-//! has kinks, and beyond each may lie another valley, as deep or nearly so.
+//! has kinks, and beyond each may lie another local minimum, as deep or nearly so.
 
 use super::Tuning;
 use super::fit::{Fit, Problem};
 use super::interval::Spread;
+use super::misfit_place::{Elsewhere, Place};
 use super::starts::local_estimate;
-use super::unknowns::Point;
 
 /// Places at which the misfit over a parameter is looked at, as multiples of its distance from its lower bound.
 const BELOW: [f64; 5] = [0.85, 0.7, 0.5, 0.35, 0.2];
@@ -16,25 +16,14 @@ const LEAST_SHARE: f64 = 1e-3;
 /// weak rebound is no event. The places are even then.
 const WEAK_SHARE: f64 = 0.3;
 const WEAK_PLACES: u32 = 12;
-/// Another valley is fitted where its misfit, in squares of standard deviations, exceeds the least by no more than this: the
+/// Another local minimum is fitted where its misfit, in squares of standard deviations, exceeds the least by no more than this: the
 /// place is coarse, and the fit there was cut short.
 const WORTH_A_FIT: f64 = 100.0;
 /// Misfits closer than this share are the same: a plateau.
 const SAME_COST: f64 = 1e-9;
 
-/// A place far from the fit: one parameter there, everything else fitted to it.
-#[derive(Debug, Clone)]
-pub(super) struct Place {
-    pub value: f64,
-    pub cost: f64,
-    pub point: Point,
-}
-
-/// For each free parameter, the places that were looked at.
-pub(super) type Elsewhere = Vec<Vec<Place>>;
-
 impl Tuning<'_> {
-    /// The best valley near `found`, the places that were looked at around it, and the rollouts it took.
+    /// The best local minimum near `found`, the places that were looked at around it, and the rollouts it took.
     pub(super) fn look_across(&self, mut found: Fit) -> (Fit, Elsewhere, usize) {
         let problem = self.problem();
         let (mut rollouts, mut all) = (0, vec![Vec::new(); self.free.len()]);
@@ -56,7 +45,7 @@ impl Tuning<'_> {
                 }
                 let Ok(again) = problem.fit(place.point.clone(), 1.0) else { continue };
                 rollouts += again.rollouts;
-                // The bottom of the other valley is a place as well.
+                // The bottom of the other local minimum is a place as well.
                 let (best, other) = if again.cost < found.cost { (again, found) } else { (found, again) };
                 found = best;
                 let value = other.point.parameters[self.free[k]];
@@ -98,7 +87,7 @@ fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec
             if value == point.parameters[position] {
                 break;
             }
-            // Two steps are enough to see a valley. What the simulator refuses has none.
+            // Two steps are enough to see a local minimum. What the simulator refuses has none.
             let start = point.with(&[position], &[value]);
             let Ok(there) = problem.fit_until(start, 1.0, f64::INFINITY) else { break };
             rollouts += there.rollouts;

@@ -1,12 +1,12 @@
-//! The controller that follows a motion: computed torque with what it believes of the arm.
+//! The controller that follows a motion: computed torque with its own model of the arm.
 
 use nalgebra::Vector3;
 
 use super::{Model, Recursion};
 
-/// Computed torque: what the believed arm needs for the wanted acceleration, corrected by the error of the motion.
+/// Computed torque: what the modelled arm needs for the desired acceleration, corrected by the tracking error.
 ///
-/// `τ = M(q)·(q̈* + kp·(q* − q) + kd·(q̇* − q̇)) + h(q, q̇)`, reckoned by inverse dynamics. It knows nothing of a payload that
+/// `τ = M(q)·(q̈* + kp·(q* − q) + kd·(q̇* − q̇)) + h(q, q̇)`, computed by inverse dynamics. It has no model of a payload that
 /// its model leaves out; what that asks for comes in through the error.
 #[derive(Debug, Clone)]
 pub struct ComputedTorque<'a> {
@@ -17,7 +17,7 @@ pub struct ComputedTorque<'a> {
 }
 
 impl<'a> ComputedTorque<'a> {
-    /// A controller that believes in `model`, with this stiffness kp (1/s²) and critical damping.
+    /// A controller with this `model` of the arm, stiffness kp (1/s²) and critical damping.
     #[must_use]
     pub fn new(model: &'a Model, gravity: Vector3<f64>, stiffness_1_s2: f64) -> Self {
         Self {

@@ -10,7 +10,7 @@
 //! | [`effects`] | what torques hold beyond those of rigid bodies |
 //! | [`Motion`] | the circle of the tool as smooth joint positions |
 //! | [`Multibody`] | the arm as Rapier simulates it, driven by torques |
-//! | [`ComputedTorque`] | the controller, with what it believes of the arm |
+//! | [`ComputedTorque`] | the controller, with its own model of the arm |
 //!
 //! Everything is in f64 and SI units; world axes, z up, the base at the origin. A vector of joint positions `q` has one
 //! number for each joint that mimics none, in the order of the file ([`Model::joints`]).

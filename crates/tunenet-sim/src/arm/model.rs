@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Translation3, Unit, Vector3};
 use tunenet_core::observation::Note;
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 use super::{Inertia, Pose};
 
@@ -146,7 +146,7 @@ impl Model {
         self.frames.iter().find(|f| f.name == name).ok_or_else(|| {
             let known: Vec<_> = self.frames.iter().map(|f| format!("`{}`", f.name)).collect();
             let expected = format!("a link of the URDF ({})", known.join(", "));
-            Error::Setting { name: "arm.payload_link", expected, found: format!("`{name}`") }
+            Error::Setting { origin: Origin::Caller, name: "arm.payload_link", expected, found: format!("`{name}`") }
         })
     }
 
@@ -163,11 +163,12 @@ impl Model {
             on_path[body] = true;
             at = self.bodies[body].parent;
         }
-        // A coordinate of the path moves the path alone; what mimics it elsewhere would move with it.
+        // A coordinate of the path moves only the path; joints outside it that mimic it would move too.
         let kept: Vec<usize> =
             (0..self.bodies.len()).filter(|&i| on_path[i]).map(|i| self.bodies[i].coordinate.index).collect();
         if kept.is_empty() {
             return Err(Error::Setting {
+                origin: Origin::Caller,
                 name: "arm.payload_link",
                 expected: "a link that a joint moves".into(),
                 found: format!("`{tip}`, which is fixed to the base"),
@@ -204,7 +205,7 @@ impl Model {
             }
             if body.coordinate.own {
                 let text = format!("joint `{}` is held at {position}", body.joint.name);
-                new.notes.push(Note::new("urdf.held", text, "it moves nothing between the base and the payload"));
+                new.notes.push(Note::new("urdf.held", text, "it is not between the base and the payload"));
             }
             homes.push((parent, place));
         }
@@ -215,7 +216,7 @@ impl Model {
         new
     }
 
-    /// The same, once it is sure that torques can be reckoned: everything that moves has an inertia.
+    /// The same, after the check that torques can be computed: everything that moves has an inertia.
     ///
     /// # Errors
     /// [`Error::Setting`] where a body has none.
@@ -223,7 +224,7 @@ impl Model {
         let Some(body) = self.bodies.iter().find(|b| b.inertia.mass_kg == 0.0) else { return Ok(self) };
         let expected = format!("a URDF with an <inertial> of link `{}`, which moves", body.name);
         let found = "none: the maker's own URDF or SDF often has it".into();
-        Err(Error::Setting { name: "arm.urdf", expected, found })
+        Err(Error::Setting { origin: Origin::Caller, name: "arm.urdf", expected, found })
     }
 
     /// The same with a load fixed to `frame`, in whose axes `load` is given. A load on the base changes nothing.

@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 use super::chebyshev::{Chebyshev, nodes};
 use super::reach::{Goal, Reach, Settings};
@@ -218,5 +218,5 @@ fn strain(model: &Model, motion: &Motion) -> f64 {
 }
 
 fn refusal(expected: String, found: String) -> Error {
-    Error::Setting { name: "motion", expected, found }
+    Error::Setting { origin: Origin::Caller, name: "motion", expected, found }
 }

@@ -1,7 +1,7 @@
 //! The arm as Rapier simulates it: a multibody on a fixed base, driven by torques alone.
 //!
 //! Rapier has no input for generalised forces, so a joint's torque goes onto its body and back onto the parent. Its terms of
-//! Coriolis converge with the step: for slow motion 1/240 s is near enough (see `tests/arm_multibody.rs`).
+//! Coriolis converge with the step: for slow motion 1/240 s is near enough (see `tests/sim/arm_multibody.rs`).
 
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use rapier3d::math::{Matrix, Pose as RapierPose, Vector};

@@ -114,7 +114,7 @@ impl<'a> Reach<'a> {
         // A sum of squares and a positive diagonal.
         let Some(normal) = normal.cholesky() else { return };
         let free = |i: usize, q: &[f64]| settings.centring * middle(&self.limits[i]).map_or(0.0, |m| m - q[i]);
-        // Of the pull towards the middle only what does not move the frame is taken: z − J⁺·J·z.
+        // Of the step towards the middle only the null-space component is used: z − J⁺·J·z.
         let pulled = self.jacobian.column_iter().enumerate().fold(Vector6::zeros(), |sum, (i, c)| sum + c * free(i, q));
         let wanted = normal.solve(&(left - pulled));
         let step = |i: usize, q: &[f64]| self.jacobian.column(i).dot(&wanted) + free(i, q);

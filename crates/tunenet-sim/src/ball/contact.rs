@@ -9,7 +9,7 @@ use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, ColliderHandle, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
 };
 
-use super::scene::{GREATEST, Scene, within};
+use super::range::{GREATEST, within};
 
 /// What a contact has beside restitution and friction. Zero means absent.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -64,16 +64,16 @@ pub struct Law {
 }
 
 impl Law {
-    /// The law of a scene.
+    /// The law of a contact.
     #[must_use]
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(restitution: f64, friction: f64, contact: &Contact) -> Self {
         Self {
-            restitution: scene.restitution,
-            friction: scene.friction,
-            restitution_exponent: scene.contact.restitution_exponent,
-            tangential_loss: scene.contact.tangential_loss,
-            duration_s: scene.contact.duration_s,
-            rolling_resistance: scene.contact.rolling_resistance,
+            restitution,
+            friction,
+            restitution_exponent: contact.restitution_exponent,
+            tangential_loss: contact.tangential_loss,
+            duration_s: contact.duration_s,
+            rolling_resistance: contact.rolling_resistance,
         }
     }
 

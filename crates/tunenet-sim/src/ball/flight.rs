@@ -2,7 +2,7 @@
 
 use rapier3d::math::Vector;
 
-use super::scene::{GREATEST, Scene, within};
+use super::range::{GREATEST, within};
 
 /// What acts on a ball in flight beside gravity, each as an acceleration. Zero means absent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -51,10 +51,9 @@ pub(crate) struct Field {
 }
 
 impl Field {
-    pub fn new(scene: &Scene) -> Self {
-        let forces = &scene.flight;
+    pub fn new(gravity_m_s2: f64, forces: &Forces) -> Self {
         let magnus = Vector::from_array(forces.magnus_1_s);
-        let down = scene.gravity_m_s2 + forces.effective_gravity_m_s2;
+        let down = gravity_m_s2 + forces.effective_gravity_m_s2;
         Self {
             constant: Vector::new(forces.wind_m_s2[0], forces.wind_m_s2[1], -down),
             quadratic: forces.quadratic_drag_1_m,

@@ -30,6 +30,7 @@ pub mod contact;
 pub mod effects;
 pub mod flight;
 pub mod impact;
+pub mod range;
 pub mod scene;
 mod support;
 pub mod world;
@@ -39,7 +40,7 @@ pub use flight::Forces;
 pub use scene::Scene;
 pub use world::World;
 
-use scene::{GREATEST, within};
+use range::{GREATEST, within};
 
 /// Where a ball is and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

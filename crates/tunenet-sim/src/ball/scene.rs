@@ -2,11 +2,9 @@
 
 use rapier3d::math::Vector;
 
-use super::contact::Contact;
-use super::flight::Forces;
-
-/// The greatest size of any number of a scene or a start: beyond it, sums of squares would lose the ball's own size.
-pub const GREATEST: f64 = 1e9;
+use super::contact::{Contact, Law};
+use super::flight::{Field, Forces};
+use super::range::{GREATEST, within};
 
 /// A ball above a plane surface, in SI units; z points up.
 ///
@@ -77,6 +75,14 @@ impl Scene {
         Vector::new(sin_b, -sin_a * cos_b, cos_a * cos_b)
     }
 
+    pub(crate) fn law(&self) -> Law {
+        Law::new(self.restitution, self.friction, &self.contact)
+    }
+
+    pub(crate) fn field(&self) -> Field {
+        Field::new(self.gravity_m_s2, &self.flight)
+    }
+
     /// Whether this scene can be simulated.
     ///
     /// # Errors
@@ -98,12 +104,4 @@ impl Scene {
         self.flight.check()?;
         self.contact.check()
     }
-}
-
-/// Refuses what lies outside `min` to `max`, NaN included.
-pub(crate) fn within(name: &str, value: f64, min: f64, max: f64) -> Result<(), String> {
-    if (min..=max).contains(&value) {
-        return Ok(());
-    }
-    Err(format!("`{name}` is {value}, but has to lie within {min} and {max}"))
 }

@@ -6,7 +6,8 @@ use rapier3d::parry::shape::Ball;
 use super::contact::{Law, Server, turned};
 use super::flight::{Field, Motion, Path};
 use super::impact::{Gap, Obstacle, first_touch};
-use super::scene::{Scene, within};
+use super::range::within;
+use super::scene::Scene;
 use super::support::{Ground, SLOWEST_REBOUND_M_S, Supports};
 use super::{Impact, State};
 
@@ -73,13 +74,13 @@ impl World {
                 return Err(format!("the ball starts {depth} m inside the surface"));
             }
         }
-        let field = Field::new(scene);
+        let field = scene.field();
         let mut world = Self {
             server: Server::new(),
             obstacles,
             ball,
             field,
-            law: Law::new(scene),
+            law: scene.law(),
             kicks_rad: scene.contact.kicks_rad.clone(),
             path: Path::flight(motion, &field),
             started_s: start_time_s,

@@ -9,13 +9,13 @@ mod rollout;
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::Vector3;
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Parameter, Preparation, Simulator};
 use tunenet_core::{Error, Result};
 
 use crate::SimulationFile;
-use crate::arm::{Circle, Model, Motion, urdf};
+use crate::arm::{Model, Motion, urdf};
+use crate::scene::{ArmBody, MotionKind};
 
 pub use rollout::{STEP_HZ, STIFFNESS_1_S2};
 
@@ -44,20 +44,21 @@ impl ObservedArm {
     /// What reading the URDF refuses; [`Error::File`] where a link that moves has no inertia, the payload's link is none, the
     /// circle cannot be drawn, or the motion is none that can be simulated.
     pub fn new(file: &SimulationFile) -> Result<Self> {
-        if file.text_at("motion.kind") == Some("replay") {
+        let scene = file.arm()?;
+        if scene.motion.kind == MotionKind::Replay {
             let message = "`motion.kind`: expected \"circle\", found \"replay\", which this command cannot simulate";
             return Err(Error::file(file.path(), message, "set motion.kind to \"circle\""));
         }
         let (model, link) = arm(file)?;
-        let circle = circle(file);
+        let circle = scene.motion.circle();
         let motion = Motion::circle(&model, &model.frames[link], &circle).map_err(|e| in_file(file, e))?;
         let unit = |kind| if kind == crate::arm::JointKind::Prismatic { "N" } else { "N·m" };
         let joint = |(i, joint): (usize, &crate::arm::Joint)| Channel::new(format!("tau{}", i + 1), unit(joint.kind));
         let channels = model.joints().into_iter().enumerate().map(joint).collect();
         Ok(Self {
             link,
-            payload_size_m: file.number("arm.payload_size_m").unwrap_or(0.0),
-            gravity_m_s2: file.number("world.gravity_m_s2").unwrap_or(9.81),
+            payload_size_m: scene.arm.payload_size_m,
+            gravity_m_s2: scene.world.gravity_m_s2,
             motion,
             parameters: file.parameters()?.into_iter().filter(|p| p.name != "torque_gain").collect(),
             channels,
@@ -97,8 +98,9 @@ impl ObservedArm {
 /// # Errors
 /// What reading the URDF refuses; [`Error::File`] as [`ObservedArm::new`].
 pub fn arm(file: &SimulationFile) -> Result<(Model, usize)> {
-    let name = file.text_at("arm.payload_link").unwrap_or_default();
-    let chain = urdf::read(&urdf_path(file))?.chain_to(name).map_err(|e| in_file(file, e))?;
+    let arm = &file.arm()?.arm;
+    let name = arm.payload_link.as_str();
+    let chain = urdf::read(&beside(file, arm))?.chain_to(name).map_err(|e| in_file(file, e))?;
     let model = chain.weighed().map_err(|e| in_file(file, e))?;
     let link = model.frames.iter().position(|f| f.name == name).unwrap_or(0);
     Ok((model, link))
@@ -106,35 +108,29 @@ pub fn arm(file: &SimulationFile) -> Result<(Model, usize)> {
 
 /// A setting that the file is to blame for.
 fn in_file(file: &SimulationFile, error: Error) -> Error {
-    let Error::Setting { name, expected, found } = error else { return error };
+    let Error::Setting { name, expected, found, .. } = error else { return error };
     let hint = match name {
         "motion" => "change centre_m, radius_m or rate_rad_s under [motion]; the arm's base is the origin",
         "arm.payload_link" => "name the link that holds the payload; its frame is where the payload is",
         _ => "mend the URDF",
     };
     if name == "arm.urdf" {
-        return Error::file(urdf_path(file), format!("expected {expected}, found {found}"), hint);
+        let path = urdf_path(file).unwrap_or_else(|_| file.path().to_path_buf());
+        return Error::file(path, format!("expected {expected}, found {found}"), hint);
     }
     Error::file(file.path(), format!("`{name}`: expected {expected}, found {found}"), hint)
 }
 
 /// Where the file's URDF lies: beside the file, unless its path is absolute.
-#[must_use]
-pub fn urdf_path(file: &SimulationFile) -> PathBuf {
-    file.path().parent().unwrap_or(Path::new("")).join(file.text_at("arm.urdf").unwrap_or_default())
+///
+/// # Errors
+/// [`Error::File`] where the file describes no arm.
+pub fn urdf_path(file: &SimulationFile) -> Result<PathBuf> {
+    Ok(beside(file, &file.arm()?.arm))
 }
 
-/// The circle that the file asks for.
-fn circle(file: &SimulationFile) -> Circle {
-    let default = Circle::default();
-    let centre = file.numbers("motion.centre_m").filter(|c| c.len() == 3);
-    Circle {
-        centre_m: centre.map_or(default.centre_m, |c| Vector3::new(c[0], c[1], c[2])),
-        radius_m: file.number("motion.radius_m").unwrap_or(default.radius_m),
-        rate_rad_s: file.number("motion.rate_rad_s").unwrap_or(default.rate_rad_s),
-        duration_s: file.number("motion.duration_s").unwrap_or(default.duration_s),
-        tool: default.tool,
-    }
+fn beside(file: &SimulationFile, arm: &ArmBody) -> PathBuf {
+    file.path().parent().unwrap_or(Path::new("")).join(&arm.urdf)
 }
 
 impl Simulator for ObservedArm {

@@ -6,7 +6,7 @@ use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 
 use super::ObservedArm;
 
-/// Fewest samples that are worth a fit; noise is told from misfit by no fewer.
+/// Fewest samples that are worth a fit; fewer do not distinguish noise from misfit.
 const FEWEST: usize = 20;
 
 impl ObservedArm {
@@ -46,7 +46,7 @@ impl ObservedArm {
         }
         if kept < seen.len() {
             let text = format!("{} samples after the motion's {duration} s are left out", seen.len() - kept);
-            notes.push(Note::new("arm.longer", text, "raise `motion.duration_s` where the motion went on"));
+            notes.push(Note::new("arm.longer", text, "raise `motion.duration_s` if the motion continued"));
         }
         let values = (0..kept).flat_map(|i| columns.iter().flatten().map(move |c| seen.row(i)[*c])).collect();
         let clock = seen.clock()[..kept].to_vec();

@@ -1,12 +1,14 @@
 //! The physical effects of an observed ball: which it can take on, and where their numbers go.
 
-use tunenet_core::observation::{Arcs, Kind, Observation};
+use tunenet_ball::Arcs;
+use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation};
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 use super::{ObservedBall, Unknown};
 use crate::ball::Scene;
 use crate::ball::effects::{ALL, BallEffect};
+use crate::scene::BallParameters;
 
 /// The effect that is chance.
 const SCATTER: &str = "bounce_scatter";
@@ -15,8 +17,6 @@ const SPIN: &str = "magnus";
 /// How far a bounce may turn the normal, rad, and at how many bounces of a record it may; later ones are next to rest.
 const GREATEST_KICK_RAD: f64 = 0.5;
 const MOST_KICKS: usize = 12;
-/// Parameters that come before the coefficients: restitution and friction.
-pub(super) const OWN_PARAMETERS: usize = 2;
 
 impl ObservedBall {
     /// Those that are not there, and that this kind of observation can show.
@@ -35,7 +35,12 @@ impl ObservedBall {
             let Some(effect) = BallEffect::find(name).filter(new) else {
                 let known = ball.absent_effects().iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
                 let expected = format!("an effect of a ball seen as {} ({known})", self.kind.name());
-                return Err(Error::Setting { name: "effects", expected, found: format!("`{name}`") });
+                return Err(Error::Setting {
+                    origin: Origin::Caller,
+                    name: "effects",
+                    expected,
+                    found: format!("`{name}`"),
+                });
             };
             let at = ball.fixed.iter().position(|(e, _)| e.name == *name);
             let present = at.map(|i| ball.fixed.remove(i).1);
@@ -92,7 +97,7 @@ impl ObservedBall {
         let Preparation::Usable(mut prepared) = preparation else { return Ok(preparation) };
         // A record without a bounce is silent about contacts alone.
         let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
-        for (silent, phase) in prepared.silent[OWN_PARAMETERS..].iter_mut().zip(phases) {
+        for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
             if phase == Phase::Flight {
                 *silent = None;
             }
@@ -100,11 +105,11 @@ impl ObservedBall {
         for effect in &self.own {
             let entry = effect.entry(&self.body);
             for (parameter, (low, high)) in entry.parameters(None)?.into_iter().zip(&entry.plausible) {
-                prepared.own.push(Parameter::new(parameter.name, parameter.unit, parameter.value, *low, *high)?);
+                prepared.nuisances.push(Parameter::new(parameter.name, parameter.unit, parameter.value, *low, *high)?);
             }
         }
         if self.scatters() {
-            prepared.own.extend(self.kicks(&prepared.seen)?);
+            prepared.nuisances.extend(self.kicks(&prepared.seen)?);
         }
         Ok(Preparation::Usable(prepared))
     }
@@ -112,17 +117,18 @@ impl ObservedBall {
     /// Whether this kind of observation can show an effect.
     fn can_take(&self, effect: &BallEffect) -> bool {
         // Beside a tuned coefficient of friction its addition is the same thing twice.
-        let twin = effect.name == "bounce_friction" && self.parameters[1].tune;
+        let twin = effect.name == "bounce_friction"
+            && self.parameters.iter().any(|p| p.name == BallParameters::FRICTION && p.tune);
         !twin && (effect.heard || self.kind == Kind::Positions)
     }
 
-    /// Whether a recording's own unknowns include the tilt of the normal at each bounce.
+    /// Whether a recording's nuisance parameters include the tilt of the normal at each bounce.
     fn scatters(&self) -> bool {
         let fixed = self.fixed.iter().any(|(e, values)| e.name == SCATTER && values[0] > 0.0);
         self.kind == Kind::Positions && (fixed || self.free.iter().any(|e| e.name == SCATTER))
     }
 
-    /// The tilts of the normal as own unknowns: about x and y, for each bounce of the record.
+    /// The tilts of the normal as nuisance parameters: about x and y, for each bounce of the record.
     fn kicks(&self, seen: &Observation) -> Result<Vec<Parameter>> {
         let bounces = Arcs::cut(seen, self.scene.gravity_m_s2).map_or(0, |arcs| arcs.contacts.len());
         let name = |bounce: usize, axis: &str| format!("bounce.{}.tilt_about_{axis}", bounce + 1);

@@ -1,11 +1,12 @@
 //! The ball between two contacts: no surface, and a start of its own.
 
+use tunenet_ball::{Arcs, BallSegmentation};
 use tunenet_core::Result;
-use tunenet_core::observation::{Arcs, Kind, Note, Observation};
+use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::{Parameter, Preparation, Prepared};
 
 use super::{ObservedBall, unknown_start};
-use crate::simulation_file::Release;
+use crate::scene::Release;
 
 /// A surface so far below is none.
 const NOWHERE_M: f64 = -1e6;
@@ -33,8 +34,9 @@ impl ObservedBall {
             let (name, unit) = unknown.name();
             Parameter::new(name, unit, value, value - reach, value + reach)
         });
-        prepared.own = own.collect::<Result<_>>()?;
-        prepared.silent.fill(Some(Note::new("contact.none", "a flight says nothing of contacts", "")));
+        prepared.nuisances = own.collect::<Result<_>>()?;
+        prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);
+        prepared.silent.fill(Some(Note::new("contact.none", "a flight does not depend on contacts", "")));
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 }
@@ -62,7 +64,7 @@ mod tests {
         let seen = Observation::positions(clock.clone(), &rows).unwrap();
         let Preparation::Usable(prepared) = ball.prepare(&seen).unwrap() else { panic!("refused") };
         assert_eq!(prepared.seen.len(), 40);
-        let guess = prepared.own_values();
+        let guess = prepared.nuisance_values();
         let values = rollout(ball.as_ref(), &[0.5, 0.0], &guess, &clock).unwrap();
         assert!(values.iter().zip(rows.concat()).all(|(a, b)| (a - b).abs() < 1e-6), "{guess:?}");
     }

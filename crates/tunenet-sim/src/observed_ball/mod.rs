@@ -10,7 +10,8 @@ use tunenet_core::{Error, Result};
 
 use crate::ball::effects::{BallEffect, Body};
 use crate::ball::{Scene, State, impact_times, positions};
-use crate::simulation_file::{Release, SimulationFile};
+use crate::scene::{BallParameters, Release};
+use crate::simulation_file::SimulationFile;
 
 /// A number of the start that the file leaves to the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,8 +71,9 @@ impl ObservedBall {
     /// # Errors
     /// [`Error::Observation`] where a ball cannot be observed so; what the file's parameters refuse.
     pub fn new(file: &SimulationFile, kind: Kind) -> Result<Self> {
-        let release = file.release();
-        let surface_height_m = file.number("surface.height_m");
+        let ball = file.ball()?;
+        let release = ball.release.clone();
+        let surface_height_m = ball.surface.height_m;
         let (channels, unknown) = match kind {
             Kind::Positions => (Channel::positions(), unknown_start(&release, surface_height_m)),
             Kind::BounceTimes => {
@@ -84,8 +86,8 @@ impl ObservedBall {
             }
         };
         let parameters = file.parameters()?;
-        let scene = scene(file);
-        let body = body(file);
+        let scene = ball.simulated();
+        let body = ball.body();
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
         let (free, own) = (Vec::new(), Vec::new());
         let (forced, aloft) = (false, false);
@@ -112,17 +114,18 @@ impl ObservedBall {
         Self { forced, ..self }
     }
 
-    /// How a recording with these own unknowns starts.
+    /// How a recording with these nuisance parameters starts.
     #[must_use]
     pub fn start(&self, own: &[f64]) -> State {
         let parameters: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
         self.world(&parameters, own).1
     }
 
-    /// The scene with these parameters, and the start with these own unknowns.
+    /// The scene with these parameters, and the start with these nuisance parameters.
     pub(crate) fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
-        let mut scene = Scene { restitution: parameters[0], friction: parameters[1], ..self.scene.clone() };
-        self.apply_effects(&mut scene, &parameters[effects::OWN_PARAMETERS..], own);
+        let (BallParameters { restitution, friction }, coefficients) = BallParameters::split(parameters);
+        let mut scene = Scene { friction, restitution, ..self.scene.clone() };
+        self.apply_effects(&mut scene, coefficients, own);
         let mut start = State {
             position_m: self.release.position_m.unwrap_or_default(),
             velocity_m_s: self.release.velocity_m_s.unwrap_or_default(),
@@ -150,7 +153,7 @@ impl ObservedBall {
         (scene, start, time_s)
     }
 
-    /// The own unknowns of a rollout that is not compared with anything: let go at `time_s` above the origin.
+    /// The nuisance parameters of a rollout that is not compared with anything: let go at `time_s` above the origin.
     #[must_use]
     pub fn own_at_rest(&self, time_s: f64) -> Vec<f64> {
         self.unknown.iter().map(|u| if *u == Unknown::Time { time_s } else { 0.0 }).collect()
@@ -167,7 +170,7 @@ impl ObservedBall {
         Ok(times.partition_point(|t| *t <= end_s))
     }
 
-    /// The natural scales of a drop with these own unknowns, released at `start_s`: heights from rest, in heights of fall;
+    /// The natural scales of a drop with these nuisance parameters, released at `start_s`: heights from rest, in heights of fall;
     /// time from the apex of the first flight.
     #[must_use]
     pub fn scale(&self, own: &[f64], start_s: f64) -> Scale {
@@ -278,29 +281,4 @@ fn unknown_start(release: &Release, surface_height_m: Option<f64>) -> Vec<Unknow
         unknown.push(Unknown::Surface);
     }
     unknown
-}
-
-/// What is known of a ball from its file before anything is tuned.
-#[must_use]
-pub fn body(file: &SimulationFile) -> Body {
-    let Scene { radius_m, gravity_m_s2, .. } = scene(file);
-    Body { radius_m, mass_kg: file.number("ball.mass_kg"), gravity_m_s2, in_air: file.in_air() }
-}
-
-/// The scene of a ball's file without its effects; its restitution and friction come from the parameters.
-#[must_use]
-pub fn scene(file: &SimulationFile) -> Scene {
-    let number = |path: &str| file.number(path).unwrap_or(0.0);
-    let default = Scene::default();
-    Scene {
-        gravity_m_s2: file.number("world.gravity_m_s2").unwrap_or(default.gravity_m_s2),
-        radius_m: file.number("ball.radius_m").unwrap_or(default.radius_m),
-        mass_kg: file.number("ball.mass_kg").unwrap_or(default.mass_kg),
-        surface_height_m: number("surface.height_m"),
-        surface_tilt_about_x_rad: number("surface.tilt_about_x_rad"),
-        surface_tilt_about_y_rad: number("surface.tilt_about_y_rad"),
-        friction: 0.0,
-        restitution: 0.0,
-        ..default
-    }
 }

@@ -1,8 +1,10 @@
 //! A recording made ready for a ball: checked, cut to what can be explained, and given first guesses of what the file
 //! leaves open.
 
+use tunenet_ball::BallSegmentation;
+use tunenet_ball::preflight::{Expected, Preflight, examine};
 use tunenet_core::Result;
-use tunenet_core::observation::preflight::{Check, Expected, Preflight, State, examine};
+use tunenet_core::observation::{Check, State};
 use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Parameter, Phase, Preparation, Prepared, Rejected};
 use tunenet_core::tune::channel_noise;
@@ -53,7 +55,7 @@ impl ObservedBall {
         let (Some(kept), Some(mut arcs)) = (&preflight.kept, preflight.arcs.clone()) else {
             return Ok(impossible(&preflight, seen));
         };
-        // A record of few samples may bounce where no kink can be told.
+        // A record of few samples may bounce where no kink can be detected.
         if let Some(fall) = preflight.coarse {
             arcs.usable = fall.begin..kept.len();
             (arcs.start_m, arcs.start_m_s) = (fall.start_m, fall.start_m_s);
@@ -86,7 +88,8 @@ impl ObservedBall {
             Parameter::new(name, unit, value, value - reach, value + reach)
         });
         let mut prepared = Prepared::whole(usable, self.parameters.len());
-        prepared.own = own.collect::<Result<_>>()?;
+        prepared.nuisances = own.collect::<Result<_>>()?;
+        prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);
         prepared.events = arcs.contacts.iter().map(|c| c.time_s).collect();
         for check in &preflight.checks {
             // Without a bounce, nothing is known of contacts; that is said where it is asked for.
@@ -102,7 +105,7 @@ impl ObservedBall {
         prepared.checks.clone_from(&preflight.checks);
         prepared.local[0] = arcs.restitution().map(|l| LocalEstimate { value: l.value.clamp(0.0, 1.0), ..l });
         let start_s = self.release.time_s.unwrap_or(begin_s);
-        prepared.scale = Some(self.scale(&prepared.own_values(), start_s));
+        prepared.scale = Some(self.scale(&prepared.nuisance_values(), start_s));
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 
@@ -132,7 +135,7 @@ impl ObservedBall {
             Parameter::new(name, unit, value, low, high)
         });
         let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
-        prepared.own = own.collect::<Result<_>>()?;
+        prepared.nuisances = own.collect::<Result<_>>()?;
         prepared.local[0] = local;
         prepared.notes = preflight.notes();
         if self.forced {
@@ -141,7 +144,7 @@ impl ObservedBall {
         prepared.checks = preflight.checks;
         prepared.silent[1] = Some(Note::new(
             "friction.unseen",
-            "bounce times say nothing about friction",
+            "bounce times do not depend on friction",
             "record positions of a throw along the surface",
         ));
         Ok(Preparation::Usable(Box::new(prepared)))
@@ -160,7 +163,7 @@ fn impossible(preflight: &Preflight, seen: &Observation) -> Preparation {
     let failed = preflight.rejected().and_then(Check::note);
     let none = || {
         let text = format!("fewer than 3 of {} samples can be used", seen.len());
-        Note::new("motion.disturbed", text, "record a drop that nothing touches but the surface")
+        Note::new("motion.disturbed", text, "record a drop that touches nothing but the surface")
     };
     let note = failed.unwrap_or_else(none);
     Preparation::Rejected(Box::new(Rejected { note, checks: preflight.checks.clone() }))
@@ -170,8 +173,8 @@ fn impossible(preflight: &Preflight, seen: &Observation) -> Preparation {
 fn forced(preflight: &Preflight) -> Option<Note> {
     let failed = preflight.rejected()?;
     let text =
-        format!("a rejected recording is tuned to because of --force ({}): the answer may mean nothing", failed.code);
-    Some(Note::new("preflight.forced", text, "mend the recording and leave --force out"))
+        format!("a rejected recording is used because of --force ({}): the answer may mean nothing", failed.code);
+    Some(Note::new("preflight.forced", text, "correct the recording and omit --force"))
 }
 
 /// The restitution at the first impacts: how the logarithm of the interval falls over the first few, long intervals

@@ -93,7 +93,7 @@ impl Child {
         key: &str,
     ) -> Result<Vec<u8>, Failure> {
         self.answers.allow(longest);
-        // Where it cannot be sent the program ended, which is heard next.
+        // Where it cannot be sent the program ended, which is received next.
         let _ = self.input.as_ref().map(|input| input.send(line));
         let seconds = within.as_secs_f64();
         let name = program.shown();
@@ -135,7 +135,7 @@ impl Child {
         self.gone(format!("{}, answer to {what}: {}", program.shown(), wrong.message), &wrong.hint)
     }
 
-    /// Ends the program and adds its last words to what is told of it.
+    /// Ends the program and adds its last words to the error.
     fn gone(&mut self, message: String, hint: &str) -> Failure {
         self.input = None;
         let _ = self.process.kill();
@@ -219,14 +219,14 @@ mod tests {
         Program::of(&SimulationFile::parse(Path::new("a.toml"), &text).unwrap()).unwrap()
     }
 
-    /// Neither a process nor its remains, which nobody waited for, stay behind.
+    /// Neither a process nor a zombie stays behind.
     #[test]
     fn nothing_stays_of_it() {
         const GREETS: &str = "read first; echo '{\"tunenet\":1}'; ";
         let stays = |child: &Child| Path::new(&format!("/proc/{}", child.process.id())).exists();
         for (rest, asked) in [
             ("cat > none", false),          // ends with its input
-            ("exec sleep 100", false),      // goes on: it is killed
+            ("exec sleep 100", false),      // does not end: it is killed
             ("exit 3", false),              // is over already
             ("exec sleep 100", true),       // hangs when it is asked
             ("echo hello; exec cat", true), // says what it should not
@@ -237,7 +237,7 @@ mod tests {
             let place = format!("/proc/{}", child.process.id());
             if asked {
                 child.ask(&program, &[1.0], &[0.0, 1.0]).unwrap_err();
-                // A failure ends it at once, before whoever asked lets go of it.
+                // A failure ends it at once, before the caller releases it.
                 assert!(!stays(&child), "{rest}");
             }
             drop(child);

@@ -1,4 +1,4 @@
-//! Why a program cannot go on, in one sentence for people.
+//! Why a program cannot continue, in one sentence for users.
 
 use std::path::Path;
 

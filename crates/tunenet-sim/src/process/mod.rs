@@ -30,10 +30,10 @@ use std::sync::{Arc, Weak};
 use tunenet_core::observation::{Channel, GREATEST, Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Simulator};
 use tunenet_core::text::visible;
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 use crate::SimulationFile;
-use crate::simulation_file::{Domain, Permission, Settles, Why};
+use crate::simulation_file::{Permission, Settles, Why};
 use failure::Failure;
 use pool::Pool;
 use program::Program;
@@ -63,7 +63,7 @@ pub fn leave(file: &SimulationFile) -> Result<&Permission> {
         };
         let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
         let found = "none: give it for files that you trust".into();
-        Error::Setting { name: "--allow-process", expected, found }
+        Error::Setting { origin: Origin::Caller, name: "--allow-process", expected, found }
     })
 }
 
@@ -87,10 +87,7 @@ impl ProcessSimulator {
     /// [`Error::Setting`] where no [leave](SimulationFile::allow_process) was given to run it; [`Error::File`] where the file
     /// describes no program, or its program cannot be started or does not speak as it should.
     pub fn start(file: &SimulationFile) -> Result<Self> {
-        if file.domain() != Domain::Process {
-            let message = format!("expected `kind = \"process\"`, found \"{}\"", file.domain().name());
-            return Err(Error::file(file.path(), message, "`tunenet init process` writes one to start from"));
-        }
+        file.process()?;
         let permission = leave(file)?;
         file.program_failed()?;
         let program = Program::of(file)?;
@@ -138,7 +135,7 @@ impl Simulator for ProcessSimulator {
         Ok(Preparation::Usable(Box::new(Prepared::whole(seen.clone(), self.parameters.len()))))
     }
 
-    /// None: what the program leaves out nobody here knows. Effects of the measurement go around it.
+    /// None: what the program leaves out is unknown. Effects of the measurement are applied around it.
     fn effects(&self) -> Vec<Effect> {
         Vec::new()
     }
@@ -148,7 +145,7 @@ impl Simulator for ProcessSimulator {
             return Ok(Box::new(self.clone()));
         }
         let expected = "effects of the measurement, since a program has no others".into();
-        Err(Error::Setting { name: "effects", expected, found: names.join(", ") })
+        Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found: names.join(", ") })
     }
 
     fn rollout(

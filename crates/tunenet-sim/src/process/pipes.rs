@@ -11,7 +11,7 @@ use std::time::Duration;
 
 /// How much of standard error is kept, bytes.
 const KEPT: usize = 4096;
-/// Lines of it that are told.
+/// Lines of it that are reported.
 const LINES_TOLD: usize = 5;
 /// How long its end is waited for once a program is gone.
 const LAST_WORDS: Duration = Duration::from_millis(200);
@@ -27,7 +27,7 @@ pub(super) enum Heard {
     End,
 }
 
-/// Standard output, read by a thread of its own, so that nobody waits for it longer than wanted.
+/// Standard output, read by its own thread, so that waiting has a time limit.
 #[derive(Debug)]
 pub(super) struct Answers {
     lines: Receiver<Heard>,
@@ -37,10 +37,12 @@ pub(super) struct Answers {
 impl Answers {
     /// Reads `output` until its end; one line is read ahead at most.
     pub fn of(output: impl Read + Send + 'static) -> std::io::Result<Self> {
-        let (heard, lines) = sync_channel(1);
+        let (received, lines) = sync_channel(1);
         let longest = Arc::new(AtomicUsize::new(0));
         let limit = Arc::clone(&longest);
-        thread::Builder::new().name("answers".into()).spawn(move || listen(BufReader::new(output), &limit, &heard))?;
+        thread::Builder::new()
+            .name("answers".into())
+            .spawn(move || listen(BufReader::new(output), &limit, &received))?;
         Ok(Self { lines, longest })
     }
 
@@ -53,14 +55,14 @@ impl Answers {
     pub fn next(&self, within: Duration) -> Option<Heard> {
         use std::sync::mpsc::RecvTimeoutError::{Disconnected, Timeout};
         match self.lines.recv_timeout(within) {
-            Ok(heard) => Some(heard),
+            Ok(received) => Some(received),
             Err(Timeout) => None,
             Err(Disconnected) => Some(Heard::End),
         }
     }
 }
 
-fn listen(mut output: impl BufRead, limit: &AtomicUsize, heard: &SyncSender<Heard>) {
+fn listen(mut output: impl BufRead, limit: &AtomicUsize, received: &SyncSender<Heard>) {
     let mut line = Vec::new();
     loop {
         let part = match output.fill_buf() {
@@ -77,18 +79,18 @@ fn listen(mut output: impl BufRead, limit: &AtomicUsize, heard: &SyncSender<Hear
         let most = limit.load(Ordering::Relaxed).max(super::protocol::LONGEST_GREETING);
         if line.len() > most {
             // Nobody is there any more where sending fails.
-            let _ = heard.send(Heard::TooLong(most));
+            let _ = received.send(Heard::TooLong(most));
             return;
         }
-        if end.is_some() && heard.send(Heard::Line(std::mem::take(&mut line))).is_err() {
+        if end.is_some() && received.send(Heard::Line(std::mem::take(&mut line))).is_err() {
             return;
         }
     }
     if !line.is_empty() {
         // A last line without its end counts as one.
-        let _ = heard.send(Heard::Line(line));
+        let _ = received.send(Heard::Line(line));
     }
-    let _ = heard.send(Heard::End);
+    let _ = received.send(Heard::End);
 }
 
 /// Standard error, read to its end so that the pipe never fills, of which the last bytes are kept.
@@ -132,7 +134,7 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    fn heard(bytes: impl AsRef<[u8]> + Send + 'static, longest: usize) -> Vec<String> {
+    fn received(bytes: impl AsRef<[u8]> + Send + 'static, longest: usize) -> Vec<String> {
         let limit = AtomicUsize::new(longest);
         let (send, receive) = sync_channel(100);
         listen(Cursor::new(bytes), &limit, &send);
@@ -146,15 +148,15 @@ mod tests {
 
     #[test]
     fn lines_come_one_by_one_and_the_last_needs_no_end() {
-        assert_eq!(heard("a\n\nb", 10), ["a", "", "b", "End"]);
+        assert_eq!(received("a\n\nb", 10), ["a", "", "b", "End"]);
     }
 
     /// A line without an end is given up after the greatest length of an answer, whatever follows.
     #[test]
     fn a_line_has_a_greatest_length() {
         let long = super::super::protocol::LONGEST_GREETING + 1;
-        assert_eq!(heard(vec![b'x'; 10 * long], 10), [format!("TooLong({})", long - 1)]);
-        assert_eq!(heard(vec![b'x'; long], 2 * long).len(), 2);
+        assert_eq!(received(vec![b'x'; 10 * long], 10), [format!("TooLong({})", long - 1)]);
+        assert_eq!(received(vec![b'x'; long], 2 * long).len(), 2);
     }
 
     #[test]

@@ -141,7 +141,7 @@ impl Pool {
     }
 
     /// Asks every copy once more for an early rollout, and for one of its last, all at the same time. Where one is still asked
-    /// for something else, the work is not at its end, and whoever ends it asks.
+    /// for something else, the work is not at its end, and the end of it asks again.
     pub fn settle(&self) -> Result<(), Failure> {
         let mut copies = self.copies();
         if copies.idle.len() < copies.running {

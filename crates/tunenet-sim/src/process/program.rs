@@ -11,7 +11,6 @@ use tunenet_core::{Error, Result};
 
 use super::failure::printable;
 use crate::SimulationFile;
-use crate::simulation_file::process_schema::{START_TIMEOUT_S, TIMEOUT_S, texts};
 
 /// How many instants every copy of the program is asked for first.
 const PROBED: usize = 4096;
@@ -47,21 +46,20 @@ impl Program {
             let message = format!("`process.folder`: expected a folder, found none at {}", folder.display());
             Error::file(file.path(), message, "make it, or correct the path, which is seen from the simulation file")
         })?;
-        let seconds = |path: &str, default: f64| Duration::from_secs_f64(file.number(path).unwrap_or(default));
-        let workers = file.item("process.workers").and_then(Item::as_integer).and_then(|n| usize::try_from(n).ok());
+        let process = file.process()?;
         let channels = channels(file)?;
         let lengths = channels.iter().any(|channel| channel.unit == "m");
         if !lengths && file.effects().iter().any(|effect| effect.name == "length_scale") {
             let message = "expected a channel in m beside [effects.length_scale], found none";
-            return Err(Error::file(file.path(), message, "leave the effect out: it scales lengths alone"));
+            return Err(Error::file(file.path(), message, "remove the effect: it applies only to lengths"));
         }
         Ok(Self {
             command: words(file),
             folder,
-            timeout: seconds("process.timeout_s", TIMEOUT_S),
-            start_timeout: seconds("process.start_timeout_s", START_TIMEOUT_S),
-            workers: workers.unwrap_or_else(rayon::current_num_threads).max(1),
-            headers: headers(file),
+            timeout: Duration::from_secs_f64(process.timeout_s),
+            start_timeout: Duration::from_secs_f64(process.start_timeout_s),
+            workers: process.workers.unwrap_or_else(rayon::current_num_threads).max(1),
+            headers: process.channels.clone(),
             channels,
             parameters: file.parameters()?,
             settings: file.item("settings").and_then(json).unwrap_or_else(|| Json::Object(Map::new())),
@@ -88,18 +86,17 @@ impl Program {
 /// The program that `file` names and its arguments, word by word; never empty.
 #[must_use]
 pub fn words(file: &SimulationFile) -> Vec<String> {
-    let words: Vec<String> =
-        file.item("process.command").map(texts).unwrap_or_default().into_iter().map(str::to_owned).collect();
+    let words = file.process().map_or_else(|_| Vec::new(), |process| process.command.clone());
     // The schema asks for one; what asks for a program's first word must find it.
     if words.is_empty() { vec![String::new()] } else { words }
 }
 
-/// A command for people, cut where it is long.
+/// A command for users, shortened where it is long.
 pub(super) fn shown(command: &[String]) -> String {
     format!("`{}`", printable(&line(command)))
 }
 
-/// A command as a shell would be told it: words that hold more than safe characters stand in quotes.
+/// A command in shell syntax: words with other than safe characters are quoted.
 pub(super) fn line(command: &[String]) -> String {
     let safe = |c: char| c.is_ascii_alphanumeric() || "_-./:=,@%+".contains(c);
     let word = |word: &String| {
@@ -112,23 +109,18 @@ pub(super) fn line(command: &[String]) -> String {
     command.iter().map(word).collect::<Vec<_>>().join(" ")
 }
 
-fn headers(file: &SimulationFile) -> Vec<String> {
-    file.item("process.channels").map(texts).unwrap_or_default().into_iter().map(str::to_owned).collect()
-}
-
 /// The channels that the program of `file` predicts, in its order.
 ///
 /// # Errors
 /// [`Error::File`] where a name has no unit, which reading the file refuses already.
 pub fn channels(file: &SimulationFile) -> Result<Vec<Channel>> {
-    let one = |header: String| {
-        Channel::from_header(&header).ok_or_else(|| {
-            let message =
-                format!("`process.channels`: expected names with their units, found `{}`", printable(&header));
+    let one = |header: &String| {
+        Channel::from_header(header).ok_or_else(|| {
+            let message = format!("`process.channels`: expected names with their units, found `{}`", printable(header));
             Error::file(file.path(), message, "write \"z_m\" or \"angle_rad\"")
         })
     };
-    headers(file).into_iter().map(one).collect()
+    file.process()?.channels.iter().map(one).collect()
 }
 
 /// What TOML holds as JSON; dates and times become texts, and numbers that JSON has no word for nothing.

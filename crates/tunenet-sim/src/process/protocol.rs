@@ -94,7 +94,7 @@ const LINES: &str = "answer every line with one line of JSON and print nothing e
 const ROWS: &str = "one row for each instant of `times_s`, with one number for each channel: [[0.5],[0.47]]";
 const NUMBERS: &str = "answer `{\"id\": …, \"error\": \"why\"}` where these parameters cannot be simulated";
 
-/// What may stand in an answer; other keys are passed over. A number that is missing within a row is told by its place.
+/// What may stand in an answer; other keys are passed over. A number that is missing within a row is reported by its place.
 #[derive(Deserialize)]
 struct Said {
     tunenet: Option<Json>,
@@ -187,7 +187,7 @@ fn row(text: &str, at: usize) -> String {
 fn numbers(rows: &[Vec<Option<f64>>], samples: usize, headers: &[String]) -> Result<Vec<f64>, Wrong> {
     let width = headers.len();
     let each_row = "one row for each instant of `times_s`, in their order";
-    // What a row holds is told before their number, which is wrong as well where rows were taken for columns.
+    // What a row holds is reported before their number, which is wrong as well where rows were taken for columns.
     if let Some((i, row)) = rows.iter().enumerate().find(|(_, row)| row.len() != width) {
         let count = if width == 1 { "1 number".into() } else { format!("{width} numbers") };
         let expected = format!("{count} in row {} of `values` ({})", i + 1, headers.join(", "));
@@ -202,7 +202,7 @@ fn numbers(rows: &[Vec<Option<f64>>], samples: usize, headers: &[String]) -> Res
     each.map(|(i, value)| value.map_or_else(|| wrong("finite numbers", &place(i), NUMBERS), Ok)).collect()
 }
 
-/// The beginning of a line for people.
+/// The beginning of a line for users.
 fn start(line: &[u8]) -> String {
     const SHOWN: usize = 200;
     let cut = &line[..line.len().min(4 * SHOWN)];
@@ -221,7 +221,7 @@ mod tests {
 
     use super::*;
 
-    fn told(line: &str) -> String {
+    fn parsed(line: &str) -> String {
         let headers = ["angle_rad".to_owned()];
         answered(line.as_bytes(), 3, 2, &headers).map_or_else(|e| e.message, |answer| format!("{answer:?}"))
     }
@@ -232,7 +232,7 @@ mod tests {
         let line = format!("{{\"id\":3,\"values\":[[{}],[{:e}]],\"more\":1}}\r", values[0], values[1]);
         let found = answered(line.as_bytes(), 3, 2, &["a_m".to_owned()]).unwrap();
         assert!(found.is(&Answer::Values(values.to_vec())));
-        assert_eq!(told(r#"{"id":3,"values":[[1],[-0]]}"#), "Values([1.0, -0.0])");
+        assert_eq!(parsed(r#"{"id":3,"values":[[1],[-0]]}"#), "Values([1.0, -0.0])");
         // A double that is easily read wrong by one bit.
         let hard = 2.225_073_858_507_201e-308_f64;
         let line = format!("{{\"id\":1,\"values\":[[{hard:?}]]}}");
@@ -241,8 +241,8 @@ mod tests {
 
     #[test]
     fn a_refusal_is_an_answer() {
-        assert_eq!(told(r#"{"id":3,"error":"too short"}"#), r#"Refused("too short")"#);
-        assert_eq!(told(r#"{"id":3,"values":null,"error":{"a":1}}"#), r#"Refused("{\"a\":1}")"#);
+        assert_eq!(parsed(r#"{"id":3,"error":"too short"}"#), r#"Refused("too short")"#);
+        assert_eq!(parsed(r#"{"id":3,"values":null,"error":{"a":1}}"#), r#"Refused("{\"a\":1}")"#);
     }
 
     #[test]
@@ -263,7 +263,7 @@ mod tests {
             (r#"{"id":3,"values":[[1],["2"]]}"#, "found in row 2 of `values`: invalid type: string \"2\""),
             (r#"{"id":3,"values":[[1],[1e999]]}"#, "number out of range"),
         ] {
-            let message = told(line);
+            let message = parsed(line);
             assert!(message.contains(expected) || line.contains("1e999"), "{line}: {message}");
         }
         assert!(answered(b"\xff", 3, 2, &[]).unwrap_err().message.contains("text in UTF-8"));
@@ -321,12 +321,12 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever a program prints is an answer of the right shape, or is told in one line.
+        /// Whatever a program prints is an answer of the right shape, or is reported in one line.
         #[test]
         fn any_line_is_an_answer_or_a_sentence(line in nearly(), width in 1..3_usize) {
             let headers: Vec<String> = ["a_m", "b_m"][..width].iter().map(|h| (*h).to_owned()).collect();
-            for told in [answered(&line, 3, 2, &headers), greeted(&line).map(|()| Answer::Values(vec![0.0; 2 * width]))] {
-                match told {
+            for parsed in [answered(&line, 3, 2, &headers), greeted(&line).map(|()| Answer::Values(vec![0.0; 2 * width]))] {
+                match parsed {
                     Ok(Answer::Values(values)) => {
                         prop_assert!(values.len() == 2 * width && values.iter().all(|v| v.is_finite()));
                     }

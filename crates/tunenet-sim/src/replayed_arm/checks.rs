@@ -1,7 +1,8 @@
-//! What is checked of a log of joints before anything is reckoned from it.
+//! Checks of a log of joints before anything is computed from it.
 
 use tunenet_core::observation::Observation;
-use tunenet_core::observation::preflight::{Check, State};
+use tunenet_core::observation::{Check, State};
+use tunenet_core::statistics::dot;
 
 use super::filter::{slope, smooth};
 use super::recorded::{columns, even_step};
@@ -49,7 +50,7 @@ fn count(seen: &Observation, joints: &[&Joint]) -> Check {
     let (code, found) = ("joints.count", columns(seen, "q").len());
     let names = || joints.iter().map(|j| format!("`{}`", j.name)).collect::<Vec<_>>().join(", ");
     if found == 0 {
-        return check(code, State::Failed, "expected positions of the joints, found none", "record them: `q1_rad`, …");
+        return check(code, State::Failed, "expected joint positions, found none", "record `q1_rad`, …");
     }
     if found != joints.len() {
         let text = format!("expected {} joints ({}), found {found}", joints.len(), names());
@@ -78,13 +79,13 @@ fn effort(seen: &Observation, gains: bool) -> Check {
         (false, ..) => check(code, State::Passed, "torques are measured", ""),
         (true, false, true) => check(code, State::Passed, "torques from currents, by `arm.current_gain_nm_a`", ""),
         (true, false, false) => {
-            let text = "expected torques, or currents with their torque constants, found currents alone";
+            let text = "expected torques, or currents with their torque constants, found only currents";
             let remedy =
                 "write `arm.current_gain_nm_a = [..]`, the N·m of each joint for 1 A, into the simulation file";
             check(code, State::Failed, text, remedy)
         }
         (true, true, _) => {
-            let text = "expected torques (effort) or motor currents, found positions and speeds alone";
+            let text = "expected torques (effort) or motor currents, found only positions and speeds";
             let remedy = "record `effort` in JointState, or columns `tau1_nm`, … or `i1_a`, …";
             check(code, State::Failed, text, remedy)
         }
@@ -106,7 +107,7 @@ struct Column {
     speed: Option<usize>,
 }
 
-/// Whether the log `seen` of an arm that nobody has named is in radians and seconds: a suspicion is noticed, never more.
+/// Whether the log `seen` of an unknown arm is in radians and seconds: a suspicion is noticed, never more.
 #[must_use]
 pub fn suspect_units(seen: &Observation) -> Check {
     let speeds = columns(seen, "dq");
@@ -145,9 +146,8 @@ fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
             } else {
                 format!(" Or is its limit of {:.2} wrong?", limit_rad / BEYOND)
             };
-            let text = format!(
-                "`{name}` reaches {farthest:.1}, which is no angle in radians that it can have: degrees?{limits}"
-            );
+            let text =
+                format!("`{name}` reaches {farthest:.1}, which is not a possible angle in radians: degrees?{limits}");
             return check(code, State::Failed, text, remedy);
         }
         let Some((ratio, alike)) = speed.and_then(|speed| ratio(seen, position, speed)) else { continue };
@@ -179,7 +179,6 @@ fn ratio(seen: &Observation, position: usize, speed: usize) -> Option<(f64, f64)
     let cutoff = SPEEDS_HZ.min(0.2 / step);
     let smoothed = |column: usize| smooth(&seen.column(column).collect::<Vec<_>>(), cutoff, 1.0 / step);
     let (slope, speed) = (slope(&smoothed(position), step), smoothed(speed));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let (both, own, other) = (dot(&slope, &speed), dot(&slope, &slope), dot(&speed, &speed));
     (own > 0.0 && other > 0.0).then(|| (both / own, both / (own * other).sqrt()))
 }

@@ -7,11 +7,12 @@ use tunenet_core::{Error, Result};
 use super::ReplayedArm;
 use crate::SimulationFile;
 use crate::observed_arm::arm;
+use crate::scene::MotionKind;
 
 /// Whether the arm of `file` follows recorded joints.
 #[must_use]
 pub fn replays(file: &SimulationFile) -> bool {
-    file.text_at("motion.kind") == Some("replay")
+    file.arm().is_ok_and(|arm| arm.motion.kind == MotionKind::Replay)
 }
 
 impl ReplayedArm {
@@ -22,15 +23,15 @@ impl ReplayedArm {
     pub fn from_file(file: &SimulationFile) -> Result<Self> {
         let (model, link) = arm(file)?;
         let (payload, joints) = (model.frames[link].clone(), model.degrees());
-        let gravity = file.number("world.gravity_m_s2").unwrap_or(9.81);
-        let mut new = Self::new(model, payload, gravity, file.parameters()?)?;
-        new.payload_size_m = file.number("arm.payload_size_m").unwrap_or(0.0);
-        if let Some(hz) = file.number("motion.cutoff_hz") {
+        let scene = file.arm()?;
+        let mut new = Self::new(model, payload, scene.world.gravity_m_s2, file.parameters()?)?;
+        new.payload_size_m = scene.arm.payload_size_m;
+        if let Some(hz) = scene.motion.cutoff_hz {
             new = new.with_cutoff(hz);
         }
-        if let Some(gains) = file.numbers("arm.current_gain_nm_a") {
+        if let Some(gains) = scene.arm.current_gain_nm_a.clone() {
             new = new.with_current_gain(gains).map_err(|error| match error {
-                Error::Setting { name, expected, found } => {
+                Error::Setting { name, expected, found, .. } => {
                     let message = format!("`{name}`: expected {expected}, found {found}");
                     Error::file(file.path(), message, "one number for each joint between base and payload")
                 }

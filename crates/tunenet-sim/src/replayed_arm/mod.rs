@@ -1,4 +1,4 @@
-//! An arm whose motion was measured: it is not simulated forwards, its torques are reckoned from the motion.
+//! An arm whose motion was measured: its torques are computed from the motion by inverse dynamics.
 //!
 //! ```text
 //! log → checks → even clock, smoothed positions, their slopes (Recorded) → rigid torques and payload columns (input)
@@ -20,10 +20,10 @@ mod torque;
 
 use std::sync::Arc;
 
-use tunenet_core::observation::preflight::{Check, State};
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
+use tunenet_core::observation::{Check, State};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Rejected, Simulator};
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 pub use checks::suspect_units;
 pub use file::{replayed, replays};
@@ -91,6 +91,7 @@ impl ReplayedArm {
         let joints = model.degrees();
         let role = |p: &Parameter| {
             Role::of(&p.name).ok_or_else(|| Error::Setting {
+                origin: Origin::File,
                 name: "parameters",
                 expected: "payload_mass, payload_com_x, _y, _z or torque_gain".into(),
                 found: format!("`{}`", p.name),
@@ -125,7 +126,7 @@ impl ReplayedArm {
         if nm_a.len() != self.arm.joints() {
             let (expected, found) =
                 (format!("{} numbers, one for each joint", self.arm.joints()), nm_a.len().to_string());
-            return Err(Error::Setting { name: "arm.current_gain_nm_a", expected, found });
+            return Err(Error::Setting { origin: Origin::Caller, name: "arm.current_gain_nm_a", expected, found });
         }
         self.current_gain_nm_a = Some(nm_a);
         Ok(self)
@@ -147,7 +148,7 @@ impl ReplayedArm {
         let expected = effect.numbers(self.arm.joints()) * effect.coefficients.len();
         if values.len() != expected {
             let (expected, found) = (format!("{expected} numbers of `{name}`"), values.len().to_string());
-            return Err(Error::Setting { name: "effects", expected, found });
+            return Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found });
         }
         self.fixed.push((effect, values.to_vec()));
         Ok(self)
@@ -234,7 +235,7 @@ fn find(name: &str) -> Result<ArmEffect> {
     ArmEffect::find(name).ok_or_else(|| {
         let known: Vec<_> = ALL.iter().map(|e| e.name).collect();
         let expected = format!("an effect of an arm ({})", known.join(", "));
-        Error::Setting { name: "effects", expected, found: format!("`{name}`") }
+        Error::Setting { origin: Origin::Caller, name: "effects", expected, found: format!("`{name}`") }
     })
 }
 
@@ -273,7 +274,7 @@ impl Simulator for ReplayedArm {
         let windows: Vec<usize> = (0..log.len() / cells).filter(complete).collect();
         if windows.len() < FEWEST_WINDOWS {
             let text = format!(
-                "{} windows of {:.3} s are left between the ends, {FEWEST_WINDOWS} are needed",
+                "{} windows of {:.3} s remain between the ends; at least {FEWEST_WINDOWS} are needed",
                 windows.len(),
                 cells as f64 * log.step_s
             );
@@ -325,7 +326,7 @@ impl Simulator for ReplayedArm {
             let effect = find(name)?;
             if arm.free.iter().any(|e| e.name == *name) {
                 let (expected, found) = ("each effect once".into(), format!("`{name}`"));
-                return Err(Error::Setting { name: "effects", expected, found });
+                return Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found });
             }
             let at = arm.fixed.iter().position(|(e, _)| e.name == *name);
             let present = at.map(|i| arm.fixed.remove(i).1);

@@ -1,6 +1,7 @@
 //! A log of joints as it is replayed: on an even clock, smoothed, differentiated.
 
 use tunenet_core::observation::{Channel, Observation, noise_sd};
+use tunenet_core::statistics::median;
 
 use super::filter::{edge, slope, smooth, whole};
 
@@ -115,12 +116,7 @@ fn trusted(clock: &[f64], step_s: f64, count: usize, edge: usize) -> Vec<bool> {
 
 /// The usual interval of a clock.
 pub(super) fn even_step(clock: &[f64]) -> f64 {
-    median(clock.windows(2).map(|w| w[1] - w[0]).collect())
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(clock.windows(2).map(|w| w[1] - w[0])).unwrap_or(f64::NAN)
 }
 
 /// Where each of the rising `times` falls into `clock`: the index of the sample before it.

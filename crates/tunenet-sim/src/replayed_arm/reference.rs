@@ -153,7 +153,7 @@ pub fn with_reference(seen: &Observation, reference: &Observation) -> Result<(Ob
     }
     let seen = Observation::new(Kind::Joints, channels, both.clock().to_vec(), values)?;
     let text = format!(
-        "the reference does {lag_s:+.3} s after its start what the run does after its own; laid beside it, {:.1} s of both \
+        "the reference was aligned by a lag of {lag_s:+.3} s; {:.1} s of both \
          are used, and the positions agree to {apart:.4} rad (RMS)",
         both.clock()[both.len() - 1] - both.clock()[0]
     );

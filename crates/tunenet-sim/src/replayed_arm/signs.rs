@@ -1,7 +1,8 @@
 //! Whether torques have the sign that the arm needs, and whether run and reference stand the right way round.
 
-use tunenet_core::observation::preflight::{Check, State};
+use tunenet_core::observation::{Check, State};
 use tunenet_core::simulator::Prepared;
+use tunenet_core::statistics::dot;
 
 use super::checks::check;
 use crate::arm::Joint;
@@ -29,17 +30,12 @@ fn column(values: &[f64], joint: usize, joints: usize) -> impl Iterator<Item = f
     values.iter().skip(joint).step_by(joints).copied()
 }
 
-fn dot(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> f64 {
-    a.zip(b).map(|(a, b)| a * b).sum()
-}
-
 /// The share of the squares of `sign · y` that a·bare + b·payload explains, neither number below 0.
 fn explained(torques: &Torques, joint: usize, joints: usize, sign: f64) -> f64 {
     let of = |values: &'_ [f64]| column(values, joint, joints).collect::<Vec<_>>();
     let (y, r, p) = (of(&torques.measured), of(&torques.bare), of(&torques.payload));
-    let product = |a: &[f64], b: &[f64]| dot(a.iter().copied(), b.iter().copied());
-    let (yy, rr, pp, rp) = (product(&y, &y), product(&r, &r), product(&p, &p), product(&r, &p));
-    let (yr, yp) = (sign * product(&y, &r), sign * product(&y, &p));
+    let (yy, rr, pp, rp) = (dot(&y, &y), dot(&r, &r), dot(&p, &p), dot(&r, &p));
+    let (yr, yp) = (sign * dot(&y, &r), sign * dot(&y, &p));
     let determinant = rr * pp - rp * rp;
     let (a, b) = ((yr * pp - yp * rp) / determinant, (yp * rr - yr * rp) / determinant);
     let gain = if determinant > 1e-9 * rr * pp && a >= 0.0 && b >= 0.0 {
@@ -54,7 +50,7 @@ fn explained(torques: &Torques, joint: usize, joints: usize, sign: f64) -> f64 {
 /// Names the joints whose torques follow the arm's only with their sign turned.
 pub(super) fn signs(torques: &Torques, joints: &[&Joint], currents: bool) -> Check {
     let (code, n) = ("joints.signs", joints.len());
-    let size = |values: &[f64], j: usize| dot(column(values, j, n), column(values, j, n)).sqrt();
+    let size = |values: &[f64], j: usize| column(values, j, n).map(|v| v * v).sum::<f64>().sqrt();
     let greatest = (0..n).map(|j| size(&torques.bare, j)).fold(0.0, f64::max);
     let weighty: Vec<usize> =
         (0..n).filter(|&j| size(&torques.bare, j) > WEIGHTY * greatest && size(&torques.measured, j) > 0.0).collect();
@@ -72,18 +68,17 @@ pub(super) fn signs(torques: &Torques, joints: &[&Joint], currents: bool) -> Che
     } else {
         format!("of {}", names.join(", "))
     };
-    let text = format!(
-        "the torques {which} are the opposite of what the arm needs: with their sign turned they agree with it"
-    );
-    let how = if currents { "; a negative number in `arm.current_gain_nm_a` turns a current" } else { "" };
+    let text = format!("the torques {which} have the opposite sign of those that the arm needs");
+    let how =
+        if currents { "; a negative number in `arm.current_gain_nm_a` changes the sign of a current" } else { "" };
     let remedy = format!(
-        "positive is what the motor exerts about the joint's axis: turn the sign of these columns{how}; or the zero of the joint \
+        "positive is what the motor exerts about the joint's axis: change the sign of these columns{how}; or the zero of the joint \
          is half a turn off"
     );
     check(code, State::Failed, text, &remedy)
 }
 
-/// Whether the run carries what its reference lacks, and not the other way round. `prepared` holds the difference of both.
+/// Whether the run has the higher load, and not the other way round. `prepared` holds the difference of both.
 pub(super) fn swapped(prepared: &Prepared, torques: &Torques, joints: usize) -> Check {
     let code = "reference.swapped";
     let noise = prepared.noise.as_deref().unwrap_or_default();
@@ -91,19 +86,18 @@ pub(super) fn swapped(prepared: &Prepared, torques: &Torques, joints: usize) -> 
         values.iter().enumerate().map(|(i, v)| v / noise.get(i % joints).copied().unwrap_or(1.0)).collect()
     };
     let (seen, payload) = (weigh(prepared.seen.values()), weigh(&torques.payload));
-    let product = |a: &[f64], b: &[f64]| dot(a.iter().copied(), b.iter().copied());
-    let (both, square, other) = (product(&seen, &payload), product(&payload, &payload), product(&seen, &seen));
+    let (both, square, other) = (dot(&seen, &payload), dot(&payload, &payload), dot(&seen, &seen));
     if both < -OPPOSITE * (square * other).sqrt() {
         let text = format!(
-            "the run needs less torque than its reference, as if it held {:.3} kg: the two look swapped",
+            "the run needs less torque than its reference, as if it held {:.3} kg: the two seem to be swapped",
             both / square
         );
         return check(
             code,
             State::Failed,
             text,
-            "give the run with the payload to --observation, the bare one to --reference",
+            "pass the run with payload to --observation and the one without to --reference",
         );
     }
-    check(code, State::Passed, "the run carries what its reference lacks", "")
+    check(code, State::Passed, "the run has the higher load", "")
 }

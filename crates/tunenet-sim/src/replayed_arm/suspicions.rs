@@ -1,6 +1,6 @@
 //! What a tuned payload itself says against its answer.
 
-use tunenet_core::observation::preflight::{Check, State};
+use tunenet_core::observation::{Check, State};
 use tunenet_core::tune::{Estimate, Outcome, Verdict};
 
 use super::checks::check;
@@ -42,11 +42,11 @@ fn gain(outcome: &Outcome, referenced: bool) -> Option<Check> {
                   then weigh with `--reference` and `parameters.torque_gain.tune=false`";
     let text = if referenced {
         format!(
-            "with a reference only `payload_mass` times `torque_gain` is seen, never one of them alone (correlation {correlation:.2})"
+            "with a reference, only the product of `payload_mass` and `torque_gain` is determined (correlation {correlation:.2})"
         )
     } else {
         format!(
-            "only the masses that the URDF gives its links tell `payload_mass` from `torque_gain` (correlation {correlation:.2}): what \
+            "only the link masses of the URDF separate `payload_mass` from `torque_gain` (correlation {correlation:.2}): what \
              is wrong in them, and friction, is in neither interval"
         )
     };
@@ -56,7 +56,7 @@ fn gain(outcome: &Outcome, referenced: bool) -> Option<Check> {
 /// A payload that is weighed with the URDF's own masses, although something is left that they do not explain.
 fn alone(outcome: &Outcome, referenced: bool) -> Option<Check> {
     estimate(outcome, "payload_mass").filter(|_| !referenced && outcome.verdict == Verdict::PoorFit)?;
-    let text = "no run without payload stands beside this one: friction and errors of the URDF's masses are taken for payload, by \
+    let text = "without a reference run, friction and errors of the URDF's masses are attributed to the payload, by \
                 more than its interval says";
     let remedy = "record the same motion without payload and give it with `--reference`";
     Some(check("payload.alone", State::Noticed, text, remedy))
@@ -80,7 +80,7 @@ fn place(file: &SimulationFile, outcome: &Outcome) -> Option<Check> {
         return Some(check(code, State::Passed, format!("the centre of mass lies {distance:.3} m from its link"), ""));
     }
     let text = format!(
-        "the centre of mass lies {distance:.3} m from its link, where no payload of {mass:.3} kg has one (farthest plausible {farthest:.2} m)"
+        "the centre of mass lies {distance:.3} m from its link, which is implausible for a payload of {mass:.3} kg (at most {farthest:.2} m)"
     );
     let remedy = "check the joints' order and zeros and the torque constants; without a `--reference`, errors of the URDF and friction \
                   are taken for a payload";
@@ -99,10 +99,10 @@ fn moved(file: &SimulationFile, outcome: &Outcome) -> Option<Check> {
     }
     let code = "payload.moved";
     if apart.is_empty() {
-        return both.then(|| check(code, State::Passed, "the centre of mass is where it was tuned before", ""));
+        return both.then(|| check(code, State::Passed, "the centre of mass agrees with the one tuned before", ""));
     }
     let text = format!(
-        "the centre of mass is not where this file was tuned to ({}), by more than both intervals allow",
+        "the centre of mass differs from the one that this file was tuned to ({}) by more than both intervals allow",
         apart.join("; ")
     );
     let remedy = "is it the same payload, mounted in the same way? otherwise joint zeros or the signs of columns differ between the logs";

@@ -1,4 +1,4 @@
-//! What the motion of a log asks of the arm: reckoned once, then combined for every set of numbers.
+//! Regressors of inverse dynamics along a log: computed once, then combined for every set of numbers.
 
 use nalgebra::Vector3;
 use tunenet_core::Result;

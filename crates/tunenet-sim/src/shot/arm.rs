@@ -3,8 +3,8 @@
 use nalgebra::{Rotation3, Translation3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use tunenet_core::observation::recording::JointPoint;
 use tunenet_core::{Error, Result};
+use tunenet_formats::JointPoint;
 
 use super::Reach;
 use super::task::ArmTask;
@@ -74,7 +74,7 @@ impl ArmReach {
     /// The name of the link that stands still.
     #[must_use]
     pub fn base_name(&self) -> &str {
-        // Links that are fixed to it stand elsewhere.
+        // Links that are fixed to it have other positions.
         let still = |f: &&Frame| f.body.is_none() && f.placement == Pose::identity();
         self.model.frames.iter().find(still).map_or("", |f| f.name.as_str())
     }

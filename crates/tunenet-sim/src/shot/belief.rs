@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use toml_edit::{InlineTable, Value};
 use tunenet_core::observation::Note;
+use tunenet_core::statistics::NORMAL_95;
 use tunenet_core::{Error, Result};
 
 use super::Task;
@@ -12,11 +13,9 @@ use super::provenance::Provenance;
 use crate::SimulationFile;
 use crate::ball::effects::{BallEffect, DRAG};
 use crate::ball::{Scene, State};
-use crate::observed_ball::scene;
+use crate::scene::BallParameters;
 use crate::simulation_file::schema::number;
 
-/// Half a 95 % interval of a normal distribution, in standard deviations.
-const INTERVAL: f64 = 1.959_964;
 /// The effect that turns every bounce by chance.
 const SCATTER: &str = "bounce_scatter";
 
@@ -80,11 +79,10 @@ impl Belief {
     /// [`Error::File`] where the file says nothing of the restitution, or that there is none; what its parameters refuse.
     pub fn new(file: &SimulationFile, task: &Task) -> Result<Self> {
         let parameters = file.parameters()?;
-        let given = file.number("parameters.restitution.value");
+        let given = file.written_value(BallParameters::RESTITUTION);
         if given.is_none_or(|e| e <= 0.0) {
             let found = given.map_or("none".into(), |e| e.to_string());
-            let message =
-                format!("expected a restitution above 0, found {found}: without one no ball bounces to a hoop");
+            let message = format!("expected a restitution above 0, found {found}: without one no ball bounces");
             return Err(Error::file(
                 file.path(),
                 message,
@@ -93,7 +91,8 @@ impl Belief {
         }
         let provenance = Provenance { file };
         let (mut quantities, mut changed) = (Vec::new(), Vec::new());
-        for (parameter, role) in parameters.into_iter().zip([Role::Restitution, Role::Friction]) {
+        for parameter in parameters {
+            let role = if parameter.name == BallParameters::FRICTION { Role::Friction } else { Role::Restitution };
             let interval = provenance.interval(&parameter.name);
             let interval = unless_edited(&parameter.name, parameter.value, interval, &mut changed);
             let bounds = (parameter.min, parameter.max);
@@ -111,7 +110,7 @@ impl Belief {
         }
         let edited = !changed.is_empty();
         let mut belief = Self {
-            base: scene(file),
+            base: file.ball()?.simulated(),
             nominal: quantities.clone(),
             alternatives: vec![Alternative { weight: 1.0, quantities }],
             release_sd: (task.release_position_sd_m, task.release_velocity_sd_m_s),
@@ -163,7 +162,7 @@ impl Belief {
         Draw { ball: self.scene(&alternative.quantities, &values, Some(kick)), offset }
     }
 
-    /// The ball with these values; `kick` are standard normal numbers for its bounce.
+    /// The ball with these values; `kick` are standard normal numbers for the tilt of its bounce.
     fn scene(&self, quantities: &[Quantity], values: &[f64], kick: Option<[f64; 2]>) -> Scene {
         let mut scene = self.base.clone();
         let mut i = 0;
@@ -202,8 +201,8 @@ impl Belief {
         } else if let (Some(listed), false) = (provenance.list(OPEN_DRAG), self.holds(DRAG)) {
             let drag = BallEffect::find(DRAG);
             if !listed.iter().all(|table| self.understands(drag.as_ref(), table)) {
-                let text = "what the file says of drag that is open (`open_drag`) is not as tunenet writes it: no drag is taken";
-                self.notes.push(Note::new("plan.open_drag", text, "tune the file anew, or remove that line"));
+                let text = "`open_drag` in the file is not in tunenet's form: no drag is assumed";
+                self.notes.push(Note::new("plan.open_drag", text, "tune the file again, or remove that line"));
                 return;
             }
             let all: Vec<Alternative> = listed.into_iter().map(|table| known.with(drag, table, provenance)).collect();
@@ -267,14 +266,15 @@ impl Alternative {
     }
 }
 
-/// The interval of a value, unless somebody has put the value elsewhere since; that is told.
+/// The interval of a value, unless the value was edited since; that is reported.
 fn unless_edited(name: &str, value: f64, interval: Option<(f64, f64)>, told: &mut Vec<Note>) -> Option<(f64, f64)> {
     let (low, high) = interval?;
     if (low..=high).contains(&value) {
         return interval;
     }
-    let text = format!("{name} is {value}, which is not what was tuned ({low} to {high}); it is taken as exact");
-    told.push(Note::new("plan.changed", text, "tune the file anew, or leave its value as it was"));
+    let text =
+        format!("{name} is {value}, which is outside the tuned interval ({low} to {high}); it is taken as exact");
+    told.push(Note::new("plan.changed", text, "tune the file again, or restore the value"));
     None
 }
 
@@ -292,10 +292,10 @@ fn range(open: &[Alternative]) -> Option<Note> {
     let greatest = open.iter().filter(|a| a.weight > 0.0).map(of).fold(f64::NEG_INFINITY, f64::max);
     (greatest - least > WIDE_1_M).then(|| {
         let text = format!(
-            "what was measured leaves open how much the air brakes this ball (c from {least:.3} to {greatest:.3} 1/m): the \
+            "the measurement leaves air drag uncertain (c from {least:.3} to {greatest:.3} 1/m): the \
              balls that are drawn have all of it"
         );
-        Note::new("plan.open_drag", text, "a recording with more or higher bounces says more of it")
+        Note::new("plan.open_drag", text, "a recording with more or higher bounces reduces this")
     })
 }
 
@@ -304,6 +304,6 @@ impl Quantity {
     fn draw(&self, normal: f64) -> f64 {
         let Some((low, high)) = self.interval else { return self.value };
         let half = if normal < 0.0 { self.value - low } else { high - self.value };
-        (self.value + normal * half.max(0.0) / INTERVAL).clamp(self.bounds.0, self.bounds.1)
+        (self.value + normal * half.max(0.0) / NORMAL_95).clamp(self.bounds.0, self.bounds.1)
     }
 }

@@ -1,7 +1,7 @@
 //! One shot: the fall, the bounce, and the way to the hoop.
 
 use super::scene::ShotScene;
-use crate::ball::flight::{Field, Motion, Path};
+use crate::ball::flight::{Motion, Path};
 use crate::ball::{Scene, State, World};
 
 /// Seconds between the states of a path.
@@ -46,7 +46,7 @@ impl ShotScene {
         let far = FARTHEST * (1.0 + hoop.from_centre([0.0; 3]));
         // Below the hoop by more than rim and ball reach.
         let done = -(2.0 * self.radius_m + hoop.rim_radius_m + 0.5 * hoop.radius_m);
-        let field = Field::new(&scene);
+        let field = scene.field();
         let mut path = Path::flight(motion(&start), &field);
         let (mut states, mut since, mut steps) = (vec![*release, start], 0.0, 0.0);
         while steps * STEP_S < LONGEST_S {

@@ -1,7 +1,7 @@
 //! The height to let go from.
 
 use rayon::prelude::*;
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 use super::belief::Draw;
 use super::{Belief, Pass, Reach, ShotScene};
@@ -86,7 +86,12 @@ pub fn plan(
 ) -> Result<Plan> {
     if settings.heights < 2 || settings.draws == 0 {
         let found = format!("{} heights, {} draws", settings.heights, settings.draws);
-        return Err(Error::Setting { name: "--heights", expected: "at least 2 heights and 1 draw".into(), found });
+        return Err(Error::Setting {
+            origin: Origin::Caller,
+            name: "--heights",
+            expected: "at least 2 heights and 1 draw".into(),
+            found,
+        });
     }
     let share = |i: usize| i as f64 / (settings.heights - 1) as f64;
     let heights: Vec<f64> = (0..settings.heights).map(|i| lowest + share(i) * (highest - lowest)).collect();

@@ -52,18 +52,18 @@ impl Provenance<'_> {
         match self.word("verdict") {
             "" => vec![Note::new(
                 "plan.untuned",
-                "nobody tuned this simulation: its values are taken as they stand, and the chance of success says nothing \
+                "this simulation was never tuned: its values are used as they are, and the success probability says nothing \
                  of how wrong they are",
                 again,
             )],
             "poor_fit" => vec![Note::new(
                 "plan.poor_fit",
-                "this simulation was tuned, but does not do what was measured",
+                "this simulation was tuned, but does not match the measurement",
                 "ask `tunenet diagnose` what it lacks, and plan with the file that it writes",
             )],
             "one_of" if self.list("alternatives").is_none() => vec![Note::new(
                 "plan.one_explanation",
-                "several effects explain what was measured, and the file holds the numbers of one alone",
+                "several effects explain the measurement, and the file has only the numbers of one",
                 "record what `tunenet diagnose` proposes next, and diagnose again",
             )],
             _ => Vec::new(),

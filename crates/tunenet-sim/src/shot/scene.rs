@@ -166,7 +166,7 @@ impl ShotScene {
         Ok(Self { plane_normal, hoop, radius_m, tilt_rad, rim })
     }
 
-    /// `ball` above the plane: its surface and its size are this scene's. The floor under a recording, and how it leaned,
+    /// `ball` above the plane: its surface and its size are this scene's. The floor under a recording, and its tilt,
     /// have no bearing on it.
     #[must_use]
     pub fn with_plane(&self, ball: &Scene) -> Scene {
@@ -179,7 +179,7 @@ impl ShotScene {
         }
     }
 
-    /// What really happens to a ball that goes on from `state` at `time_s`, rim included: where it is at every step until
+    /// What really happens to a ball that continues from `state` at `time_s`, rim included: where it is at every step until
     /// `end_s`, and whether it touches the rim.
     ///
     /// # Errors

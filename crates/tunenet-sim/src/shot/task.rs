@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use toml_edit::{Document, Item, Table};
-use tunenet_core::observation::recording::read_text;
 use tunenet_core::{Error, Result};
+use tunenet_formats::read_text;
 
 use crate::simulation_file::check::{Vocabulary, located, walk};
 use crate::simulation_file::schema::{Key, Shape, item_number, key, number};
@@ -20,7 +20,7 @@ pub const TASK_KEYS: &[Key] = &[
     key("plane.tilt_about_y_rad", Shape::Number(-STEEPEST_RAD, STEEPEST_RAD), false, "tilt of the plane about y"),
     key("hoop.centre_m", Shape::Numbers(3, -FARTHEST_M, FARTHEST_M), true, "centre of the hoop"),
     key("hoop.radius_m", Shape::Number(1e-3, FARTHEST_M), true, "from its centre to the middle of its wire"),
-    key("hoop.rim_radius_m", Shape::Number(0.0, FARTHEST_M), false, "half the wire's thickness; none where left out"),
+    key("hoop.rim_radius_m", Shape::Number(0.0, FARTHEST_M), false, "half the wire's thickness (default: 0)"),
     key("hoop.tilt_about_x_rad", Shape::Number(-STEEPEST_RAD, STEEPEST_RAD), false, "tilt of the hoop about x"),
     key("hoop.tilt_about_y_rad", Shape::Number(-STEEPEST_RAD, STEEPEST_RAD), false, "tilt of the hoop about y"),
     key(
@@ -33,13 +33,13 @@ pub const TASK_KEYS: &[Key] = &[
         "release.position_sd_m",
         Shape::Number(0.0, 1.0),
         false,
-        "how far releases scatter along each axis; not at all where left out",
+        "standard deviation of the release position along each axis (default: 0)",
     ),
     key(
         "release.velocity_sd_m_s",
         Shape::Number(0.0, 10.0),
         false,
-        "how fast a ball is when it is let go, by chance, along each axis; at rest where left out",
+        "standard deviation of the release velocity along each axis (default: 0)",
     ),
     key("arm.urdf", Shape::Word(&[]), false, "robot that lets go; its path is seen from the task file"),
     key("arm.link", Shape::Word(&[]), false, "link that holds the ball"),

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use toml_edit::{Array, Item};
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 use super::schema::{Key, Shape, item_number, number};
 use super::{SimulationFile, table};
@@ -23,7 +23,7 @@ pub static ARM_EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
             path: Cow::Owned(format!("effects.{}.tune", effect.name)),
             shape: Shape::Flag,
             required: false,
-            meaning: Cow::Borrowed("whether `tune` may change these numbers; false where left out"),
+            meaning: Cow::Borrowed("whether `tune` may change these numbers (default: false)"),
         };
         effect.coefficients.iter().map(one).chain([tune]).collect::<Vec<_>>()
     });
@@ -80,7 +80,9 @@ impl SimulationFile {
     /// # Errors
     /// [`Error::Setting`] where the effect is unknown or a number is outside its bounds; the file is as before then.
     pub fn add_arm_effect(&mut self, name: &str, values: &[f64]) -> Result<()> {
-        let refuse = |expected: String, found: String| Err(Error::Setting { name: "effects", expected, found });
+        let refuse = |expected: String, found: String| {
+            Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found })
+        };
         let Some(effect) = ArmEffect::find(name) else {
             return refuse("an effect of an arm".into(), format!("`{name}`"));
         };

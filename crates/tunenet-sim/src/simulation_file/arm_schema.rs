@@ -1,19 +1,18 @@
 //! The keys of an arm's simulation file, with unit and range.
 
-use super::domain::Definition;
-use super::schema::{GREATEST, Key, LEAST, Shape, key};
+use super::schema::{Definition, GREATEST, Key, LEAST, Shape, key};
 
 /// The keys of an arm's file beside its parameters and its provenance.
 pub const ARM_KEYS: &[Key] = &[
     key("kind", Shape::Word(&["arm"]), true, "what is simulated"),
-    key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards; 9.81 where left out"),
+    key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards (default: 9.81)"),
     key("arm.urdf", Shape::Word(&[]), true, "the arm's URDF, from the folder of this file"),
     key("arm.payload_link", Shape::Word(&[]), true, "the link of the URDF that holds the payload"),
     key(
         "arm.payload_size_m",
         Shape::Number(0.0, 10.0),
         false,
-        "edge of the payload, a homogeneous cube; a point where left out",
+        "edge of the payload, a homogeneous cube (default: a point)",
     ),
     key(
         "arm.current_gain_nm_a",
@@ -25,17 +24,17 @@ pub const ARM_KEYS: &[Key] = &[
         "motion.kind",
         Shape::Word(&["circle", "replay"]),
         true,
-        "whether the tool draws a circle or recorded joints are followed",
+        "whether the end effector moves along a circle or recorded joints are replayed",
     ),
-    key("motion.centre_m", Shape::Numbers(3, -1e3, 1e3), false, "centre of the circle; [-0.4, 0, 0] where left out"),
-    key("motion.radius_m", Shape::Number(0.0, 1e3), false, "its radius; 0.2 where left out"),
-    key("motion.rate_rad_s", Shape::Number(-1e3, 1e3), false, "how fast it is drawn; 1.2 where left out"),
-    key("motion.duration_s", Shape::Number(1e-3, 1e4), false, "for how long; 5 where left out"),
+    key("motion.centre_m", Shape::Numbers(3, -1e3, 1e3), false, "centre of the circle (default: [-0.4, 0, 0])"),
+    key("motion.radius_m", Shape::Number(0.0, 1e3), false, "its radius (default: 0.2)"),
+    key("motion.rate_rad_s", Shape::Number(-1e3, 1e3), false, "angular rate along the circle (default: 1.2)"),
+    key("motion.duration_s", Shape::Number(1e-3, 1e4), false, "for how long (default: 5)"),
     key(
         "motion.cutoff_hz",
         Shape::Number(0.1, 1e3),
         false,
-        "of a replayed motion: what is faster is smoothed away; 10 where left out",
+        "cut-off frequency of the filter for a replayed motion (default: 10)",
     ),
     key("record.rate_hz", Shape::Number(1e-3, 1e4), false, "samples per second that `simulate` and `gen` write"),
 ];

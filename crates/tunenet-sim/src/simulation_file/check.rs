@@ -8,10 +8,10 @@ use tunenet_core::{Error, Result};
 
 use super::domain::Domain;
 use super::process_schema;
-use super::schema::{Key, PARAMETER_KEYS, item_number};
+use super::schema::{Key, PARAMETER_KEYS, item_number, lookup};
 
-/// Checks a whole file: every key known, every value fitting, nothing required missing.
-pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
+/// Checks a whole file: every key known, every value fitting, nothing required missing. What it describes comes back.
+pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> {
     let domain = domain(path, text, root)?;
     walk(&domain, path, text, root, "")?;
     for key in domain.keys().filter(|k| k.required) {
@@ -41,7 +41,7 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<()> {
             "correct the value or its bounds",
         ));
     }
-    Ok(())
+    Ok(domain)
 }
 
 /// What the file describes.
@@ -105,15 +105,6 @@ pub(super) fn contradiction(domain: Domain, root: &Table) -> Option<(String, Ran
         }
     }
     None
-}
-
-pub(super) fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
-    let mut parts = path.split('.');
-    let mut item = root.get(parts.next()?)?;
-    for part in parts {
-        item = item.as_table_like()?.get(part)?;
-    }
-    Some(item)
 }
 
 /// Which keys a file may hold.

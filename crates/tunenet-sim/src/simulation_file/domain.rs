@@ -3,7 +3,8 @@
 use super::arm_effects::ARM_EFFECT_KEYS;
 use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
 use super::process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS, SETTING, is_name};
-use super::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
+use super::schema::{BALL_KEYS, Definition, EFFECT_KEYS, Key, PARAMETER_KEYS};
+use crate::scene::BallParameters;
 
 /// What a simulation file describes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -16,29 +17,10 @@ pub enum Domain {
     Process,
 }
 
-/// A parameter that a kind of file may have.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Definition {
-    /// Its name: `[parameters.NAME]`.
-    pub name: &'static str,
-    /// Its unit; `1` where there is none.
-    pub unit: &'static str,
-    /// Value, least and greatest where the file says nothing.
-    pub default: [f64; 3],
-    /// Whether it is tuned where the file says nothing.
-    pub tune: bool,
-    /// What no file may go beyond.
-    pub bounds: (f64, f64),
-    /// What is to be written within these bounds, in words.
-    pub within: &'static str,
-    /// What it means.
-    pub meaning: &'static str,
-}
-
 /// The parameters of a ball.
 const BALL_PARAMETERS: &[Definition] = &[
     Definition {
-        name: "restitution",
+        name: BallParameters::RESTITUTION,
         unit: "1",
         default: [0.5, 0.0, 1.0],
         tune: true,
@@ -47,7 +29,7 @@ const BALL_PARAMETERS: &[Definition] = &[
         meaning: "Speed after a bounce over speed before it, along the surface's normal",
     },
     Definition {
-        name: "friction",
+        name: BallParameters::FRICTION,
         unit: "1",
         default: [0.0, 0.0, 2.0],
         tune: false,

@@ -3,7 +3,7 @@
 use toml_edit::Item;
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Coefficient, measurement_effects};
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 use super::schema::item_number;
 use super::{SimulationFile, table};
@@ -56,7 +56,9 @@ impl SimulationFile {
     pub fn add_effect(&mut self, name: &str, values: &[(&str, f64)]) -> Result<()> {
         for (key, value) in values {
             let path = format!("effects.{name}.{key}");
-            let refuse = |expected: String, found: String| Err(Error::Setting { name: "effects", expected, found });
+            let refuse = |expected: String, found: String| {
+                Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found })
+            };
             let Some(known) = self.domain().find(&path) else {
                 return refuse(format!("one of {}", self.domain().siblings(&path).join(", ")), format!("`{path}`"));
             };

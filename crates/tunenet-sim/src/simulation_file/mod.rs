@@ -14,14 +14,15 @@ mod template;
 
 use std::path::{Path, PathBuf};
 
+use toml_edit::de::from_document;
 use toml_edit::{Document, DocumentMut, Item, Table, Value};
-use tunenet_core::observation::recording::read_text;
 use tunenet_core::simulator::Parameter;
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
+use tunenet_formats::read_text;
 
 pub use arm_effects::{ARM_EFFECT_KEYS, PresentArmEffect};
 pub use arm_schema::ARM_KEYS;
-pub use domain::{Definition, Domain};
+pub use domain::Domain;
 pub use effects::PresentEffect;
 pub use permission::Permission;
 pub(crate) use permission::Settles;
@@ -29,44 +30,25 @@ pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 pub(crate) use tally::{Tally, Why};
 pub use template::template;
 
+use crate::scene::{ArmScene, BallScene, Process, Record, Scene};
+pub use schema::Definition;
 use schema::item_number;
 
-/// How a ball's scene may start, record by record: what is `None` is estimated from the data.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Release {
-    /// Height of fall, from the ball's lowest point to the surface, m.
-    pub height_m: Option<f64>,
-    /// Start of the centre, m.
-    pub position_m: Option<[f64; 3]>,
-    /// Start velocity, m/s.
-    pub velocity_m_s: Option<[f64; 3]>,
-    /// Spin, rad/s.
-    pub spin_rad_s: Option<[f64; 3]>,
-    /// When it is let go, s.
-    pub time_s: Option<f64>,
-}
-
-/// What `simulate` and `gen` write.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Record {
-    /// Frames per second.
-    pub rate_hz: f64,
-    /// How many.
-    pub frames: usize,
-}
-
-impl Record {
-    /// The instants of the frames, s, from 0.
-    #[must_use]
-    pub fn clock(&self) -> Vec<f64> {
-        (0..self.frames).map(|i| i as f64 / self.rate_hz).collect()
-    }
-}
-
-impl Default for Record {
-    fn default() -> Self {
-        Self { rate_hz: 120.0, frames: 360 }
-    }
+/// What a ball's file may leave to the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftOpen {
+    /// `release.height_m`.
+    ReleaseHeight,
+    /// `release.position_m`.
+    ReleasePosition,
+    /// `release.velocity_m_s`.
+    ReleaseVelocity,
+    /// `release.spin_rad_s`.
+    ReleaseSpin,
+    /// `release.time_s`.
+    ReleaseTime,
+    /// `surface.height_m`.
+    SurfaceHeight,
 }
 
 /// A simulation file, checked.
@@ -74,6 +56,8 @@ impl Default for Record {
 pub struct SimulationFile {
     path: PathBuf,
     document: DocumentMut,
+    /// What the document says, read again after every change of it.
+    scene: Scene,
     permission: Option<Permission>,
 }
 
@@ -102,8 +86,11 @@ impl SimulationFile {
                 "a simulation file is TOML, `key = value` lines under [table] heads; is this the recording?",
             )
         })?;
-        check::document(path, text, document.as_table())?;
-        Ok(Self { path: path.to_path_buf(), document: document.into_mut(), permission: None })
+        let domain = check::document(path, text, document.as_table())?;
+        let document = document.into_mut();
+        let scene = scene(domain, &document)
+            .map_err(|e| Error::file(path, e.message(), "see docs/files.md for the keys and their values"))?;
+        Ok(Self { path: path.to_path_buf(), document, scene, permission: None })
     }
 
     /// Overrides one key, as `--set TABLE.KEY=VALUE` does.
@@ -111,7 +98,9 @@ impl SimulationFile {
     /// # Errors
     /// [`Error::Setting`] where the text is not of that form, the key is unknown, or the value does not fit it.
     pub fn set(&mut self, assignment: &str) -> Result<()> {
-        let refuse = |expected: String, found: String| Err(Error::Setting { name: "--set", expected, found });
+        let refuse = |expected: String, found: String| {
+            Err(Error::Setting { origin: Origin::Caller, name: "--set", expected, found })
+        };
         let Some((path, text)) = assignment.split_once('=') else {
             return refuse("TABLE.KEY=VALUE".into(), format!("`{assignment}`"));
         };
@@ -142,14 +131,54 @@ impl SimulationFile {
         table[parts[parts.len() - 1]] = Item::Value(value);
         if let (Domain::Arm, ["parameters", name, "value"]) = (self.domain(), parts.as_slice()) {
             // Who says a value knows it: what an earlier tuning was sure of it is another value's.
-            self.unset(&format!("provenance.interval95.{name}"));
+            self.remove(&format!("provenance.interval95.{name}"));
         }
-        check::contradiction(self.domain(), self.document.as_table())
-            .map_or(Ok(()), |(path, _, expected, found)| refuse(format!("{expected} for `{path}`"), found))
+        if let Some((path, _, expected, found)) = check::contradiction(self.domain(), self.document.as_table()) {
+            return refuse(format!("{expected} for `{path}`"), found);
+        }
+        match scene(self.domain(), &self.document) {
+            Ok(scene) => self.scene = scene,
+            Err(e) => return refuse(format!("a value that fits `{path}`"), e.message().to_owned()),
+        }
+        Ok(())
     }
 
-    /// Removes the key at `path`, as if the file had left it out.
-    pub fn unset(&mut self, path: &str) {
+    /// Leaves these to the data, as if the file had left them out; of files of other kinds nothing.
+    pub fn leave_open(&mut self, what: &[LeftOpen]) {
+        for one in what {
+            let Scene::Ball(BallScene { release, surface, .. }) = &mut self.scene else { return };
+            let path = match one {
+                LeftOpen::ReleaseHeight => {
+                    release.height_m = None;
+                    "release.height_m"
+                }
+                LeftOpen::ReleasePosition => {
+                    release.position_m = None;
+                    "release.position_m"
+                }
+                LeftOpen::ReleaseVelocity => {
+                    release.velocity_m_s = None;
+                    "release.velocity_m_s"
+                }
+                LeftOpen::ReleaseSpin => {
+                    release.spin_rad_s = None;
+                    "release.spin_rad_s"
+                }
+                LeftOpen::ReleaseTime => {
+                    release.time_s = None;
+                    "release.time_s"
+                }
+                LeftOpen::SurfaceHeight => {
+                    surface.height_m = None;
+                    "surface.height_m"
+                }
+            };
+            self.remove(path);
+        }
+    }
+
+    /// Removes the key at `path` from the document.
+    fn remove(&mut self, path: &str) {
         let Some((tables, key)) = path.rsplit_once('.') else { return };
         let mut item = Some(self.document.as_item_mut());
         for table in tables.split('.') {
@@ -172,11 +201,53 @@ impl SimulationFile {
         self.document.to_string()
     }
 
-    /// What the file describes.
+    /// The kind of what the file describes.
     #[must_use]
     pub fn domain(&self) -> Domain {
-        // Checked where the file was read; `--set` cannot change it.
-        self.item("kind").and_then(Item::as_str).and_then(Domain::named).unwrap_or(Domain::Ball)
+        match &self.scene {
+            Scene::Ball(_) => Domain::Ball,
+            Scene::Arm(_) => Domain::Arm,
+            Scene::Process(_) => Domain::Process,
+        }
+    }
+
+    /// What the file describes.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The ball that the file describes.
+    ///
+    /// # Errors
+    /// [`Error::File`] where it describes something else.
+    pub fn ball(&self) -> Result<&BallScene> {
+        if let Scene::Ball(ball) = &self.scene { Ok(ball) } else { Err(self.describes_no(Domain::Ball)) }
+    }
+
+    /// The arm that the file describes.
+    ///
+    /// # Errors
+    /// As [`ball`](Self::ball).
+    pub fn arm(&self) -> Result<&ArmScene> {
+        if let Scene::Arm(arm) = &self.scene { Ok(arm) } else { Err(self.describes_no(Domain::Arm)) }
+    }
+
+    /// The program that the file describes.
+    ///
+    /// # Errors
+    /// As [`ball`](Self::ball).
+    pub fn process(&self) -> Result<&Process> {
+        if let Scene::Process(scene) = &self.scene {
+            Ok(&scene.process)
+        } else {
+            Err(self.describes_no(Domain::Process))
+        }
+    }
+
+    fn describes_no(&self, needed: Domain) -> Error {
+        let message = format!("expected `kind = \"{}\"`, found \"{}\"", needed.name(), self.domain().name());
+        Error::file(&self.path, message, format!("`tunenet init {}` writes one to start from", needed.name()))
     }
 
     /// The parameters in the order of [`Domain::parameters`]; those left out stand at their default. Of a program those that the
@@ -214,10 +285,17 @@ impl SimulationFile {
         each.collect()
     }
 
+    /// The value of a parameter, where the file itself says one.
+    #[must_use]
+    pub fn written_value(&self, name: &str) -> Option<f64> {
+        self.item(&format!("parameters.{name}.value")).and_then(item_number)
+    }
+
     /// The 95 % interval of a parameter that an earlier tuning wrote into `[provenance]`.
     #[must_use]
     pub fn tuned95(&self, name: &str) -> Option<(f64, f64)> {
-        let ends: [f64; 2] = self.numbers(&format!("provenance.interval95.{name}"))?.try_into().ok()?;
+        let ends = self.item(&format!("provenance.interval95.{name}"))?.as_array()?;
+        let ends: [f64; 2] = ends.iter().filter_map(schema::number).collect::<Vec<_>>().try_into().ok()?;
         (ends[0] < ends[1]).then_some((ends[0], ends[1]))
     }
 
@@ -243,57 +321,10 @@ impl SimulationFile {
         scene.chain(parameters).collect::<Vec<_>>().join("\n")
     }
 
-    /// How the ball starts.
-    #[must_use]
-    pub fn release(&self) -> Release {
-        Release {
-            height_m: self.number("release.height_m"),
-            position_m: self.vector("release.position_m"),
-            velocity_m_s: self.vector("release.velocity_m_s"),
-            spin_rad_s: self.vector("release.spin_rad_s"),
-            time_s: self.number("release.time_s"),
-        }
-    }
-
     /// What is written of a rollout.
     #[must_use]
     pub fn record(&self) -> Record {
-        let default = Record::default();
-        let frames = self.item("record.frames").and_then(Item::as_integer).and_then(|n| usize::try_from(n).ok());
-        Record {
-            rate_hz: self.number("record.rate_hz").unwrap_or(default.rate_hz),
-            frames: frames.unwrap_or(default.frames),
-        }
-    }
-
-    /// The number at `path`, where there is one.
-    #[must_use]
-    pub fn number(&self, path: &str) -> Option<f64> {
-        self.item(path).and_then(item_number)
-    }
-
-    /// Whether the ball moves in air, as it does where nothing else is said.
-    #[must_use]
-    pub fn in_air(&self) -> bool {
-        self.item("world.medium").and_then(Item::as_str).is_none_or(|medium| medium == "air")
-    }
-
-    /// The text at `path`, where there is one.
-    #[must_use]
-    pub fn text_at(&self, path: &str) -> Option<&str> {
-        self.item(path).and_then(Item::as_str)
-    }
-
-    /// The numbers of the list at `path`, where there is one.
-    #[must_use]
-    pub fn numbers(&self, path: &str) -> Option<Vec<f64>> {
-        Some(self.item(path)?.as_array()?.iter().filter_map(schema::number).collect())
-    }
-
-    fn vector(&self, path: &str) -> Option<[f64; 3]> {
-        let array = self.item(path)?.as_array()?;
-        let numbers: Vec<f64> = array.iter().filter_map(schema::number).collect();
-        numbers.try_into().ok()
+        self.scene.record()
     }
 
     pub(crate) fn item(&self, path: &str) -> Option<&Item> {
@@ -333,6 +364,15 @@ impl SimulationFile {
     }
 }
 
+fn scene(domain: Domain, document: &DocumentMut) -> std::result::Result<Scene, toml_edit::de::Error> {
+    let document = document.clone();
+    Ok(match domain {
+        Domain::Ball => Scene::Ball(from_document(document)?),
+        Domain::Arm => Scene::Arm(from_document(document)?),
+        Domain::Process => Scene::Process(from_document(document)?),
+    })
+}
+
 /// The table `name` within `parent`, made where it is missing; an implicit one shows no head of its own.
 fn table<'a>(parent: &'a mut Table, name: &str, implicit: bool) -> &'a mut Table {
     let item = parent.entry(name).or_insert_with(|| {
@@ -345,4 +385,44 @@ fn table<'a>(parent: &'a mut Table, name: &str, implicit: bool) -> &'a mut Table
         *item = std::mem::take(item).into_table().map_or_else(|_| Item::Table(Table::new()), Item::Table);
     }
     item.as_table_mut().expect("made a table above")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Release;
+    use schema::Shape;
+
+    /// A list of keys and a struct are two descriptions of one file.
+    #[test]
+    fn every_key_is_a_field_of_the_scene() {
+        for domain in Domain::ALL {
+            let mut file = SimulationFile::parse(Path::new("scene.toml"), &template(domain)).unwrap();
+            for key in domain.keys().filter(|key| !key.path.starts_with("effects.") && key.path != "kind") {
+                let value = match key.shape {
+                    Shape::Number(low, high) => format!("{:?}", low + 0.75 * (high - low)),
+                    Shape::Whole(low, high) => i64::midpoint(low, high).to_string(),
+                    Shape::Numbers(count, ..) => format!("{:?}", vec![1.0; count]),
+                    Shape::List(..) => "[1.0, 2.0]".into(),
+                    Shape::Word(words) => format!("{:?}", words.last().unwrap_or(&"word")),
+                    Shape::Texts => "[\"a_m\"]".into(),
+                    Shape::Flag | Shape::Anything => continue,
+                };
+                let before = file.scene().clone();
+                file.set(&format!("{}={value}", key.path)).unwrap();
+                assert_ne!(file.scene(), &before, "{} = {value} changes no field", key.path);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_left_open_stands_neither_in_the_scene_nor_in_the_text() {
+        let text = "kind = \"ball\"\nball.radius_m = 0.02\n[release]\nheight_m = 1 # of fall\ntime_s = 0.5\n";
+        let mut file = SimulationFile::parse(Path::new("ball.toml"), text).unwrap();
+        assert_eq!(file.ball().unwrap().release.height_m, Some(1.0));
+        file.leave_open(&[LeftOpen::ReleaseHeight]);
+        assert_eq!(file.ball().unwrap().release, Release { time_s: Some(0.5), ..Release::default() });
+        assert!(!file.text().contains("height_m") && file.text().contains("time_s = 0.5"));
+        assert!(file.arm().unwrap_err().to_string().contains("expected `kind = \"arm\"`, found \"ball\""));
+    }
 }

@@ -1,4 +1,4 @@
-//! Leave to run the program that a simulation file names.
+//! Permission to run the program that a simulation file names.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -7,12 +7,13 @@ use toml_edit::value;
 use tunenet_core::observation::Note;
 use tunenet_core::{Error, Result};
 
-use super::{Domain, SimulationFile, Tally, table};
+use super::{SimulationFile, Tally, table};
+use crate::scene::{Process, ProcessScene, Scene};
 
-/// Leave to run the program that a simulation file names, given by a person and never by a file; and what became of it.
+/// Permission to run the program that a simulation file names, given by the user and never by a file; and its outcome.
 ///
-/// A rollout that fails tells no more than that these values cannot be simulated, and a fit looks elsewhere. What cannot be
-/// mended by other values (a program that ended, or hangs) is noted here, so that it is told as what it is.
+/// A rollout that fails only means that these values cannot be simulated, and a fit tries others. What cannot be
+/// mended by other values (a program that ended, or hangs) is noted here, so that it is reported as such.
 #[derive(Debug, Clone, Default)]
 pub struct Permission {
     failure: Arc<Mutex<Option<Failed>>>,
@@ -22,7 +23,7 @@ pub struct Permission {
     tally: Arc<Tally>,
 }
 
-/// Why the program cannot go on.
+/// Why the program cannot continue.
 #[derive(Debug)]
 struct Failed {
     message: String,
@@ -37,7 +38,7 @@ pub(crate) trait Settles: std::fmt::Debug + Send + Sync {
 }
 
 impl Permission {
-    /// Notes why the program cannot go on: a sentence, what to try, and whether it answers otherwise than it did. The first
+    /// Notes why the program cannot continue: a sentence, what to try, and whether it answers otherwise than it did. The first
     /// one counts.
     pub(crate) fn note(&self, message: &str, hint: &str, drift: bool) {
         let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
@@ -58,7 +59,7 @@ impl Permission {
 }
 
 impl SimulationFile {
-    /// Gives leave to run the program that the file names. A file cannot give it.
+    /// Gives permission to run the program that the file names. A file cannot give it.
     pub fn allow_process(&mut self) {
         self.permission.get_or_insert_default();
     }
@@ -69,7 +70,7 @@ impl SimulationFile {
         self.permission.as_ref()
     }
 
-    /// Why the program of this file, or of a copy of it, could not go on.
+    /// Why the program of this file, or of a copy of it, could not continue.
     ///
     /// # Errors
     /// [`Error::File`] where it could not.
@@ -96,7 +97,7 @@ impl SimulationFile {
     }
 
     /// The same file, whose programs are counted on their own: several recordings may be worked on at a time. What makes a
-    /// program fail is still told of every copy.
+    /// program fail is still reported for every copy.
     #[must_use]
     pub fn counted_apart(&self) -> Self {
         let mut own = self.clone();
@@ -112,8 +113,8 @@ impl SimulationFile {
         self.permission.as_ref().map_or(0, |permission| permission.tally.rollouts())
     }
 
-    /// What a person should know of rollouts that the programs of this file refused, or answered with numbers that cannot be
-    /// reckoned with: how many, and which of them is nearest to the values of the file. The same for the same work, whatever
+    /// A warning about rollouts that the programs of this file refused, or answered with numbers that cannot be
+    /// used: how many, and which of them is nearest to the values of the file. The same for the same work, whatever
     /// the number of threads.
     #[must_use]
     pub fn program_notes(&self) -> Vec<Note> {
@@ -130,31 +131,39 @@ impl SimulationFile {
     /// The folder in which the program runs: that of the file, and what `process.folder` adds to it.
     #[must_use]
     pub fn program_folder(&self) -> PathBuf {
-        let beside = self.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        self.text_at("process.folder").map_or_else(|| beside.to_path_buf(), |folder| beside.join(folder))
+        let beside = folder_of(self.path());
+        let added = self.process().ok().and_then(|process| process.folder.as_ref());
+        added.map_or_else(|| beside.to_path_buf(), |folder| beside.join(folder))
     }
 
     /// Where the file is to be written to `out`, in another folder: names the folder of the program as it is seen from there.
     pub fn move_program(&mut self, out: &Path) {
-        if self.domain() != Domain::Process
-            || self.text_at("process.folder").is_some_and(|f| Path::new(f).is_absolute())
-        {
+        let (Ok(runs), Ok(there)) = (self.program_folder().canonicalize(), folder_of(out).canonicalize()) else {
+            return;
+        };
+        let Scene::Process(ProcessScene { process: Process { folder, .. }, .. }) = &mut self.scene else { return };
+        let now = folder.clone().unwrap_or_else(|| ".".into());
+        if now.is_absolute() {
             return;
         }
-        let there = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let (Ok(runs), Ok(there)) = (self.program_folder().canonicalize(), there.canonicalize()) else { return };
         let Some(seen) = relative(&runs, &there) else { return };
-        let now = self.text_at("process.folder").unwrap_or(".");
-        if Path::new(now) == seen || now == "." && seen.as_os_str().is_empty() {
+        if now == seen || now == Path::new(".") && seen.as_os_str().is_empty() {
             return;
         }
         let process = table(self.document.as_table_mut(), "process", false);
         if seen.as_os_str().is_empty() {
             process.remove("folder");
+            *folder = None;
         } else {
             process["folder"] = value(seen.to_string_lossy().into_owned());
+            *folder = Some(seen);
         }
     }
+}
+
+/// The folder in which a file lies.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// `to` as seen from `from`, both absolute; `None` where they have no root in common.

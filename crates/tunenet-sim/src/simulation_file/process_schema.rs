@@ -8,14 +8,8 @@ use toml_edit::{Item, Table, Value};
 use tunenet_core::observation::{Channel, Kind};
 use tunenet_core::simulator::measurement_effects;
 
-use super::check::lookup;
-use super::domain::Definition;
-use super::schema::{Key, Shape, key};
+use super::schema::{Definition, Key, Shape, key, lookup};
 
-/// How long a program may take to answer, s, where the file says nothing.
-pub(crate) const TIMEOUT_S: f64 = 10.0;
-/// How long it may take to start, s, where the file says nothing: large libraries load for a while.
-pub(crate) const START_TIMEOUT_S: f64 = 60.0;
 const LONGEST_S: f64 = 86_400.0;
 /// Most programs that run at a time, whatever a file asks for.
 const MOST_WORKERS: i64 = 1024;
@@ -31,7 +25,7 @@ pub const PROCESS_KEYS: &[Key] = &[
         "process.command",
         Shape::Texts,
         true,
-        "the program and its arguments; no shell is used, and it is run with `--allow-process` alone",
+        "the program and its arguments; no shell is used, and it is run only with `--allow-process`",
     ),
     key(
         "process.channels",
@@ -43,25 +37,25 @@ pub const PROCESS_KEYS: &[Key] = &[
         "process.folder",
         Shape::Word(&[]),
         false,
-        "where it runs, from the folder of this file; that folder where left out",
+        "where it runs, from the folder of this file (default: that folder)",
     ),
     key(
         "process.timeout_s",
         Shape::Number(0.01, LONGEST_S),
         false,
-        "how long it may take for one answer before it is killed; 10 where left out",
+        "how long it may take for one answer before it is killed (default: 10)",
     ),
     key(
         "process.start_timeout_s",
         Shape::Number(0.01, LONGEST_S),
         false,
-        "how long it may take to start; 60 where left out",
+        "how long it may take to start (default: 60)",
     ),
     key(
         "process.workers",
         Shape::Whole(1, MOST_WORKERS),
         false,
-        "how many of it run at a time; one for each core where left out",
+        "how many of it run at a time (default: one for each core)",
     ),
     key("record.rate_hz", Shape::Number(1e-3, 1e6), false, "samples per second that `simulate` and `gen` write"),
     key("record.frames", Shape::Whole(3, 10_000_000), false, "how many samples they write"),
@@ -114,7 +108,7 @@ pub(super) fn is_name(name: &str) -> bool {
 }
 
 /// The texts of a list.
-pub(crate) fn texts(item: &Item) -> Vec<&str> {
+fn texts(item: &Item) -> Vec<&str> {
     item.as_array().map_or_else(Vec::new, |all| all.iter().filter_map(Value::as_str).collect())
 }
 

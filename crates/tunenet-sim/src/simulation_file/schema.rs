@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
-use toml_edit::{Item, Value};
+use toml_edit::{Item, Table, Value};
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::measurement_effects;
 
@@ -86,6 +86,16 @@ pub(crate) fn item_number(item: &Item) -> Option<f64> {
     item.as_value().and_then(number)
 }
 
+/// The item at a path of keys.
+pub(super) fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
+    let mut parts = path.split('.');
+    let mut item = root.get(parts.next()?)?;
+    for part in parts {
+        item = item.as_table_like()?.get(part)?;
+    }
+    Some(item)
+}
+
 /// One key.
 #[derive(Debug, Clone)]
 pub struct Key {
@@ -95,8 +105,27 @@ pub struct Key {
     pub shape: Shape,
     /// Whether a file cannot do without it.
     pub required: bool,
-    /// One line for people.
+    /// One line for users.
     pub meaning: Cow<'static, str>,
+}
+
+/// A parameter that a kind of file may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Definition {
+    /// Its name: `[parameters.NAME]`.
+    pub name: &'static str,
+    /// Its unit; `1` where there is none.
+    pub unit: &'static str,
+    /// Value, least and greatest where the file says nothing.
+    pub default: [f64; 3],
+    /// Whether it is tuned where the file says nothing.
+    pub tune: bool,
+    /// What no file may go beyond.
+    pub bounds: (f64, f64),
+    /// What is to be written within these bounds, in words.
+    pub within: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
 }
 
 pub(super) const GREATEST: f64 = 1e9;
@@ -110,32 +139,32 @@ pub(crate) const fn key(path: &'static str, shape: Shape, required: bool, meanin
 /// The keys of a ball's file beside its effects, its parameters and its provenance.
 pub const BALL_KEYS: &[Key] = &[
     key("kind", Shape::Word(&["ball"]), true, "what is simulated"),
-    key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards; 9.81 where left out"),
-    key("world.medium", Shape::Word(&["air", "other"]), false, "what the ball moves in; air where left out"),
+    key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards (default: 9.81)"),
+    key("world.medium", Shape::Word(&["air", "other"]), false, "what the ball moves in (default: air)"),
     key("ball.radius_m", Shape::Number(LEAST, 1e3), true, "radius of the ball"),
     key("ball.mass_kg", Shape::Number(1e-9, 1e6), false, "mass of the ball"),
-    key("surface.height_m", Shape::Number(-1e6, 1e6), false, "height of the surface; estimated where left out"),
+    key("surface.height_m", Shape::Number(-1e6, 1e6), false, "height of the surface (default: estimated)"),
     key("surface.tilt_about_x_rad", Shape::Number(-STEEPEST, STEEPEST), false, "tilt of the surface about x"),
     key("surface.tilt_about_y_rad", Shape::Number(-STEEPEST, STEEPEST), false, "tilt of the surface about y"),
     key(
         "release.height_m",
         Shape::Number(0.0, 1e6),
         false,
-        "height of fall, lowest point to surface; estimated where left out",
+        "height of fall, lowest point to surface (default: estimated)",
     ),
     key(
         "release.position_m",
         Shape::Numbers(3, -1e6, 1e6),
         false,
-        "where the ball's centre starts; estimated where left out",
+        "where the ball's centre starts (default: estimated)",
     ),
-    key("release.velocity_m_s", Shape::Numbers(3, -1e6, 1e6), false, "how fast it starts; estimated where left out"),
-    key("release.spin_rad_s", Shape::Numbers(3, -1e6, 1e6), false, "its spin; none where left out"),
+    key("release.velocity_m_s", Shape::Numbers(3, -1e6, 1e6), false, "how fast it starts (default: estimated)"),
+    key("release.spin_rad_s", Shape::Numbers(3, -1e6, 1e6), false, "its spin (default: none)"),
     key(
         "release.time_s",
         Shape::Number(-GREATEST, GREATEST),
         false,
-        "when it is let go; the first usable sample where left out",
+        "time of the release (default: the first usable sample)",
     ),
     key("record.rate_hz", Shape::Number(1e-3, 1e6), false, "frames per second that `simulate` and `gen` write"),
     key("record.frames", Shape::Whole(3, 10_000_000), false, "how many frames they write"),
@@ -163,5 +192,5 @@ pub const PARAMETER_KEYS: &[Key] = &[
     key("min", Shape::Number(-GREATEST, GREATEST), true, "least value that tuning may reach"),
     key("max", Shape::Number(-GREATEST, GREATEST), true, "greatest value that tuning may reach"),
     key("unit", Shape::Word(&[]), false, "its unit"),
-    key("tune", Shape::Flag, false, "whether `tune` may change it; true where left out"),
+    key("tune", Shape::Flag, false, "whether `tune` may change it (default: true)"),
 ];

@@ -1,11 +1,11 @@
-//! What a program did not simulate, counted while others went on.
+//! Rollouts that a program did not simulate, counted across threads.
 
 use std::sync::{Mutex, PoisonError};
 
 use tunenet_core::observation::{GREATEST, Note};
 use tunenet_core::simulator::Parameter;
 
-/// Rollouts that a program was asked for, and those of them that cannot be used. A fit looks elsewhere then, and a person has
+/// Rollouts that a program was asked for, and those of them that cannot be used. A fit then tries other values, and the user has
 /// to hear of it.
 ///
 /// Which rollouts are asked for follows from the work alone, and so does what stands here, in whatever order threads ask.
@@ -45,7 +45,7 @@ impl Place {
         Self { distance, values: values.to_vec(), at, what: what.to_owned() }
     }
 
-    /// Whether this one is to be told rather than `other`; of two at one distance always the same one.
+    /// Whether this one is to be reported rather than `other`; of two at one distance always the same one.
     fn comes_before(&self, other: &Self) -> bool {
         let values = || self.values.iter().zip(&other.values).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne());
         let order = self.distance.total_cmp(&other.distance);
@@ -61,7 +61,7 @@ impl Place {
 pub(crate) enum Why {
     /// The program said that it cannot simulate these values.
     Refused,
-    /// It answered a number that cannot be reckoned with.
+    /// It answered an unusable number.
     Beyond,
 }
 

@@ -2,35 +2,35 @@
 
 use std::fmt::Write as _;
 
-use super::domain::{Definition, Domain};
+use super::domain::Domain;
 use super::process_schema::SAMPLES;
-use super::schema::{Key, PARAMETER_KEYS, Shape};
+use super::schema::{Definition, Key, PARAMETER_KEYS, Shape};
 
 /// What stands above everything else.
 const BALL_HEAD: &str = "\
-# A ball that falls and bounces. Write your ball's radius into it and tune:
+# A ball that falls and bounces. Set your ball's radius and tune:
 #
 #   tunenet tune --sim ball.toml --observation drop.csv --out tuned.toml
 #
-# A line `# key = value` is optional: take the mark away to use it, and the mark before its [table] where there is one.
-# Above each key stand its meaning, its unit and its range. z points up, axes are right-handed; a ball's position is
-# that of its centre, and a height of fall is measured from its lowest point. What is left out of [release] and of the
-# surface's height is estimated from each recording.
+# A line `# key = value` is optional: remove the `#` to use it, and the one before its [table] if there is one. Above each
+# key are its meaning, unit and range. z points up, axes are right-handed; a ball's position is that of its centre, and a
+# height of fall is measured from its lowest point. If [release] or the surface height are not set, they are estimated
+# from each recording.
 ";
 
 const ARM_HEAD: &str = "\
-# An arm that moves a payload. Name your arm's URDF and the link that holds the payload, and tune:
+# An arm that moves a payload. Set your arm's URDF and the link that holds the payload, and tune:
 #
 #   tunenet tune --sim arm.toml --observation torques.csv --out tuned.toml
 #
-# A line `# key = value` is optional: take the mark away to use it. Above each key stand its meaning, its unit and its
-# range. World axes have z up and the arm's base at the origin. The tool's z axis points down while it draws the circle, at
+# A line `# key = value` is optional: remove the `#` to use it. Above each key are its meaning, unit and range. World axes
+# have z up and the arm's base at the origin. The end effector's z axis points down while it moves along the circle, at
 # centre + radius (0, cos, sin) of rate times time.
 ";
 
 const PROCESS_HEAD: &str = "\
-# A simulation by a program of yours, in any language, that speaks lines of JSON. The program beside this file is one to start
-# from; it is run with --allow-process alone, since it may do whatever you may:
+# A simulation by an external program, in any language, that speaks lines of JSON. The program in this folder is an
+# example; it runs only with --allow-process, because it has your user's permissions:
 #
 #   tunenet simulate --sim process.toml --allow-process --out swing.csv
 #   tunenet tune --sim process.toml --allow-process --observation swing.csv --out tuned.toml
@@ -42,8 +42,8 @@ const PROCESS_HEAD: &str = "\
 #   {\"id\": 1, \"parameters\": {\"length\": 1.0, \"damping\": 0.1}, \"times_s\": [0.0, 0.01], \"settings\": {...}}
 #   {\"id\": 1, \"values\": [[0.5], [0.4998]]}
 #
-# A line `# key = value` is optional: take the mark away to use it, and the mark before its [table] where there is one. Above
-# each key stand its meaning, its unit and its range.
+# A line `# key = value` is optional: remove the `#` to use it, and the one before its [table] if there is one. Above
+# each key are its meaning, unit and range.
 ";
 
 /// Keys that are written without a mark, and the values to start from. Others begin at 0, or at their least value.
@@ -114,7 +114,7 @@ pub fn template(domain: Domain) -> String {
 /// What is shown of the settings of a program, which have no keys of ours.
 const SETTINGS: &str = "
 [settings]
-# Whatever the program wants to know beside its parameters. It is handed to it as it stands here, with every request.
+# Other values for the program. They are passed to it unchanged, with every request.
 gravity_m_s2 = 9.81
 start_rad = 0.5
 ";
@@ -170,7 +170,7 @@ fn value_of(shape: Shape, path: &str) -> String {
     }
 }
 
-/// `# Gravity, downwards; 9.81 where left out. A number from 0.000001 to 1000, in m/s².`
+/// `# Gravity, downwards (default: 9.81). A number from 0.000001 to 1000, in m/s².`
 fn comment(key: &Key) -> String {
     let unit = unit(&key.path).map_or_else(String::new, |unit| format!(", in {unit}"));
     line(&format!("# {}. {}{unit}.", capital(&key.meaning), capital(&key.shape.expected())))
@@ -240,7 +240,7 @@ mod tests {
         }
     }
 
-    /// What a person is told to do: take the mark away from any one line.
+    /// What the file tells the user to do: take the mark away from any one line.
     #[test]
     fn every_optional_line_can_be_used() {
         for domain in Domain::ALL {

@@ -1,11 +1,12 @@
-//! Films that are drawn here, so that the truth is known, and real ones.
+//! Videos that are drawn here, so that the truth is known, and real ones.
 
 use std::path::Path;
 
 use super::*;
 use crate::scale::Known;
 use crate::test_films::{Film, disc_film};
-use tunenet_core::observation::preflight::Expected;
+use tunenet_ball::preflight::Expected;
+use tunenet_video_protocol::FindingKind;
 
 fn answer(path: &Path, settings: &Settings) -> Answer {
     track(&Source::new(path, None), settings, &mut |_, _| {}).unwrap()
@@ -14,7 +15,7 @@ fn answer(path: &Path, settings: &Settings) -> Answer {
 fn tracked(path: &Path, settings: &Settings) -> Track {
     match answer(path, settings) {
         Answer::Tracked(track) => *track,
-        Answer::Unseen { note, .. } => panic!("{}: {}", note.code, note.text),
+        Answer::Unseen { finding, .. } => panic!("{finding:?}"),
     }
 }
 
@@ -75,7 +76,7 @@ fn a_ball_of_the_backgrounds_hue_is_found_where_it_moves() {
     let path = folder.path().join("film.avi");
     let centres = disc_film(&path, &Film { balls: vec![GREEN], poster: Some([60.0, 170.0, 70.0]), ..Film::default() });
     let track = tracked(&path, &Settings::default());
-    assert!(track.notes.iter().any(|n| n.code == "ball.background"), "{:?}", track.notes);
+    assert!(track.notes.iter().any(|n| n.kind == FindingKind::ColourInBackground), "{:?}", track.notes);
     assert!(track.sightings.len() >= 57, "{}", track.sightings.len());
     for s in &track.sightings {
         let (u, v) = centres[s.frame];
@@ -90,7 +91,7 @@ fn repeated_frames_and_a_ball_that_leaves_are_noticed() {
     disc_film(&path, &Film { balls: vec![RED], repeat: vec![20, 40], speed_px_s: 320.0, ..Film::default() });
     let track = tracked(&path, &Settings::default());
     assert_eq!(track.repeated, [21, 42]);
-    let codes: Vec<&str> = track.notes.iter().map(|n| n.code).collect();
+    let codes: Vec<&str> = track.notes.iter().map(|n| n.kind.word()).collect();
     assert_eq!(codes, ["film.repeated", "ball.cut", "ball.gone"], "{:?}", track.notes);
     assert!(track.notes[2].text.contains("leaves the view"));
     assert!(track.whole().all(|s| s.frame != 21 && s.frame != 42));
@@ -121,7 +122,7 @@ fn a_long_film_is_decoded_once_and_not_kept() {
     assert_eq!((track.frames, track.sightings.len(), calls), (frames, frames, frames));
 }
 
-/// Frames with a ball in them, as counted by eye and told beside the films, one more or less at the border.
+/// Frames with a ball in them, as counted by eye and listed with the videos, one more or less at the border.
 #[test]
 fn balls_in_real_films_are_seen() {
     let Some(root) = std::env::var_os("TUNENET_MEASURED") else {

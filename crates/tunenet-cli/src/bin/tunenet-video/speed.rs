@@ -4,14 +4,15 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use serde_json::{Value, json};
 use tunenet_core::camera::Pinhole;
-use tunenet_track::rehearsal::{self, Spoilt, Take};
+use tunenet_track::rehearsal;
 use tunenet_track::render::{Look, Renderer};
 use tunenet_track::track::Settings;
 use tunenet_track::tracker::Tracker;
 use tunenet_track::view::View;
 use tunenet_track::{Answer, Source, rehearsal::scene, track};
+use tunenet_video_protocol::speed::{Film, Render, Track, VideoSpeed};
+use tunenet_video_protocol::synthetic::{Spoilt, Take};
 
 /// Each figure is the median of so many measurements.
 const REPEATS: usize = 5;
@@ -23,8 +24,8 @@ const RADIUS_M: f64 = 0.5;
 /// What noise and compression are where they are asked for.
 const SPOILT: (f64, i32) = (6.0, 75);
 
-/// All rows as one object. `folder` takes the films that are made.
-pub fn run(folder: &Path) -> Result<Value> {
+/// All figures. `folder` takes the videos that are made.
+pub fn run(folder: &Path) -> Result<VideoSpeed> {
     let take = Take { camera: camera((160, 120))?, heights_m: heights(FRAMES), across_m: Vec::new() };
     let clean = render(&take, 0.0, None)?;
     let spoilt = render(&take, SPOILT.0, Some(SPOILT.1))?;
@@ -32,17 +33,16 @@ pub fn run(folder: &Path) -> Result<Value> {
     let film = folder.join("phone.mp4");
     write(&film, (1920, 1080), FILM_FRAMES)?;
     let (decoded, both) = film_rates(&film)?;
-    Ok(json!({
-        "render": { "clean_frames_s": clean, "noise_and_jpeg_frames_s": spoilt },
-        "track": { "frames_s": tracked, "worst_px": off_px },
-        "film": { "decode_frames_s": decoded, "track_frames_s": both, "frames": FILM_FRAMES },
-    }))
+    Ok(VideoSpeed {
+        render: Render { clean_frames_s: clean, noise_and_jpeg_frames_s: spoilt },
+        track: Track { frames_s: tracked, worst_px: off_px },
+        film: Film { decode_frames_s: decoded, track_frames_s: both, frames: FILM_FRAMES },
+    })
 }
 
-/// Writes a film of so many frames of 4K, for the memory that tracking it takes.
-pub fn long_film(path: &Path, frames: usize) -> Result<Value> {
-    write(path, (3840, 2160), frames)?;
-    Ok(json!({ "frames": frames }))
+/// Writes a video of so many frames of 4K, for the memory that tracking it takes.
+pub fn long_film(path: &Path, frames: usize) -> Result<()> {
+    write(path, (3840, 2160), frames)
 }
 
 fn camera(size_px: (usize, usize)) -> Result<Pinhole> {
@@ -78,7 +78,7 @@ fn render(take: &Take, noise: f64, jpeg_quality: Option<i32>) -> Result<f64> {
 /// Frames per second of the tracker on one core, pictures in memory, and its greatest distance from the projection, px.
 fn small(take: &Take) -> Result<(f64, f64)> {
     let pictures = rehearsal::pictures(take, RADIUS_M, &Spoilt::default(), 1)?;
-    let scene = scene(&pictures)?.map_err(|reason| anyhow::anyhow!("{}", reason.verdict()))?;
+    let scene = scene(&pictures)?.map_err(|reason| anyhow::anyhow!("{}", reason.word()))?;
     let mut places = Vec::new();
     let rate = rates(pictures.len(), || {
         let mut tracker = Tracker::new(scene.clone());
@@ -94,7 +94,7 @@ fn small(take: &Take) -> Result<(f64, f64)> {
     Ok((rate, worst))
 }
 
-/// Frames per second of decoding a film alone, and of decoding and tracking it.
+/// Frames per second of decoding a video alone, and of decoding and tracking it.
 fn film_rates(path: &Path) -> Result<(f64, f64)> {
     let source = Source::new(path, None);
     let decoded = rates(FILM_FRAMES, || {
@@ -103,12 +103,12 @@ fn film_rates(path: &Path) -> Result<(f64, f64)> {
     })?;
     let both = rates(FILM_FRAMES, || match track(&source, &Settings::default(), &mut |_, _| {})? {
         Answer::Tracked(_) => Ok(()),
-        Answer::Unseen { note, .. } => anyhow::bail!("{}", note.text),
+        Answer::Unseen { finding, .. } => anyhow::bail!("{}", finding.text),
     })?;
     Ok((decoded, both))
 }
 
-/// A film with a sensor's noise, as a phone takes it.
+/// A video with a sensor's noise, as a phone takes it.
 fn write(path: &Path, size_px: (usize, usize), frames: usize) -> Result<()> {
     let take = Take { camera: camera(size_px)?, heights_m: heights(frames), across_m: Vec::new() };
     Ok(rehearsal::write(path, &take, RADIUS_M, 3.0, RATE_HZ)?)

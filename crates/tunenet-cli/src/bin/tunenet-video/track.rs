@@ -1,23 +1,27 @@
-//! `tunenet-video track`: all that the parent needs of a film, as one JSON object.
+//! `tunenet-video track`: all that the parent needs of a video.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::{Value, json};
+use tunenet_ball::preflight::Expected;
+use tunenet_ball::{Arcs, bounces};
 use tunenet_core::Error;
-use tunenet_core::observation::preflight::Expected;
-use tunenet_core::observation::{Channel, Kind, Observation, bounces, resample};
+use tunenet_core::observation::{self, Channel, Kind, Observation, resample};
+use tunenet_core::statistics::NORMAL_95;
 use tunenet_track::colour::Window;
 use tunenet_track::overlay::{Drawn, overlay, plain};
 use tunenet_track::scale::{Known, Metric};
 use tunenet_track::track::Settings;
+use tunenet_track::tracker::Sighting;
 use tunenet_track::{Answer, Source, Track, track};
+use tunenet_video_protocol::TrackAnswer;
+use tunenet_video_protocol::track::{
+    Check, Colour, Estimate, Facts, Flag, Metres, Picture, Samples, Scale, Tracked, Untracked,
+};
 
-/// Half a 95 % interval, in standard deviations.
-const INTERVAL: f64 = 1.96;
 /// Samples beyond this are no film's.
 const MOST_RESAMPLED: f64 = 1e7;
 
@@ -63,19 +67,20 @@ pub struct Options {
     overlay: Option<PathBuf>,
 }
 
-/// What was found; an error of the file is an object as well, with `error`, so that the parent says it once.
-pub fn run(options: &Options) -> Result<Value> {
+/// What was found. What a person can mend is an answer as well, so that the parent says it once.
+pub fn run(options: &Options) -> Result<TrackAnswer> {
     match found(options) {
-        Ok(object) => Ok(object),
-        Err(Error::File { message, hint, .. }) => Ok(json!({ "error": message, "hint": hint })),
-        Err(Error::Setting { name, expected, found }) => {
-            Ok(json!({ "setting": name, "expected": expected, "found": found }))
+        Err(Error::File { message, hint, .. }) => Ok(TrackAnswer::FileRefused { message, hint }),
+        Err(Error::Setting { name, expected, found, .. }) => {
+            let flag = Flag::ALL.iter().copied().find(|flag| flag.word() == name);
+            let flag = flag.with_context(|| format!("{name}: expected {expected}, found {found}"))?;
+            Ok(TrackAnswer::FlagRefused { flag, expected, found })
         }
-        Err(other) => Err(other.into()),
+        other => Ok(other?),
     }
 }
 
-fn found(options: &Options) -> tunenet_core::Result<Value> {
+fn found(options: &Options) -> tunenet_core::Result<TrackAnswer> {
     let source = Source::new(&options.file, options.topic.as_deref()).at_rate(options.camera_rate.or(options.rate));
     let colour = options.color.as_deref().map(Window::parse).transpose()?;
     let settings = Settings {
@@ -87,17 +92,14 @@ fn found(options: &Options) -> tunenet_core::Result<Value> {
     let answer = track(&source, &settings, &mut |done, promised| advance(&bar, "track", done, promised));
     let track = match answer? {
         Answer::Tracked(track) => track,
-        Answer::Unseen { reason, frames, note } => {
+        Answer::Unseen { reason, frames, finding } => {
             let pictures = if options.sheet > 0 { plain(&source, frames, options.sheet)? } else { Vec::new() };
-            return Ok(json!({
-                "verdict": reason.verdict(), "frames": frames, "seen": 0, "reason": note, "warnings": [note],
-                "pictures": sheet(&pictures),
-            }));
+            return Ok(TrackAnswer::Untracked(Untracked { reason, finding, frames, pictures: sheet(&pictures) }));
         }
     };
     let drawn = drawn(options, &source, &track, &bar)?;
     bar.finish_and_clear();
-    told(options, &track, &drawn)
+    Ok(TrackAnswer::Tracked(Box::new(answer_of(options, &track, &drawn)?)))
 }
 
 fn drawn(options: &Options, source: &Source, track: &Track, bar: &ProgressBar) -> tunenet_core::Result<Vec<Drawn>> {
@@ -130,7 +132,7 @@ fn part(whole: &Path) -> PathBuf {
     whole.with_file_name(format!(".{}.{name}", std::process::id()))
 }
 
-fn told(options: &Options, track: &Track, drawn: &[Drawn]) -> tunenet_core::Result<Value> {
+fn answer_of(options: &Options, track: &Track, drawn: &[Drawn]) -> tunenet_core::Result<Tracked> {
     let known = match (options.radius, options.length.as_slice()) {
         (Some(radius), _) => Known::Radius(radius),
         (None, [metres, pixels]) => Known::Length { metres: *metres, pixels: *pixels },
@@ -145,74 +147,77 @@ fn told(options: &Options, track: &Track, drawn: &[Drawn]) -> tunenet_core::Resu
     let whole: Vec<_> = track.whole().collect();
     // Too few frames make no positions, which is said where positions are asked for.
     let metric = if whole.len() < 4 { None } else { Metric::of(track, known, &expected)? };
-    let mut warnings = track.notes.clone();
-    warnings.extend(metric.iter().flat_map(|m| m.notes.iter().cloned()));
-    let has_arcs = metric.as_ref().is_some_and(|m| m.preflight.arcs.is_some());
-    let column = |of: &dyn Fn(usize) -> f64| (0..whole.len()).map(of).collect::<Vec<f64>>();
-    let mut samples = json!({
-        "frame": whole.iter().map(|s| s.frame).collect::<Vec<_>>(),
-        "t_s": column(&|i| whole[i].time_s),
-        "u_px": column(&|i| whole[i].u_px),
-        "v_px": column(&|i| whole[i].v_px),
-        "radius_px": column(&|i| whole[i].radius_px),
-        "confidence": column(&|i| whole[i].confidence),
-    });
-    let mut object = json!({
-        "verdict": "tracked",
-        "frames": track.frames,
-        "seen": track.sightings.len(),
-        "whole": whole.len(),
-        "fps": track.rate_hz,
-        "duplicates": track.repeated.len(),
-        "dropped": track.dropped,
-        "width_px": track.size_px.0,
-        "height_px": track.size_px.1,
-        "radius_px": track.radius_px(),
-        "color": {
-            "hue": track.colour.hue, "half_width": track.colour.half_width,
-            "saturation": [track.colour.saturation.0, track.colour.saturation.1],
-            "value": [track.colour.value.0, track.colour.value.1],
-        },
-        "scale": null,
-        "bounces_s": [],
-        "restitution": null,
-        "preflight": [],
-    });
-    if let Some(metric) = &metric {
-        let seen = &metric.observation;
-        samples["x_m"] = json!(seen.column(0).collect::<Vec<f64>>());
-        samples["z_m"] = json!(seen.column(2).collect::<Vec<f64>>());
-        object["scale"] = json!({ "m_per_px": metric.metres_per_px, "by": metric.by, "words": metric.by.name() });
-        // How much farther away a metre of height is, where the camera does not look from the side.
-        object["scale"]["depth_1_m"] = json!(metric.camera.map_or(0.0, |camera| camera.depth(1.0) - 1.0));
-        object["preflight"] = json!(metric.preflight.checks);
-        if let Some(arcs) = &metric.preflight.arcs {
-            object["bounces_s"] = json!(arcs.contacts.iter().map(|c| c.time_s).collect::<Vec<_>>());
-            object["restitution"] = json!(arcs.restitution().map(|r| json!({
-                "value": r.value, "interval95": [r.value - INTERVAL * r.sd, r.value + INTERVAL * r.sd],
-            })));
-        }
-    }
-    if !has_arcs {
-        // Without a scale there are no flights in metres, but a kink of the track is a kink.
-        let (clock, up) = (column(&|i| whole[i].time_s), column(&|i| -whole[i].v_px));
-        object["bounces_s"] = json!(bounces(&clock, &up));
-    }
-    object["warnings"] = json!(warnings);
+    let column = |of: &dyn Fn(&Sighting) -> f64| whole.iter().map(|s| of(s)).collect::<Vec<f64>>();
+    let mut samples = Samples {
+        t_s: column(&|s| s.time_s),
+        u_px: column(&|s| s.u_px),
+        v_px: column(&|s| s.v_px),
+        radius_px: column(&|s| s.radius_px),
+        confidence: column(&|s| s.confidence),
+        metres: metric.as_ref().map(|metric| Metres {
+            x_m: metric.observation.column(0).collect(),
+            z_m: metric.observation.column(2).collect(),
+        }),
+    };
+    let facts = facts(track, metric.as_ref(), &samples);
     if let Some(rate_hz) = options.rate {
         samples = resampled(&samples, released_s(metric.as_ref()), rate_hz, options.frames)?;
     }
-    object["samples"] = samples;
-    object["pictures"] = sheet(drawn);
-    Ok(object)
+    Ok(Tracked { facts, samples, pictures: sheet(drawn) })
 }
 
-fn sheet(drawn: &[Drawn]) -> Value {
-    let one = |d: &Drawn| {
-        json!({
-            "frame": d.frame, "time_s": d.time_s, "width": d.size_px.0, "height": d.size_px.1,
-            "jpeg": base64::encode(&d.jpeg),
-        })
+fn facts(track: &Track, metric: Option<&Metric>, samples: &Samples) -> Facts {
+    let arcs = metric.and_then(|metric| metric.preflight.arcs.as_ref());
+    let bounces_s = match arcs {
+        Some(arcs) => arcs.contacts.iter().map(|contact| contact.time_s).collect(),
+        // Without a scale there are no flights in metres, but a kink of the track is a kink.
+        None => bounces(&samples.t_s, &samples.v_px.iter().map(|v| -v).collect::<Vec<f64>>()),
+    };
+    let restitution = arcs
+        .and_then(Arcs::restitution)
+        .map(|r| Estimate { value: r.value, interval95: [r.value - NORMAL_95 * r.sd, r.value + NORMAL_95 * r.sd] });
+    let checks = metric.map_or(&[][..], |metric| &metric.preflight.checks);
+    let colour = track.colour;
+    Facts {
+        frames: track.frames,
+        seen: track.sightings.len(),
+        whole: samples.t_s.len(),
+        fps: track.rate_hz,
+        duplicates: track.repeated.len(),
+        dropped: track.dropped,
+        width_px: track.size_px.0,
+        height_px: track.size_px.1,
+        radius_px: track.radius_px(),
+        color: Colour {
+            hue: colour.hue,
+            half_width: colour.half_width,
+            saturation: colour.saturation,
+            value: colour.value,
+        },
+        scale: metric.map(|metric| Scale {
+            m_per_px: metric.metres_per_px,
+            by: metric.by,
+            words: metric.by.name().to_owned(),
+            depth_1_m: metric.camera.map_or(0.0, |camera| camera.depth(1.0) - 1.0),
+        }),
+        bounces_s,
+        restitution,
+        preflight: checks.iter().map(check).collect(),
+        warnings: track.notes.iter().chain(metric.into_iter().flat_map(|metric| &metric.notes)).cloned().collect(),
+    }
+}
+
+fn check(check: &observation::Check) -> Check {
+    Check { code: check.code.to_owned(), state: check.state, text: check.text.clone(), remedy: check.remedy.clone() }
+}
+
+fn sheet(drawn: &[Drawn]) -> Vec<Picture> {
+    let one = |d: &Drawn| Picture {
+        frame: d.frame,
+        time_s: d.time_s,
+        width: d.size_px.0,
+        height: d.size_px.1,
+        jpeg: base64::encode(&d.jpeg),
     };
     drawn.iter().map(one).collect()
 }
@@ -225,26 +230,33 @@ fn released_s(metric: Option<&Metric>) -> Option<f64> {
 }
 
 /// The samples on an even clock from `from_s` on, as far as they reach or `count` of them, the last one held.
-fn resampled(samples: &Value, from_s: Option<f64>, rate_hz: f64, count: Option<usize>) -> tunenet_core::Result<Value> {
-    let column =
-        |name: &str| -> Vec<f64> { samples[name].as_array().into_iter().flatten().filter_map(Value::as_f64).collect() };
-    let names: Vec<&str> =
-        samples.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).filter(|n| *n != "t_s").collect();
-    let times = column("t_s");
-    let columns: Vec<Vec<f64>> = names.iter().map(|name| column(name)).collect();
-    let rows = (0..times.len()).flat_map(|i| columns.iter().map(move |c| c[i])).collect();
-    let channels = names.iter().map(|name| Channel::new(*name, "1")).collect();
+fn resampled(
+    samples: &Samples,
+    from_s: Option<f64>,
+    rate_hz: f64,
+    count: Option<usize>,
+) -> tunenet_core::Result<Samples> {
+    let times = &samples.t_s;
     let (first, last) = (times[0], times[times.len() - 1]);
     let from = from_s.unwrap_or(first);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a length of time, clamped")]
     let count = count.unwrap_or_else(|| ((last - from) * rate_hz + 1e-6).clamp(2.0, MOST_RESAMPLED) as usize + 1);
     let clock: Vec<f64> = (0..count).map(|k| from + k as f64 / rate_hz).collect();
-    let even = resample(&Observation::new(Kind::Other, channels, times, rows)?, &clock)?;
-    let mut out = json!({ "t_s": clock });
-    for (i, name) in names.iter().enumerate() {
-        out[*name] = even.column(i).collect::<Vec<f64>>().into();
-    }
-    Ok(out)
+    let on_clock = |values: &[f64]| -> tunenet_core::Result<Vec<f64>> {
+        let seen = Observation::new(Kind::Other, vec![Channel::new("value", "1")], times.clone(), values.to_vec())?;
+        Ok(resample(&seen, &clock)?.values().to_vec())
+    };
+    let metres = |metres: &Metres| -> tunenet_core::Result<Metres> {
+        Ok(Metres { x_m: on_clock(&metres.x_m)?, z_m: on_clock(&metres.z_m)? })
+    };
+    Ok(Samples {
+        u_px: on_clock(&samples.u_px)?,
+        v_px: on_clock(&samples.v_px)?,
+        radius_px: on_clock(&samples.radius_px)?,
+        confidence: on_clock(&samples.confidence)?,
+        metres: samples.metres.as_ref().map(metres).transpose()?,
+        t_s: clock,
+    })
 }
 
 /// Invisible where standard error is no terminal.

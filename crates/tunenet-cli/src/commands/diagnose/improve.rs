@@ -5,24 +5,23 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use toml_edit::{Array, DocumentMut, InlineTable, Value as Toml};
-use tunenet_core::Error;
 use tunenet_core::diagnose::{Change, Diagnosis, Fitted, Gap, GapOf, NamedEffect, Value, Verdict};
-use tunenet_core::observation::recording::read_text;
-use tunenet_core::observation::recording::write_atomically;
 use tunenet_core::simulator::Simulator;
+use tunenet_core::{Error, Origin};
+use tunenet_formats::read_text;
+use tunenet_formats::write_atomically;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::arm::urdf::with_friction;
 use tunenet_sim::observed_arm::urdf_path;
 use tunenet_sim::replayed_arm::{ReplayedArm, replays};
 use tunenet_sim::simulation_file::Domain;
 
-use super::answer::Answer;
 use super::json::gap_of;
-use super::load::Object;
 use super::manifest::Source;
-use crate::cli::Diagnose;
-use crate::commands::destination::{self, Output, Product};
-use crate::commands::load;
+use crate::answers::diagnose::{Answer, Edited, Object};
+use crate::args::Diagnose;
+use crate::files::destination::{self, Output, Product};
+use crate::files::names;
 
 const UNFITTED: &str = "nothing could be fitted";
 
@@ -54,8 +53,8 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
     if let (Some(out), true) = (&options.out, several) {
         // The page may not be the folder itself either.
         if options.report.as_deref() == Some(out) {
-            let (expected, found) = ("another file than `--out`".into(), load::name(out));
-            return Err(Error::Setting { name: "--report", expected, found }.into());
+            let (expected, found) = ("another file than `--out`".into(), names::file_name(out));
+            return Err(Error::Setting { origin: Origin::Flag, name: "--report", expected, found }.into());
         }
         std::fs::create_dir_all(out).map_err(|e| Error::io(out, "creating", e))?;
     }
@@ -160,7 +159,7 @@ pub fn write_urdf(options: &Diagnose, answer: &Answer) -> Result<Option<PathBuf>
     let file = &answer.loaded.objects[0].file;
     if !replays(file) {
         let (expected, found) = ("an arm with `motion.kind = \"replay\"`".into(), "another simulation".into());
-        return Err(Error::Setting { name: "--out-urdf", expected, found }.into());
+        return Err(Error::Setting { origin: Origin::Flag, name: "--out-urdf", expected, found }.into());
     }
     let found = answer.diagnosis.effects.iter().any(|e| e.effect.name.ends_with("_friction"));
     if why_not(answer.diagnosis).is_some() || !found {
@@ -168,16 +167,9 @@ pub fn write_urdf(options: &Diagnose, answer: &Answer) -> Result<Option<PathBuf>
     }
     let arm = ReplayedArm::from_file(&improved(answer, 0)?)?;
     let values: Vec<f64> = arm.parameters().iter().map(|p| p.value).collect();
-    let text = with_friction(&read_text(urdf_path(file))?, &arm.friction(&values))?;
+    let text = with_friction(&read_text(urdf_path(file)?)?, &arm.friction(&values))?;
     write_atomically(out, |out| out.write_all(text.as_bytes()))?;
     Ok(Some(out.clone()))
-}
-
-/// A simulation file as it was given and as it would be, both without provenance.
-pub struct Edited {
-    pub object: String,
-    pub given: String,
-    pub improved: String,
 }
 
 /// What the answer changes in the simulation file of every object, or why it changes nothing.

@@ -5,8 +5,8 @@ use tunenet_core::diagnose::{
     Candidate, Change, Explained, Fitted, Gap, GapOf, NamedEffect, OfObject, OwnEffect, Test, Tuned, Use, Value,
 };
 
-use super::answer::Answer;
-use crate::commands::tune::warning;
+use crate::answers::diagnose::Answer;
+use crate::view::json::warning;
 use tunenet_sim::arm::effects::ArmEffect;
 
 pub fn object(answer: &Answer) -> Json {
@@ -171,6 +171,6 @@ fn used(one: &Use) -> Json {
 }
 
 fn estimated(one: &Explained) -> Json {
-    let own = one.own.iter().map(|(name, value, unit)| json!({ "name": name, "value": value, "unit": unit }));
+    let own = one.nuisances.iter().map(|(name, value, unit)| json!({ "name": name, "value": value, "unit": unit }));
     json!({ "file": one.name, "flight": one.flight, "own": own.collect::<Vec<_>>() })
 }

@@ -1,68 +1,28 @@
 //! From files to objects with their simulators, and recordings.
 
 use anyhow::{Context, Result};
-use toml_edit::InlineTable;
 use tunenet_core::Error;
-use tunenet_core::diagnose;
-use tunenet_core::observation::{Kind, Note, Observation};
+use tunenet_core::observation::{Kind, Note};
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::replayed_arm::replays;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, simulator};
 
 use super::manifest::{KNOWN_PAYLOAD, Source};
-use crate::cli::Diagnose;
+use crate::answers::diagnose::{Loaded, Object, Recorded};
+use crate::args::Diagnose;
 use crate::commands::load;
+use crate::files::{hash, names};
 
 /// Most samples of one recording that are used; more would not sharpen the answer by as much as they cost.
 const MOST_SAMPLES: usize = 4_000;
-
-/// One thing that was recorded, possibly several times.
-pub struct Object {
-    pub name: String,
-    pub file: SimulationFile,
-    pub simulator: Box<dyn Simulator>,
-    /// What its manifest entries say of the scene.
-    scene: Vec<(String, String)>,
-}
-
-/// One recording of it.
-pub struct Recorded {
-    pub name: String,
-    pub hash: String,
-    pub object: usize,
-    pub held_out: bool,
-    pub seen: Observation,
-    /// The run without payload that was laid beside it, as the provenance names it.
-    pub reference: Option<InlineTable>,
-}
-
-/// Everything that was read.
-pub struct Loaded {
-    pub objects: Vec<Object>,
-    pub recorded: Vec<Recorded>,
-    pub notes: Vec<Note>,
-}
-
-impl Loaded {
-    /// As the library takes them.
-    pub fn recordings<'a>(&'a self) -> Vec<diagnose::Recording<'a>> {
-        let one = |r: &'a Recorded| diagnose::Recording {
-            name: r.name.clone(),
-            object: r.object,
-            held_out: r.held_out,
-            seen: &r.seen,
-        };
-        self.recorded.iter().map(one).collect()
-    }
-}
 
 pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
     let file = load::simulation_with(&options.simulation, options.leave)?;
     for source in sources {
-        let name = load::name(&source.path);
-        // A film's scale goes by what its own entry says of the ball.
+        let name = names::file_name(&source.path);
+        // A video's scale goes by what its own entry says of the ball.
         let scene = in_scene(options, source, &file)?;
         let recording = load::recording_of(&scene, &source.path, &options.reading, MOST_SAMPLES)?;
         if let (Some(manifest), Some(_), false) = (&options.manifest, &source.reference, replays(&scene)) {
@@ -74,8 +34,8 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
-        let (hash, held_out, seen) = (load::hash(&source.path)?, source.held_out, recording.observation);
-        let reference = source.reference.as_deref().map(load::fingerprint).transpose()?;
+        let (hash, held_out, seen) = (hash::sha256(&source.path)?, source.held_out, recording.observation);
+        let reference = source.reference.as_deref().map(hash::fingerprint).transpose()?;
         recorded.push(Recorded { name, hash, object: 0, held_out, seen, reference });
     }
     notes.extend(load::lacks(&file)?);
@@ -127,7 +87,7 @@ fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Resul
 
 fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
     let file = in_scene(options, source, &load::simulation_with(&options.simulation, options.leave)?)?;
-    let mut simulator = simulator(&file, kind).with_context(|| load::name(&source.path))?;
+    let mut simulator = simulator(&file, kind).with_context(|| names::file_name(&source.path))?;
     // A coefficient that stands there may be wrong, and is tuned with the parameters; else it looks like something missing.
     let present = file.effects();
     let names = present.iter().map(|e| e.name.as_str());

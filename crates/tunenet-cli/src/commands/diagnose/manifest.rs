@@ -7,8 +7,8 @@ use toml_edit::{Document, Item, TableLike};
 use tunenet_core::Error;
 use tunenet_sim::SimulationFile;
 
-use crate::cli::Diagnose;
-use crate::commands::load::distinct;
+use crate::args::Diagnose;
+use crate::files::hash;
 
 /// The object of files that nobody groups: it is called by its kind in the end.
 const ONLY: &str = "";
@@ -55,7 +55,7 @@ pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {
     for source in sources.iter_mut().filter(|source| source.object == ONLY) {
         kind.clone_into(&mut source.object);
     }
-    distinct(sources.iter().map(|s| s.path.as_path()))?;
+    hash::refuse_copies(sources.iter().map(|s| s.path.as_path()))?;
     if let Some(first) = sources.first().filter(|_| sources.iter().all(|s| s.held_out)) {
         let message = "expected at least one recording to fit to, found only held-out ones";
         let (place, hint) = match &options.manifest {

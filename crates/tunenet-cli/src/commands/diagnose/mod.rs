@@ -1,11 +1,10 @@
 //! `tunenet diagnose`: where simulation and measurement disagree, which effect is missing, and the file with it.
 //!
 //! ```text
-//! manifest → load → tunenet_core::diagnose → json, tell, improve, crate::report
+//! manifest → load → tunenet_core::diagnose → json, tell, improve, crate::view::html
 //! ```
 
 pub(crate) mod alternatives;
-pub(crate) mod answer;
 pub(crate) mod improve;
 mod json;
 pub(crate) mod load;
@@ -19,14 +18,15 @@ use serde_json::json;
 use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
 use tunenet_core::observation::Note;
 
-use self::answer::Answer;
 use super::each::{Answered, Work};
-use super::print_json;
 use super::refusal::{self, Asked};
-use crate::cli::Diagnose;
+use crate::answers::diagnose::{Answer, Loaded};
+use crate::args::{Diagnose, pool};
 use crate::failure::Exit;
-use crate::report;
-use crate::terminal::stage;
+use crate::files::hash;
+use crate::view::html;
+use crate::view::json::print_json;
+use crate::view::text::stage;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
     options.apart.check(options.each)?;
@@ -38,7 +38,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     let loaded = load::load(options, &sources)?;
     tell::read(&loaded);
     let began = Instant::now();
-    let diagnosis = super::load::threads(options.jobs)?.install(|| ask(&loaded, options.common.seed))?;
+    let diagnosis = pool(options.jobs)?.install(|| ask(&loaded, options.common.seed))?;
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
     let wrote = improve::write(options, &answer)?;
     if let Some(path) = improve::write_urdf(options, &answer)? {
@@ -50,7 +50,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     tell::answer(options, &answer, &wrote);
     if let Some(path) = &options.report {
         let edits = improve::edits(options, &answer)?;
-        report::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
+        html::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
         stage("report", &path.display().to_string());
     }
     Ok(match diagnosis.verdict {
@@ -62,7 +62,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
 /// Each recording on its own.
 fn each(options: &Diagnose) -> Result<Exit> {
     let file = super::load::simulation(&options.simulation)?;
-    let reference = options.reference.as_deref().map(super::load::hash).transpose()?;
+    let reference = options.reference.as_deref().map(hash::sha256).transpose()?;
     let run = json!({
         "simulation": file.text(), "urdf": super::load::urdf_hash(&options.simulation)?,
         "reading": format!("{:?}", options.reading), "reference": reference, "seed": options.common.seed,
@@ -81,18 +81,18 @@ fn each(options: &Diagnose) -> Result<Exit> {
     Ok(exit)
 }
 
-fn provenance(options: &Diagnose, sources: &[manifest::Source]) -> report::Provenance {
+fn provenance(options: &Diagnose, sources: &[manifest::Source]) -> html::Provenance {
     let scene = [options.simulation.sim.as_path()].into_iter().chain(options.manifest.as_deref());
     let sources = sources.iter().flat_map(|s| [s.path.as_path()].into_iter().chain(s.reference.as_deref()));
     let read: Vec<&std::path::Path> = scene.chain(sources).collect();
-    report::Provenance::new(options.common.seed, &read)
+    html::Provenance::new(options.common.seed, &read)
 }
 
 /// Asks the library, showing what it does.
-fn ask(loaded: &load::Loaded, seed: u64) -> Result<Diagnosis> {
+fn ask(loaded: &Loaded, seed: u64) -> Result<Diagnosis> {
     let subjects: Vec<Subject> =
         loaded.objects.iter().map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() }).collect();
-    let working = crate::terminal::working();
+    let working = crate::view::text::working();
     let settings = Settings { seed, ..Settings::default() };
     let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| tell::progress(&working, at));
     working.finish_and_clear();

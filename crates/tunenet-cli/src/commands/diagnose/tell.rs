@@ -6,11 +6,10 @@ use indicatif::ProgressBar;
 use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, Progress, Value, Verdict};
 use tunenet_core::observation::{Note, with_decimals};
 
-use super::answer::{Answer, NAMELESS};
 use super::improve::Written;
-use super::load::Loaded;
-use crate::cli::Diagnose;
-use crate::terminal::{four_digits, in_words, list, rounded, stage, table, warn};
+use crate::answers::diagnose::{Answer, Loaded, NAMELESS};
+use crate::args::Diagnose;
+use crate::view::text::{four_digits, in_words, list, rounded, stage, table, warn};
 
 /// Candidates that are shown; the JSON has all of them.
 const SHOWN: usize = 6;
@@ -41,9 +40,9 @@ pub fn progress(working: &ProgressBar, at: Progress) {
         }
         Progress::Tuning => "tuning".to_owned(),
         Progress::Scoring { candidates, effects: 0 } => format!("scoring {candidates} effects"),
-        Progress::Scoring { candidates, effects } => format!("scoring {candidates} effects beside {effects}"),
+        Progress::Scoring { candidates, effects } => format!("scoring {candidates} effects in addition to {effects}"),
         Progress::Fitting(name) => format!("fitting {name}"),
-        Progress::Judging => "judging what is left".to_owned(),
+        Progress::Judging => "testing residuals".to_owned(),
     });
 }
 
@@ -77,7 +76,7 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
         .map(|u| u.name.as_str())
         .collect();
     if !aside.is_empty() {
-        anstream::eprintln!("  set aside to judge by: {}", aside.join(", "));
+        anstream::eprintln!("  held out for validation: {}", aside.join(", "));
     }
     if let Some(next) = &diagnosis.next_experiment {
         anstream::eprintln!("  next: {}", next.text);
@@ -141,7 +140,7 @@ pub fn sentence(answer: &Answer) -> String {
             let nearest = answer.candidates().first().map(|n| format!(" (nearest: {n})")).unwrap_or_default();
             format!("UNKNOWN  something is missing, and no known effect explains it{nearest}")
         }
-        Verdict::Insufficient => "INSUFFICIENT  these recordings do not suffice for an answer".into(),
+        Verdict::Insufficient => "INSUFFICIENT  the data are insufficient for an answer".into(),
     }
 }
 
@@ -197,8 +196,8 @@ fn details(answer: &Answer) -> Vec<String> {
             let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
             let of = match gap.of {
                 GapOf::Recordings => "",
-                GapOf::Flights => " of the flights alone",
-                GapOf::Contacts => " of the contacts alone",
+                GapOf::Flights => " of the flights only",
+                GapOf::Contacts => " of the contacts only",
             };
             let mut line = format!("gap{of} {} → {}", words(gap.before), words(gap.after));
             if let Some(change) = &gap.held_out {
@@ -272,7 +271,7 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
     if let Some((name, gap)) = runners_up.min_by(|a, b| a.1.total_cmp(&b.1)) {
         // What is ahead was passed over for another reason than its evidence.
         let place = if gap < 0.0 { "as good".into() } else { format!("{} behind", whole(gap)) };
-        line = format!("{name} is {place}, and what is within {:.0} is left; {line}", diagnosis.margin);
+        line = format!("next best: {name}, {place}; candidates within ΔBIC {:.0} are kept; {line}", diagnosis.margin);
     }
     Some(line)
 }

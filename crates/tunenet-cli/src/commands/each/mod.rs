@@ -11,17 +11,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use tunenet_core::Error;
 use tunenet_core::network::Shard;
-use tunenet_core::observation::recording::write_atomically;
+use tunenet_core::{Error, Origin};
+use tunenet_formats::write_atomically;
 
-use super::destination::{self, Output, Product};
-use super::shard::{self, Job, Mark, Share, mark};
-use super::tune::warning;
-use super::{load, print_json};
-use crate::cli::Apart;
+use crate::args::{Apart, pool};
 use crate::failure::{Exit, sentence};
-use crate::terminal::{stage, warn};
+use crate::files::destination::{self, Output, Product};
+use crate::files::hash;
+use crate::shard::{self, Job, Mark, Share, mark};
+use crate::view::json::print_json;
+use crate::view::json::warning;
+use crate::view::text::{stage, warn};
 
 /// All answers together, beside those to each recording.
 pub const ALL: &str = "each.json";
@@ -67,7 +68,7 @@ impl Work<'_> {
         if shard.is_some() && self.apart.out_dir.is_none() {
             let (expected, found) =
                 ("--out-dir beside it, where the answers of a shard are kept".into(), "none".into());
-            return Err(Error::Setting { name: "--shard", expected, found }.into());
+            return Err(Error::Setting { origin: Origin::Flag, name: "--shard", expected, found }.into());
         }
         let folder = self.apart.out_dir.as_deref().map(|out| shard::folder(out, shard));
         if let (Some(folder), Some(_)) = (&folder, shard) {
@@ -109,7 +110,7 @@ impl Work<'_> {
         if let Some(folder) = &folder {
             write(&folder.join(ALL), &all)?;
             if let Some(shard) = shard {
-                let digest = load::hex(&Sha256::digest(self.run.to_string()));
+                let digest = hash::hex(&Sha256::digest(self.run.to_string()));
                 let job = Job::Each { tool: self.tool.into(), run: digest, recordings: names };
                 Mark::write(folder, shard, job)?;
             }
@@ -120,7 +121,7 @@ impl Work<'_> {
 
     /// All of `mine`, at most so many at a time as there are threads; told in their order.
     fn spread<T: Send>(&self, mine: &[usize], treat: &(dyn Fn(usize) -> Result<(T, String)> + Sync)) -> Result<Vec<T>> {
-        let pool = load::threads(self.jobs)?;
+        let pool = pool(self.jobs)?;
         // Without `--jobs` one after the other, each on all threads: then memory does not grow with the cores.
         let workers = self.jobs.unwrap_or(1).min(mine.len()).max(1);
         let next = AtomicUsize::new(0);
@@ -150,9 +151,9 @@ impl Work<'_> {
         one: &dyn Fn(&Path, &str) -> Result<Answered<C>>,
     ) -> Result<((Value, Option<C>), String)> {
         // What cannot be read has no digest, and is refused by whoever reads it.
-        let run = place.and_then(|_| load::hash(path).ok()).map(|hash| {
+        let run = place.and_then(|_| hash::sha256(path).ok()).map(|hash| {
             let all = json!([env!("CARGO_PKG_VERSION"), self.tool, self.run, name, hash]);
-            load::hex(&Sha256::digest(all.to_string()))
+            hash::hex(&Sha256::digest(all.to_string()))
         });
         if let (Some(place), Some(run)) = (place, &run)
             && let Some(kept) = kept(place, run)

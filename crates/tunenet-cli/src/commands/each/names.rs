@@ -1,12 +1,11 @@
 //! What the answer to each recording is called: as the recording, within the folder that all of them share.
 
+use crate::files::names;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result};
 use tunenet_core::Error;
-
-use crate::commands::load;
 
 /// Names of files for the answers to `recordings`, in their order: `b/drop.csv.json` for `runs/b/drop.csv` beside
 /// `runs/a/drop.csv`. They depend on how the recordings lie to each other, not on where they lie: every machine has the same.
@@ -39,7 +38,7 @@ pub fn of(recordings: &[PathBuf]) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// What each of `recordings` is called for people, in their order: the file's name, and of several files with one name as
+/// What each of `recordings` is called for users, in their order: the file's name, and of several files with one name as
 /// many of their folders as tell them apart. One that is given twice is called the same twice.
 pub fn shown(recordings: &[PathBuf]) -> Vec<String> {
     let parts = |path: &PathBuf| -> Vec<String> {
@@ -51,7 +50,7 @@ pub fn shown(recordings: &[PathBuf]) -> Vec<String> {
     let one = |(path, place): (&PathBuf, &Vec<String>)| {
         let alone = |count: &usize| places.iter().all(|p| p == place || tail(p, *count) != tail(place, *count));
         match (1..=place.len()).find(alone) {
-            Some(1) | None => load::name(path),
+            Some(1) | None => names::file_name(path),
             Some(count) => tail(place, count).join("/"),
         }
     };

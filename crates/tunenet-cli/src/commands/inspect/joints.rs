@@ -1,11 +1,11 @@
 //! What a log of joints shows of its units, without knowing the arm.
 
 use serde_json::{Value, json};
-use tunenet_core::observation::preflight::{Check, State};
+use tunenet_core::observation::{Check, State};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_sim::replayed_arm::suspect_units;
 
-use crate::terminal::{stage, warn};
+use crate::view::text::{stage, warn};
 
 /// The check of units, told; nothing where `seen` is no log of joints.
 pub fn units(seen: &Observation) -> Option<Check> {
@@ -24,6 +24,6 @@ pub fn units(seen: &Observation) -> Option<Check> {
 pub fn add_to(check: &Check, object: &mut Value) {
     object["preflight"] = json!([check]);
     if let (Some(note), Some(warnings)) = (check.note(), object["warnings"].as_array_mut()) {
-        warnings.push(super::super::tune::warning(&note));
+        warnings.push(crate::view::json::warning(&note));
     }
 }

@@ -9,19 +9,23 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Value, json};
+use tunenet_ball::preflight::{ApparentGravity, Expected};
 use tunenet_core::Error;
-use tunenet_core::network::{DatasetHeader, DatasetReader, Model, Shard};
-use tunenet_core::observation::preflight::{ApparentGravity, Expected};
-use tunenet_core::observation::recording::{Contents, Log, ReadOptions, Recording, Table, contents_with};
+use tunenet_core::network::{DatasetHeader, Model, Shard};
 use tunenet_core::observation::{Channel, Kind};
+use tunenet_formats::dataset::DatasetReader;
+use tunenet_formats::load_model;
+use tunenet_formats::{Contents, Log, ReadOptions, Recording, Table, contents_with};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
 use super::film::is_film;
-use super::{load, print_json};
-use crate::cli::Inspect;
+use super::load;
+use crate::args::Inspect;
 use crate::failure::{Exit, sentence};
-use crate::terminal::{stage, table, warn};
+use crate::files::{hash, names};
+use crate::view::json::print_json;
+use crate::view::text::{stage, table, warn};
 use motion::Motion;
 
 pub fn run(options: &Inspect) -> Result<Exit> {
@@ -32,7 +36,7 @@ pub fn run(options: &Inspect) -> Result<Exit> {
         }
         return Ok(if found.usable { Exit::Done } else { Exit::Inconclusive });
     }
-    load::distinct(options.files.iter().map(AsRef::as_ref))?;
+    hash::refuse_copies(options.files.iter().map(AsRef::as_ref))?;
     several(options)
 }
 
@@ -48,7 +52,7 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
     let plain = |object: Value, usable: bool| Found { object, usable, motion: None };
     let mut found = match extension.as_str() {
         "toml" => plain(settings::look(path)?, true),
-        "safetensors" => plain(model(&Model::load(path)?), true),
+        "safetensors" => plain(model(&load_model(path)?), true),
         _ if is_film(path) => {
             let (object, usable) = film::look(path, options.reading.camera_rate)?;
             plain(object, usable)
@@ -68,7 +72,7 @@ fn look(path: &Path, options: &Inspect) -> Result<Found> {
         },
     };
     found.object["schema"] = json!("tunenet.inspect/1");
-    found.object["file"] = json!(load::name(path));
+    found.object["file"] = json!(names::file_name(path));
     found.object["usable"] = json!(found.usable);
     Ok(found)
 }
@@ -98,7 +102,7 @@ fn several(options: &Inspect) -> Result<Exit> {
     let head = ["file", "bounces", "gravity", "noticed"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
     for path in &options.files {
-        let name = load::name(path);
+        let name = names::file_name(path);
         stage("file", &name);
         match look(path, options) {
             Ok(found) => {
@@ -209,7 +213,7 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
         "span_s": found.span_s.map(|(a, b)| [a, b]), "median_rate_hz": found.median_rate_hz, "largest_gap_s": found.largest_gap_s,
         "broken_lines": found.broken.iter().map(|b| json!({ "line": b.line, "message": b.message })).collect::<Vec<_>>(),
         "broken_count": found.broken_count,
-        "warnings": notes.iter().map(super::tune::warning).collect::<Vec<_>>(),
+        "warnings": notes.iter().map(crate::view::json::warning).collect::<Vec<_>>(),
     });
     if let Some(motion) = &motion {
         motion.add_to(&mut object);
@@ -321,7 +325,7 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
             "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(),
         })).collect::<Vec<_>>(),
         "ended": found.ended,
-        "warnings": notes.iter().map(super::tune::warning).collect::<Vec<_>>(),
+        "warnings": notes.iter().map(crate::view::json::warning).collect::<Vec<_>>(),
     });
     let good = !usable.is_empty() && found.ended.is_none() && rejected.is_none();
     if let Some(motion) = &motion {

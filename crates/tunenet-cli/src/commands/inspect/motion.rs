@@ -1,11 +1,13 @@
 //! What `inspect` says of a ball's motion: flights, bounces, gravity, noise, and every check.
 
 use serde_json::{Value, json};
-use tunenet_core::observation::preflight::{ApparentGravity, Check, Expected, Preflight, State, examine};
+use tunenet_ball::preflight::{ApparentGravity, Expected, Preflight, examine};
+use tunenet_core::observation::{Check, State};
 use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::statistics::median;
 use tunenet_core::tune::channel_noise;
 
-use crate::terminal::{in_words, stage, tally, warn};
+use crate::view::text::{in_words, stage, tally, warn};
 
 /// A recording that was looked at.
 pub struct Motion {
@@ -30,9 +32,7 @@ impl Motion {
         let listed = if seen.kind() == Kind::BounceTimes { seen.len() } else { 0 };
         let bounces = preflight.arcs.as_ref().map_or(listed, |arcs| arcs.contacts.len() + coarse);
         let noise = preflight.kept.as_ref().map(|kept| channel_noise(kept)[kept.channels().len() - 1]);
-        let mut intervals: Vec<f64> = seen.clock().windows(2).map(|w| w[1] - w[0]).collect();
-        intervals.sort_unstable_by(f64::total_cmp);
-        let rate_hz = 1.0 / intervals[intervals.len() / 2];
+        let rate_hz = 1.0 / median(seen.clock().windows(2).map(|w| w[1] - w[0])).unwrap_or(f64::NAN);
         Some(Self { preflight, kind, bounces, noise, rate_hz })
     }
 

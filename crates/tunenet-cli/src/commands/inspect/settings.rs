@@ -6,12 +6,12 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use toml_edit::DocumentMut;
 use tunenet_core::observation::Channel;
-use tunenet_core::observation::recording::read_text;
+use tunenet_formats::read_text;
 use tunenet_sim::shot::Task;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
-use crate::terminal::{stage, table};
+use crate::view::text::{stage, table};
 
 /// Looks into it; what is none of these is refused as a simulation file.
 pub fn look(path: &Path) -> Result<Value> {

@@ -7,13 +7,14 @@ use serde_json::Value;
 use tunenet_core::Error;
 
 use super::complete;
-use crate::cli::{Measured, Merge};
-use crate::commands::destination::{self, Output, Product};
-use crate::commands::shard::differing::{differing, sides};
-use crate::commands::shard::{Job, Mark, mark};
-use crate::commands::{bench, each, load};
+use crate::args::Merge;
+use crate::commands::{bench, each};
 use crate::failure::Exit;
-use crate::terminal::stage;
+use crate::files::destination::{self, Output, Product};
+use crate::files::{hash, names};
+use crate::shard::differing::{differing, sides};
+use crate::shard::{self, Job, Mark};
+use crate::view::text::stage;
 
 /// Where all shards make the same files, these have to be equal byte for byte: every trial rests on them.
 const LEARNED: [&str; 2] = ["safetensors", "mcap"];
@@ -24,13 +25,14 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
         marks.push((folder, Mark::read(folder)?));
     }
     let Some((first, like)) = marks.first() else { return Ok(Exit::Done) };
-    if like.program != mark::program()? {
+    if like.program != like.job.program()? {
         let message = "expected a shard by this very program, found one by another build of the same version";
         return Err(Error::file(*first, message, "merge with the program that wrote the shards").into());
     }
     for (folder, mark) in &marks[1..] {
         if let Some((expected, found)) = foreign(like, mark) {
-            let message = format!("expected a shard of {expected} as {}, found one of {found}", load::name(first));
+            let message =
+                format!("expected a shard of {expected} as {}, found one of {found}", names::file_name(first));
             return Err(Error::file(*folder, message, "merge the shards of one command alone").into());
         }
     }
@@ -40,7 +42,7 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
     }
     if !options.writing.overwrite {
         if matches!(like.job, Job::Bench(_)) {
-            bench::own(&options.out)?;
+            shard::require_own(&options.out)?;
         }
         let all = Path::new(each::ALL);
         let brought = marks.iter().flat_map(|(_, mark)| mark.files.iter());
@@ -49,7 +51,7 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
         for (path, hash) in brought.filter(|(path, _)| Path::new(path) != all) {
             let to = options.out.join(path);
             // A merge that is repeated brings the same again.
-            if destination::holds_something(&to) && load::hash(&to).ok().as_ref() != Some(hash) {
+            if destination::holds_something(&to) && hash::sha256(&to).ok().as_ref() != Some(hash) {
                 return Err(destination::taken(&Output::new(&to, "--out", Product::Unmarked)).into());
             }
         }
@@ -64,7 +66,7 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
     }
     stage("merged", &format!("{} shards", marks.len()));
     match job {
-        Job::Bench(measured) => bench::merged(measured, &options.out, options.common.json),
+        Job::Bench(measured) => bench::merged(&measured, &options.out, options.common.json),
         Job::Each { tool, recordings, .. } => each::merged(&tool, &recordings, &options.out, options.common.json),
     }
 }
@@ -96,15 +98,14 @@ fn foreign(like: &Mark, mark: &Mark) -> Option<(String, String)> {
 }
 
 /// The options in which two benches differ, or their names where they are not the same.
-fn of_benches(like: &Measured, found: &Measured) -> (String, String) {
+fn of_benches(like: &Value, found: &Value) -> (String, String) {
     let ((name, options), (other, others)) = (named(like), named(found));
     if name == other { sides(&differing(&options, &others)) } else { (name, other) }
 }
 
 /// A bench's name, and everything on its command line that decides its result.
-fn named(bench: &Measured) -> (String, Value) {
-    let whole = serde_json::to_value(bench).unwrap_or_default();
-    let only = whole.as_object().and_then(|object| object.iter().next());
+fn named(bench: &Value) -> (String, Value) {
+    let only = bench.as_object().and_then(|object| object.iter().next());
     only.map_or_else(Default::default, |(name, options)| (format!("`bench {name}`"), options.clone()))
 }
 
@@ -118,7 +119,7 @@ fn gather(folder: &Path, mark: &Mark, all: &[(&Path, Mark)], out: &Path) -> Resu
         if let Some((from, known)) = brought {
             let ending = Path::new(path).extension().and_then(|e| e.to_str()).unwrap_or_default();
             if known != hash && LEARNED.contains(&ending) {
-                let message = format!("expected the same as in {}, found something else", load::name(from));
+                let message = format!("expected the same as in {}, found something else", names::file_name(from));
                 let hint = "run all shards on one kind of processor: the same seed gives the same bytes there alone";
                 return Err(Error::file(folder.join(path), message, hint).into());
             }
@@ -130,7 +131,7 @@ fn gather(folder: &Path, mark: &Mark, all: &[(&Path, Mark)], out: &Path) -> Resu
         }
         let bytes = folder.join(path);
         let mut from = std::fs::File::open(&bytes).map_err(|source| Error::io(&bytes, "reading", source))?;
-        tunenet_core::observation::recording::write_atomically(&to, |file| std::io::copy(&mut from, file).map(|_| ()))?;
+        tunenet_formats::write_atomically(&to, |file| std::io::copy(&mut from, file).map(|_| ()))?;
     }
     Ok(())
 }

@@ -7,19 +7,23 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use serde_json::json;
 use tunenet_core::Error;
-use tunenet_core::network::{Shard, merge};
+use tunenet_core::network::Shard;
+use tunenet_formats::dataset::merge;
 
-use super::destination::{self, Output, Product};
-use super::{globs, load, print_json};
-use crate::cli::Merge;
+use super::globs;
+use crate::args::Merge;
 use crate::failure::Exit;
-use crate::terminal::{progress, stage};
+use crate::files::destination::{self, Output, Product};
+use crate::files::names;
+use crate::view::json::print_json;
+use crate::view::text::{progress, stage};
 
 pub fn run(options: &Merge) -> Result<Exit> {
     let shards = globs::expanded(&options.shards, "SHARD")?;
     let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = shards.iter().cloned().partition(|path| path.is_dir());
     if let (Some(folder), Some(file)) = (folders.first(), files.first()) {
-        let message = format!("expected shards of one kind, found a folder here and the file {}", load::name(file));
+        let message =
+            format!("expected shards of one kind, found a folder here and the file {}", names::file_name(file));
         return Err(Error::file(folder, message, "merge data sets and folders each on their own").into());
     }
     if folders.is_empty() { dataset(options, &files) } else { folders::run(options, &folders) }
@@ -27,7 +31,7 @@ pub fn run(options: &Merge) -> Result<Exit> {
 
 /// Shards of a data set.
 fn dataset(options: &Merge, shards: &[PathBuf]) -> Result<Exit> {
-    load::ending(&options.out, &["mcap"])?;
+    names::require_ending(&options.out, &["mcap"])?;
     let inputs: Vec<&Path> = shards.iter().map(AsRef::as_ref).collect();
     let output = Output::new(&options.out, "--out", Product::Dataset);
     destination::check(&[output], &inputs, options.writing.overwrite)?;
@@ -45,7 +49,7 @@ fn dataset(options: &Merge, shards: &[PathBuf]) -> Result<Exit> {
     );
     if options.common.json {
         print_json(&json!({
-            "schema": "tunenet.merge/1", "file": load::name(&options.out), "shards": shards.len(),
+            "schema": "tunenet.merge/1", "file": names::file_name(&options.out), "shards": shards.len(),
             "preset": header.preset, "pairs": header.pairs, "seed": header.seed, "warnings": [],
         }))?;
     }
@@ -56,7 +60,7 @@ fn dataset(options: &Merge, shards: &[PathBuf]) -> Result<Exit> {
 fn complete(shards: &[(&Path, Shard)]) -> Result<()> {
     for (number, (path, shard)) in shards.iter().enumerate() {
         if let Some((other, _)) = shards[..number].iter().find(|(_, known)| known == shard) {
-            let message = format!("expected every shard once, found {shard} here and in {}", load::name(other));
+            let message = format!("expected every shard once, found {shard} here and in {}", names::file_name(other));
             return Err(Error::file(*path, message, "leave one of them out").into());
         }
     }
@@ -65,5 +69,9 @@ fn complete(shards: &[(&Path, Shard)]) -> Result<()> {
         .filter(|index| shards.iter().all(|(_, known)| known.index() != *index))
         .map(|index| format!("{index}/{}", shard.count()))
         .collect();
-    if lacking.is_empty() { Ok(()) } else { Err(tunenet_core::network::missing(first, shard.count(), &lacking).into()) }
+    if lacking.is_empty() {
+        Ok(())
+    } else {
+        Err(tunenet_formats::dataset::missing(first, shard.count(), &lacking).into())
+    }
 }

@@ -7,37 +7,29 @@ use std::time::Instant;
 
 use anyhow::Result;
 use tunenet_core::Error;
-use tunenet_core::observation::{Note, recording};
+use tunenet_core::observation::Note;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
 use tunenet_sim::shot::reach::Anywhere;
-use tunenet_sim::shot::{self, ArmReach, Belief, Candidate, Reach, Rule, Settings, ShotScene, Task};
+use tunenet_sim::shot::{self, ArmReach, Belief, Reach, Rule, Settings, ShotScene, Task};
 
-use super::destination::{self, Output, Product};
-use super::{load, print_json};
-use crate::cli::{Plan, PlanRule};
+use super::load;
+use crate::answers::plan::Answer;
+use crate::args::{Plan, PlanRule};
 use crate::failure::Exit;
-use crate::report;
-use crate::terminal::{in_words, stage, warn};
-
-/// Everything that was asked and answered.
-pub struct Answer {
-    pub scene: ShotScene,
-    pub belief: Belief,
-    pub arm: Option<ArmReach>,
-    pub plan: shot::Plan,
-    pub settings: Settings,
-    pub notes: Vec<Note>,
-    pub seconds: f64,
-}
+use crate::files::destination::{self, Output, Product};
+use crate::files::names;
+use crate::view::json::print_json;
+use crate::view::text::{stage, warn};
+use crate::view::{html, sentence};
 
 pub fn run(options: &Plan) -> Result<Exit> {
     let out = options.out.iter().map(|out| Output::new(out, "--out", Product::Unmarked));
     let report = options.report.iter().map(|report| Output::new(report, "--report", Product::Page));
     let outputs: Vec<Output> = out.chain(report).collect();
     let inputs = [options.simulation.sim.as_path(), options.task.as_path()];
-    options.out.iter().try_for_each(|out| load::ending(out, &["mcap"]))?;
+    options.out.iter().try_for_each(|out| names::require_ending(out, &["mcap"]))?;
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
     if file.domain() != Domain::Ball {
@@ -58,8 +50,8 @@ pub fn run(options: &Plan) -> Result<Exit> {
     }
     if let Some(report) = &options.report {
         let read = [options.simulation.sim.as_path(), options.task.as_path()];
-        let provenance = report::Provenance::new(options.common.seed, &read);
-        report::shot::write(report, &load::name(&options.task), &answer, &provenance)?;
+        let provenance = html::Provenance::new(options.common.seed, &read);
+        html::shot::write(report, &names::file_name(&options.task), &answer, &provenance)?;
         stage("report", &report.display().to_string());
     }
     if options.common.json {
@@ -72,7 +64,7 @@ pub fn run(options: &Plan) -> Result<Exit> {
 fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> {
     let began = Instant::now();
     let refused = |message: String, remedy: &str| Error::file(&options.task, message, remedy);
-    let radius_m = file.number("ball.radius_m").unwrap_or_default();
+    let radius_m = file.ball()?.ball.radius_m;
     let scene = ShotScene::new(task, radius_m).map_err(|e| refused(e.message, e.remedy))?;
     let belief = Belief::new(file, task)?;
     let settings = Settings {
@@ -104,7 +96,7 @@ fn write_approach(answer: &Answer, task: &Path, out: &Path) -> Result<()> {
     };
     let best = answer.plan.best();
     let way = arm.approach([0.0, 0.0, best.height_m], best.joints_rad.as_deref().unwrap_or_default());
-    recording::write_approach(arm.base_name(), &arm.joint_names(), &way, out)?;
+    tunenet_formats::write_approach(arm.base_name(), &arm.joint_names(), &way, out)?;
     stage("wrote", &format!("{}, {} points", out.display(), way.len()));
     Ok(())
 }
@@ -137,7 +129,7 @@ fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
 
 fn tell(answer: &Answer) {
     let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
-    anstream::eprintln!("{bold}{}{reset}", sentence(answer));
+    anstream::eprintln!("{bold}{}{reset}", sentence::plan(answer));
     let best = answer.plan.best();
     if !answer.plan.reachable {
         anstream::eprintln!("  try: {}", what_to_move(answer));
@@ -152,17 +144,6 @@ fn tell(answer: &Answer) {
     );
 }
 
-/// The answer in one line.
-pub fn sentence(answer: &Answer) -> String {
-    let best = answer.plan.best();
-    let chance = best.probability.map_or(String::new(), |p| format!(", goes in {:.0} of 100 times", 100.0 * p));
-    if answer.plan.reachable {
-        let passes = in_words(best.pass.miss_m, "m");
-        return format!("PLANNED  let go at {:.3} m: passes {passes} from the hoop's centre{chance}", best.height_m);
-    }
-    format!("OUT OF REACH  {}", missing(best))
-}
-
 /// What would bring the ball through a hoop that no height brings it through.
 fn what_to_move(answer: &Answer) -> &'static str {
     let plan = &answer.plan;
@@ -173,16 +154,5 @@ fn what_to_move(answer: &Answer) -> &'static str {
         "lower releases in `release.heights_m` that the arm reaches, or a hoop that is farther away"
     } else {
         "a hoop that stands lower or nearer, or a plane of another tilt"
-    }
-}
-
-/// By how much a hoop is missed.
-fn missing(best: &Candidate) -> String {
-    let by = in_words(best.pass.miss_m, "m");
-    let height = best.height_m;
-    if best.pass.falls {
-        format!("no height brings the ball through the hoop; from {height:.3} m it falls {by} from its centre")
-    } else {
-        format!("no height brings the ball up to the hoop; from {height:.3} m it comes within {by} of its centre")
     }
 }

@@ -16,28 +16,30 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
-use tunenet_core::Error;
 use tunenet_core::network::Model;
-use tunenet_core::observation::recording::Recording;
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
+use tunenet_core::{Error, Origin};
+use tunenet_formats::Recording;
+use tunenet_formats::load_model;
 use tunenet_sim::replayed_arm::{replays, suspect};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
 use self::model::Chosen;
 use self::told::{as_json, sentence, tell};
-pub use self::told::{reason, warning};
 use self::written::write_tuned;
-use super::destination::{self, Output, Product};
 use super::each::{Answered, Work};
 use super::model_cache::Cache;
 use super::refusal::{self, Asked};
-use super::{film, load, print_json, start};
-use crate::cli::Tune;
+use super::{film, load, start};
+use crate::args::{Tune, pool};
 use crate::failure::Exit;
-use crate::report::{self, tune::Answer};
-use crate::terminal::{rolling, stage};
+use crate::files::destination::{self, Output, Product};
+use crate::files::{hash, names};
+use crate::view::html::{self, tune::Answer};
+use crate::view::json::print_json;
+use crate::view::text::{rolling, stage};
 
 const SCHEMA: &str = "tunenet.tune/1";
 
@@ -48,13 +50,13 @@ pub fn run(options: &Tune) -> Result<Exit> {
     destination::check(&outputs(options), &inputs, options.writing.overwrite)?;
     let file = load::simulation_with(&options.simulation, options.leave)?;
     start::check(options, &file)?;
-    let model = options.model.as_ref().map(Model::load).transpose()?;
+    let model = options.model.as_ref().map(load_model).transpose()?;
     if options.each {
         return each(options, &file, model.as_ref());
     }
     let began = Instant::now();
-    load::distinct(options.observation.iter().map(AsRef::as_ref))?;
-    let threads = load::threads(options.jobs)?;
+    hash::refuse_copies(options.observation.iter().map(AsRef::as_ref))?;
+    let threads = pool(options.jobs)?;
     let all = || options.observation.iter().map(|path| read(path, options, &file)).collect::<Result<Vec<_>>>();
     let recordings = threads.install(all);
     let recordings = match recordings {
@@ -73,11 +75,11 @@ pub fn run(options: &Tune) -> Result<Exit> {
     tell(options, &outcome, &chosen, seconds);
     let exit = exit(outcome.verdict);
     if let Some(report) = &options.report {
-        let names = options.observation.iter().map(|path| load::name(path)).collect();
+        let names = options.observation.iter().map(|path| names::file_name(path)).collect();
         let working = is_slow(&file, options).then(|| rolling("drawing", &file));
         let answer = answer(&file, names, recordings, outcome)?;
         working.inspect(ProgressBar::finish_and_clear);
-        report::tune::together(report, &answer, &provenance(options))?;
+        html::tune::together(report, &answer, &provenance(options))?;
         stage("report", &report.display().to_string());
     }
     Ok(exit)
@@ -98,8 +100,8 @@ fn outputs(options: &Tune) -> Vec<Output> {
     out.chain(report).collect()
 }
 
-fn provenance(options: &Tune) -> report::Provenance {
-    report::Provenance::new(options.common.seed, &inputs(options).collect::<Vec<_>>())
+fn provenance(options: &Tune) -> html::Provenance {
+    html::Provenance::new(options.common.seed, &inputs(options).collect::<Vec<_>>())
 }
 
 /// An outcome with what a report draws of it.
@@ -113,12 +115,12 @@ fn answer(file: &SimulationFile, names: Vec<String>, recordings: Vec<Recording>,
 fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<Exit> {
     if options.out.is_some() {
         let (expected, found) = ("no `--out` beside `--each`, which has several answers".into(), "both".into());
-        return Err(Error::Setting { name: "--out", expected, found }.into());
+        return Err(Error::Setting { origin: Origin::Flag, name: "--out", expected, found }.into());
     }
     if options.apart.out_dir.is_some() && options.report.is_some() {
         let (expected, found) =
             ("no `--report` beside `--out-dir`, which keeps answers without drawings".into(), "both".into());
-        return Err(Error::Setting { name: "--report", expected, found }.into());
+        return Err(Error::Setting { origin: Origin::Flag, name: "--report", expected, found }.into());
     }
     let work = Work {
         tool: "tune",
@@ -140,7 +142,7 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
         Ok(Answered { object, line, case })
     })?;
     if let Some(path) = &options.report {
-        report::tune::each(path, &cases, &provenance(options))?;
+        html::tune::each(path, &cases, &provenance(options))?;
         stage("report", &path.display().to_string());
     }
     Ok(exit)
@@ -148,7 +150,7 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
 
 /// Everything but the recordings that decides what comes out.
 fn decides(options: &Tune, file: &SimulationFile) -> Result<Value> {
-    let hash = |path: &Option<PathBuf>| path.as_deref().map(load::hash).transpose();
+    let hash = |path: &Option<PathBuf>| path.as_deref().map(hash::sha256).transpose();
     Ok(json!({
         "simulation": file.text(), "urdf": load::urdf_hash(&options.simulation)?,
         "reading": format!("{:?}", options.reading), "reference": hash(&options.reference)?,
@@ -168,7 +170,7 @@ fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording>
         format!("{} samples, {:.2} s", seen.len(), clock[clock.len() - 1] - clock[0])
     };
     if !options.each {
-        stage("read", &format!("{}, {span}", load::name(path)));
+        stage("read", &format!("{}, {span}", names::file_name(path)));
     }
     Ok(recording)
 }
@@ -185,7 +187,7 @@ fn tune_to(
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
         let found = recordings[other].observation.kind().name();
-        let message = format!("expected {} as in {}, found {found}", kind.name(), load::name(&paths[0]));
+        let message = format!("expected {} as in {}, found {found}", kind.name(), names::file_name(&paths[0]));
         return Err(Error::file(&paths[other], message, "tune to each kind alone, or use `--each`").into());
     }
     let arm = file.domain() == Domain::Arm;
@@ -200,7 +202,7 @@ fn tune_to(
     }
     if model.is_some() && recordings.len() > 1 {
         let expected = "no model beside several observations, or --each".into();
-        return Err(Error::Setting { name: "--model", expected, found: "one".into() }.into());
+        return Err(Error::Setting { origin: Origin::Flag, name: "--model", expected, found: "one".into() }.into());
     }
     let filmed = kind == Kind::Pixels;
     let bare = if filmed || arm || process || kind == Kind::Joints {
@@ -222,7 +224,7 @@ fn tune_to(
         // A payload below 0 cannot be simulated.
         clamp: options.clamp || !paper || arm,
         finish: !paper,
-        names: if options.each { Vec::new() } else { paths.iter().map(|p| load::name(p)).collect() },
+        names: if options.each { Vec::new() } else { paths.iter().map(|p| names::file_name(p)).collect() },
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let cache = if options.no_cache { Cache::none() } else { Cache::of_user() };
@@ -230,7 +232,7 @@ fn tune_to(
     let chosen = match (model, &bare) {
         (Some(model), _) => Chosen::given(model),
         (None, Some(bare)) => model::choose(file, bare, recordings, seed, &cache),
-        (None, None) if arm => model::none("not needed: torques all but follow a straight line in the payload".into()),
+        (None, None) if arm => model::none("not needed: torques are almost linear in the payload".into()),
         (None, None) if process => model::none(
             "none: the fit has starts of its own; one that learned from `gen process` goes with --model".into(),
         ),
@@ -255,7 +257,7 @@ fn tune_to(
     let several = recordings.len() > 1;
     let named = paths.iter().zip(recordings).flat_map(|(path, recording)| {
         recording.notes.iter().map(move |note| {
-            let which = if several { format!("{}: ", load::name(path)) } else { String::new() };
+            let which = if several { format!("{}: ", names::file_name(path)) } else { String::new() };
             Note { text: format!("{which}{}", note.text), ..note.clone() }
         })
     });
@@ -272,7 +274,7 @@ fn is_slow(file: &SimulationFile, options: &Tune) -> bool {
 }
 
 fn names(paths: &[PathBuf]) -> String {
-    if paths.len() == 1 { load::name(&paths[0]) } else { "these observations".into() }
+    if paths.len() == 1 { names::file_name(&paths[0]) } else { "these observations".into() }
 }
 
 fn exit(verdict: Verdict) -> Exit {

@@ -6,14 +6,14 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use tunenet_core::network::{Model, Pair, Preset, Side, TrainOptions, stream, train_on};
-use tunenet_core::observation::recording::Recording;
 use tunenet_core::observation::{Kind, Note};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator};
+use tunenet_formats::Recording;
 use tunenet_sim::drawn::{Drawn, Ranges};
 use tunenet_sim::{ObservedBall, SimulationFile, built_in};
 
 use crate::commands::model_cache::Cache;
-use crate::terminal::{progress, stage};
+use crate::view::text::{progress, stage};
 
 /// Raised where a network of the same key would be made in another way.
 const RECIPE: u32 = 1;
@@ -88,7 +88,7 @@ pub fn choose(
     };
     let tuned = |i: &usize| ball.parameters()[*i].tune;
     if !(0..ball.parameters().len()).filter(tuned).any(|i| first.silent[i].is_none()) {
-        return none("not needed: the recording says nothing of what is tuned".into());
+        return none("not needed: the recording does not depend on the parameters".into());
     }
     if built_in::serves(file, &first).is_ok()
         && let Ok(model) = built_in::ball()
@@ -113,7 +113,7 @@ fn around(file: &SimulationFile, ball: &ObservedBall, recording: &Prepared) -> O
     let (scale, clock) = (recording.scale?, recording.seen.clock());
     let duration = (clock[clock.len() - 1] - scale.start_s) / scale.time_s;
     let rate = ((clock.len() - 1) as f64 / (clock[clock.len() - 1] - clock[0])).min(MOST_SAMPLES / scale.time_s);
-    let start = ball.start(&recording.own_values());
+    let start = ball.start(&recording.nuisance_values());
     let speed = scale.length / scale.time_s;
     let across = start.velocity_m_s[0].hypot(start.velocity_m_s[1]) / speed;
     let plausible = (1e-3..=1e3).contains(&scale.length) && (0.5..=200.0).contains(&duration) && across < 100.0;
@@ -121,7 +121,7 @@ fn around(file: &SimulationFile, ball: &ObservedBall, recording: &Prepared) -> O
         return None;
     }
     let wider = |(low, high): (f64, f64)| (low / MARGIN, high * MARGIN);
-    let fall_m = match file.number("release.height_m") {
+    let fall_m = match file.ball().ok().and_then(|scene| scene.release.height_m) {
         Some(height) => (height, height),
         None => wider(octave(scale.length)),
     };

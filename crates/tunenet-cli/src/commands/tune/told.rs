@@ -1,16 +1,16 @@
 //! What an outcome says: the object of `--json`, and the text for people.
 
 use serde_json::{Map, Value, json};
-use tunenet_core::observation::Note;
-use tunenet_core::observation::preflight::{Check, State};
 use tunenet_core::tune::{Outcome, Region, Verdict};
 
 use super::SCHEMA;
 use super::model::Chosen;
 use super::written::is_written;
-use crate::cli::Tune;
-use crate::commands::load;
-use crate::terminal::{between, four_digits, in_words, list, rounded, stage, table, tally, warn};
+use crate::answers::tune::{forced, reason};
+use crate::args::Tune;
+use crate::files::names;
+use crate::view::json;
+use crate::view::text::{between, four_digits, in_words, list, rounded, stage, table, tally, warn};
 
 /// The object of `--json`.
 pub fn as_json(outcome: &Outcome, chosen: &Chosen, seconds: f64) -> Value {
@@ -46,14 +46,14 @@ pub fn as_json(outcome: &Outcome, chosen: &Chosen, seconds: f64) -> Value {
         "gap": outcome.gap.as_ref().map(|g| json!({
             "unit": g.unit, "before": g.before, "after": g.after, "noise_floor": g.noise_floor,
         })),
-        "estimated": outcome.own.iter().map(|own| {
+        "estimated": outcome.nuisances.iter().map(|own| {
             own.iter().map(|p| json!({ "name": p.name, "value": p.value, "unit": p.unit })).collect::<Vec<_>>()
         }).collect::<Vec<_>>(),
         "preflight": outcome.preflight,
         "forced": forced(outcome),
         "rollouts": outcome.rollouts,
         "seconds": seconds,
-        "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
+        "warnings": outcome.notes.iter().map(json::warning).collect::<Vec<_>>(),
     });
     if outcome.correlation.nrows() > 1 {
         let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
@@ -74,30 +74,6 @@ fn region_json(region: &Region) -> Value {
         "parameters": region.parameters, "centre": region.centre, "covariance": covariance,
         "quantile": region.quantile, "boundary": region.boundary,
     })
-}
-
-/// Whether a recording was used although its checks reject it.
-pub fn forced(outcome: &Outcome) -> bool {
-    let failed = |checks: &[Check]| checks.iter().any(|c| c.state == State::Failed);
-    outcome.used.iter().zip(&outcome.preflight).any(|(used, checks)| *used && failed(checks))
-}
-
-/// A note as every command's JSON has it.
-pub fn warning(note: &Note) -> Value {
-    json!({ "code": note.code, "text": note.text, "remedy": note.remedy })
-}
-
-/// The one note that says why there is no answer, or none about a contact.
-pub fn reason(outcome: &Outcome) -> Option<&Note> {
-    let failed: Vec<&str> =
-        outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
-    let rejected = outcome.verdict == Verdict::Rejected;
-    // What rejects without a list of checks says why in its one note.
-    if rejected && failed.is_empty() {
-        return outcome.notes.iter().find(|n| n.code.ends_with(".unusable"));
-    }
-    let silent = ["contact.none", "recordings.short"];
-    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { silent.contains(&n.code) })
 }
 
 /// The verdict in one sentence.
@@ -136,7 +112,7 @@ pub fn sentence(outcome: &Outcome) -> String {
 /// The answer on standard error.
 pub fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
     for (path, checks) in options.observation.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
-        let which = if options.observation.len() > 1 { format!("{}: ", load::name(path)) } else { String::new() };
+        let which = if options.observation.len() > 1 { format!("{}: ", names::file_name(path)) } else { String::new() };
         stage("checked", &format!("{which}{}", tally(checks)));
     }
     chosen.tell();
@@ -152,7 +128,7 @@ pub fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
         ];
         anstream::eprintln!("{}\n", table(&rows));
     }
-    for own in outcome.own.iter().filter(|own| !own.is_empty()) {
+    for own in outcome.nuisances.iter().filter(|own| !own.is_empty()) {
         let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
         anstream::eprintln!("{}", list("  also from the data:", &each));
     }

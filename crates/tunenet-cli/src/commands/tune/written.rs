@@ -5,15 +5,15 @@ use std::path::Path;
 use anyhow::Result;
 use toml_edit::{Array, InlineTable};
 use tunenet_core::observation::Observation;
-use tunenet_core::observation::recording::{Recording, write_atomically};
 use tunenet_core::tune::{Outcome, Verdict};
+use tunenet_formats::{Recording, write_atomically};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
-use super::told::forced;
-use crate::cli::Tune;
-use crate::commands::diagnose::alternatives;
-use crate::commands::load;
+use crate::answers::tune::forced;
+use crate::args::Tune;
+use crate::files::hash;
+use crate::view::toml::alternatives;
 
 /// Only an answer is worth a file.
 pub fn is_written(outcome: &Outcome) -> bool {
@@ -48,11 +48,11 @@ pub fn write_tuned(
     }
     let mut observations = Array::new();
     for path in &options.observation {
-        observations.push(load::fingerprint(path)?);
+        observations.push(hash::fingerprint(path)?);
     }
-    let reference = options.reference.as_deref().map(load::fingerprint).transpose()?;
+    let reference = options.reference.as_deref().map(hash::fingerprint).transpose()?;
     let mut estimated = Array::new();
-    for own in &outcome.own {
+    for own in &outcome.nuisances {
         let one: InlineTable = own.iter().map(|p| (p.name.replace('.', "_"), p.value)).collect();
         estimated.push(one);
     }

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::observation::{Channel, Kind, Observation};
 use crate::simulator::{Coefficient, Effect, Parameter, Phase, Preparation, Prepared, Simulator};
-use crate::{Error, Result};
+use crate::{Error, Origin, Result};
 
 pub const GRAVITY: f64 = 9.81;
 pub const NOISE_M: f64 = 0.002;
@@ -52,9 +52,9 @@ impl Simulator for Glider {
             let (first, last) = (seen.row(0)[i], seen.row(seen.len() - 1)[i]);
             let fall = if i == 1 { 0.5 * GRAVITY * span } else { 0.0 };
             let speed = (last - first) / span + fall;
-            prepared.own.push(Parameter::new(format!("release.{name}"), "m", first, first - 5.0, first + 5.0)?);
+            prepared.nuisances.push(Parameter::new(format!("release.{name}"), "m", first, first - 5.0, first + 5.0)?);
             let velocity = format!("release.velocity_{name}");
-            prepared.own.push(Parameter::new(velocity, "m/s", speed, speed - 20.0, speed + 20.0)?);
+            prepared.nuisances.push(Parameter::new(velocity, "m/s", speed, speed - 20.0, speed + 20.0)?);
         }
         Ok(Preparation::Usable(Box::new(prepared)))
     }
@@ -72,7 +72,12 @@ impl Simulator for Glider {
         let mut glider = Self::new();
         for name in names {
             let Some(effect) = self.effects().into_iter().find(|e| e.name == *name) else {
-                return Err(Error::Setting { name: "effects", expected: "a glider's".into(), found: (*name).into() });
+                return Err(Error::Setting {
+                    origin: Origin::Caller,
+                    name: "effects",
+                    expected: "a glider's".into(),
+                    found: (*name).into(),
+                });
             };
             glider.effects.push(effect.name);
             glider.parameters.extend(effect.parameters(None)?);
@@ -80,12 +85,12 @@ impl Simulator for Glider {
         Ok(Box::new(glider))
     }
 
-    fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+    fn rollout(&self, p: &[f64], nuisances: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
         let of = |name: &str| self.effects.iter().position(|e| *e == name).map_or(0.0, |i| p[1 + i]);
         let (drag, down, spring) = (of("linear_drag"), GRAVITY + of("effective_gravity"), of("spring"));
         let slope = |s: [f64; 4]| [s[1], p[0] - drag * s[1], s[3], -down - drag * s[3] - spring * s[2]];
         let along = |s: [f64; 4], k: [f64; 4], h: f64| std::array::from_fn(|i| s[i] + h * k[i]);
-        let (mut s, mut now) = ([own[0], own[1], own[2], own[3]], clock[0]);
+        let (mut s, mut now) = ([nuisances[0], nuisances[1], nuisances[2], nuisances[3]], clock[0]);
         for (t, row) in clock.iter().zip(out.chunks_exact_mut(2)) {
             let h = t - now;
             let a = slope(s);

@@ -1,6 +1,7 @@
 //! Verdicts on a simulator of the tests' own, judged by truth in closed form.
 
 mod glider;
+pub(in crate::diagnose) mod zoo;
 
 use super::*;
 use crate::observation::Observation;

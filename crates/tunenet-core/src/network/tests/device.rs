@@ -1,33 +1,26 @@
-//! The training that a GPU runs, on candle's CPU: the same as the one written out by hand.
-
-use candle_core::{DType, Device};
+//! Training on a GPU against training on the CPU.
 
 use super::*;
-use crate::network::learner::Place;
-use crate::network::train::train_at;
 use crate::network::two_branch::{TwoBranch, Widths};
-use crate::network::weights_file;
 
-const CANDLE: Place = Place::Candle(Device::Cpu);
-
-fn trained(place: &Place, out: &Path, preset: &Preset) -> Model {
-    train_at(place, out, &options(preset.clone(), None), &mut |_| true).unwrap()
+fn trained(device: TrainDevice, out: &Set, preset: &Preset) -> Model {
+    train(out, &TrainOptions { device, ..options(preset.clone()) }, Keeping::default(), &mut |_| true).unwrap()
 }
 
 /// One after the other.
 fn weights(model: &Model) -> Vec<f64> {
-    let contents = weights_file::from_bytes(Path::new("model"), &model.to_bytes().unwrap(), "a model").unwrap();
-    let numbers = |name: &str| {
-        let flat = contents.tensors[name].flatten_all().unwrap();
-        flat.to_dtype(DType::F64).unwrap().to_vec1::<f64>().unwrap()
+    let weights = model.weights().unwrap();
+    let numbers = |name: &&str| match &weights.arrays[*name].numbers {
+        Numbers::F32(numbers) => numbers.iter().map(|v| f64::from(*v)).collect(),
+        Numbers::F64(numbers) => numbers.clone(),
     };
-    TwoBranch::NAMES.iter().flat_map(|name| numbers(name)).collect()
+    TwoBranch::NAMES.iter().flat_map(numbers).collect()
 }
 
 /// How far the weights of two short trainings are apart, over how far one of them went.
-fn apart(place: &Place, out: &Path, preset: &Preset) -> f64 {
-    let ours = trained(&Place::ByHand, out, preset);
-    let (end, theirs) = (weights(&ours), weights(&trained(place, out, preset)));
+fn apart(device: TrainDevice, out: &Set, preset: &Preset) -> f64 {
+    let ours = trained(TrainDevice::Cpu, out, preset);
+    let (end, theirs) = (weights(&ours), weights(&trained(device, out, preset)));
     let widths = Widths {
         inputs: ours.input().width(),
         features: preset.features,
@@ -65,64 +58,18 @@ fn presets() -> Vec<Preset> {
 const ROUNDED: f64 = 1e-5;
 
 #[test]
-fn some_steps_of_every_preset_are_the_same() {
-    let folder = folder();
-    let out = dataset(&folder, 100, 120);
-    for preset in presets() {
-        let apart = apart(&CANDLE, &out, &preset);
-        println!("{}, {:?}: {apart:.1e}", preset.name, preset.input);
-        assert!(apart < ROUNDED, "{}: {apart:.1e}", preset.name);
-        assert!(apart > 0.0, "{}: they are one", preset.name);
-    }
-}
-
-#[test]
-fn a_whole_training_tunes_as_well() {
-    let folder = folder();
-    let out = dataset(&folder, 300, 400);
-    let preset = Preset { batch: 128, ..short(800) };
-    let errors = [Place::ByHand, CANDLE].map(|place| {
-        let model = trained(&place, &out, &preset);
-        let errors = (0..50).map(|i| {
-            let (truth, height) = (0.31 + 0.008 * f64::from(i), 3.0);
-            let (one, two) = (seen(0.5, height, 400), seen(truth, height, 400));
-            let change = model.estimate(&one, Some(&scale(height)), &two, Some(&scale(height))).unwrap()[0];
-            (truth - 0.5 - change).abs() / 50.0
-        });
-        errors.sum::<f64>()
-    });
-    println!("mean error by hand {:.2e}, candle {:.2e}", errors[0], errors[1]);
-    // Two seeds are as far apart as this.
-    assert!(errors.iter().all(|error| *error < 0.005), "{errors:?}");
-}
-
-#[test]
-fn it_is_resumed_with_the_same_bits_and_never_elsewhere() {
-    let folder = folder();
-    let out = dataset(&folder, 60, 60);
-    for (name, preset) in
-        [("default", short(100)), ("paper", Preset { course: Course::Epochs { epochs: 50 }, ..Preset::paper() })]
-    {
-        let whole = trained(&CANDLE, &out, &preset).to_bytes().unwrap();
-        let kept = options(preset, Some(folder.path().join(name)));
-        for (here, elsewhere) in [(&Place::ByHand, &CANDLE), (&CANDLE, &Place::ByHand)] {
-            let stopped = train_at(here, &out, &kept, &mut |at| at.step < 40);
-            assert!(matches!(stopped, Err(Error::Stopped)));
-            let refused = train_at(elsewhere, &out, &kept, &mut |_| true).unwrap_err();
-            let (expected, found) = (format!("on `{}`,", elsewhere.name()), format!("on `{}`", here.name()));
-            assert!(refused.to_string().contains(&expected) && refused.to_string().ends_with(&found), "{refused}");
-            assert!(refused.hint().unwrap().contains(&format!("--device {}", here.name())));
-            let mut first = u64::MAX;
-            let mut progress = |at: &TrainProgress| {
-                first = first.min(at.step);
-                true
-            };
-            let resumed = train_at(here, &out, &kept, &mut progress).unwrap().to_bytes().unwrap();
-            assert_eq!(first, 60, "{name}");
-            assert!((resumed == whole) == matches!(here, Place::Candle(_)), "{name}");
-            std::fs::remove_file(kept.checkpoint.as_ref().unwrap()).unwrap();
-        }
-    }
+fn a_checkpoint_is_resumed_on_its_own_device_only() {
+    let (out, kept) = (dataset(60, 60), Kept::default());
+    let stopped = train(&out, &options(short(100)), kept.here(), &mut |at| at.step < 40);
+    assert!(matches!(stopped, Err(Error::Stopped)));
+    let mut elsewhere = kept.0.borrow_mut();
+    let about = elsewhere.as_mut().map(|weights| &mut weights.about).unwrap();
+    assert!(about.contains(r#""device":"cpu""#), "{about}");
+    *about = about.replace(r#""device":"cpu""#, r#""device":"cuda""#);
+    drop(elsewhere);
+    let refused = train(&out, &options(short(100)), kept.here(), &mut |_| true).unwrap_err();
+    let Error::Weights { fault, .. } = refused else { panic!("{refused}") };
+    assert_eq!(fault, WeightsFault::OtherDevice("cuda".into()));
 }
 
 #[test]
@@ -131,26 +78,22 @@ fn a_build_without_gpus_says_so() {
         return println!("skipped: this build has support for GPUs");
     }
     assert_eq!(TrainDevice::at_hand(), TrainDevice::Cpu);
-    let folder = folder();
-    let cuda = TrainOptions { device: TrainDevice::Cuda, ..options(short(20), None) };
-    let refused = train(&dataset(&folder, 20, 30), &cuda, &mut |_| true).unwrap_err();
+    let cuda = TrainOptions { device: TrainDevice::Cuda, ..options(short(20)) };
+    let refused = train(&dataset(20, 30), &cuda, Keeping::default(), &mut |_| true).unwrap_err();
     assert!(matches!(refused, Error::Setting { name: "device", .. }), "{refused}");
-    assert!(refused.hint().unwrap().contains("--features cuda"));
 }
 
-/// The one test that wants a GPU; all that it runs there ran on the CPU above.
+/// The one test that wants a GPU.
 #[test]
 fn a_gpu_does_the_same() {
-    let place = match TrainDevice::Cuda.place() {
-        Ok(place) => place,
-        Err(why) => return println!("skipped: {why}"),
-    };
-    let folder = folder();
-    let out = dataset(&folder, 100, 120);
+    if let Err(why) = TrainDevice::Cuda.check() {
+        return println!("skipped: {why}");
+    }
+    let out = dataset(100, 120);
     for preset in presets() {
-        let apart = apart(&place, &out, &preset);
+        let apart = apart(TrainDevice::Cuda, &out, &preset);
         assert!(apart < ROUNDED, "{}: {apart:.1e}", preset.name);
-        let bytes = [0, 1].map(|_| trained(&place, &out, &preset).to_bytes().unwrap());
+        let bytes = [0, 1].map(|_| trained(TrainDevice::Cuda, &out, &preset).weights().unwrap());
         assert!(bytes[0] == bytes[1], "{}: not the same bits twice", preset.name);
     }
 }

@@ -1,12 +1,11 @@
 //! The whole way: a closed-form bouncing ball, a dataset, a training, an estimate.
 
-mod dataset;
 mod device;
 mod model;
 mod training;
 
 use crate::simulator::Scale;
-use std::path::{Path, PathBuf};
+use std::cell::RefCell;
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -106,18 +105,59 @@ fn draw(_: u64, random: &mut ChaCha8Rng) -> PairDraw {
     }
 }
 
-fn fill(out: &Path, header: &DatasetHeader) -> Result<()> {
-    generate(&Bouncer::new(), header, &draw, out, &mut |_, _| true)
+/// A data set in memory.
+struct Set {
+    header: DatasetHeader,
+    pairs: Vec<Pair>,
 }
 
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir().unwrap()
+impl DataSet for Set {
+    fn header(&self) -> &DatasetHeader {
+        &self.header
+    }
+
+    fn pairs(&self) -> Result<Box<dyn Iterator<Item = Result<Pair>> + '_>> {
+        Ok(Box::new(self.pairs.iter().cloned().map(Ok)))
+    }
 }
 
-fn dataset(folder: &tempfile::TempDir, pairs: u64, samples: u32) -> PathBuf {
-    let out = folder.path().join("pairs.mcap");
-    fill(&out, &header(pairs, samples)).unwrap();
-    out
+fn made(header: DatasetHeader, draw: &Draw<'_>) -> Set {
+    let pair = |i: u64| roll_pair(&Bouncer::new(), &header, draw(i, &mut stream(header.seed, i))).unwrap();
+    let pairs = (0..header.pairs).map(pair).collect();
+    Set { header, pairs }
+}
+
+fn dataset(pairs: u64, samples: u32) -> Set {
+    made(header(pairs, samples), &draw)
+}
+
+/// A checkpoint in memory.
+#[derive(Default)]
+struct Kept(RefCell<Option<Weights>>);
+
+impl Checkpoint for Kept {
+    fn fingerprint(&self, settings: &[u8]) -> Result<String> {
+        Ok(String::from_utf8_lossy(settings).into())
+    }
+
+    fn load(&self) -> Result<Option<Weights>> {
+        Ok(self.0.borrow().clone())
+    }
+
+    fn save(&self, weights: &Weights) -> Result<()> {
+        *self.0.borrow_mut() = Some(weights.clone());
+        Ok(())
+    }
+}
+
+impl Kept {
+    fn here(&self) -> Keeping<'_> {
+        Keeping { checkpoint: Some(self), overflow: None }
+    }
+}
+
+fn learned(data: &Set, preset: Preset) -> Model {
+    train(data, &options(preset), Keeping::default(), &mut |_| true).unwrap()
 }
 
 /// A training short enough for a test.
@@ -125,8 +165,8 @@ fn short(steps: u64) -> Preset {
     Preset { course: Course::Remixed { steps, noise: 0.11, cut: 0.1 }, batch: 32, ..Preset::default() }
 }
 
-fn options(preset: Preset, checkpoint: Option<PathBuf>) -> TrainOptions {
-    TrainOptions { checkpoint, ..TrainOptions::new(preset, 7) }
+fn options(preset: Preset) -> TrainOptions {
+    TrainOptions::new(preset, 7)
 }
 
 fn seen(restitution: f64, height: f64, samples: u32) -> Observation {

@@ -1,14 +1,15 @@
 //! What is learned, and that it is always the same.
 
+use std::hash::{Hash as _, Hasher as _};
+
 use super::*;
 
 #[test]
 fn training_finds_the_difference() {
-    let folder = folder();
-    let out = dataset(&folder, 300, 400);
+    let out = dataset(300, 400);
     let preset = Preset { batch: 128, ..short(800) };
     let mut validation = None;
-    let model = train(&out, &options(preset, None), &mut |at| {
+    let model = train(&out, &options(preset), Keeping::default(), &mut |at| {
         validation = at.validation;
         true
     })
@@ -32,21 +33,20 @@ fn training_finds_the_difference() {
 
 #[test]
 fn a_resumed_training_ends_with_the_same_bits() {
-    let folder = folder();
-    let out = dataset(&folder, 60, 60);
+    let out = dataset(60, 60);
     for (name, preset) in
         [("default", short(200)), ("paper", Preset { course: Course::Epochs { epochs: 60 }, ..Preset::paper() })]
     {
-        let whole = train(&out, &options(preset.clone(), None), &mut |_| true).unwrap().to_bytes().unwrap();
-        let kept = options(preset, Some(folder.path().join(name)));
-        let stopped = train(&out, &kept, &mut |at| at.step < 60);
+        let whole = learned(&out, preset.clone()).weights().unwrap();
+        let (kept, options) = (Kept::default(), options(preset));
+        let stopped = train(&out, &options, kept.here(), &mut |at| at.step < 60);
         assert!(matches!(stopped, Err(Error::Stopped)));
         let mut first = u64::MAX;
         let mut progress = |at: &TrainProgress| {
             first = first.min(at.step);
             true
         };
-        let resumed = train(&out, &kept, &mut progress).unwrap().to_bytes().unwrap();
+        let resumed = train(&out, &options, kept.here(), &mut progress).unwrap().weights().unwrap();
         assert_eq!(first, 80, "{name}");
         assert!(resumed == whole, "{name}");
     }
@@ -54,22 +54,20 @@ fn a_resumed_training_ends_with_the_same_bits() {
 
 #[test]
 fn a_checkpoint_of_another_training_is_refused() {
-    let folder = folder();
-    let out = dataset(&folder, 30, 30);
-    let kept = options(short(40), Some(folder.path().join("checkpoint")));
-    train(&out, &kept, &mut |_| true).unwrap();
-    let refused = train(&out, &TrainOptions { seed: 8, ..kept }, &mut |_| true).unwrap_err();
+    let out = dataset(30, 30);
+    let (kept, options) = (Kept::default(), options(short(40)));
+    train(&out, &options, kept.here(), &mut |_| true).unwrap();
+    let refused = train(&out, &TrainOptions { seed: 8, ..options }, kept.here(), &mut |_| true).unwrap_err();
     assert!(refused.to_string().contains("another dataset, preset or seed"), "{refused}");
 }
 
 #[test]
 fn threads_do_not_change_the_weights() {
-    let folder = folder();
-    let out = dataset(&folder, 40, 400);
+    let out = dataset(40, 400);
     for preset in [short(40), Preset { course: Course::Epochs { epochs: 10 }, ..Preset::paper() }] {
         let bytes = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| train(&out, &options(preset.clone(), None), &mut |_| true)).unwrap().to_bytes().unwrap()
+            pool.install(|| learned(&out, preset.clone())).weights().unwrap()
         });
         assert!(bytes[0] == bytes[1]);
     }
@@ -77,8 +75,7 @@ fn threads_do_not_change_the_weights() {
 
 #[test]
 fn rollouts_on_disk_give_the_same_weights() {
-    let folder = folder();
-    let out = dataset(&folder, 60, 400);
+    let out = dataset(60, 400);
     let presets = [
         Preset { library: 21, ..short(60) },
         Preset { course: Course::Epochs { epochs: 10 }, held_back: 0.2, ..Preset::paper() },
@@ -86,12 +83,14 @@ fn rollouts_on_disk_give_the_same_weights() {
     for preset in presets {
         let learned = |memory_bytes: usize| {
             let mut validation = None;
-            let options = TrainOptions { memory_bytes, ..options(preset.clone(), None) };
-            let model = train(&out, &options, &mut |at| {
+            let options = TrainOptions { memory_bytes, ..options(preset.clone()) };
+            let overflow = || tempfile::tempfile();
+            let keeping = Keeping { checkpoint: None, overflow: Some(&overflow) };
+            let model = train(&out, &options, keeping, &mut |at| {
                 validation = at.validation;
                 true
             });
-            (model.unwrap().to_bytes().unwrap(), validation.unwrap())
+            (model.unwrap().weights().unwrap(), validation.unwrap())
         };
         let in_memory = learned(TrainOptions::MEMORY_BYTES);
         // From the first rollout on, and from the middle on.
@@ -103,12 +102,10 @@ fn rollouts_on_disk_give_the_same_weights() {
 
 #[test]
 fn without_a_scale_all_channels_are_standardised() {
-    let folder = folder();
-    let out = folder.path().join("pairs.mcap");
     let plain = |number: u64, random: &mut ChaCha8Rng| PairDraw { own: vec![4.5], scale: None, ..draw(number, random) };
-    generate(&Bouncer::new(), &header(200, 200), &plain, &out, &mut |_, _| true).unwrap();
+    let out = made(header(200, 200), &plain);
     let mut validation = None;
-    let model = train(&out, &options(Preset { batch: 64, ..short(400) }, None), &mut |at| {
+    let model = train(&out, &options(Preset { batch: 64, ..short(400) }), Keeping::default(), &mut |at| {
         validation = at.validation;
         true
     })
@@ -125,22 +122,16 @@ fn without_a_scale_all_channels_are_standardised() {
     assert_eq!(batch[2], [0.0]);
 }
 
-/// Prints the weights' bytes as a digest, for [`processes_do_not_change_the_weights`] to compare.
+/// Prints the weights as a digest, for [`processes_do_not_change_the_weights`] to compare.
 #[test]
 #[ignore = "a part of another test"]
 fn digest_of_a_training() {
-    let folder = folder();
-    let out = dataset(&folder, 40, 400);
+    let out = dataset(40, 400);
     for preset in [short(40), Preset { course: Course::Epochs { epochs: 10 }, ..Preset::paper() }] {
-        let bytes = train(
-            &out,
-            &TrainOptions { preset: Preset { batch: 256, ..preset }, ..options(short(1), None) },
-            &mut |_| true,
-        )
-        .unwrap()
-        .to_bytes()
-        .unwrap();
-        println!("digest {:?}", <sha2::Sha256 as sha2::Digest>::digest(bytes));
+        let weights = learned(&out, Preset { batch: 256, ..preset }).weights().unwrap();
+        let mut hash = std::hash::DefaultHasher::new();
+        format!("{weights:?}").hash(&mut hash);
+        println!("digest {}", hash.finish());
     }
 }
 
@@ -162,11 +153,10 @@ fn processes_do_not_change_the_weights() {
 #[test]
 #[ignore = "measures; takes half a minute"]
 fn figures_of_both_presets() {
-    let folder = folder();
-    let out = dataset(&folder, 800, 400);
+    let out = dataset(800, 400);
     for preset in [Preset::paper(), Preset::default()] {
         let (name, started) = (preset.name.clone(), std::time::Instant::now());
-        let model = train(&out, &options(preset, None), &mut |_| true).unwrap();
+        let model = learned(&out, preset);
         println!("{name}: {:.2} s", started.elapsed().as_secs_f64());
         for (low, high) in [(0.3, 0.7), (0.0, 1.0)] {
             for noise_m in [0.0, 0.005, 0.02] {
@@ -200,10 +190,9 @@ fn error_by_rollout(model: &Model, low: f64, high: f64, noise_m: f64) -> [f64; 6
 
 #[test]
 fn stored_rollouts_start_near_without_a_rollout() {
-    let folder = folder();
-    let out = dataset(&folder, 300, 400);
-    let model = train(&out, &options(Preset { library: 61, ..short(400) }, None), &mut |_| true).unwrap();
-    let without = train(&out, &options(Preset { library: 0, ..short(400) }, None), &mut |_| true).unwrap();
+    let out = dataset(300, 400);
+    let model = learned(&out, Preset { library: 61, ..short(400) });
+    let without = learned(&out, Preset { library: 0, ..short(400) });
     let scale = scale(4.3);
     for truth in [0.05, 0.33, 0.71, 0.98] {
         let target = seen(truth, 4.3, 400);

@@ -1,4 +1,4 @@
-//! An encoder whose zero lies elsewhere than the URDF's.
+//! An encoder offset: its zero differs from the URDF's.
 
 use tunenet_core::simulator::{Coefficient, Phase};
 

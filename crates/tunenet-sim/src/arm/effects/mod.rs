@@ -33,11 +33,11 @@ pub struct ArmEffect {
     pub per_joint: bool,
     /// Its numbers, each as of one joint.
     pub coefficients: &'static [Coefficient],
-    /// Where each of them has to lie to be believed.
+    /// The physical bounds of each of them.
     pub plausible: &'static [(f64, f64)],
     /// What it is, in one plain sentence.
     pub sentence: &'static str,
-    /// What some recordings cannot tell from it.
+    /// Effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
     /// Adds it to what an arm has, the numbers of all joints of the first coefficient first.
     pub apply: fn(&mut Imperfections, &[f64]),

@@ -1,4 +1,4 @@
-//! A payload whose centre of mass lies elsewhere.
+//! An offset of the payload's centre of mass.
 
 use tunenet_core::simulator::{Coefficient, Phase};
 

@@ -1,6 +1,6 @@
 //! Writing friction back: a URDF's text with other `<dynamics>`, everything else as it stands.
 
-use tunenet_core::{Error, Result};
+use tunenet_core::{Error, Origin, Result};
 
 /// Friction of one joint, as `<dynamics>` has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub fn with_friction(text: &str, joints: &[JointFriction]) -> Result<String> {
     for one in joints {
         let Some((inside, end)) = place(&text, &one.joint) else {
             let (expected, found) = ("a joint of the URDF".into(), format!("`{}`", one.joint));
-            return Err(Error::Setting { name: "arm.urdf", expected, found });
+            return Err(Error::Setting { origin: Origin::Caller, name: "arm.urdf", expected, found });
         };
         let tag = format!("<dynamics damping=\"{}\" friction=\"{}\"/>", one.damping, one.friction);
         let body = &text[inside..end];

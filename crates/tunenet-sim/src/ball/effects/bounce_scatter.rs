@@ -5,7 +5,7 @@ use tunenet_core::simulator::{Coefficient, Phase};
 use super::BallEffect;
 
 /// Chance has no rollout: a simulator rolls out the bounce without it, and a recording brings the tilt of the normal at
-/// each of its bounces as unknowns of its own. Their root mean square is the coefficient.
+/// each of its bounces as nuisance parameters. Their root mean square is the coefficient.
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "bounce_scatter",
     phase: Phase::Contact,

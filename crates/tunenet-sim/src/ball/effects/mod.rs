@@ -83,11 +83,11 @@ pub struct BallEffect {
     pub phase: Phase,
     /// Its numbers.
     pub coefficients: &'static [Coefficient],
-    /// Where each coefficient has to lie to be believed of this ball.
+    /// The physical bounds of each coefficient for this ball.
     pub plausible: fn(&Body) -> Vec<(f64, f64)>,
     /// What it is, in one plain sentence.
     pub sentence: &'static str,
-    /// What some recordings cannot tell from it.
+    /// Effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
     /// Why it is not to be expected of this ball where something else explains its recordings as well.
     pub unlikely: fn(&Body) -> Option<&'static str>,

@@ -1,0 +1,208 @@
+//! What each row measures: which sets are drawn, and how many.
+
+use super::blind::{Kind, Noise, Recipe};
+use crate::args::DiagnoseRow as Row;
+
+/// Recordings of each set that are held out.
+const HELD_OUT: usize = 2;
+/// Sets that are kept in one piece.
+const PIECE: u64 = 10;
+
+/// Sets of one kind.
+#[derive(Debug, Clone)]
+pub struct Cell {
+    pub row: Row,
+    /// Tells it from every other cell; its draws follow from this name.
+    pub name: String,
+    pub recipe: Recipe,
+    /// The first of its sets, and how many.
+    pub first: u64,
+    pub count: u64,
+}
+
+/// How many sets of each kind are drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Counts {
+    /// Of each row of clean recordings.
+    clean: u64,
+    /// Of each effect, ratio and number of drops.
+    effect: u64,
+    /// Of pairs.
+    pairs: u64,
+    /// Of each effect that is in no catalogue, and number of drops.
+    outside: u64,
+    /// Of each effect, for the experiment that is to separate what one drop cannot.
+    experiments: u64,
+    /// Sets that are timed.
+    timed: u64,
+}
+
+impl Counts {
+    pub const WHOLE: Self = Self { clean: 300, effect: 10, pairs: 60, outside: 10, experiments: 5, timed: 10 };
+    pub const QUICK: Self = Self { clean: 40, effect: 2, pairs: 12, outside: 2, experiments: 1, timed: 4 };
+}
+
+impl Row {
+    /// Every row, in the order of the tables.
+    pub const ALL: [Self; 12] = [
+        Self::Clean,
+        Self::Coloured,
+        Self::Outliers,
+        Self::Dropped,
+        Self::Ratio1,
+        Self::Ratio3,
+        Self::Ratio10,
+        Self::Ratio30,
+        Self::Two,
+        Self::Outside,
+        Self::Experiment,
+        Self::Cost,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clean => "clean",
+            Self::Coloured => "coloured",
+            Self::Outliers => "outliers",
+            Self::Dropped => "dropped",
+            Self::Ratio1 => "ratio-1",
+            Self::Ratio3 => "ratio-3",
+            Self::Ratio10 => "ratio-10",
+            Self::Ratio30 => "ratio-30",
+            Self::Two => "two",
+            Self::Outside => "outside",
+            Self::Experiment => "experiment",
+            Self::Cost => "cost",
+        }
+    }
+
+    /// In words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Clean => "nothing hidden, white noise",
+            Self::Coloured => "nothing hidden, AR(1) noise with ρ .3 and .5",
+            Self::Outliers => "nothing hidden, 1 % of the samples 5 to 30 σ off",
+            Self::Dropped => "nothing hidden, 15 % of the frames missing",
+            Self::Ratio1 => "one effect of the catalogue, as large as the noise",
+            Self::Ratio3 => "one effect of the catalogue, 3 times the noise",
+            Self::Ratio10 => "one effect of the catalogue, 10 times the noise",
+            Self::Ratio30 => "one effect of the catalogue, 30 times the noise",
+            Self::Two => "two effects of the catalogue, each 10 times the noise",
+            Self::Outside => "an effect that the catalogue does not hold, 10 times the noise",
+            Self::Experiment => "one drop of one effect, 10 times the noise, then the experiment that was asked for",
+            Self::Cost => "three drops of 216 samples on two threads",
+        }
+    }
+
+    /// The ratio of a row with one effect.
+    pub fn ratio(self) -> Option<f64> {
+        match self {
+            Self::Ratio1 => Some(1.0),
+            Self::Ratio3 => Some(3.0),
+            Self::Ratio10 => Some(10.0),
+            Self::Ratio30 => Some(30.0),
+            _ => None,
+        }
+    }
+
+    /// Whether nothing is hidden in its sets.
+    pub fn is_clean(self) -> bool {
+        matches!(self, Self::Clean | Self::Coloured | Self::Outliers | Self::Dropped)
+    }
+
+    /// The cells of this row.
+    pub fn cells(self, counts: Counts) -> Vec<Cell> {
+        let mut cells = Cells { row: self, cells: vec![] };
+        let white = Noise::WHITE;
+        match self {
+            Self::Clean => {
+                for drops in [1, 3, 6] {
+                    cells.add(&format!("{drops}"), vec![], 0.0, drops, white, counts.clean / 3);
+                }
+            }
+            Self::Coloured => {
+                for colour in [0.3, 0.5] {
+                    let noise = Noise { colour, ..white };
+                    cells.add(&format!("{colour}"), vec![], 0.0, 3, noise, counts.clean / 2);
+                }
+            }
+            Self::Outliers => cells.add("3", vec![], 0.0, 3, Noise { outliers: 0.01, ..white }, counts.clean),
+            Self::Dropped => cells.add("3", vec![], 0.0, 3, Noise { dropped: 0.15, ..white }, counts.clean),
+            Self::Ratio1 | Self::Ratio3 | Self::Ratio10 | Self::Ratio30 => {
+                for drops in [1, 3, 10] {
+                    for kind in Kind::CATALOGUE {
+                        let name = format!("{drops}-{}", kind.name());
+                        let ratio = self.ratio().unwrap_or_default();
+                        cells.add(&name, vec![kind], ratio, drops, white, counts.effect);
+                    }
+                }
+            }
+            Self::Two => {
+                let pairs = pairs();
+                for number in 0..counts.pairs {
+                    // A stride that has no factor in common with their number visits all pairs evenly.
+                    let (a, b) = pairs[usize::try_from(number * 37 + 11).unwrap_or(0) % pairs.len()];
+                    let name = format!("{number}-{}-{}", a.name(), b.name());
+                    cells.add(&name, vec![a, b], 10.0, 6, white, 1);
+                }
+            }
+            Self::Outside => {
+                for drops in [1, 3, 10] {
+                    for kind in Kind::OUTSIDE {
+                        cells.add(&format!("{drops}-{}", kind.name()), vec![kind], 10.0, drops, white, counts.outside);
+                    }
+                }
+            }
+            Self::Experiment => {
+                for kind in Kind::CATALOGUE {
+                    cells.add(kind.name(), vec![kind], 10.0, 1, white, counts.experiments);
+                }
+            }
+            Self::Cost => cells.add("3", vec![Kind::QuadraticDrag], 10.0, 3, white, counts.timed),
+        }
+        cells.cells
+    }
+}
+
+/// Effects that can be named side by side: neither has a twin, and both can be made large enough.
+fn pairs() -> Vec<(Kind, Kind)> {
+    let single = |kind: &&Kind| kind.twins().is_empty() && **kind != Kind::ObservationBlur;
+    let kinds: Vec<Kind> = Kind::CATALOGUE.iter().filter(single).copied().collect();
+    let with = |(i, a): (usize, &Kind)| kinds[i + 1..].iter().map(|b| (*a, *b)).collect::<Vec<_>>();
+    kinds.iter().enumerate().flat_map(with).collect()
+}
+
+struct Cells {
+    row: Row,
+    cells: Vec<Cell>,
+}
+
+impl Cells {
+    fn add(&mut self, name: &str, hidden: Vec<Kind>, ratio: f64, drops: usize, noise: Noise, count: u64) {
+        let recipe = Recipe { hidden, ratio, drops, held_out: HELD_OUT, noise };
+        let mut first = 0;
+        while first < count {
+            let piece = PIECE.min(count - first);
+            let name = format!("{}-{name}", self.row.name());
+            self.cells.push(Cell { row: self.row, name, recipe: recipe.clone(), first, count: piece });
+            first += piece;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn no_two_cells_share_their_draws() {
+        let all: Vec<Cell> = Row::ALL.into_iter().flat_map(|row| row.cells(Counts::WHOLE)).collect();
+        let names: HashSet<(String, u64)> = all.iter().map(|c| (c.name.clone(), c.first)).collect();
+        assert_eq!(names.len(), all.len());
+        let clean = |row: Row| row.cells(Counts::WHOLE).iter().map(|c| c.count).sum::<u64>();
+        assert!([Row::Clean, Row::Coloured, Row::Outliers, Row::Dropped].into_iter().all(|row| clean(row) >= 300));
+        assert!(!pairs().is_empty() && !pairs().len().is_multiple_of(37));
+    }
+}

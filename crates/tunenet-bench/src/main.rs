@@ -1,0 +1,80 @@
+//! `tunenet-bench`, which `tunenet bench` starts: every figure that is claimed, measured here.
+//!
+//! A program of its own, so that the rivals and what they bring are no part of `tunenet`.
+
+mod args;
+mod diagnose;
+mod film_speed;
+mod grow;
+mod intervals;
+mod paper;
+mod preflight;
+mod process;
+mod regions;
+mod rehearsal;
+mod resume;
+mod search;
+mod shot;
+mod speed;
+mod tuning;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::CommandFactory;
+use tunenet_cli::view::json::print;
+
+use crate::args::{Arguments, Command, Measured};
+use tunenet_cli::failure::Exit;
+
+fn main() -> ExitCode {
+    tunenet_cli::process(|arguments: Arguments| match arguments.command {
+        Command::Measure(bench) => measure(&bench),
+        Command::Merged { bench, out, json } => {
+            merged(serde_json::from_str(&bench).context("what the shards were of")?, &out, json)
+        }
+        Command::Man => man(),
+    })
+}
+
+/// Prints the manual page.
+fn man() -> Result<Exit> {
+    let mut tool = Arguments::command();
+    tool.build();
+    let mut text = Vec::new();
+    clap_mangen::Man::new(tool).render(&mut text)?;
+    print(&text)?;
+    Ok(Exit::Done)
+}
+
+/// The whole answer from the pieces that shards have brought to `out`.
+fn merged(mut bench: Measured, out: &Path, as_json: bool) -> Result<Exit> {
+    let (folder, common) = match &mut bench {
+        Measured::Tuning(options) => (&mut options.out, &mut options.common),
+        Measured::Diagnose(options) => (&mut options.out, &mut options.common),
+        Measured::Intervals(options) => (&mut options.out, &mut options.common),
+        Measured::Regions(options) => (&mut options.out, &mut options.common),
+        Measured::Preflight(options) => (&mut options.out, &mut options.common),
+        Measured::Paper(options) => (&mut options.out, &mut options.common),
+        Measured::Shot(options) => (&mut options.out, &mut options.common),
+        Measured::Speed(_) | Measured::Grow(_) => anyhow::bail!("this bench has no shards"),
+    };
+    *folder = out.into();
+    common.json = as_json;
+    measure(&bench)
+}
+
+fn measure(bench: &Measured) -> Result<Exit> {
+    match bench {
+        Measured::Speed(options) => speed::run(options),
+        Measured::Tuning(options) => tuning::run(options),
+        Measured::Diagnose(options) => diagnose::run(options),
+        Measured::Intervals(options) => intervals::run(options),
+        Measured::Regions(options) => regions::run(options),
+        Measured::Preflight(options) => preflight::run(options),
+        Measured::Paper(options) => paper::run(options),
+        Measured::Shot(options) => shot::run(options),
+        Measured::Grow(options) => grow::run(options),
+    }
+}

@@ -1,0 +1,77 @@
+//! Whole processes of `tunenet`, timed and weighed from outside.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use tunenet_cli::files::programs;
+
+/// How often the memory of a child is read.
+const LOOK_EVERY: Duration = Duration::from_millis(1);
+
+/// What one run cost.
+#[derive(Debug, Clone, Copy)]
+pub struct Cost {
+    /// Wall time, s.
+    pub seconds: f64,
+    /// Greatest resident memory, bytes; `None` where the system does not report it.
+    pub peak_bytes: Option<u64>,
+}
+
+/// Runs `tunenet` with `arguments`.
+pub fn run(arguments: &[&str]) -> Result<Cost> {
+    run_program(&programs::beside(programs::TUNENET)?, arguments)
+}
+
+/// Runs `tunenet` with `arguments` on so many threads.
+pub fn run_on(threads: usize, arguments: &[&str]) -> Result<Cost> {
+    let mut command = Command::new(programs::beside(programs::TUNENET)?);
+    command.env("RAYON_NUM_THREADS", threads.to_string());
+    run_command(command, arguments)
+}
+
+/// Runs `program` with `arguments`.
+pub fn run_program(program: &Path, arguments: &[&str]) -> Result<Cost> {
+    run_command(Command::new(program), arguments)
+}
+
+fn run_command(mut command: Command, arguments: &[&str]) -> Result<Cost> {
+    let program = std::path::PathBuf::from(command.get_program());
+    let began = Instant::now();
+    let mut child = command
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("starting {}", program.display()))?;
+    let mut peak_bytes = None;
+    let status = loop {
+        if let Some(status) = child.try_wait()? {
+            break status;
+        }
+        // The kernel keeps the greatest value itself, so looking now and then misses only the last few milliseconds.
+        peak_bytes = high_water(child.id()).or(peak_bytes);
+        std::thread::sleep(LOOK_EVERY);
+    };
+    let seconds = began.elapsed().as_secs_f64();
+    // An honest 'no' is an answer like any other.
+    if !matches!(status.code(), Some(0 | 3)) {
+        let mut text = String::new();
+        if let Some(mut stderr) = child.stderr.take() {
+            std::io::Read::read_to_string(&mut stderr, &mut text)?;
+        }
+        let name = program.file_stem().unwrap_or_default().to_string_lossy();
+        bail!("`{name} {}` failed: {}", arguments.join(" "), text.trim());
+    }
+    Ok(Cost { seconds, peak_bytes })
+}
+
+/// The greatest resident memory of a process so far, from Linux's process table.
+fn high_water(id: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes * 1024)
+}

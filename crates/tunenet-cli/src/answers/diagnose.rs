@@ -1,0 +1,156 @@
+//! The answer of `tunenet diagnose`: what was read, what was found, and what changes in the simulation file.
+
+use toml_edit::InlineTable;
+use tunenet_core::diagnose::{self, Diagnosis, NamedEffect, OfObject, Value, Verdict};
+use tunenet_core::observation::{Note, Observation};
+use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
+use tunenet_sim::SimulationFile;
+
+/// What could be in the place of a lone effect that earns no name.
+pub const NAMELESS: &str = "what is in no catalogue";
+/// The effect whose coefficient is known to everyone in another form.
+pub const DRAG: &str = "quadratic_drag";
+
+/// One thing that was recorded, possibly several times.
+pub struct Object {
+    pub name: String,
+    pub file: SimulationFile,
+    pub simulator: Box<dyn Simulator>,
+    /// What its manifest entries say of the scene.
+    pub(crate) scene: Vec<(String, String)>,
+}
+
+/// One recording of it.
+pub struct Recorded {
+    pub name: String,
+    pub hash: String,
+    pub object: usize,
+    pub held_out: bool,
+    pub seen: Observation,
+    /// The run without payload that was laid beside it, as the provenance names it.
+    pub reference: Option<InlineTable>,
+}
+
+/// Everything that was read.
+pub struct Loaded {
+    pub objects: Vec<Object>,
+    pub recorded: Vec<Recorded>,
+    pub notes: Vec<Note>,
+}
+
+impl Loaded {
+    /// As the library takes them.
+    pub fn recordings<'a>(&'a self) -> Vec<diagnose::Recording<'a>> {
+        let one = |r: &'a Recorded| diagnose::Recording {
+            name: r.name.clone(),
+            object: r.object,
+            held_out: r.held_out,
+            seen: &r.seen,
+        };
+        self.recorded.iter().map(one).collect()
+    }
+}
+
+/// A simulation file as it was given and as it would be, both without provenance.
+pub struct Edited {
+    pub object: String,
+    pub given: String,
+    pub improved: String,
+}
+
+/// A diagnosis and what it was made of.
+pub struct Answer<'a> {
+    pub loaded: &'a Loaded,
+    pub diagnosis: &'a Diagnosis,
+    pub seconds: f64,
+}
+
+impl Answer<'_> {
+    /// Names to choose from: of a set, or the nearest where nothing fits.
+    pub fn candidates(&self) -> &[&'static str] {
+        match self.diagnosis.verdict {
+            Verdict::OneOf | Verdict::Unknown => &self.diagnosis.names,
+            _ => &[],
+        }
+    }
+
+    /// Of an ambiguous answer: for each effect that it holds, that effect and whatever could be in its place. Those that are
+    /// alone in theirs are certain beside the others.
+    pub fn choices(&self) -> Vec<Vec<&'static str>> {
+        let one = |e: &NamedEffect| std::iter::once(e.effect.name).chain(e.alternatives.iter().copied()).collect();
+        self.diagnosis.effects.iter().map(one).collect()
+    }
+
+    /// The [choices](Self::choices) in the place of something else, and what is certain beside them. Where nothing is left to
+    /// choose from, the effect is open itself: what is in no catalogue could be in its place.
+    pub fn open_and_firm(&self) -> (Vec<Vec<&'static str>>, Vec<&'static str>) {
+        let (open, firm): (Vec<_>, Vec<_>) = self.choices().into_iter().partition(|names| names.len() > 1);
+        if open.is_empty() { (firm, Vec::new()) } else { (open, firm.into_iter().flatten().collect()) }
+    }
+
+    /// The effects that the improved file holds where several could be in their place.
+    pub fn chosen(&self) -> Vec<&'static str> {
+        self.diagnosis.effects.iter().map(|e| e.effect.name).collect()
+    }
+
+    /// The drag coefficient of an object: the force over that of the pressure ρv²/2 on the ball's section. None where its
+    /// mass is not known.
+    pub fn drag_coefficient(&self, effect: &NamedEffect, value: &Value) -> Option<Value> {
+        // A value of all objects together is only ever that of the measurement.
+        let object = self.loaded.objects.get(value.object.unwrap_or(0)).filter(|_| effect.effect.name == DRAG)?;
+        let unit = object.file.ball().ok()?.body().drag_1_m()?;
+        let (low, high) = value.interval95;
+        Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
+    }
+
+    /// Where coefficient `i` of an effect has to lie to be believed, for the object that a value belongs to.
+    pub fn believed(&self, named: &NamedEffect, i: usize, value: &Value) -> (f64, f64) {
+        let own = value.object.and_then(|object| self.loaded.objects.get(object));
+        let own = own.and_then(|o| o.simulator.effects().into_iter().find(|e| e.name == named.effect.name));
+        let effect = own.as_ref().unwrap_or(&named.effect);
+        effect.plausible.get(i).copied().unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
+    }
+
+    /// Everything that a person should know, of reading, of each recording, and of judging.
+    pub fn notes(&self) -> Vec<Note> {
+        let several = self.diagnosis.uses.len() > 1;
+        let of_each = self.diagnosis.uses.iter().flat_map(|one| one.notes.iter().map(move |note| (one, note)));
+        let named = of_each.map(|(one, note)| {
+            let name = if several { format!("{}: ", one.name) } else { String::new() };
+            Note { text: format!("{name}{}", note.text), ..note.clone() }
+        });
+        self.loaded.notes.iter().cloned().chain(named).chain(self.diagnosis.notes.iter().cloned()).collect()
+    }
+
+    /// Why recordings do not suffice: what is said of all, then of each that cannot be used.
+    pub fn reasons(&self) -> Vec<&Note> {
+        let of_all = self.diagnosis.notes.iter().filter(|n| n.code.starts_with("recordings."));
+        of_all.chain(self.diagnosis.uses.iter().filter(|u| !u.used).filter_map(|u| u.notes.first())).collect()
+    }
+
+    /// An entry of the catalogue.
+    pub fn entry(&self, name: &str) -> Option<Effect> {
+        let simulator = &self.loaded.objects.first()?.simulator;
+        let all = simulator.effects().into_iter().chain(measurement_effects(simulator.kind()));
+        all.into_iter().find(|effect| effect.name == name)
+    }
+
+    /// What each of several objects shows, with its name; nothing of a single one, whose answer is that of the whole.
+    pub fn objects(&self) -> impl Iterator<Item = (&str, &OfObject)> {
+        let all = &self.diagnosis.objects;
+        let named = all.iter().filter_map(|one| Some((self.loaded.objects.get(one.object)?.name.as_str(), one)));
+        named.filter(|_| all.len() > 1)
+    }
+
+    /// Names of objects whose own recordings do not need what is told of all together.
+    pub fn without_effect(&self) -> Vec<&str> {
+        let whole = self.diagnosis.verdict;
+        let spared = |one: &OfObject| one.verdict == Verdict::None && whole != Verdict::None;
+        self.objects().filter(|(_, one)| spared(one)).map(|(name, _)| name).collect()
+    }
+
+    /// The name of the object that a value belongs to.
+    pub fn object(&self, value: &Value) -> Option<&str> {
+        Some(self.loaded.objects.get(value.object?)?.name.as_str())
+    }
+}

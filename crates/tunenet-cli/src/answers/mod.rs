@@ -1,0 +1,5 @@
+//! What the answers of commands say, before anything is rendered.
+
+pub(crate) mod diagnose;
+pub(crate) mod plan;
+pub mod tune;

@@ -1,0 +1,34 @@
+//! `tunenet gen`: data sets of rollout pairs.
+
+mod arm;
+mod ball;
+mod process;
+mod write;
+
+use std::path::Path;
+
+use anyhow::Result;
+use tunenet_core::Error;
+
+use self::write::place;
+use crate::args::{Domain, Gen};
+use crate::failure::Exit;
+use crate::files::destination::{self, Output, Product};
+use crate::files::names;
+
+pub fn run(options: &Gen) -> Result<Exit> {
+    let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
+    names::require_ending(&options.out, &["mcap"])?;
+    let out = place(options);
+    let output = Output::new(&out, "--out", Product::Dataset);
+    destination::check(&[output], &inputs, options.writing.overwrite)?;
+    if out.exists() && !out.is_file() {
+        let message = "expected a file to write to, found a device";
+        return Err(Error::file(&out, message, "choose a name that ends in .mcap").into());
+    }
+    match options.domain {
+        Domain::Arm => arm::run(options),
+        Domain::Process => process::run(options),
+        Domain::Ball | Domain::BallVideo => ball::run(options, &out),
+    }
+}

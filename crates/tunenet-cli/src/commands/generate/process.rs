@@ -1,0 +1,77 @@
+//! `tunenet gen process`.
+
+use anyhow::Result;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw};
+use tunenet_core::simulator::{Parameter, Simulator};
+use tunenet_core::{Error, Origin};
+use tunenet_formats::dataset::{DatasetWriter, generate_shard};
+use tunenet_sim::{SimulationFile, observed, simulation_file};
+
+use super::super::load;
+use super::super::refusal::{self, Asked};
+use super::write::{made, place};
+use crate::args::{Gen, Pairs};
+use crate::failure::Exit;
+
+pub fn run(options: &Gen) -> Result<Exit> {
+    let preset = options.preset.unwrap_or(Pairs::Wide);
+    if preset != Pairs::Wide {
+        let (expected, found) = ("`wide` for a program".into(), format!("`{preset:?}`").to_lowercase());
+        return Err(Error::Setting { origin: Origin::Flag, name: "--preset", expected, found }.into());
+    }
+    let Some(path) = &options.sim else {
+        let expected = "a program's simulation file, such as `tunenet init process` writes".into();
+        return Err(Error::Setting { origin: Origin::Flag, name: "--sim", expected, found: "none".into() }.into());
+    };
+    let mut file = SimulationFile::read(path)?;
+    for assignment in &options.set {
+        file.set(assignment)?;
+    }
+    load::of_kind(&file, simulation_file::Domain::Process)?;
+    if options.leave.allow_process {
+        file.allow_process();
+    }
+    let program = observed::simulator(&file, tunenet_core::observation::Kind::Other)?;
+    if !program.parameters().iter().any(|p| p.tune) {
+        let message = "expected at least one parameter with `tune = true`, found none";
+        return Err(Error::file(path, message, "pairs differ in what is tuned").into());
+    }
+    let covered = |p: &Parameter| CoveredParameter {
+        name: p.name.clone(),
+        unit: p.unit.clone(),
+        min: p.min,
+        max: p.max,
+        tuned: p.tune,
+    };
+    let header = DatasetHeader {
+        preset: "process/wide".into(),
+        seed: options.common.seed,
+        pairs: options.pairs,
+        parameters: program.parameters().iter().map(covered).collect(),
+        channels: program.channels().to_vec(),
+        target_channels: Vec::new(),
+        clock: file.record().clock(),
+        scene: file.text(),
+    };
+    let draw = |_: u64, random: &mut ChaCha8Rng| {
+        let mut values = || {
+            let one = |p: &Parameter| if p.tune { random.random_range(p.min..=p.max) } else { p.value };
+            program.parameters().iter().map(one).collect::<Vec<f64>>()
+        };
+        PairDraw { proposed: values(), target: values(), own: Vec::new(), scale: None }
+    };
+    let out = place(options);
+    made(options, &header, |report| {
+        // Only what the program still stands by in the end gets its name.
+        let mut stands = |done, all| (done < all || file.program_settled().is_ok()) && report(done, all);
+        let generated = generate_shard(&program, &header, options.sharing.shard, &draw, &out, &mut stands);
+        if file.program_drifted() {
+            DatasetWriter::forget(&out)?;
+        }
+        // A rollout that fails is not kept; a program that is gone is the reason that is told.
+        file.program_failed()?;
+        generated.map_err(|error| refusal::of_program(&file, Asked::Within, &error).unwrap_or(error))
+    })
+}

@@ -1,0 +1,85 @@
+//! Writing a data set, or one shard of it.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use serde_json::json;
+use tunenet_core::Error;
+use tunenet_core::network::DatasetHeader;
+use tunenet_formats::dataset::DatasetReader;
+
+use crate::args::Gen;
+use crate::failure::Exit;
+use crate::files::names;
+use crate::shard::{self, Share};
+use crate::view::json::print_json;
+use crate::view::text::{progress, stage};
+
+/// Makes the pairs with `make`, where they are not there already, and says so.
+pub fn made(
+    options: &Gen,
+    header: &DatasetHeader,
+    make: impl FnOnce(&mut dyn FnMut(u64, u64) -> bool) -> tunenet_core::Result<()>,
+) -> Result<Exit> {
+    if !there(options, header)? {
+        let bar = progress(options.pairs, "rollouts");
+        make(&mut |done, all| {
+            bar.set_length(all);
+            bar.set_position(done);
+            true
+        })?;
+        bar.finish_and_clear();
+    }
+    tell(options, header)
+}
+
+/// Where the pairs are written: under `--out`, or where a shard of it belongs.
+pub fn place(options: &Gen) -> PathBuf {
+    options.sharing.shard.map_or_else(|| options.out.clone(), |shard| shard::file(&options.out, shard))
+}
+
+/// Whether the shard is complete already, as of a task that is sent off again. One that is not is made again, and told.
+///
+/// # Errors
+/// Where it is a shard of something else, which somebody may still want.
+fn there(options: &Gen, header: &DatasetHeader) -> Result<bool> {
+    let (Some(shard), out) = (options.sharing.shard, place(options)) else { return Ok(false) };
+    if !out.exists() {
+        return Ok(false);
+    }
+    let whole = DatasetReader::holds(&out, header, shard);
+    if let Ok(other) = DatasetReader::open_shard(&out)
+        && other.header() != header
+        && !options.writing.overwrite
+    {
+        let told = |h: &DatasetHeader| format!("{} pairs of preset {}, seed {}", h.pairs, h.preset, h.seed);
+        let message = format!("expected a shard of {}, found one of {}", told(header), told(other.header()));
+        let hint = "give the command that made it, choose another --out, or replace it with --overwrite";
+        return Err(Error::file(&out, message, hint).into());
+    }
+    let (what, why) =
+        if whole { ("kept", "is complete already") } else { ("again", "was not this shard, or not whole") };
+    stage(what, &format!("{} {why}", out.display()));
+    Ok(whole)
+}
+
+fn tell(options: &Gen, header: &DatasetHeader) -> Result<Exit> {
+    if let Some(shard) = options.sharing.shard {
+        let block = shard.block(header.pairs);
+        let what = format!("of {} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed);
+        let share = Share { pieces: block.end - block.start, all: header.pairs };
+        return shard::tell(shard, &place(options), share, &what, options.common.json);
+    }
+    stage(
+        "wrote",
+        &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), options.pairs, header.preset, header.seed),
+    );
+    if options.common.json {
+        let frames = (!header.clocks_in_pairs()).then_some(header.clock.len());
+        print_json(&json!({
+            "schema": "tunenet.gen/1", "file": names::file_name(&options.out), "preset": header.preset,
+            "pairs": options.pairs, "seed": header.seed, "frames": frames, "warnings": [],
+        }))?;
+    }
+    Ok(Exit::Done)
+}

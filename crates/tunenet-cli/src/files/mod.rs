@@ -1,0 +1,6 @@
+//! Files by name and contents: what they are called, what they hash to, and what may be written over.
+
+pub mod destination;
+pub mod hash;
+pub mod names;
+pub mod programs;

@@ -1,0 +1,35 @@
+//! What files are called.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use tunenet_core::{Error, Origin};
+
+/// What the names of a film's frames end in, where each is a file of its own.
+const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "bmp", "tif", "tiff"];
+
+/// A file's own name, for output that must not depend on where it lies.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// Refuses an output whose name ends otherwise than its contents say: whoever finds the file later goes by its name.
+pub fn require_ending(out: &Path, endings: &[&str]) -> Result<()> {
+    let found = out.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if endings.contains(&found.as_str()) {
+        return Ok(());
+    }
+    let each: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
+    let (expected, found) = (format!("a name that ends in {}", each.join(" or ")), format!("`{}`", out.display()));
+    Err(Error::Setting { origin: Origin::Flag, name: "--out", expected, found }.into())
+}
+
+/// The pictures in a folder, in the order of their names.
+pub fn pictures(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let picture =
+        |path: &PathBuf| path.extension().is_some_and(|e| PICTURES.iter().any(|known| e.eq_ignore_ascii_case(known)));
+    let all = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<PathBuf>>>()?;
+    let mut pictures: Vec<PathBuf> = all.into_iter().filter(picture).collect();
+    pictures.sort();
+    Ok(pictures)
+}

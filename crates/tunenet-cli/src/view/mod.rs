@@ -1,0 +1,7 @@
+//! What people and machines see of an answer.
+
+pub mod html;
+pub mod json;
+pub(crate) mod sentence;
+pub mod text;
+pub mod toml;

@@ -1,0 +1,3 @@
+//! Parts of the simulation files that are written.
+
+pub mod alternatives;

@@ -1,0 +1,218 @@
+//! The diagnosis put together from a judgement.
+
+use std::sync::atomic::Ordering;
+
+use crate::Result;
+use crate::diagnose::Recording;
+use crate::diagnose::answer::intervals::Intervals;
+use crate::diagnose::answer::next_experiment;
+use crate::diagnose::answer::per_object::by_object;
+use crate::diagnose::answer::residual_description::describe;
+use crate::diagnose::answer::wording::words;
+use crate::diagnose::answer::{
+    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Tuned, Use,
+    Value, Verdict,
+};
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
+use crate::diagnose::judge::held_out_proof::{HeldOut, rmse};
+use crate::diagnose::judge::judgement::Judgement;
+use crate::observation::Note;
+use crate::simulator::Phase;
+use crate::statistics::NORMAL_95;
+
+/// The answer of what was judged.
+pub(in crate::diagnose) fn assemble(
+    judged: &Judgement,
+    recordings: &[Recording],
+    uses: Vec<Use>,
+    mut notes: Vec<Note>,
+) -> Result<Diagnosis> {
+    let Judgement { context, found, decision, .. } = judged;
+    let last = judged.last();
+    let intervals = Intervals::new(context, last, judged.heterogeneous);
+    if intervals.widened {
+        notes.push(Note::new(
+            "intervals.widened",
+            "the recordings differ among themselves by more than their noise; intervals are as wide as that scatter makes them",
+            "",
+        ));
+    }
+    let places = found.places.iter().zip(&decision.alternatives).filter(|_| judged.told());
+    let effects = places.map(|(place, alternatives)| named(context, last, &intervals, place, alternatives)).collect();
+    let gap = gap(judged)?;
+    let (description, remains) = match decision.verdict {
+        Verdict::Unknown => {
+            let (text, phase) = describe(context, judged.best())?;
+            (Some(text), if judged.events_open() { Some(Phase::Contact) } else { phase })
+        }
+        _ => (None, None),
+    };
+    Ok(Diagnosis {
+        verdict: decision.verdict,
+        objects: by_object(judged, &intervals),
+        effects,
+        candidates: candidates(context, found, &judged.control.ratios),
+        gap: Some(gap),
+        next_experiment: next(judged)?,
+        margin: decision.margin,
+        least_gain: context.settings.margin,
+        doubt: decision.doubt,
+        description,
+        remains,
+        parameters: parameters(context, found, last, &intervals),
+        explained: explained(judged, recordings)?,
+        names: decision.names.clone(),
+        adequacy: judged.tests.clone(),
+        uses,
+        notes,
+        rollouts: context.rollouts.load(Ordering::Relaxed),
+    })
+}
+
+/// What to measure next.
+fn next(judged: &Judgement) -> Result<Option<NextExperiment>> {
+    let context = &judged.context;
+    let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
+    Ok(match judged.decision.verdict {
+        Verdict::OneOf => next_experiment::next(context, &judged.found, &judged.decision.alternatives)?
+            .or_else(|| plain(words(context).add)),
+        Verdict::Unknown => plain(words(context).vary),
+        _ => None,
+    })
+}
+
+fn named(
+    context: &Context,
+    model: &Hypothesis,
+    intervals: &Intervals,
+    place: &SelectedEffect,
+    alternatives: &[usize],
+) -> NamedEffect {
+    let entry = &context.catalogue[place.entry];
+    let position = model.structure.effects.iter().position(|&e| e == place.entry);
+    let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
+    let coefficients = entry.of[0].coefficients.iter().enumerate().map(|(k, coefficient)| {
+        let globals = &model.structure.globals;
+        let places = mine.iter().copied().filter(|&g| globals[g].effect.is_some_and(|e| e.1 == k));
+        let values = places.map(|g| Value {
+            object: globals[g].object,
+            value: model.fit.point.globals[g],
+            interval95: intervals.of(g),
+        });
+        let values = match context.random_tilts {
+            Some(RandomTilts { sd_rad: sd, count }) if entry.chance() => {
+                // The relative standard deviation of a spread estimated from so many draws.
+                let reach = NORMAL_95 * sd / (2.0 * count.max(1) as f64).sqrt();
+                vec![Value { object: None, value: sd, interval95: ((sd - reach).max(0.0), sd + reach) }]
+            }
+            _ => values.collect(),
+        };
+        Fitted { key: coefficient.key, unit: coefficient.unit, values }
+    });
+    // What acts along an axis that was not measured has no value.
+    let coefficients = coefficients.filter(|fitted| !fitted.values.is_empty());
+    let next = place.others.first();
+    NamedEffect {
+        effect: entry.of[0].clone(),
+        coefficients: coefficients.collect(),
+        evidence: Evidence {
+            bic_gain: place.gain,
+            runner_up: next.map(|(other, _)| context.catalogue[*other].name),
+            runner_up_bic_gap: next.map_or(f64::INFINITY, |(_, gap)| *gap),
+            p_value: place.p_value,
+        },
+        alternatives: alternatives.iter().map(|&other| context.catalogue[other].name).collect(),
+    }
+}
+
+fn candidates(context: &Context, found: &Selection, ratios: &[(usize, f64)]) -> Vec<Candidate> {
+    let best = found.alone.iter().filter(|t| t.excluded.is_none()).map(|t| t.gain).fold(f64::NEG_INFINITY, f64::max);
+    let each = found.alone.iter().map(|t| Candidate {
+        name: context.catalogue[t.entry].name,
+        bic_gain: t.gain,
+        delta: best - t.gain,
+        fitted: t.model.is_some(),
+        held_out_ratio: ratios.iter().find(|(entry, _)| *entry == t.entry).map(|(_, ratio)| *ratio),
+        excluded: t.excluded.clone(),
+    });
+    each.collect()
+}
+
+fn gap(judged: &Judgement) -> Result<Gap> {
+    let (context, found) = (&judged.context, &judged.found);
+    let error = |model: &Hypothesis| -> Result<f64> {
+        let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
+        Ok(rmse(context.sets(), &plain, 0.0))
+    };
+    let pair = |of: fn(&HeldOut) -> f64| {
+        let (before, after) = (judged.before.as_ref()?, judged.after.as_ref()?);
+        Some(Change { before: of(before), after: if judged.told() { of(after) } else { of(before) } })
+    };
+    Ok(Gap {
+        unit: context.subjects[0].simulator.channels()[0].unit.clone(),
+        of: GapOf::Recordings,
+        before: error(&found.base)?,
+        after: error(judged.last())?,
+        noise_floor: judged.floor.sqrt(),
+        held_out: pair(|h| h.rmse),
+        control: judged.control.wrong,
+        forecast: pair(|h| h.forecast),
+    })
+}
+
+fn parameters(context: &Context, found: &Selection, last: &Hypothesis, intervals: &Intervals) -> Vec<Tuned> {
+    let nuisances = last.structure.globals.iter().enumerate().filter(|(_, g)| g.effect.is_none());
+    nuisances
+        .map(|(g, global)| {
+            let object = global.object.unwrap_or(0);
+            let given =
+                context.subjects[object].simulator.parameters().iter().find(|p| p.name == global.parameter.name);
+            Tuned {
+                object,
+                name: global.parameter.name.clone(),
+                unit: global.parameter.unit.clone(),
+                given: given.map_or(global.parameter.value, |p| p.value),
+                before: found.base.fit.point.globals[g],
+                value: last.fit.point.globals[g],
+                interval95: intervals.of(g),
+            }
+        })
+        .collect()
+}
+
+fn explained(judged: &Judgement, recordings: &[Recording]) -> Result<Vec<Explained>> {
+    let (context, last) = (&judged.context, judged.last());
+    let one = |set: &Set, before: &[f64], after: &[f64], nuisances: &[f64]| Explained {
+        recording: set.recording,
+        name: recordings[set.recording].name.clone(),
+        flight: None,
+        held_out: set.held_out,
+        seen: set.prepared.seen.clone(),
+        kept: set.keep.clone(),
+        before: before.to_vec(),
+        after: after.to_vec(),
+        noise: set.noise.clone(),
+        contacts: set.contacts.clone(),
+        nuisances: set
+            .prepared
+            .nuisances
+            .iter()
+            .zip(nuisances)
+            .map(|(p, v)| (p.name.clone(), *v, p.unit.clone()))
+            .collect(),
+    };
+    let (before, after) = (context.weighted(&judged.found.base)?, context.weighted(last)?);
+    let mut all: Vec<Explained> = (0..context.sets().len())
+        .map(|d| one(&context.sets()[d], &before[d], &after[d], &last.fit.point.nuisances[d]))
+        .collect();
+    if let (Some(before), Some(after)) = (&judged.before, &judged.after) {
+        let after = if judged.told() { after } else { before };
+        for (d, set) in context.evidence.validation.iter().enumerate() {
+            all.push(one(set, &before.residuals[d], &after.residuals[d], &after.nuisances[d]));
+        }
+    }
+    all.sort_by_key(|e| e.recording);
+    Ok(all)
+}

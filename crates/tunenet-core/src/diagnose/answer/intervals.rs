@@ -1,0 +1,60 @@
+//! 95 % intervals of shared parameters.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::judge::cluster_robust::cluster_robust_half_widths;
+use crate::statistics::NORMAL_95;
+
+/// The intervals of a model's shared parameters.
+pub(in crate::diagnose) struct Intervals<'a> {
+    model: &'a Hypothesis<'a>,
+    half: Vec<f64>,
+    /// Whether the scatter between recordings made any of them wider.
+    pub widened: bool,
+}
+
+impl<'a> Intervals<'a> {
+    /// By the curvature of the fit, the noise's size taken from what is left; where recordings `differ` among themselves, at
+    /// least as wide as their scatter.
+    pub fn new(context: &Context, model: &'a Hypothesis<'a>, differ: bool) -> Self {
+        let size = model.structure.globals.len();
+        let freedom = context.count() as f64 - size as f64;
+        let variance = model.deviance(model.scale()) / freedom.max(1.0) / context.effective_fraction();
+        let mut half: Vec<f64> =
+            (0..size).map(|g| NORMAL_95 * (variance * model.fit.covariance[(g, g)].max(0.0)).sqrt()).collect();
+        let between = if differ { cluster_robust_half_widths(context, model) } else { Vec::new() };
+        let mut widened = false;
+        for (half, between) in half.iter_mut().zip(&between) {
+            if let Some(between) = between.filter(|between| between > half) {
+                (*half, widened) = (between, true);
+            }
+        }
+        Self { model, half, widened }
+    }
+
+    /// That of shared parameter `g`, within the bounds of what can be simulated.
+    pub fn of(&self, g: usize) -> (f64, f64) {
+        let (p, value) = (&self.model.structure.globals[g].parameter, self.model.fit.point.globals[g]);
+        ((value - self.half[g]).max(p.min), (value + self.half[g]).min(p.max))
+    }
+
+    /// How far the shared parameters `places` together lie from absence, squared, in standard errors as wide as the intervals, and
+    /// correlated as the fit has them (Wald 1943).
+    pub fn squared_distance_from_absence(&self, places: &[usize]) -> f64 {
+        let (globals, covariance) = (&self.model.structure.globals, &self.model.fit.covariance);
+        let distance = DVector::from_iterator(
+            places.len(),
+            places.iter().map(|&g| {
+                let absent = globals[g].absent.map_or(0.0, |(value, _)| value);
+                NORMAL_95 * (self.model.fit.point.globals[g] - absent) / self.half[g].max(f64::MIN_POSITIVE)
+            }),
+        );
+        let correlation = DMatrix::from_fn(places.len(), places.len(), |i, j| {
+            let (a, b) = (places[i], places[j]);
+            let scale = (covariance[(a, a)] * covariance[(b, b)]).sqrt();
+            if i == j || scale <= 0.0 { f64::from(i == j) } else { covariance[(a, b)] / scale }
+        });
+        correlation.cholesky().map_or(0.0, |factor| distance.dot(&factor.solve(&distance)))
+    }
+}

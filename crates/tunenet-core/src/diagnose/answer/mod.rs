@@ -1,0 +1,288 @@
+//! What a diagnosis ends with.
+
+pub(in crate::diagnose) mod assemble;
+pub(in crate::diagnose) mod insufficient;
+pub(in crate::diagnose) mod intervals;
+pub(in crate::diagnose) mod next_experiment;
+pub(in crate::diagnose) mod notes;
+pub(in crate::diagnose) mod per_object;
+pub(in crate::diagnose) mod residual_description;
+pub(in crate::diagnose) mod wording;
+
+use crate::observation::{Note, Observation};
+use crate::simulator::{Effect, Phase};
+use serde::{Deserialize, Serialize};
+
+/// The answer in one word. Each is a result, none an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing is missing that these recordings could show.
+    None,
+    /// These effects are missing, and no others explain the recordings as well.
+    Named,
+    /// Something of the catalogue is missing, but the recordings do not separate several explanations.
+    OneOf,
+    /// Something is missing, and nothing in the catalogue explains it.
+    Unknown,
+    /// The recordings are too few or too short to say.
+    Insufficient,
+}
+
+/// A number of an effect for one object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Value {
+    /// The object's position among the subjects; `None` where all objects share it (how they were seen).
+    pub object: Option<usize>,
+    /// The estimate.
+    pub value: f64,
+    /// Its 95 % interval, within the bounds of what can be simulated.
+    pub interval95: (f64, f64),
+}
+
+/// One coefficient of a named effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// Its key in a simulation file: `c_1_m`.
+    pub key: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// One for each object that has recordings, or a single shared one.
+    pub values: Vec<Value>,
+}
+
+/// Why an effect is plausible.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evidence {
+    /// How much the Bayesian information criterion falls by having this effect beside the others (Schwarz 1978).
+    pub bic_gain: f64,
+    /// The next best explanation in its place, where there is any.
+    pub runner_up: Option<&'static str>,
+    /// How much higher the criterion is with that one in its place; infinite where there is none.
+    pub runner_up_bic_gap: f64,
+    /// Probability of such a gain by chance, already multiplied by the number of candidates (Bonferroni).
+    pub p_value: f64,
+}
+
+/// An effect of the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedEffect {
+    /// Its entry in the catalogue; where it acts is [`Effect::phase`].
+    pub effect: Effect,
+    /// Its numbers.
+    pub coefficients: Vec<Fitted>,
+    /// Why it is plausible.
+    pub evidence: Evidence,
+    /// Other effects that could be in its place, best first: they explain the recordings as well, or the recordings show a
+    /// single throw, of which the next best is left whatever its distance.
+    pub alternatives: Vec<&'static str>,
+}
+
+/// One candidate as it stood alone beside the tuned simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Its name.
+    pub name: &'static str,
+    /// Gain of the information criterion over the tuned simulation without any effect; negative where the effect does not
+    /// earn its coefficients.
+    pub bic_gain: f64,
+    /// How far it stays behind the best candidate.
+    pub delta: f64,
+    /// Whether the gain comes from a joint fit, or is what a first-order prediction promises.
+    pub fitted: bool,
+    /// Residual on held-out recordings over that of the tuned simulation without it, where both are known.
+    pub held_out_ratio: Option<f64>,
+    /// Why it cannot be the answer.
+    pub excluded: Option<String>,
+}
+
+/// A pair of numbers, before and after.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// Of the simulation as it was, tuned anew.
+    pub before: f64,
+    /// Of the simulation with the named effects.
+    pub after: f64,
+}
+
+/// What a gap was measured on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GapOf {
+    /// The recordings as they are.
+    Recordings,
+    /// Their flights, cut at the contacts, each with a start of its own: this says nothing of how far a whole recording is
+    /// predicted.
+    Flights,
+    /// Their contacts, the flights straightened: this says nothing of the flights.
+    Contacts,
+}
+
+/// How far simulation and measurement lie apart (root mean square), and what noise alone leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gap {
+    /// The unit of all.
+    pub unit: String,
+    /// What all these were measured on.
+    pub of: GapOf,
+    /// On the recordings that were fitted: the simulation as it was, its own parameters tuned anew.
+    pub before: f64,
+    /// With the named effects.
+    pub after: f64,
+    /// What noise alone leaves.
+    pub noise_floor: f64,
+    /// On recordings that were not fitted, of which only the start was.
+    pub held_out: Option<Change>,
+    /// On the same with a wrong effect added: its name and what it reaches. A gain that it reaches too proves nothing.
+    pub control: Option<(&'static str, f64)>,
+    /// On the same, their later part predicted from the start of the first 40 %.
+    pub forecast: Option<Change>,
+}
+
+/// One test of what the final model leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Test {
+    /// What was tested.
+    pub name: &'static str,
+    /// The statistic.
+    pub value: f64,
+    /// The greatest that passes.
+    pub threshold: f64,
+    /// Whether it passed.
+    pub passed: bool,
+}
+
+/// What to measure next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NextExperiment {
+    /// One sentence for users.
+    pub text: String,
+    /// Numbers of it by name, for scripts: `release.velocity_x` in m/s.
+    pub settings: Vec<(String, f64)>,
+}
+
+/// A tuned parameter of one object with the named effects in place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tuned {
+    /// The object's position among the subjects.
+    pub object: usize,
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value in the simulation as given.
+    pub given: f64,
+    /// Its value tuned without any effect.
+    pub before: f64,
+    /// Its value now.
+    pub value: f64,
+    /// Its 95 % interval.
+    pub interval95: (f64, f64),
+}
+
+/// One recording as it was seen and explained.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Explained {
+    /// Its position among the recordings given.
+    pub recording: usize,
+    /// Its name.
+    pub name: String,
+    /// Which of its flights this is, from 1, where they were cut apart.
+    pub flight: Option<usize>,
+    /// Whether it was kept out of the fit.
+    pub held_out: bool,
+    /// What was used of it.
+    pub seen: Observation,
+    /// Whether a value counted, shape `[sample · channel]`; residuals of those that did not are 0.
+    pub kept: Vec<bool>,
+    /// Measured − predicted without an effect, in units of the noise, shape `[sample · channel]`.
+    pub before: Vec<f64>,
+    /// The same with the named effects.
+    pub after: Vec<f64>,
+    /// Noise of each channel in its unit.
+    pub noise: Vec<f64>,
+    /// Contacts as the recording shows them, s.
+    pub contacts: Vec<f64>,
+    /// Its nuisance parameters with the named effects: name, value, unit.
+    pub nuisances: Vec<(String, f64, String)>,
+}
+
+/// What becomes of one recording given.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Use {
+    /// Its name.
+    pub name: String,
+    /// Whether it was used at all.
+    pub used: bool,
+    /// Whether it was kept out of the fit.
+    pub held_out: bool,
+    /// Why it was not used, or what was cut.
+    pub notes: Vec<Note>,
+}
+
+/// What one object's own recordings say of an effect of the answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OwnEffect {
+    /// The effect's name.
+    pub name: &'static str,
+    /// How much the Bayesian information criterion of this object's recordings falls by its own coefficients (from their
+    /// squared distance from absence in standard errors; Wald 1943). `None` where all objects share them, or where contacts
+    /// are not understood.
+    pub bic_gain: Option<f64>,
+    /// Whether its recordings show the effect.
+    pub shown: bool,
+}
+
+/// The answer of one object among several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OfObject {
+    /// The object's position among the subjects.
+    pub object: usize,
+    /// The answer: `None` where others show an effect and its own recordings do not need it.
+    pub verdict: Verdict,
+    /// Every effect of the whole answer as this object shows it.
+    pub effects: Vec<OwnEffect>,
+}
+
+/// Everything that a diagnosis found.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The answer.
+    pub verdict: Verdict,
+    /// The answer of each object that has recordings to fit. Empty of an arm's logs, and where nothing could be fitted.
+    pub objects: Vec<OfObject>,
+    /// The named effects (`Named`), or the best explanation of an ambiguous one (`OneOf`). Empty otherwise.
+    pub effects: Vec<NamedEffect>,
+    /// Names that are left: all of the set when `OneOf` (a single one beside what is in no catalogue, where nothing else explains
+    /// anything and there is a [`doubt`](Self::doubt)), the nearest when `Unknown`, the effects' own when `Named`.
+    pub names: Vec<&'static str>,
+    /// Every candidate as it stood alone, best first, the excluded last.
+    pub candidates: Vec<Candidate>,
+    /// The gap; absent where nothing could be fitted.
+    pub gap: Option<Gap>,
+    /// What the final model leaves, test by test.
+    pub adequacy: Vec<Test>,
+    /// What would separate or show what these recordings cannot.
+    pub next_experiment: Option<NextExperiment>,
+    /// How far behind the best an explanation is still left; more of a single throw, less in the place of what has to be
+    /// there anyhow.
+    pub margin: f64,
+    /// How much the information criterion has to gain for an effect to be there at all.
+    pub least_gain: f64,
+    /// Where verdict is `OneOf` although the evidence tells the first of what is left from all others by far: why it earns no
+    /// lone name all the same.
+    pub doubt: Option<&'static str>,
+    /// Where verdict is `Unknown`: what is left, in words.
+    pub description: Option<String>,
+    /// Where it acts, as far as that shows.
+    pub remains: Option<Phase>,
+    /// The tuned parameters.
+    pub parameters: Vec<Tuned>,
+    /// The recordings used, before and after.
+    pub explained: Vec<Explained>,
+    /// What became of every recording given.
+    pub uses: Vec<Use>,
+    /// What a person should know.
+    pub notes: Vec<Note>,
+    /// Rollouts in all.
+    pub rollouts: usize,
+}

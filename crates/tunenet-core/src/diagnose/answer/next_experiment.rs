@@ -1,0 +1,246 @@
+//! Next experiment, maximin T-optimal (Atkinson and Fedorov 1975): where the confusable effects differ most.
+
+use crate::Result;
+use crate::diagnose::answer::NextExperiment;
+use crate::diagnose::answer::wording::{is_of_balls, words};
+use crate::diagnose::columns::{Projector, orthonormal, stack};
+use crate::diagnose::derivatives::{Columns, Which};
+use crate::diagnose::evidence::ar1_prewhitening::Filter;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::Selection;
+use crate::diagnose::joint::{Joint, Point};
+use crate::diagnose::judge::verdict::unique;
+use crate::observation::Observation;
+use crate::simulator::{Parameter, Prepared, rollout};
+use crate::statistics::dot;
+
+/// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
+const HEIGHTS_M: [f64; 3] = [0.5, 1.0, 2.0];
+const SPEEDS_M_S: [[f64; 3]; 9] = [
+    [0.0, 0.0, 0.0],
+    [2.0, 0.0, 0.0],
+    [0.0, 2.0, 0.0],
+    [4.0, 0.0, 0.0],
+    [0.0, 4.0, 0.0],
+    [3.0, 3.0, 2.0],
+    [2.0, -2.0, 4.0],
+    [2.0, 0.0, 4.0],
+    [0.0, 2.0, 4.0],
+];
+/// Two explanations whose expected logarithmic likelihoods differ by less than this stay together: the usual margin of 6
+/// in the information criterion.
+const SEPARATED: f64 = 3.0;
+/// Names of nuisance parameters that a person can choose.
+const START: &str = "release.";
+
+/// The experiment that separates what is left together: for each effect of the best structure, `alternatives` are what
+/// could be in its place.
+pub(in crate::diagnose) fn next(
+    context: &Context,
+    found: &Selection,
+    alternatives: &[Vec<usize>],
+) -> Result<Option<NextExperiment>> {
+    let Some(best) = &found.best else { return Ok(None) };
+    let open = found.places.iter().zip(alternatives).find(|(_, others)| !others.is_empty());
+    let name = |entry: usize| context.catalogue[entry].name;
+    let Some((place, others)) = open else {
+        // Nothing else explains anything: what is in no catalogue is all that could be in its place.
+        let words = words(context);
+        let known = unique(found.places.iter().filter_map(|place| (words.knowledge)(name(place.entry))).collect());
+        let text = std::iter::once(words.add).chain(known).collect::<Vec<_>>().join("; or ");
+        return Ok(Some(NextExperiment { text, settings: Vec::new() }));
+    };
+    let designs = designs(context, best)?;
+    let chance = |entry: usize| context.catalogue[entry].chance();
+    let gaps = if chance(place.entry) || others.iter().any(|&other| chance(other)) {
+        // Chance turns every bounce anew, whatever the throw: what is steady is not, so the more bounces along a new
+        // direction the better.
+        designs.iter().map(|design| vec![across(design); others.len()]).collect()
+    } else {
+        gaps(context, best, place.entry, others, &designs)?
+    };
+    // What some motion separates at all; the rest are twins in any of them.
+    let separable: Vec<usize> =
+        (0..others.len()).filter(|&b| gaps.iter().any(|design| design[b] > SEPARATED)).collect();
+    let twins: Vec<&str> = (0..others.len()).filter(|b| !separable.contains(b)).map(|b| name(others[b])).collect();
+    let least = |design: &[f64]| separable.iter().map(|&b| design[b]).fold(f64::INFINITY, f64::min);
+    let chosen = (0..designs.len()).max_by(|&a, &b| least(&gaps[a]).total_cmp(&least(&gaps[b])));
+    let mut text = String::new();
+    let mut settings = Vec::new();
+    if let (Some(chosen), false) = (chosen, separable.is_empty()) {
+        let nuisances = &designs[chosen].prepared.nuisances;
+        settings = nuisances.iter().filter(|p| p.name.starts_with(START)).map(|p| (p.name.clone(), p.value)).collect();
+        let value = |key: &str| settings.iter().find(|(name, _)| name.ends_with(key)).map_or(0.0, |(_, v)| *v);
+        let (x, y, z) = (value("velocity_x"), value("velocity_y"), value("velocity_z"));
+        let height = value("release.z");
+        let how = if (x, y, z) == (0.0, 0.0, 0.0) {
+            format!("drop it from {height:.2} m")
+        } else {
+            let along = [("x", x), ("y", y)].into_iter().filter(|(_, speed)| *speed != 0.0);
+            let along: Vec<String> = along.map(|(axis, speed)| format!("{speed:.1} m/s along {axis}")).collect();
+            format!("throw it from {height:.2} m with {} and {z:.1} m/s upwards", along.join(", "))
+        };
+        let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
+        text = format!(
+            "{how} and add that recording: it distinguishes {} from {} (expected gain {})",
+            name(place.entry),
+            apart.join(", "),
+            gain(2.0 * least(&gaps[chosen]))
+        );
+    }
+    if !twins.is_empty() {
+        let words = words(context);
+        let known: Vec<&str> =
+            std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(words.knowledge).collect();
+        let unique = unique(known);
+        // Of anything but a ball nobody here knows what could be recorded.
+        if !is_of_balls(context) {
+            let text = std::iter::once(words.add).chain(unique).collect::<Vec<_>>().join("; or ");
+            return Ok(Some(NextExperiment { text, settings }));
+        }
+        let also = if text.is_empty() { "no throw tells" } else { "; no throw tells" };
+        let rest = twins.join(", ");
+        text = format!("{text}{also} {} from {rest}: {}", name(place.entry), unique.join(", or "));
+    }
+    Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
+}
+
+/// The speed along the surface with which a design starts, in units in which 1 m/s separates.
+fn across(design: &Set) -> f64 {
+    let speed = |axis: &str| {
+        let nuisances = design.prepared.nuisances.iter().find(|p| p.name == format!("{START}velocity_{axis}"));
+        nuisances.map_or(0.0, |p| p.value)
+    };
+    SEPARATED * speed("x").hypot(speed("y"))
+}
+
+/// Recordings that could be made, as the best model predicts them; the first recording lends clock and noise.
+fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
+    let set = &context.sets()[0];
+    let nuisances = &best.fit.point.nuisances[0];
+    let place = |key: &str| set.prepared.nuisances.iter().position(|p| p.name == format!("{START}{key}"));
+    let [Some(_), Some(_), Some(_)] = ["velocity_x", "velocity_y", "velocity_z"].map(place) else {
+        return Ok(Vec::new());
+    };
+    let (simulator, parameters) =
+        (best.structure.simulator(set.object), best.structure.parameters(set.object, &best.fit.point.globals));
+    let mut all = Vec::new();
+    // An axis that was not measured will not be next time either.
+    let unmeasured = set.unmeasured();
+    let across = |velocity: &[f64; 3]| unmeasured.iter().any(|&axis| velocity[axis] != 0.0);
+    for height in HEIGHTS_M {
+        for velocity in SPEEDS_M_S.into_iter().filter(|velocity| !across(velocity)) {
+            let mut start = nuisances.clone();
+            let wanted =
+                [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", velocity[0]), ("velocity_y", velocity[1])];
+            for (key, value) in wanted.into_iter().chain([("velocity_z", velocity[2])]) {
+                if let Some(i) = place(key) {
+                    start[i] = value;
+                }
+            }
+            let Ok(values) = rollout(simulator, &parameters, &start, set.clock()) else { continue };
+            let seen = &set.prepared.seen;
+            let seen = Observation::new(seen.kind(), seen.channels().to_vec(), seen.clock().to_vec(), values)?;
+            let free = |(p, value): (&Parameter, &f64)| {
+                let reach = p.span().max(2.0 * (value - p.value).abs());
+                Parameter { value: *value, min: value - reach, max: value + reach, ..p.clone() }
+            };
+            let nuisances: Vec<Parameter> = set.prepared.nuisances.iter().zip(&start).map(free).collect();
+            let keep: Vec<bool> = (0..seen.values().len()).map(|i| !unmeasured.contains(&(i % set.width()))).collect();
+            let filter = Filter::new(seen.clock(), &set.noise, &keep, 0.0);
+            let mut prepared = Prepared::whole(seen, parameters.len());
+            prepared.nuisances = nuisances;
+            all.push(Set {
+                recording: 0,
+                object: set.object,
+                throw: 0,
+                held_out: false,
+                pull: set.pull.clone(),
+                prepared,
+                noise: set.noise.clone(),
+                keep,
+                filter,
+                contacts: Vec::new(),
+                held_still: false,
+            });
+        }
+    }
+    Ok(all)
+}
+
+/// For each design and each other explanation: the expected difference of logarithmic likelihood, half the square of what
+/// the best effect does that parameters, start states and the other effect cannot do instead, over all recordings and the
+/// new one.
+fn gaps(
+    context: &Context,
+    best: &Hypothesis,
+    entry: usize,
+    others: &[usize],
+    designs: &[Set],
+) -> Result<Vec<Vec<f64>>> {
+    let effects: Vec<usize> = best.structure.effects.iter().copied().chain(others.iter().copied()).collect();
+    let structure = context.structure(&effects)?;
+    let globals = structure.carry(&best.structure, &best.fit.point.globals);
+    let columns = |sets: &[Set], nuisances: Vec<Vec<f64>>| -> Result<(Vec<Columns>, Vec<usize>)> {
+        let joint = Joint { structure: &structure, sets, rollouts: &context.rollouts };
+        let point = Point { globals: globals.clone(), nuisances };
+        let residuals = joint.residuals(&point, 1.0)?;
+        let lengths = residuals.iter().map(Vec::len).collect();
+        Ok((joint.columns(&point, &residuals, Which::ALL), lengths))
+    };
+    let (known, lengths) = columns(context.sets(), best.fit.point.nuisances.clone())?;
+    let of = |entry: usize| -> Vec<usize> {
+        effects.iter().position(|&e| e == entry).map_or_else(Vec::new, |position| structure.of_effect(position))
+    };
+    let (mine, rivals) = (of(entry), others.iter().map(|&o| of(o)).collect::<Vec<_>>());
+    let shared = |all: &[Columns], wanted: &dyn Fn(usize) -> bool| -> Vec<Columns> {
+        all.iter()
+            .map(|one| {
+                let kept: Vec<usize> = (0..one.places.len()).filter(|&i| wanted(one.places[i])).collect();
+                Columns {
+                    places: kept.iter().map(|&i| one.places[i]).collect(),
+                    shared: kept.iter().map(|&i| one.shared[i].clone()).collect(),
+                    nuisances: one.nuisances.clone(),
+                }
+            })
+            .collect()
+    };
+    let mut all = Vec::new();
+    for design in designs {
+        let start = design.prepared.nuisance_values();
+        let Ok((new, new_lengths)) = columns(std::slice::from_ref(design), vec![start]) else {
+            all.push(vec![0.0; others.len()]);
+            continue;
+        };
+        let both: Vec<Columns> = known.iter().cloned().chain(new).collect();
+        let lengths: Vec<usize> = lengths.iter().copied().chain(new_lengths).collect();
+        let contested = |place: usize| mine.contains(&place) || rivals.iter().any(|r| r.contains(&place));
+        let base = shared(&both, &|place| !contested(place));
+        let projector = Projector::new(&base, &lengths, structure.globals.len());
+        let projected = |place: usize| {
+            let mut column = stack(&both, &lengths, place);
+            projector.project(&mut column);
+            column
+        };
+        let mut effect = vec![0.0; lengths.iter().sum()];
+        for &place in &mine {
+            let size = globals[place] - structure.globals[place].absent.map_or(0.0, |a| a.0);
+            effect.iter_mut().zip(projected(place)).for_each(|(e, c)| *e += size * c);
+        }
+        let each = rivals.iter().map(|rival| {
+            let span = orthonormal(rival.iter().map(|&place| projected(place)).collect());
+            let taken: f64 = span.iter().map(|direction| dot(direction, &effect).powi(2)).sum();
+            0.5 * (dot(&effect, &effect) - taken).max(0.0)
+        });
+        all.push(each.collect());
+    }
+    Ok(all)
+}
+
+/// Beyond this, a greater gain says nothing more.
+const CLEAR_GAIN: f64 = 1000.0;
+
+fn gain(value: f64) -> String {
+    if value > CLEAR_GAIN { format!("above {CLEAR_GAIN}") } else { format!("{value:.0}") }
+}

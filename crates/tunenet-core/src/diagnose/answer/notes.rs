@@ -1,0 +1,107 @@
+//! What a person should know of a diagnosis beside its answer.
+
+use crate::diagnose::answer::wording::words;
+use crate::diagnose::evidence::unmeasured_axes::SILENT;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::Selection;
+use crate::diagnose::hypothesis::plausibility::implausible_reason;
+use crate::diagnose::judge::judgement::Judgement;
+use crate::diagnose::judge::verdict::in_place_of;
+use crate::observation::{Note, with_decimals};
+
+/// Where across its bounds a parameter is tried.
+const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
+
+/// What is to be noted of `judged`.
+pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) {
+    if judged.practical {
+        notes.push(Note::new(
+            "adequacy.practical",
+            "something small is left beyond noise; the effects are named for the large part that they take away",
+            "",
+        ));
+    }
+    if judged.events_open() {
+        notes.push(Note::new(
+            "contact.unexplained",
+            "what flies is explained; at the contacts something is left that no effect takes away",
+            "vary height and surface, to see with which of them it changes",
+        ));
+    }
+    if judged.lag1 != 0.0 {
+        let rho = judged.lag1;
+        let text = format!("noise is autocorrelated (lag-1 {rho:.2}); residuals were prewhitened");
+        notes.push(Note::new("noise.coloured", text, ""));
+    }
+    note_unidentifiable(&judged.context, judged.best(), notes);
+    if judged.told() {
+        note_less_plausible(&judged.context, &judged.found, judged.decision.margin, notes);
+    }
+}
+
+/// Says which parameters of `model` the recordings do not determine: those on which they do not depend at all, and those
+/// that they do not depend on near the value found, as friction once the ball grips.
+fn note_unidentifiable(context: &Context<'_>, model: &Hypothesis, notes: &mut Vec<Note>) {
+    let silent = |g: &usize| !model.fit.covariance[(*g, *g)].is_finite();
+    for g in (0..model.structure.globals.len()).filter(silent) {
+        let parameter = &model.structure.globals[g].parameter;
+        if model.structure.globals[g].effect.is_some() {
+            continue;
+        }
+        let remedy = "bring a recording in which it matters";
+        notes.push(if moves_something(context, model, g) {
+            let (name, value) = (&parameter.name, with_decimals(model.fit.point.globals[g], 3));
+            let text = format!("the recordings do not determine `{name}`: near {value} they do not depend on it");
+            Note::new("parameter.not_identifiable", text, remedy)
+        } else {
+            Note::new(
+                "parameter.no_effect",
+                format!("`{}` changes nothing in these recordings", parameter.name),
+                remedy,
+            )
+        });
+    }
+}
+
+/// Whether another value of shared parameter `g` within its bounds would change anything that counts.
+fn moves_something(context: &Context<'_>, model: &Hypothesis, g: usize) -> bool {
+    let parameter = &model.structure.globals[g].parameter;
+    ACROSS.iter().any(|share| {
+        let mut point = model.fit.point.clone();
+        point.globals[g] = parameter.min + share * parameter.span();
+        // What cannot be simulated is no less than a change.
+        context.joint(&model.structure).residuals(&point, 1.0).map_or(true, |moved| {
+            let both = moved.iter().flatten().zip(model.fit.residuals.iter().flatten());
+            both.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt() > SILENT
+        })
+    })
+}
+
+/// Says which effects explain the recordings as well as those found within `margin`, and why they are not offered.
+fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, notes: &mut Vec<Note>) {
+    for place in &found.places {
+        let offered = in_place_of(context, place, margin);
+        let near = place.others.iter().filter(|(other, gap)| *gap < margin && !offered.contains(other));
+        for (other, why) in near.filter_map(|(other, _)| Some((*other, implausible_reason(context, *other)?))) {
+            let name = context.catalogue[other].name;
+            let text = format!("`{name}` would explain these recordings about as well, but {why}");
+            notes.push(Note::new("effect.unlikely", text, "set world.medium = \"other\" where it did not move in air"));
+        }
+    }
+}
+
+/// Notes recordings that are copies of one motion.
+pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>) {
+    let mut recordings: Vec<usize> = context.sets().iter().map(|set| set.recording).collect();
+    recordings.dedup();
+    if recordings.len() > 1 && context.evidence.shows_one_motion() {
+        let words = words(context);
+        let text = format!(
+            "all {} recordings show one and the same {motion}, so they count as one: what one {motion} cannot tell apart \
+             stays together, however often it is repeated",
+            recordings.len(),
+            motion = words.motion
+        );
+        notes.push(Note::new("recordings.alike", text, words.otherwise));
+    }
+}

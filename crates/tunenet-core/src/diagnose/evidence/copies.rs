@@ -1,0 +1,89 @@
+//! Copies of one motion: however often it is repeated, it distinguishes no more than once.
+
+use crate::diagnose::evidence::recording::Set;
+
+/// Two motions that differ by less than this share of themselves (root mean squares, noise taken off) are one throw: a person
+/// who repeats one stays below, and one who drops from half as high again goes far beyond.
+const ALIKE: f64 = 0.25;
+/// Recordings that share less than this part of the longer one are not compared.
+const COMMON: f64 = 0.5;
+
+/// Marks recordings of one object that show the same throw as an earlier one with its `throw`.
+pub(in crate::diagnose) fn label(sets: &mut [Set]) {
+    let mut first: Vec<usize> = Vec::new();
+    for i in 0..sets.len() {
+        match first.iter().find(|&&known| alike(&sets[known], &sets[i])) {
+            Some(&known) => sets[i].throw = sets[known].throw,
+            None => first.push(i),
+        }
+    }
+}
+
+fn alike(a: &Set, b: &Set) -> bool {
+    a.object == b.object && a.width() == b.width() && difference(a, b).is_some_and(|share| share < ALIKE)
+}
+
+/// How far two motions lie apart over their common time, each about its own mean, as a share of the first.
+fn difference(a: &Set, b: &Set) -> Option<f64> {
+    let (ours, theirs, width) = (a.clock(), b.clock(), a.width());
+    let length = |clock: &[f64]| clock[clock.len() - 1] - clock[0];
+    let shared = ours.partition_point(|t| t - ours[0] <= length(theirs));
+    if ours[shared - 1] - ours[0] < COMMON * length(ours).max(length(theirs)) {
+        return None;
+    }
+    let (mut apart, mut motion) = (0.0, 0.0);
+    for channel in 0..width {
+        let counted: Vec<usize> = (0..shared).filter(|k| a.keep[k * width + channel]).collect();
+        let moved: Vec<f64> = counted.iter().map(|&k| a.prepared.seen.row(k)[channel]).collect();
+        let differ: Vec<f64> =
+            counted.iter().zip(&moved).map(|(&k, v)| v - at(b, channel, theirs[0] + ours[k] - ours[0])).collect();
+        let noise = a.noise[channel].powi(2) + b.noise[channel].powi(2);
+        apart += squares(&differ) - noise * differ.len() as f64;
+        motion += squares(&moved);
+    }
+    (motion > 0.0).then(|| (apart.max(0.0) / motion).sqrt())
+}
+
+/// A channel at an instant, between its samples.
+fn at(set: &Set, channel: usize, time: f64) -> f64 {
+    let (clock, seen) = (set.clock(), &set.prepared.seen);
+    let next = clock.partition_point(|t| *t < time).clamp(1, clock.len() - 1);
+    let share = ((time - clock[next - 1]) / (clock[next] - clock[next - 1])).clamp(0.0, 1.0);
+    let (before, after) = (seen.row(next - 1)[channel], seen.row(next)[channel]);
+    before + share * (after - before)
+}
+
+/// The sum of squares about the mean.
+fn squares(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / (values.len() as f64).max(1.0);
+    values.iter().map(|v| (v - mean).powi(2)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::Observation;
+    use crate::simulator::Prepared;
+
+    /// A flight from `height` with these speeds along x and z.
+    fn thrown(recording: usize, object: usize, height: f64, along: f64, up: f64) -> Set {
+        let clock: Vec<f64> = (0..60).map(|k| f64::from(k) * 0.01).collect();
+        let row = |t: &f64| [along * t, 0.0, height + up * t - 4.905 * t * t];
+        let rows: Vec<[f64; 3]> = clock.iter().map(row).collect();
+        Set::new(recording, object, false, Prepared::whole(Observation::positions(clock, &rows).unwrap(), 1))
+    }
+
+    #[test]
+    fn a_repeated_throw_counts_once_and_a_turned_one_again() {
+        let mut sets = vec![
+            thrown(0, 0, 1.0, 1.0, 0.5),
+            thrown(1, 0, 1.02, 1.02, 0.48),
+            thrown(2, 0, 1.0, -1.0, 0.5),
+            thrown(3, 0, 1.0, 1.0, 2.5),
+            thrown(4, 1, 1.0, 1.0, 0.5),
+        ];
+        label(&mut sets);
+        let throws: Vec<usize> = sets.iter().map(|s| s.throw).collect();
+        assert_eq!(throws, [0, 0, 2, 3, 4], "another direction, another speed, another object");
+    }
+}

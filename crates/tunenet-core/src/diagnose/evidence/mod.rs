@@ -1,0 +1,88 @@
+//! The evidence: prepared recordings and a model of their noise. A value: a step that learns more makes another.
+
+pub(in crate::diagnose) mod ar1_correlation;
+pub(in crate::diagnose) mod ar1_prewhitening;
+pub(in crate::diagnose) mod copies;
+pub(in crate::diagnose) mod recording;
+pub(in crate::diagnose) mod segment_noise;
+pub(in crate::diagnose) mod segments;
+pub(in crate::diagnose) mod sign_ambiguous;
+pub(in crate::diagnose) mod unmeasured_axes;
+
+use recording::Set;
+
+/// How the residuals of the true model are distributed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::diagnose) enum NoiseModel {
+    /// Independent from sample to sample.
+    White,
+    /// First-order autoregressive, with this correlation of neighbours; residuals are prewhitened.
+    Ar1 {
+        /// The lag-1 correlation.
+        rho: f64,
+    },
+    /// Model discrepancy is treated as noise: each channel's variance is inflated to that of the residual.
+    Inflated {
+        /// The share of the values that counts as independent.
+        effective_fraction: f64,
+    },
+}
+
+impl NoiseModel {
+    /// The lag-1 correlation that is taken out of residuals.
+    pub fn lag1(self) -> f64 {
+        match self {
+            Self::Ar1 { rho } => rho,
+            Self::White | Self::Inflated { .. } => 0.0,
+        }
+    }
+
+    /// The share of the values that counts as independent once residuals are white.
+    pub fn effective_fraction(self) -> f64 {
+        match self {
+            Self::Inflated { effective_fraction } => effective_fraction,
+            Self::White | Self::Ar1 { .. } => 1.0,
+        }
+    }
+}
+
+/// Recordings to fit, recordings to judge by, and the noise of both.
+#[derive(Clone)]
+pub(in crate::diagnose) struct Evidence {
+    /// The recordings that are fitted.
+    pub training: Vec<Set>,
+    /// The recordings that are held out to judge by.
+    pub validation: Vec<Set>,
+    pub noise: NoiseModel,
+}
+
+impl Evidence {
+    /// Splits prepared recordings into those to fit and those held out, their noise taken for white.
+    pub fn new(recordings: Vec<Set>) -> Self {
+        let (validation, training) = recordings.into_iter().partition(|r| r.held_out);
+        Self { training, validation, noise: NoiseModel::White }
+    }
+
+    /// The same with residuals prewhitened by this lag-1 correlation; 0 is white noise.
+    pub fn prewhitened(mut self, rho: f64) -> Self {
+        self.training.iter_mut().chain(&mut self.validation).for_each(|set| set.colour(rho));
+        self.noise = if rho == 0.0 { NoiseModel::White } else { NoiseModel::Ar1 { rho } };
+        self
+    }
+
+    /// How many values are fitted.
+    pub fn count(&self) -> usize {
+        self.training.iter().map(Set::count).sum()
+    }
+
+    /// Whether all that is fitted shows one motion, however often.
+    pub fn shows_one_motion(&self) -> bool {
+        self.training.iter().all(|set| set.throw == self.training[0].throw)
+    }
+
+    /// Whether no object shows a second motion, against which the values of its nuisance parameters could be held.
+    pub fn shows_one_motion_per_object(&self) -> bool {
+        let one = |a: &Set| self.training.iter().all(|b| a.object != b.object || a.throw == b.throw);
+        self.training.iter().all(one)
+    }
+}

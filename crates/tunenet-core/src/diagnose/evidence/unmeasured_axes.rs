@@ -1,0 +1,123 @@
+//! Unmeasured axes: what acts along them alone is neither free nor a candidate.
+
+use crate::Result;
+use crate::diagnose::columns::stack;
+use crate::diagnose::derivatives::Which;
+use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::hypothesis::catalogue::Entry;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::joint::{Joint, Point};
+use crate::statistics::dot;
+
+/// A coefficient that moves the recordings by less than this share of what another of its effect does is not seen.
+const UNSEEN_SHARE: f64 = 1e-3;
+/// An nuisance parameter whose whole range moves nothing by more than this (in units of the noise) is held at its guess ...
+pub(in crate::diagnose) const SILENT: f64 = 0.01;
+/// ... by a pull of this share of its range.
+const HELD_SHARE: f64 = 1e-6;
+
+/// The context with nuisance parameters along axes that were not measured held, and no coefficient free that acts along them
+/// alone. A start velocity across the picture would otherwise turn spin into any force within it.
+pub(in crate::diagnose) fn without_unmeasured<'a>(context: Context<'a>, base: &Hypothesis) -> Result<Context<'a>> {
+    let mut evidence = Evidence::clone(&context.evidence);
+    if evidence.training.iter().chain(&evidence.validation).all(|set| set.unmeasured().is_empty()) {
+        return Ok(context);
+    }
+    let structure = context.structure(&[])?;
+    for (sets, nuisances) in
+        [(&mut evidence.training, Some(&base.fit.point.nuisances)), (&mut evidence.validation, None)]
+    {
+        let nuisances =
+            nuisances.cloned().unwrap_or_else(|| sets.iter().map(|s| s.prepared.nuisance_values()).collect());
+        let here = Point { globals: base.fit.point.globals.clone(), nuisances };
+        let joint = Joint { structure: &structure, sets, rollouts: &context.rollouts };
+        let residuals = joint.residuals(&here, 1.0)?;
+        let columns = joint.columns(&here, &residuals, Which::ALL);
+        for (set, one) in sets.iter_mut().zip(&columns) {
+            set.hold_silent(&one.nuisances);
+        }
+    }
+    let observed = |(position, entry): (usize, &Entry)| {
+        let seen = if entry.seen.len() > 1 { observable(&context, position, base)? } else { entry.seen.clone() };
+        Ok(Entry { seen, ..entry.clone() })
+    };
+    let catalogue = context.catalogue.iter().enumerate().map(observed).collect::<Result<_>>()?;
+    Ok(Context { catalogue, ..context.with_evidence(evidence) })
+}
+
+/// Which coefficients of an effect the recordings depend on.
+fn observable(context: &Context<'_>, entry: usize, base: &Hypothesis) -> Result<Vec<bool>> {
+    let structure = context.structure(&[entry])?;
+    let known = base.structure.globals.len();
+    let globals = structure.carry(&base.structure, &base.fit.point.globals);
+    let point = Point { globals, nuisances: base.fit.point.nuisances.clone() };
+    let which = Which { first: known, nuisances: false, ..Which::ALL };
+    let columns = context.joint(&structure).columns(&point, &base.fit.residuals, which);
+    let lengths: Vec<usize> = base.fit.residuals.iter().map(Vec::len).collect();
+    let mut sizes = vec![0.0f64; context.catalogue[entry].seen.len()];
+    for (place, global) in structure.globals.iter().enumerate().skip(known) {
+        let column = stack(&columns, &lengths, place);
+        if let Some((_, k)) = global.effect {
+            sizes[k] = sizes[k].max(dot(&column, &column).sqrt());
+        }
+    }
+    let largest = sizes.iter().copied().fold(0.0, f64::max);
+    Ok(sizes.into_iter().map(|size| largest <= 0.0 || size > UNSEEN_SHARE * largest).collect())
+}
+
+impl Set {
+    /// Channels of which nothing counts.
+    pub fn unmeasured(&self) -> Vec<usize> {
+        let width = self.width();
+        (0..width).filter(|c| !self.keep.iter().skip(*c).step_by(width).any(|keep| *keep)).collect()
+    }
+
+    /// Holds the nuisance parameters with these derivatives of the white residuals where they move nothing.
+    fn hold_silent(&mut self, columns: &[Vec<f64>]) {
+        if self.unmeasured().is_empty() {
+            return;
+        }
+        for (i, column) in columns.iter().enumerate() {
+            if dot(column, column).sqrt() * self.prepared.nuisances[i].span() < SILENT {
+                self.hold(i);
+            }
+        }
+    }
+
+    /// Holds nuisance parameter `i` at its guess.
+    pub fn hold(&mut self, i: usize) {
+        self.pull[i] = HELD_SHARE * self.prepared.nuisances[i].span();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::Observation;
+    use crate::simulator::{Parameter, Prepared};
+
+    fn seen_along_x_and_z() -> Set {
+        let clock: Vec<f64> = (0..30).map(|k| f64::from(k) * 0.02).collect();
+        let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.0, 1.0 - 4.905 * t * t]).collect();
+        let mut prepared = Prepared::whole(Observation::positions(clock, &rows).unwrap(), 1);
+        let nuisance = |name: &str| Parameter::new(name, "m/s", 1.0, -4.0, 4.0).unwrap();
+        prepared.nuisances = vec![nuisance("release.velocity_x"), nuisance("release.velocity_y")];
+        Set::new(0, 0, false, prepared)
+    }
+
+    #[test]
+    fn an_axis_that_stands_still_is_not_measured() {
+        assert_eq!(seen_along_x_and_z().unmeasured(), [1]);
+    }
+
+    /// What moves the recording stays as free as it was, what moves nothing is held at its guess.
+    #[test]
+    fn only_what_moves_nothing_is_held() {
+        let mut set = seen_along_x_and_z();
+        let before = set.pull.clone();
+        set.hold_silent(&[vec![0.1; 90], vec![0.0; 90]]);
+        assert_eq!(set.pull[0], before[0]);
+        assert!(set.pull[1] < 1e-4 * before[1], "{:?}", set.pull);
+    }
+}

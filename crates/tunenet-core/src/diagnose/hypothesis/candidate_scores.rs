@@ -1,0 +1,310 @@
+//! Scores of every candidate by Frisch–Waugh projection (Frisch and Waugh 1933); the best are fitted jointly.
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use crate::Result;
+use crate::diagnose::answer::wording::done_already;
+use crate::diagnose::columns::{Projector, orthonormal, stack};
+use crate::diagnose::derivatives::{Columns, Which};
+use crate::diagnose::fit::Effort;
+use crate::diagnose::hypothesis::canonical_correlation::canonical_correlation;
+use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
+use crate::diagnose::hypothesis::plausibility::implausible;
+use crate::diagnose::joint::Point;
+use crate::statistics::dot;
+
+/// One step with derivatives that are known already.
+const ONE_STEP: Effort = Effort { steps: 1, tolerance: 0.02, horizon: 1.0 };
+const FEW_STEPS: Effort = Effort { steps: 3, ..FULL };
+/// An effect that all of its physical bounds moves less than this (root of the summed squares, in units of the noise) is
+/// not there to be seen.
+const VISIBLE: f64 = 3.0;
+/// ... nor one of which parameters and start states can do all but this share (of squares).
+const LEFT_OVER: f64 = 1e-6;
+/// Candidates this far behind the best after one step, as a share of the gain and at least so many units, are not fitted.
+const BEHIND_SHARE: f64 = 0.25;
+const BEHIND: f64 = 30.0;
+/// Most candidates that are fitted at once before the others are looked at again, and how often they are.
+const FIRST: usize = 3;
+const ROUNDS: usize = 4;
+/// Candidates that share this much with the best (squared canonical correlation) are always fitted.
+const ALIKE: f64 = 0.97;
+/// A fit that keeps less than this share of the gain predicted has met something strongly bent, and is tried again from so
+/// many times the typical size.
+const KEPT: f64 = 0.9;
+const LARGER: [f64; 2] = [6.0, 20.0];
+
+/// One candidate at one stage.
+pub(in crate::diagnose) struct CandidateFit<'a> {
+    /// Its position in the catalogue.
+    pub entry: usize,
+    /// Gain of the information criterion over the model of this stage: of the joint fit, or as predicted.
+    pub gain: f64,
+    /// The same by the linear prediction.
+    pub predicted: f64,
+    /// The joint fit.
+    pub model: Option<Hypothesis<'a>>,
+    /// Why it cannot be the answer.
+    pub excluded: Option<String>,
+    /// Orthonormal projected columns, stacked.
+    pub span: Vec<Vec<f64>>,
+}
+
+impl CandidateFit<'_> {
+    /// A candidate that was fitted elsewhere.
+    pub fn unfitted(entry: usize, gain: f64) -> Self {
+        Self { entry, gain, predicted: gain, model: None, excluded: None, span: Vec::new() }
+    }
+
+    /// Best first, the excluded last.
+    pub fn order(a: &Self, b: &Self) -> Ordering {
+        a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)).then(a.entry.cmp(&b.entry))
+    }
+}
+
+/// A candidate's columns.
+struct Scored {
+    entry: usize,
+    columns: Vec<Columns>,
+    span: Vec<Vec<f64>>,
+    predicted: f64,
+    excluded: Option<String>,
+}
+
+/// Every candidate beside `model`, best first.
+pub(in crate::diagnose) fn score_candidates<'a>(
+    context: &Context<'a>,
+    model: &Hypothesis<'a>,
+) -> Vec<CandidateFit<'a>> {
+    let joint = context.joint(&model.structure);
+    let (point, residuals) = (&model.fit.point, &model.fit.residuals);
+    let base = joint.columns(point, residuals, Which::ALL);
+    let candidates: Vec<usize> =
+        (0..context.catalogue.len()).filter(|&e| !model.has(e) && !context.catalogue[e].chance()).collect();
+    let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
+    let projector = Projector::new(&base, &lengths, model.structure.globals.len());
+    let mut left: Vec<f64> = residuals.concat();
+    projector.project(&mut left);
+    let scored: Vec<Scored> =
+        candidates.par_iter().map(|&entry| score(context, entry, model, &projector, &left)).collect();
+    let mut trials: Vec<CandidateFit> = scored
+        .par_iter()
+        .map(|one| {
+            let mut trial = CandidateFit {
+                entry: one.entry,
+                gain: one.predicted,
+                predicted: one.predicted,
+                model: None,
+                excluded: one.excluded.clone(),
+                span: one.span.clone(),
+            };
+            if trial.excluded.is_none() && one.predicted > 0.0 {
+                one_step(context, &mut trial, model, &base, one);
+            }
+            trial
+        })
+        .collect();
+    fit_best(context, &mut trials, model);
+    trials.sort_by(CandidateFit::order);
+    trials
+}
+
+fn score(context: &Context<'_>, entry: usize, model: &Hypothesis, projector: &Projector, left: &[f64]) -> Scored {
+    let mut scored =
+        Scored { entry, columns: Vec::new(), span: Vec::new(), predicted: f64::NEG_INFINITY, excluded: None };
+    if let Err(error) = try_score(context, &mut scored, model, projector, left) {
+        scored.excluded = Some(format!("it cannot be simulated here: {error}"));
+    }
+    scored
+}
+
+fn try_score(
+    context: &Context<'_>,
+    scored: &mut Scored,
+    model: &Hypothesis,
+    projector: &Projector,
+    left: &[f64],
+) -> Result<()> {
+    let known = model.structure.globals.len();
+    let structure = context.structure(&[model.structure.effects.as_slice(), &[scored.entry]].concat())?;
+    let joint = context.joint(&structure);
+    let globals = structure.carry(&model.structure, &model.fit.point.globals);
+    let point = Point { globals, nuisances: model.fit.point.nuisances.clone() };
+    let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
+    let mut projected = Vec::new();
+    let (mut whole, mut rest, mut seen) = (0.0, 0.0, false);
+    for visibly in [false, true] {
+        (whole, rest, seen) = (0.0, 0.0, false);
+        projected.clear();
+        let which = Which { first: known, nuisances: false, visibly, ..Which::ALL };
+        scored.columns = joint.columns(&point, &model.fit.residuals, which);
+        for (place, global) in structure.globals.iter().enumerate().skip(known) {
+            let mut column = stack(&scored.columns, &lengths, place);
+            whole += dot(&column, &column);
+            projector.project(&mut column);
+            let size = dot(&column, &column);
+            rest += size;
+            let (absent, coefficient) = (global.absent.map_or(0.0, |a| a.0), global.effect.map_or(0, |e| e.1));
+            let (low, high) = context.catalogue[scored.entry].of[global.object.unwrap_or(0)].plausible[coefficient];
+            seen |= size.sqrt() * (high - absent).abs().max((absent - low).abs()) > VISIBLE;
+            projected.push(column);
+        }
+        if seen {
+            break;
+        }
+    }
+    if whole <= 0.0 {
+        scored.excluded = Some("these recordings do not depend on it".into());
+    } else if rest <= LEFT_OVER * whole {
+        scored.excluded = Some(done_already(context).into());
+    } else if !seen {
+        scored.excluded = Some("these recordings cannot show it: all it could do stays below the noise".into());
+    }
+    scored.span = orthonormal(projected);
+    let explained: f64 = scored.span.iter().map(|direction| dot(direction, left).powi(2)).sum();
+    let before = model.deviance(model.scale());
+    let coefficients = (structure.globals.len() - known) as f64;
+    scored.predicted = context.criterion(before, (before - explained).max(1e-3 * before), coefficients);
+    Ok(())
+}
+
+/// One joint step from derivatives that are known: three rollouts for three recordings.
+fn one_step<'a>(
+    context: &Context<'a>,
+    trial: &mut CandidateFit<'a>,
+    model: &Hypothesis,
+    base: &[Columns],
+    scored: &Scored,
+) {
+    let fitted = || -> Result<Hypothesis<'a>> {
+        let structure = context.structure(&[model.structure.effects.as_slice(), &[trial.entry]].concat())?;
+        let globals = structure.carry(&model.structure, &model.fit.point.globals);
+        let point = Point { globals, nuisances: model.fit.point.nuisances.clone() };
+        let columns = base.iter().zip(&scored.columns).map(|(base, new)| Columns {
+            places: [base.places.as_slice(), &new.places].concat(),
+            shared: base.shared.iter().chain(&new.shared).cloned().collect(),
+            nuisances: base.nuisances.clone(),
+        });
+        let first = Some(columns.collect());
+        let fit = context.joint(&structure).fit_from(point, model.fit.residuals.clone(), ONE_STEP, first);
+        Ok(Hypothesis { structure, fit })
+    };
+    match fitted() {
+        Ok(fitted) => {
+            trial.gain = gain(context, model, &fitted, model.scale());
+            trial.model = Some(fitted);
+        }
+        Err(error) => trial.excluded = Some(format!("it cannot be simulated here: {error}")),
+    }
+}
+
+/// Fits the best jointly to the end, then others that may still overtake them, and those that do nearly the same as the
+/// best; each from several starts where one does not keep what was predicted.
+fn fit_best<'a>(context: &Context<'a>, trials: &mut [CandidateFit<'a>], model: &Hypothesis<'a>) {
+    let mut done = vec![false; trials.len()];
+    for round in 0.. {
+        let best = leader(trials);
+        let limit = best.map_or(0.0, |b| trials[b].gain - BEHIND.max(BEHIND_SHARE * trials[b].gain));
+        let alike =
+            |i: usize| best.is_some_and(|b| done[b] && canonical_correlation(&trials[b].span, &trials[i].span) > ALIKE);
+        let hopeful = |i: &usize| {
+            let t = &trials[*i];
+            let promising = t.gain.max(t.predicted.min(limit + BEHIND)) > limit;
+            !done[*i] && t.excluded.is_none() && t.predicted > 0.0 && (promising || alike(*i))
+        };
+        let mut open: Vec<usize> = (0..trials.len()).filter(hopeful).collect();
+        open.sort_by(|a, b| trials[*b].gain.total_cmp(&trials[*a].gain));
+        open.sort_by_key(|&i| !alike(i));
+        open.truncate(FIRST);
+        if open.is_empty() || round == ROUNDS {
+            break;
+        }
+        let fits: Vec<Option<Hypothesis>> = open.par_iter().map(|&i| fit_fully(context, &trials[i], model)).collect();
+        for (&i, fitted) in open.iter().zip(fits) {
+            done[i] = true;
+            let Some(fitted) = fitted else { continue };
+            trials[i].gain = gain(context, model, &fitted, model.scale());
+            trials[i].excluded = implausible(context, &fitted);
+            trials[i].model = Some(fitted);
+        }
+    }
+    // What was not fitted to the end keeps what one step gained, and no model.
+    for (trial, done) in trials.iter_mut().zip(done) {
+        if !done {
+            trial.model = None;
+        }
+    }
+}
+
+/// The best trial as it stands.
+fn leader(trials: &[CandidateFit]) -> Option<usize> {
+    let fitted = (0..trials.len()).filter(|&i| trials[i].excluded.is_none() && trials[i].model.is_some());
+    fitted.max_by(|a, b| trials[*a].gain.total_cmp(&trials[*b].gain))
+}
+
+/// From where one step led, and from larger coefficients where that falls short of what was predicted: friction that
+/// grips is not reached from friction that hardly is.
+fn fit_fully<'a>(context: &Context<'a>, trial: &CandidateFit<'a>, model: &Hypothesis<'a>) -> Option<Hypothesis<'a>> {
+    let effects = [model.structure.effects.as_slice(), &[trial.entry]].concat();
+    let from = |point: Point| -> Option<Hypothesis<'a>> {
+        let structure = context.structure(&effects).ok()?;
+        let fit = context.joint(&structure).fit(point, FULL, None).ok()?;
+        Some(Hypothesis { structure, fit })
+    };
+    let mut best = trial.model.as_ref().and_then(|start| from(start.fit.point.clone()));
+    let gain =
+        |m: &Option<Hypothesis<'a>>| m.as_ref().map_or(f64::NEG_INFINITY, |m| gain(context, model, m, model.scale()));
+    if gain(&best) > KEPT * trial.predicted {
+        return best;
+    }
+    let step = trial.model.as_ref()?;
+    let known = model.structure.globals.len();
+    for size in LARGER {
+        let structure = context.structure(&effects).ok()?;
+        let mut globals = structure.carry(&model.structure, &model.fit.point.globals);
+        for (place, global) in structure.globals.iter().enumerate().skip(known) {
+            let (absent, typical) = global.absent.unwrap_or((0.0, 0.0));
+            let way = step.fit.point.globals[place] - absent;
+            let value = absent + size * typical * if way < 0.0 { -1.0 } else { 1.0 };
+            globals[place] = value.clamp(global.parameter.min, global.parameter.max);
+        }
+        let start = Point { globals, nuisances: model.fit.point.nuisances.clone() };
+        // A few steps tell whether this local minimum is a better one.
+        let tried = context.joint(&structure).fit(start, FEW_STEPS, None).ok()?;
+        let tried = Some(Hypothesis { structure, fit: tried });
+        if gain(&tried) > gain(&best) {
+            best = tried.and_then(|t| from(t.fit.point));
+        }
+    }
+    best
+}
+
+/// Gain of the information criterion from `before` to `after`, losses changing over at 4 times `scale`.
+pub(in crate::diagnose) fn gain(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis, scale: f64) -> f64 {
+    let coefficients = after.structure.globals.len() as f64 - before.structure.globals.len() as f64;
+    context.criterion(before.deviance(scale), after.deviance(scale), coefficients)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, entry, in_swings};
+
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+
+    #[test]
+    fn the_missing_effect_leads_and_what_changes_nothing_new_is_excluded() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let trials = score_candidates(context, &base);
+            assert_eq!(context.catalogue[trials[0].entry].name, "viscous_friction");
+            assert!(trials[0].gain > 100.0 && trials[0].model.is_some(), "{}", trials[0].gain);
+            // Another unit of the angle is another start.
+            let scale = trials.iter().find(|t| t.entry == entry(context, "length_scale")).unwrap();
+            assert!(scale.excluded.is_some());
+            assert!(trials.is_sorted_by(|a, b| CandidateFit::order(a, b).is_le()));
+        });
+    }
+}

@@ -1,0 +1,58 @@
+//! Confusable set: the effects that the recordings cannot distinguish from a selected one.
+
+use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
+use crate::diagnose::hypothesis::candidate_scores::gain;
+use crate::diagnose::hypothesis::canonical_correlation::canonical_correlation;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+
+/// Two effects whose projected columns share this much (squared canonical correlation) are the same to these recordings,
+/// whatever small difference a fit finds.
+pub(in crate::diagnose) const TWINS: f64 = 0.9999;
+
+/// What could stand in the place of `entry` in `model`, with how far it falls behind, nearest first. `without` is the model
+/// without `entry`, and `trials` are the candidates beside it.
+pub(in crate::diagnose) fn others(
+    context: &Context,
+    without: &Hypothesis,
+    model: &Hypothesis,
+    entry: usize,
+    trials: &[CandidateFit],
+) -> Vec<(usize, f64)> {
+    let scale = model.scale();
+    let best = gain(context, without, model, scale);
+    let own = trials.iter().find(|t| t.entry == entry).map_or(&[][..], |t| t.span.as_slice());
+    let each = trials.iter().filter(|t| t.entry != entry && t.excluded.is_none());
+    let gap = |t: &CandidateFit| {
+        let twin = t.span.len() == own.len() && canonical_correlation(own, &t.span) > TWINS;
+        let gap = t.model.as_ref().map(|other| best - gain(context, without, other, scale));
+        match gap {
+            Some(gap) => Some((t.entry, gap)),
+            None if twin => Some((t.entry, 0.0)),
+            None => None,
+        }
+    };
+    let mut all: Vec<(usize, f64)> = each.filter_map(gap).collect();
+    all.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    use crate::diagnose::hypothesis::candidate_scores::score_candidates;
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+
+    #[test]
+    fn others_come_nearest_first_and_without_the_effect_itself() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let trials = score_candidates(context, &base);
+            let best = trials[0].model.as_ref().unwrap();
+            let others = others(context, &base, best, trials[0].entry, &trials);
+            assert!(others.iter().all(|(other, gap)| *other != trials[0].entry && *gap > 6.0), "{others:?}");
+            assert!(others.is_sorted_by(|a, b| a.1 <= b.1));
+        });
+    }
+}

@@ -1,0 +1,220 @@
+//! What every step of a diagnosis is given, and a hypothesis with its fit. Values: a step that needs another context copies
+//! it with a changed field.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+
+use crate::Result;
+use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::ar1_correlation;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::fit::Effort;
+use crate::diagnose::hypothesis::catalogue::{Entry, SCATTER};
+use crate::diagnose::hypothesis::information_criterion::{bic_gain, likelihood_gain};
+use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
+use crate::diagnose::joint::{Joint, Outcome, Point, spread};
+use crate::diagnose::outliers;
+use crate::diagnose::{Settings, Subject};
+use crate::tune::huber_cost;
+
+/// A full fit.
+pub(in crate::diagnose) const FULL: Effort = Effort { steps: 12, tolerance: 0.02, horizon: 1.0 };
+/// A change of the noise's lag-1 correlation below this is left.
+const CORRELATION_CHANGE: f64 = 0.05;
+
+/// Of a single throw, explanations are left up to this many times the usual margin. It is not named alone, since what
+/// is in no catalogue looks like one of its entries in one throw, by any margin; unless the effect has to be there, as drag
+/// of a ball of known mass and size.
+pub(in crate::diagnose) const SINGLE_MOTION_MARGIN: f64 = 10.0;
+
+/// The random effect of contacts: every contact tilted by a draw of its own.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::diagnose) struct RandomTilts {
+    /// The standard deviation of a tilt, rad.
+    pub sd_rad: f64,
+    /// How many tilts are fitted.
+    pub count: usize,
+}
+
+/// What is known, and what may be missing.
+#[derive(Clone)]
+pub(in crate::diagnose) struct Context<'a> {
+    pub subjects: &'a [Subject<'a>],
+    pub evidence: Arc<Evidence>,
+    pub catalogue: Arc<[Entry]>,
+    pub settings: &'a Settings,
+    /// Where contacts are subject to chance.
+    pub random_tilts: Option<RandomTilts>,
+    /// Effects that are fixed at known values.
+    pub given: Arc<[FixedEffect]>,
+    /// Whether what is physically required is part of every hypothesis from the start.
+    pub required_first: bool,
+    /// Counts rollouts.
+    pub rollouts: Arc<AtomicUsize>,
+}
+
+/// A hypothesis: effects, parameters and nuisance parameters, with their fit.
+pub(in crate::diagnose) struct Hypothesis<'a> {
+    pub structure: Structure<'a>,
+    pub fit: Outcome,
+}
+
+impl Hypothesis<'_> {
+    /// The robust sum of squares in units of the noise, losses changing over at 4 times `scale`, with that of the nuisance
+    /// parameters from their priors.
+    pub fn deviance(&self, scale: f64) -> f64 {
+        2.0 * (huber_cost(&self.fit.residuals, scale) + self.fit.pull)
+    }
+
+    pub fn scale(&self) -> f64 {
+        spread(&self.fit.residuals)
+    }
+
+    pub fn has(&self, entry: usize) -> bool {
+        self.structure.effects.contains(&entry)
+    }
+}
+
+impl<'a> Context<'a> {
+    /// Where a diagnosis begins: nothing fixed, nothing required, no chance.
+    pub fn new(subjects: &'a [Subject<'a>], evidence: Evidence, catalogue: Vec<Entry>, settings: &'a Settings) -> Self {
+        Self {
+            subjects,
+            evidence: Arc::new(evidence),
+            catalogue: catalogue.into(),
+            settings,
+            random_tilts: None,
+            given: Arc::new([]),
+            required_first: false,
+            rollouts: Arc::default(),
+        }
+    }
+
+    /// The same with other evidence.
+    pub fn with_evidence(&self, evidence: Evidence) -> Self {
+        Self { evidence: Arc::new(evidence), ..self.clone() }
+    }
+
+    /// The recordings that are fitted.
+    pub fn sets(&self) -> &[Set] {
+        &self.evidence.training
+    }
+
+    /// The share of the values that counts as independent.
+    pub fn effective_fraction(&self) -> f64 {
+        self.evidence.noise.effective_fraction()
+    }
+
+    pub fn joint<'b>(&'b self, structure: &'b Structure<'b>) -> Joint<'b> {
+        Joint { structure, sets: self.sets(), rollouts: &self.rollouts }
+    }
+
+    pub fn structure(&self, effects: &[usize]) -> Result<Structure<'a>> {
+        Structure::new(self.subjects, self.sets(), &self.catalogue, effects, &self.given, self.random_tilts.is_some())
+    }
+
+    /// Chance at contacts, where every subject knows it.
+    pub fn chance_entry(&self) -> Option<&Entry> {
+        self.catalogue.iter().find(|e| e.name == SCATTER)
+    }
+
+    /// How far behind the best an explanation is still left; more where no object shows a second motion, against which the
+    /// values of its nuisance parameters could be held.
+    pub fn margin(&self) -> f64 {
+        let single = self.evidence.shows_one_motion_per_object();
+        self.settings.margin * if single { SINGLE_MOTION_MARGIN } else { 1.0 }
+    }
+
+    /// How many values are fitted.
+    pub fn count(&self) -> usize {
+        self.evidence.count()
+    }
+
+    /// Twice the gain in logarithmic likelihood between two sums of squares.
+    pub fn likelihood(&self, before: f64, after: f64) -> f64 {
+        self.effective_fraction() * likelihood_gain(self.count(), before, after)
+    }
+
+    /// The fall of the information criterion by `coefficients` more numbers.
+    pub fn criterion(&self, before: f64, after: f64, coefficients: f64) -> f64 {
+        bic_gain(self.likelihood(before, after), self.effective_fraction() * self.count() as f64, coefficients)
+    }
+
+    /// A hypothesis with these effects, fitted from where `near` stands.
+    pub fn fit_near(&self, effects: &[usize], near: &Hypothesis) -> Result<Hypothesis<'a>> {
+        let structure = self.structure(effects)?;
+        let point = Point {
+            globals: structure.carry(&near.structure, &near.fit.point.globals),
+            nuisances: near.fit.point.nuisances.clone(),
+        };
+        let fit = self.joint(&structure).fit(point, FULL, None)?;
+        Ok(Hypothesis { structure, fit })
+    }
+
+    /// Residuals of a model in units of the noise, not whitened; outliers stay 0.
+    pub fn weighted(&self, model: &Hypothesis) -> Result<Vec<Vec<f64>>> {
+        let mut plain = self.joint(&model.structure).plain_residuals(&model.fit.point)?;
+        for (set, values) in self.sets().iter().zip(&mut plain) {
+            let width = set.width();
+            for (i, value) in values.iter_mut().enumerate() {
+                *value = if set.keep[i] { *value / set.noise[i % width] } else { 0.0 };
+            }
+        }
+        Ok(plain)
+    }
+
+    /// The evidence less the outliers that `model` leaves, prewhitened by the correlation of its residuals; `None` where that
+    /// changes nothing, so that no fit has to be made again.
+    pub fn learn_noise(&self, model: &Hypothesis) -> Result<Option<Evidence>> {
+        let mut weighted = self.joint(&model.structure).plain_residuals(&model.fit.point)?;
+        for (set, values) in self.sets().iter().zip(&mut weighted) {
+            let width = set.width();
+            values.iter_mut().enumerate().for_each(|(i, v)| *v /= set.noise[i % width]);
+        }
+        let mut learned = Evidence::clone(&self.evidence);
+        let outliers = outliers::set_aside(&mut learned.training, &weighted);
+        let rho = ar1_correlation::correlation(&learned.training, &weighted);
+        let changed = outliers > 0 || (rho - self.evidence.noise.lag1()).abs() > CORRELATION_CHANGE;
+        Ok(changed.then(|| learned.prewhitened(rho)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{in_context, in_swings, swings};
+
+    use crate::diagnose::evidence::NoiseModel;
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+    use crate::observation::Observation;
+    use crate::testing::{Exact, Pendulum};
+
+    #[test]
+    fn a_single_motion_leaves_a_wider_margin() {
+        in_swings(&[], 1, 0, |one| {
+            in_swings(&[], 2, 0, |two| {
+                assert_eq!(one.margin(), SINGLE_MOTION_MARGIN * two.margin());
+            });
+        });
+    }
+
+    #[test]
+    fn white_noise_teaches_nothing_and_an_outlier_is_left_out() {
+        in_swings(&[], 2, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            assert!(context.learn_noise(&base).unwrap().is_none());
+        });
+        let mut seen = swings(&[], 2);
+        let values: Vec<f64> =
+            seen[1].values().iter().enumerate().map(|(i, v)| if i == 90 { v + 0.1 } else { *v }).collect();
+        let one = &seen[1];
+        seen[1] = Observation::new(one.kind(), one.channels().to_vec(), one.clock().to_vec(), values).unwrap();
+        in_context(&Exact::new(Pendulum), &seen, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let learned = context.learn_noise(&base).unwrap().unwrap();
+            assert!(!learned.training[1].keep[90] && learned.count() + 1 == context.count());
+            // What was known before stays as it was.
+            assert!(context.evidence.training[1].keep[90] && context.evidence.noise == NoiseModel::White);
+        });
+    }
+}

@@ -1,0 +1,256 @@
+//! Forward selection with swaps and backward elimination by the Bayesian information criterion (Schwarz 1978).
+
+use crate::Result;
+use crate::diagnose::Progress;
+use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
+use crate::diagnose::hypothesis::candidate_scores::{gain, score_candidates};
+use crate::diagnose::hypothesis::confusable_set;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::information_criterion::p_value;
+use crate::diagnose::hypothesis::plausibility::is_required;
+use crate::diagnose::hypothesis::plausibility::{holds_only_required, needs_no_evidence, required_model};
+use crate::diagnose::judge::adequacy::residual_diagnostics;
+
+/// A swap may open the way to another; each is better than the one before.
+const MOST_SWAPS: usize = 6;
+
+/// An effect has to reduce the mean square by this factor to be worth a name.
+const WORTH: f64 = 1.3;
+
+/// What the search found.
+pub(in crate::diagnose) struct Selection<'a> {
+    /// The simulation without any effect.
+    pub base: Hypothesis<'a>,
+    /// Candidates beside it, each alone, best first.
+    pub alone: Vec<CandidateFit<'a>>,
+    /// The best structure; `None` where no effect earns its place.
+    pub best: Option<Hypothesis<'a>>,
+    /// For each effect of the best: what it is worth and what could stand in its place.
+    pub places: Vec<SelectedEffect>,
+}
+
+/// What becomes of a structure whose effects are judged one by one.
+enum Step<'a> {
+    /// Each earns its place.
+    Retained(Vec<SelectedEffect>),
+    /// This one is better; `None` is the simulation without any effect.
+    Replaced(Option<Box<Hypothesis<'a>>>),
+}
+
+/// An effect whose worth was not looked at: it has none.
+fn unjudged(entry: usize) -> SelectedEffect {
+    SelectedEffect { entry, gain: 0.0, p_value: 1.0, others: Vec::new(), equals: Vec::new() }
+}
+
+/// One effect of the best structure.
+#[derive(Clone)]
+pub(in crate::diagnose) struct SelectedEffect {
+    /// Position in the catalogue.
+    pub entry: usize,
+    /// Gain by having it beside the others.
+    pub gain: f64,
+    /// Probability of that by chance, all candidates counted.
+    pub p_value: f64,
+    /// Others in its place with how far they fall behind, nearest first; exact twins included.
+    pub others: Vec<(usize, f64)>,
+    /// Those among them that do as well on recordings that were not fitted, whatever their distance.
+    pub equals: Vec<usize>,
+}
+
+/// With the effects in, the noise shows more clearly; where it differs from what was taken for it, all is done again.
+pub(in crate::diagnose) fn search_again<'a>(
+    context: Context<'a>,
+    found: Selection<'a>,
+    progress: &dyn Fn(Progress),
+) -> Result<(Context<'a>, Selection<'a>)> {
+    let Some(best) = &found.best else { return Ok((context, found)) };
+    let Some(evidence) = context.learn_noise(best)? else { return Ok((context, found)) };
+    let context = context.with_evidence(evidence);
+    let base = context.fit_near(&[], &found.base)?;
+    let found = search(&context, base, progress)?;
+    Ok((context, found))
+}
+
+/// Searches from the tuned simulation.
+pub(in crate::diagnose) fn search<'a>(
+    context: &Context<'a>,
+    base: Hypothesis<'a>,
+    progress: &dyn Fn(Progress),
+) -> Result<Selection<'a>> {
+    progress(Progress::Scoring { candidates: context.catalogue.len(), effects: 0 });
+    let mut alone = score_candidates(context, &base);
+    let mut best = match required_model(context, &base)? {
+        Some(expected) => Some(expected),
+        None => accepted(context, &base, &alone)?,
+    };
+    while let Some(model) = &best
+        && model.structure.effects.len() < most_effects(context, model)
+    {
+        let effects = model.structure.effects.len();
+        progress(Progress::Scoring { candidates: context.catalogue.len() - effects, effects });
+        let next = score_candidates(context, model);
+        let Some(more) = accepted(context, model, &next)? else { break };
+        best = Some(more);
+    }
+    let mut places = Vec::new();
+    for _ in 0..MOST_SWAPS {
+        let Some(model) = best.take() else { break };
+        // With all that may be added and still no fit, there is nothing to compare with.
+        let full = model.structure.effects.len() >= context.settings.most_effects.max(2);
+        if full && context.effective_fraction() >= 1.0 && !residual_diagnostics(context, &model).passed() {
+            best = Some(model);
+            break;
+        }
+        match judge_places(context, &base, &alone, &model)? {
+            Step::Retained(found) => {
+                (best, places) = (Some(model), found);
+                break;
+            }
+            Step::Replaced(other) => best = other.map(|model| *model),
+        }
+    }
+    if let (Some(model), true) = (&best, places.is_empty()) {
+        places = model.structure.effects.iter().map(|&e| unjudged(e)).collect();
+    }
+    if let Some(model) = &best {
+        measure_alike(context, &mut alone, &base, model.scale());
+    }
+    Ok(Selection { base, alone, best, places })
+}
+
+/// How many effects a structure like `model` may have. A single throw shows one at most beside what has to be there
+/// anyhow: more would fit whatever it holds.
+fn most_effects(context: &Context<'_>, model: &Hypothesis) -> usize {
+    let certain = model.structure.effects.iter().filter(|&&entry| is_required(context, entry)).count();
+    let most = if context.evidence.shows_one_motion() { certain + 1 } else { context.settings.most_effects };
+    most.min(context.settings.most_effects)
+}
+
+/// Gains of candidates beside the simulation without any, all measured as that of the best structure is.
+fn measure_alike<'a>(context: &Context<'a>, alone: &mut [CandidateFit<'a>], base: &Hypothesis<'a>, scale: f64) {
+    for trial in alone.iter_mut() {
+        if let Some(model) = &trial.model {
+            trial.gain = gain(context, base, model, scale);
+        }
+    }
+    alone.sort_by(CandidateFit::order);
+}
+
+/// The best trial of a stage as a model of its own, where it earns its place.
+fn accepted<'a>(
+    context: &Context<'a>,
+    before: &Hypothesis<'a>,
+    trials: &[CandidateFit<'a>],
+) -> Result<Option<Hypothesis<'a>>> {
+    let first = holds_only_required(context, before);
+    let least = if first { context.settings.margin } else { context.margin() };
+    let fitted = || trials.iter().filter(|t| t.excluded.is_none()).filter_map(|t| Some((t, t.model.as_ref()?)));
+    let earns = |(trial, model): &(&CandidateFit<'a>, &Hypothesis<'a>)| {
+        trial.gain > least
+            && is_significant(context, worth(context, before, model).1)
+            && is_material(context, before, model)
+    };
+    // What has to be there anyhow comes first, so that nothing else is taken for it.
+    let certain = fitted().filter(|(trial, _)| is_required(context, trial.entry)).find(earns);
+    let Some((_, model)) = certain.or_else(|| fitted().next().filter(earns)) else { return Ok(None) };
+    let structure = context.structure(&model.structure.effects)?;
+    Ok(Some(Hypothesis { structure, fit: model.fit.clone() }))
+}
+
+/// Whether a gain is no chance. One throw in which something is expected leaves a choice at most, for which a clear gain
+/// of the information criterion does; so few independent values as a slow misfit has would never do for a name.
+fn is_significant(context: &Context<'_>, p_value: f64) -> bool {
+    context.required_first || p_value <= context.settings.significance
+}
+
+/// Whether an effect takes away enough to be worth a name where all that is left counts as noise.
+fn is_material(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -> bool {
+    let scale = after.scale();
+    context.effective_fraction() >= 1.0 || before.deviance(scale) >= WORTH * after.deviance(scale)
+}
+
+/// Gain of the information criterion and the probability of it by chance, all candidates counted.
+fn worth(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -> (f64, f64) {
+    let scale = after.scale();
+    let coefficients = after.structure.globals.len() - before.structure.globals.len();
+    let likelihood = context.likelihood(before.deviance(scale), after.deviance(scale));
+    let p = p_value(likelihood, coefficients) * context.catalogue.len() as f64;
+    (gain(context, before, after, scale), p.min(1.0))
+}
+
+/// For each effect: what it is worth, and what explains as much in its place; or a better structure, one swapped or
+/// dropped.
+fn judge_places<'a>(
+    context: &Context<'a>,
+    base: &Hypothesis<'a>,
+    alone: &[CandidateFit<'a>],
+    model: &Hypothesis<'a>,
+) -> Result<Step<'a>> {
+    let effects = model.structure.effects.clone();
+    let mut places = Vec::new();
+    for &entry in &effects {
+        let others: Vec<usize> = effects.iter().copied().filter(|&e| e != entry).collect();
+        let made;
+        let (without, trials);
+        if others.is_empty() {
+            (without, trials) = (base, alone);
+        } else {
+            let fitted = context.fit_near(&others, model)?;
+            let stage = score_candidates(context, &fitted);
+            made = (fitted, stage);
+            (without, trials) = (&made.0, made.1.as_slice());
+        }
+        let (gain, p_value) = worth(context, without, model);
+        let earned =
+            gain >= context.settings.margin && is_significant(context, p_value) && is_material(context, without, model);
+        if !earned && !needs_no_evidence(context, entry) {
+            let fitted = if others.is_empty() { None } else { Some(context.fit_near(&others, model)?) };
+            return Ok(Step::Replaced(fitted.map(Box::new)));
+        }
+        let others = confusable_set::others(context, without, model, entry, trials);
+        let firm = |other: usize| is_required(context, entry) && !is_required(context, other);
+        if let Some(better) = others.iter().find(|(other, gap)| *gap < -1.0 && !firm(*other))
+            && effects.len() > 1
+        {
+            let found = trials.iter().find(|t| t.entry == better.0).and_then(|t| t.model.as_ref());
+            if let Some(found) = found {
+                let structure = context.structure(&found.structure.effects)?;
+                return Ok(Step::Replaced(Some(Box::new(Hypothesis { structure, fit: found.fit.clone() }))));
+            }
+        }
+        places.push(SelectedEffect { entry, gain, p_value, others, equals: Vec::new() });
+    }
+    Ok(Step::Retained(places))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, REST, in_swings, names};
+
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+
+    fn found(truth: &[(&str, f64)], count: u32) -> Vec<&'static str> {
+        let mut found = Vec::new();
+        in_swings(truth, count, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let best = search(context, base, &|_| {}).unwrap().best;
+            found = best.map_or_else(Vec::new, |best| names(context, &best.structure.effects));
+        });
+        found
+    }
+
+    #[test]
+    fn what_is_missing_is_selected_and_nothing_else() {
+        assert!(found(&[], 3).is_empty());
+        assert_eq!(found(&[(FRICTION, 0.1)], 3), ["viscous_friction"]);
+        let mut both = found(&[(FRICTION, 0.2), (REST, 0.05)], 4);
+        both.sort_unstable();
+        assert_eq!(both, ["rest_angle", "viscous_friction"]);
+    }
+
+    #[test]
+    fn a_single_motion_shows_one_effect_at_most() {
+        assert!(found(&[(FRICTION, 0.2), (REST, 0.05)], 1).len() <= 1);
+    }
+}

@@ -1,0 +1,192 @@
+//! Multistart fit of the simulation without any effect, from Halton's points where needed (Halton 1960).
+
+use crate::Result;
+use crate::diagnose::fit::Effort;
+use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
+use crate::diagnose::hypothesis::structure::Structure;
+use crate::diagnose::joint::{Joint, Outcome, Point, spread};
+
+/// Shares of the recordings that are fitted one after the other: the count of bounces stays right on the way.
+const HORIZONS: [f64; 2] = [0.45, 0.7];
+const EARLY: Effort = Effort { steps: 6, tolerance: 0.5, horizon: 1.0 };
+const MOST_STARTS: usize = 3;
+/// Starts that lead so near to each other, as a share of the bounds, lead to the same.
+const SAME: f64 = 1e-3;
+/// A fit that leaves this many times the noise may sit in a wrong local minimum.
+const SUSPICIOUS: f64 = 3.0;
+/// Starts across the bounds of each object's first parameters.
+const SPREAD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+/// Starts all over the bounds, where those above end in a suspicious local minimum.
+const SCATTERED: u32 = 48;
+/// Bases of Halton's points, one to a parameter.
+const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
+
+/// The digits of `number` to base `prime` behind the point, the lowest first (Halton 1960): evenly over 0 to 1.
+fn radical_inverse(mut number: u32, prime: u32) -> f64 {
+    let (mut place, mut sum) = (1.0, 0.0);
+    while number > 0 {
+        place /= f64::from(prime);
+        sum += f64::from(number % prime) * place;
+        number /= prime;
+    }
+    sum
+}
+
+/// Fits from several starts.
+#[derive(Default)]
+struct Tries {
+    best: Option<Outcome>,
+    refused: Option<crate::Error>,
+    /// Where they led early on, to go nowhere twice.
+    seen: Vec<Vec<f64>>,
+}
+
+impl Tries {
+    fn suspicious(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| spread(&best.residuals) >= SUSPICIOUS)
+    }
+
+    /// From the first few of `ranked`, until one leaves no suspicion.
+    fn fit(&mut self, joint: &Joint, structure: &Structure, ranked: Vec<Point>) {
+        for start in ranked.into_iter().take(MOST_STARTS) {
+            let early =
+                |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }, None).map(|f| f.point);
+            let first = early(start, HORIZONS[0]);
+            if let Ok(point) = &first {
+                let spans = || structure.globals.iter().map(|g| g.parameter.span());
+                let same = |other: &Vec<f64>| {
+                    other.iter().zip(&point.globals).zip(spans()).all(|((a, b), span)| (a - b).abs() < SAME * span)
+                };
+                if self.seen.iter().any(same) {
+                    continue;
+                }
+                self.seen.push(point.globals.clone());
+            }
+            let fit = first.and_then(|point| early(point, HORIZONS[1])).and_then(|point| joint.fit(point, FULL, None));
+            match fit {
+                Ok(fit) => {
+                    if self.best.as_ref().is_none_or(|b| fit.cost < b.cost) {
+                        self.best = Some(fit);
+                    }
+                    if !self.suspicious() {
+                        break;
+                    }
+                }
+                Err(error) => self.refused = Some(error),
+            }
+        }
+    }
+}
+
+/// The best fit of the simulation as it is.
+pub(in crate::diagnose) fn fit_without_effects<'a>(context: &Context<'a>) -> Result<Hypothesis<'a>> {
+    let structure = context.structure(&[])?;
+    let joint = context.joint(&structure);
+    let mut tries = Tries::default();
+    tries.fit(&joint, &structure, ranked(&joint, starts(context, &structure)));
+    if tries.suspicious()
+        && structure.globals.len() > 1
+        && structure.globals.iter().all(|g| local_estimate(context, g).is_none())
+    {
+        tries.fit(&joint, &structure, ranked(&joint, halton_starts(context, &structure)));
+    }
+    let fit = tries.best.ok_or_else(|| {
+        // Where none simulates, what is said of the file's own values is reported.
+        let nuisances =
+            || starts(context, &structure).first().and_then(|nuisances| joint.residuals(nuisances, 1.0).err());
+        tries.refused.or_else(nuisances).unwrap_or_else(|| crate::Error::Simulator {
+            at: "every start".into(),
+            message: "no start within the bounds could be simulated".into(),
+        })
+    })?;
+    Ok(Hypothesis { structure, fit })
+}
+
+/// Starts all over the bounds, where nothing in the recordings says where to begin: Halton's points.
+fn halton_starts(context: &Context<'_>, structure: &Structure) -> Vec<Point> {
+    let nuisances: Vec<Vec<f64>> = context.sets().iter().map(|s| s.prepared.nuisance_values()).collect();
+    let place = |number: u32| {
+        let primes = PRIMES.iter().copied().cycle();
+        let each = structure.globals.iter().map(|g| &g.parameter).zip(primes);
+        each.map(|(p, prime)| p.min + radical_inverse(number, prime) * p.span()).collect()
+    };
+    (1..=SCATTERED).map(|number| Point { globals: place(number), nuisances: nuisances.clone() }).collect()
+}
+
+/// The starts that simulate, best first; every object has its own order where objects share no shared parameter.
+fn ranked(joint: &Joint, starts: Vec<Point>) -> Vec<Point> {
+    let rolled: Vec<(Vec<Vec<f64>>, Point)> =
+        starts.into_iter().filter_map(|point| Some((joint.residuals(&point, 1.0).ok()?, point))).collect();
+    let mut ranked: Vec<Point> = rolled.iter().map(|(_, point)| point.clone()).collect();
+    for part in joint.parts() {
+        let size = |residuals: &[Vec<f64>]| {
+            let mine: Vec<Vec<f64>> = part.sets.iter().map(|&d| residuals[d].clone()).collect();
+            // A robust size: a start that is right for most of the record is a good one.
+            spread(&mine)
+        };
+        let mut order: Vec<(f64, &Point)> = rolled.iter().map(|(r, point)| (size(r), point)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (to, (_, from)) in ranked.iter_mut().zip(order) {
+            part.places.iter().for_each(|&g| to.globals[g] = from.globals[g]);
+        }
+    }
+    ranked
+}
+
+/// As the files have it, as the contacts have it, and spread over the bounds.
+fn starts(context: &Context<'_>, structure: &Structure) -> Vec<Point> {
+    let nuisances: Vec<Vec<f64>> = context.sets().iter().map(|s| s.prepared.nuisance_values()).collect();
+    let given: Vec<f64> = structure.globals.iter().map(|g| g.parameter.value).collect();
+    let local: Vec<f64> =
+        structure.globals.iter().map(|g| local_estimate(context, g).unwrap_or(g.parameter.value)).collect();
+    let mut all = vec![given, local.clone()];
+    for share in SPREAD {
+        let spread = structure.globals.iter().zip(&local);
+        all.push(
+            spread
+                .map(|(g, local)| match local_estimate(context, g) {
+                    Some(_) => *local,
+                    None => g.parameter.min + share * g.parameter.span(),
+                })
+                .collect(),
+        );
+    }
+    all.dedup();
+    all.into_iter().map(|globals| Point { globals, nuisances: nuisances.clone() }).collect()
+}
+
+/// What the neighbourhood of the events alone says of a parameter.
+fn local_estimate(context: &Context<'_>, global: &crate::diagnose::hypothesis::structure::Global) -> Option<f64> {
+    let object = global.object?;
+    let parameters = context.subjects[object].simulator.parameters();
+    let i = parameters.iter().position(|p| p.name == global.parameter.name)?;
+    let each = || context.sets().iter().filter(|s| s.object == object).filter_map(|s| s.prepared.local[i]);
+    let weight: f64 = each().map(|l| l.sd.powi(-2)).sum();
+    let value = each().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight;
+    value.is_finite().then(|| value.clamp(global.parameter.min, global.parameter.max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::in_swings;
+
+    #[test]
+    fn scattered_places_are_even_in_every_base() {
+        let first = |prime| [1, 2, 3, 4].map(|number| radical_inverse(number, prime));
+        assert_eq!(first(2), [0.5, 0.25, 0.75, 0.125]);
+        let thirds = first(3);
+        let expected = [1.0 / 3.0, 2.0 / 3.0, 1.0 / 9.0, 4.0 / 9.0];
+        assert!(thirds.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{thirds:?}");
+    }
+
+    #[test]
+    fn the_parameter_is_found_from_afar() {
+        in_swings(&[], 3, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            assert!((base.fit.point.globals[0] - 0.8).abs() < 1e-3, "{:?}", base.fit.point.globals);
+            assert!((base.scale() - 1.0).abs() < 0.2, "{}", base.scale());
+        });
+    }
+}

@@ -1,0 +1,259 @@
+//! Residual diagnostics: portmanteau test (Ljung and Box 1978), band power (F test), agreement (score test).
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::diagnose::Test;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::judge::recording_scores::Score;
+use crate::diagnose::judge::recording_scores::recording_scores;
+use crate::observation::Kind;
+use crate::statistics::{chi_squared_quantile, dot, fisher_quantile, upper_chi_squared, upper_f};
+use crate::tune::Adequacy;
+
+/// A test fails only below this probability ...
+const PROBABLE: f64 = 1e-3;
+/// ... and beyond these practical bounds, since enough real data fail every test.
+const PORTMANTEAU: f64 = 1.15;
+const BAND_RATIO: f64 = 1.25;
+const SCATTER: f64 = 1.3;
+/// Lags of the portmanteau test, at most this share of a recording.
+const LAGS: usize = 15;
+const LAG_SHARE: usize = 5;
+/// Bodies move below the first of these, Hz; between them lies what should be noise.
+const LOW_HZ: f64 = 4.0;
+const HIGH_HZ: f64 = 14.0;
+
+/// A lag-1 correlation above this is more than sensors and trackers are known for at the rates that people record at.
+pub(in crate::diagnose) const LONG_LAG1: f64 = 0.7;
+/// What rounding leaves of a number, as a share of the largest, with room for the sums that led to it.
+const ROUNDING: f64 = 1e-12;
+
+/// Residual diagnostics of a hypothesis: what it leaves is noise where all tests pass.
+#[derive(Default)]
+pub(in crate::diagnose) struct ResidualDiagnostics {
+    pub tests: Vec<Test>,
+    /// Whether the recordings differ among themselves by more than their noise.
+    pub heterogeneous: bool,
+}
+
+impl ResidualDiagnostics {
+    pub fn passed(&self) -> bool {
+        self.tests.iter().all(|test| test.passed)
+    }
+}
+
+/// Tests what `model` leaves.
+pub(in crate::diagnose) fn residual_diagnostics(context: &Context, model: &Hypothesis) -> ResidualDiagnostics {
+    let residuals = &model.fit.residuals;
+    let unknowns = model.structure.globals.len() as f64;
+    let mut tests: Vec<Test> =
+        [portmanteau(context.sets(), residuals), band_power(context.sets(), residuals, unknowns)]
+            .into_iter()
+            .flatten()
+            .collect();
+    let agreement = heterogeneity(context, model);
+    let mut heterogeneous = agreement.as_ref().is_some_and(|test| !test.passed);
+    tests.extend(agreement);
+    tests.extend(residual_size(context, model));
+    if is_rounding(context, model) {
+        for test in &mut tests {
+            test.passed = true;
+        }
+        heterogeneous = false;
+    }
+    ResidualDiagnostics { tests, heterogeneous }
+}
+
+/// Whether nothing is left but what counting in binary leaves: that has a shape of its own, and nothing is missing in it.
+fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
+    let Ok(residuals) = context.joint(&model.structure).plain_residuals(&model.fit.point) else { return false };
+    context.sets().iter().zip(&residuals).all(|(set, residual)| {
+        let largest = set.prepared.seen.values().iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        residual.iter().all(|r| r.abs() <= ROUNDING * largest)
+    })
+}
+
+/// Of lists of bounces, too short for any test of shape: whether the residual is no larger than the noise of single
+/// intervals, by the same limit as in tuning.
+fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
+    let heard =
+        context.sets().iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::BounceTimes);
+    let share = model.structure.globals.len().div_ceil(context.sets().len().max(1));
+    let each = heard.map(|(set, residual)| {
+        Adequacy::of(&set.prepared.seen, &set.noise, residual, set.prepared.nuisances.len() + share)
+    });
+    let worst = each.filter(|a| a.tested).max_by(|a, b| (a.ratio / a.limit).total_cmp(&(b.ratio / b.limit)))?;
+    Some(Test { name: "residual over noise", value: worst.ratio, threshold: worst.limit, passed: !worst.poor() })
+}
+
+/// Whether the recordings agree on the shared parameters: how far each alone would move them, weighed by how well it knows
+/// them, after its nuisance parameters (a score test; χ² over the recordings).
+fn heterogeneity(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
+    let scores = recording_scores(context, model);
+    let size = model.structure.globals.len();
+    let mut whole = vec![0.0; size];
+    for score in &scores {
+        score.places.iter().enumerate().for_each(|(i, &place)| whole[place] += score.normal[(i, i)]);
+    }
+    let (mut chi, mut freedom) = (0.0, 0.0);
+    for Score { places, normal, pull, .. } in scores {
+        // In units in which all recordings together know each number to 1.
+        let unit: Vec<f64> = places.iter().map(|&p| f64::max(whole[p], f64::MIN_POSITIVE).sqrt()).collect();
+        let scaled = DMatrix::from_fn(places.len(), places.len(), |i, j| normal[(i, j)] / (unit[i] * unit[j]));
+        if places.is_empty() || scaled.iter().any(|v| !v.is_finite()) {
+            continue;
+        }
+        let pull = DVector::from_fn(places.len(), |i, _| pull[i] / unit[i]);
+        let eigen = scaled.symmetric_eigen();
+        for (k, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > 1e-6) {
+            chi += eigen.eigenvectors.column(k).dot(&pull).powi(2) / value;
+            freedom += 1.0;
+        }
+    }
+    freedom -= size as f64;
+    let count = context.count() as f64;
+    let variance = model.deviance(model.scale()) / (count - size as f64).max(1.0);
+    if freedom < 1.0 || variance <= 0.0 {
+        return None;
+    }
+    let chi = chi / variance;
+    let passed = upper_chi_squared(chi, freedom) > PROBABLE || chi / freedom < SCATTER;
+    Some(Test {
+        name: "agreement between recordings",
+        value: chi / freedom,
+        threshold: limit(freedom, SCATTER),
+        passed,
+    })
+}
+
+/// The greatest χ²/ν that passes.
+fn limit(freedom: f64, practical: f64) -> f64 {
+    (chi_squared_quantile(1.0 - PROBABLE, freedom) / freedom).max(practical)
+}
+
+/// The kept values of each channel of each recording, with their instants.
+fn series<'a>(sets: &'a [Set], residuals: &'a [Vec<f64>]) -> impl Iterator<Item = (usize, Vec<f64>, Vec<f64>)> + 'a {
+    sets.iter().zip(residuals).enumerate().flat_map(|(d, (set, residual))| {
+        let width = set.width();
+        (0..width).filter_map(move |channel| {
+            let places = || (channel..residual.len()).step_by(width).filter(|&i| set.keep[i]);
+            let values: Vec<f64> = places().map(|i| residual[i]).collect();
+            let clock = places().map(|i| set.clock()[i / width]).collect();
+            (values.len() >= 12).then_some((d, clock, values))
+        })
+    })
+}
+
+/// Ljung and Box (1978) over all channels and recordings: `Q = n (n + 2) Σ r_k²/(n − k)`, summed.
+fn portmanteau(sets: &[Set], residuals: &[Vec<f64>]) -> Option<Test> {
+    let (mut total, mut freedom) = (0.0, 0.0);
+    for (_, _, values) in series(sets, residuals) {
+        let n = values.len();
+        let lags = LAGS.min(n / LAG_SHARE);
+        // Single heavy samples would drown every correlation.
+        let values: Vec<f64> = values.iter().map(|v| v.clamp(-4.0, 4.0)).collect();
+        let square = dot(&values, &values);
+        if square <= 0.0 {
+            continue;
+        }
+        let each = (1..=lags).map(|k| (dot(&values[k..], &values[..n - k]) / square).powi(2) / (n - k) as f64);
+        total += each.sum::<f64>() * (n * (n + 2)) as f64;
+        freedom += lags as f64;
+    }
+    if freedom < 1.0 {
+        return None;
+    }
+    let passed = upper_chi_squared(total, freedom) > PROBABLE || total / freedom < PORTMANTEAU;
+    Some(Test {
+        name: "correlation of neighbours",
+        value: total / freedom,
+        threshold: limit(freedom, PORTMANTEAU),
+        passed,
+    })
+}
+
+/// Mean power below [`LOW_HZ`] over that between it and [`HIGH_HZ`]; `unknowns` numbers were fitted to all recordings, and
+/// each had its own.
+fn band_power(sets: &[Set], residuals: &[Vec<f64>], unknowns: f64) -> Option<Test> {
+    let (mut low, mut high, mut low_count, mut high_count) = (0.0, 0.0, 0.0, 0.0);
+    for (_, clock, values) in series(sets, residuals) {
+        let n = values.len();
+        let duration = (clock[n - 1] - clock[0]) * n as f64 / (n - 1) as f64;
+        let nyquist = 0.5 * n as f64 / duration;
+        let edge = LOW_HZ.min(nyquist / 3.0);
+        let values: Vec<f64> = values.iter().map(|v| v.clamp(-4.0, 4.0)).collect();
+        let mut bin = 1.0;
+        while bin / duration < HIGH_HZ.min(0.9 * nyquist) {
+            let hertz = bin / duration;
+            let omega = std::f64::consts::TAU * hertz;
+            let (mut cosine, mut sine) = (0.0, 0.0);
+            for (t, v) in clock.iter().zip(&values) {
+                let (s, c) = (omega * (t - clock[0])).sin_cos();
+                cosine += v * c;
+                sine += v * s;
+            }
+            let power = 2.0 * (cosine * cosine + sine * sine) / n as f64;
+            if hertz < edge {
+                (low, low_count) = (low + power, low_count + 2.0);
+            } else {
+                (high, high_count) = (high + power, high_count + 2.0);
+            }
+            bin += 1.0;
+        }
+    }
+    // The fit has taken its unknowns out of the low band, nearly all.
+    let nuisances: usize = sets.iter().map(|s| s.prepared.nuisances.len()).sum();
+    let fitted = (0.8 * nuisances as f64 + unknowns).min(0.6 * low_count);
+    let (low_freedom, high_freedom) = (low_count - fitted, high_count);
+    if low_freedom < 4.0 || high_freedom < 4.0 || high <= 0.0 {
+        return None;
+    }
+    let ratio = (low / low_freedom) / (high / high_freedom);
+    let passed = upper_f(ratio, low_freedom, high_freedom) > PROBABLE || ratio < BAND_RATIO;
+    Some(Test {
+        name: "slow against fast residual",
+        value: ratio,
+        threshold: fisher_quantile(1.0 - PROBABLE, low_freedom, high_freedom).max(BAND_RATIO),
+        passed,
+    })
+}
+
+/// Fails where the noise that was prewhitened is correlated for longer than noise is known to: nothing tells it from a misfit.
+pub(in crate::diagnose) fn noise_correlation(rho: f64) -> Option<Test> {
+    (rho > LONG_LAG1).then_some(Test {
+        name: "correlation of the noise",
+        value: rho,
+        threshold: LONG_LAG1,
+        passed: false,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, entry, in_context, in_swings, swing};
+    use crate::testing::{Exact, Pendulum};
+
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+
+    #[test]
+    fn noise_passes_and_a_missing_effect_does_not() {
+        in_swings(&[(FRICTION, 0.15)], 3, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            assert!(!residual_diagnostics(context, &base).passed());
+            let with = context.fit_near(&[entry(context, "viscous_friction")], &base).unwrap();
+            let found = residual_diagnostics(context, &with);
+            assert!(found.passed() && !found.heterogeneous, "{:?}", found.tests);
+        });
+    }
+
+    #[test]
+    fn another_pendulum_among_the_recordings_is_heterogeneous() {
+        let seen: Vec<_> = (0..4).map(|k| swing(&[("length", if k == 3 { 0.81 } else { 0.8 })], k)).collect();
+        in_context(&Exact::new(Pendulum), &seen, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            assert!(residual_diagnostics(context, &base).heterogeneous);
+        });
+    }
+}

@@ -1,0 +1,79 @@
+//! Cluster-robust covariance (Liang and Zeger 1986): intervals where recordings differ by more than noise.
+//!
+//! The covariance of the fit knows the noise within recordings alone. Where they differ among themselves as well (another
+//! spin, another spot of the table), their scatter is what bounds the answer: each recording is taken for one draw, by the
+//! covariance that is robust to clusters (Liang and Zeger 1986), with Student's quantile for as many draws.
+
+use std::collections::BTreeMap;
+
+use crate::statistics::{UPPER_95, student_quantile};
+use nalgebra::{DMatrix, DVector};
+
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::judge::recording_scores::Score;
+use crate::diagnose::judge::recording_scores::recording_scores;
+use crate::tune::arrow::inverse;
+
+/// Half the 95 % interval of each shared parameter by the scatter between recordings; `None` where fewer than two bear on it.
+pub(in crate::diagnose) fn cluster_robust_half_widths(context: &Context<'_>, model: &Hypothesis) -> Vec<Option<f64>> {
+    half_widths(&recording_scores(context, model), model.structure.globals.len())
+}
+
+fn half_widths(scores: &[Score], size: usize) -> Vec<Option<f64>> {
+    let mut whole = DMatrix::zeros(size, size);
+    let mut pulls: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
+    let mut bearing = vec![std::collections::BTreeSet::new(); size];
+    for score in scores {
+        let pull = pulls.entry(score.recording).or_insert_with(|| DVector::zeros(size));
+        for (i, &row) in score.places.iter().enumerate() {
+            pull[row] += score.pull[i];
+            for (j, &column) in score.places.iter().enumerate() {
+                whole[(row, column)] += score.normal[(i, j)];
+            }
+            if score.normal[(i, i)] > 0.0 {
+                bearing[row].insert(score.recording);
+            }
+        }
+    }
+    let known = inverse(whole);
+    let meat = pulls.values().fold(DMatrix::zeros(size, size), |sum: DMatrix<f64>, pull| sum + pull * pull.transpose());
+    let covariance = &known * meat * &known;
+    let half = |place: usize| {
+        let draws = bearing[place].len() as f64;
+        if draws < 1.5 {
+            return None;
+        }
+        let quantile = student_quantile(UPPER_95, draws - 1.0);
+        let variance: f64 = covariance[(place, place)] * draws / (draws - 1.0);
+        (variance > 0.0 && variance.is_finite()).then(|| quantile * variance.sqrt())
+    };
+    (0..size).map(half).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten equally sharp recordings whose own values are 0 to 9, the last of two pieces: the interval is that of the mean of
+    /// ten numbers, however sharp each is.
+    #[test]
+    fn the_interval_is_that_of_a_mean_of_recordings() {
+        let score = |recording: usize, normal: f64, by: f64| Score {
+            recording,
+            places: vec![0],
+            normal: DMatrix::from_element(1, 1, normal),
+            pull: DVector::from_element(1, normal * by),
+        };
+        let values: Vec<f64> = (0..10).map(f64::from).collect();
+        let (mean, sharp) = (4.5, 1e4);
+        let mut scores: Vec<Score> = (0..9).map(|k| score(k, sharp, values[k] - mean)).collect();
+        scores.extend([score(9, 0.5 * sharp, 9.0 - mean), score(9, 0.5 * sharp, 9.0 - mean)]);
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 9.0 / 10.0;
+        // Student's quantile of nine degrees of freedom, from a table.
+        let expected = 2.262_157 * variance.sqrt();
+        let found = half_widths(&scores, 2);
+        assert!((found[0].unwrap() / expected - 1.0).abs() < 1e-6, "{found:?} {expected}");
+        assert_eq!(found[1], None, "nothing bears on it");
+        assert_eq!(half_widths(&scores[..1], 1), [None], "one recording has no scatter");
+    }
+}

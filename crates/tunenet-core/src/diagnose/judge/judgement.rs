@@ -1,0 +1,130 @@
+//! The judgement of the attempt that the strategies ended with: residual diagnostics, validation, verdict.
+
+use crate::Result;
+use crate::diagnose::Test;
+use crate::diagnose::answer::Verdict;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::Selection;
+use crate::diagnose::judge::adequacy::noise_correlation;
+use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::judge::verdict::{Decision, decide};
+use crate::diagnose::strategy::{Attempt, Control, Scope};
+
+/// A model may not raise the held-out residual by more than this factor.
+const HELD_OUT_WORSE: f64 = 1.05;
+
+/// Everything judged.
+pub(in crate::diagnose) struct Judgement<'a> {
+    pub context: Context<'a>,
+    pub found: Selection<'a>,
+    pub scope: Scope,
+    pub decision: Decision,
+    pub tests: Vec<Test>,
+    /// Whether the effects stand by their practical significance.
+    pub practical: bool,
+    /// The held-out recordings without any effect, and with those found.
+    pub before: Option<HeldOut>,
+    pub after: Option<HeldOut>,
+    /// What wrong effects reach.
+    pub control: Control,
+    /// The lag-1 correlation of the noise.
+    pub lag1: f64,
+    /// The mean square that noise alone leaves.
+    pub floor: f64,
+    /// Whether recordings differ among themselves by more than their noise.
+    pub heterogeneous: bool,
+}
+
+impl<'a> Judgement<'a> {
+    /// Judges `attempt`.
+    pub fn new(mut attempt: Attempt<'a>) -> Result<Self> {
+        let control = match attempt.control.take() {
+            Some(control) => control,
+            None => attempt.negative_control()?,
+        };
+        let Attempt { context, found, scope, residuals, practical, before, lag1, floor, .. } = attempt;
+        let whole = scope == Scope::Whole;
+        let mut tests = residuals.tests;
+        if found.best.is_none() {
+            tests.extend(noise_correlation(lag1));
+        }
+        let after = match &found.best {
+            Some(best) => validate(&context, best)?,
+            None => before.clone(),
+        };
+        tests.extend(worse_on_unseen(before.as_ref(), after.as_ref()));
+        // Copies of the motion that was fitted confirm nothing.
+        let evidence = &context.evidence;
+        let another = |set: &Set| !evidence.shows_one_motion() || set.throw != evidence.training[0].throw;
+        let confirmed = practical.is_none() || evidence.validation.iter().any(another);
+        let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed);
+        let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
+        let significant = whole && practical.is_some();
+        tests.extend(practical.into_iter().flatten());
+        Ok(Self {
+            context,
+            found,
+            scope,
+            decision,
+            tests,
+            practical: significant,
+            before,
+            after,
+            control,
+            lag1,
+            floor,
+            heterogeneous,
+        })
+    }
+
+    /// Whether effects are reported, be it with others in their place.
+    pub fn told(&self) -> bool {
+        matches!(self.decision.verdict, Verdict::Named | Verdict::OneOf)
+    }
+
+    /// The best hypothesis, be it that nothing is missing.
+    pub fn best(&self) -> &Hypothesis<'a> {
+        self.found.best.as_ref().unwrap_or(&self.found.base)
+    }
+
+    /// The hypothesis that the answer tells: without effects where none are reported.
+    pub fn last(&self) -> &Hypothesis<'a> {
+        if self.told() { self.best() } else { &self.found.base }
+    }
+
+    /// Whether what lies between events is explained, and the events are not.
+    pub fn events_open(&self) -> bool {
+        matches!(self.scope, Scope::Segments { events_open: true })
+    }
+}
+
+/// Whether the effects raise the residual of recordings that were not fitted.
+fn worse_on_unseen(before: Option<&HeldOut>, after: Option<&HeldOut>) -> Option<Test> {
+    let value = after?.rmse / before?.rmse.max(f64::MIN_POSITIVE);
+    let passed = value <= HELD_OUT_WORSE;
+    Some(Test { name: "held-out residual after over before", value, threshold: HELD_OUT_WORSE, passed })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    use crate::diagnose::strategy::explain;
+
+    #[test]
+    fn what_is_told_is_the_hypothesis_with_its_effects() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let judged = Judgement::new(explain(context, &|_| {}).unwrap()).unwrap();
+            assert_eq!((judged.decision.verdict, judged.told()), (Verdict::Named, true));
+            assert_eq!(judged.last().structure.effects.len(), 1);
+            assert!(judged.control.wrong.is_some() && !judged.practical && !judged.events_open());
+            assert!(judged.tests.iter().all(|t| t.passed), "{:?}", judged.tests);
+        });
+        in_swings(&[], 3, 0, |context| {
+            let judged = Judgement::new(explain(context, &|_| {}).unwrap()).unwrap();
+            assert!(!judged.told() && judged.last().structure.effects.is_empty());
+        });
+    }
+}

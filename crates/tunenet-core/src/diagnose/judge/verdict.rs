@@ -1,0 +1,149 @@
+//! Verdict: none, named, one of a confusable set, or unknown.
+
+use crate::diagnose::answer::wording::words;
+use crate::diagnose::answer::{Test, Verdict};
+use crate::diagnose::hypothesis::context::{Context, SINGLE_MOTION_MARGIN};
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
+use crate::diagnose::hypothesis::plausibility::needs_no_evidence;
+use crate::diagnose::hypothesis::plausibility::{is_less_plausible, is_required};
+
+/// How many alternatives of an effect are offered at most.
+const MOST_ALTERNATIVES: usize = 5;
+/// How many names stand for the nearest where nothing fits and nothing was added.
+const NEAREST: usize = 2;
+
+/// The verdict, and what it rests on.
+pub(in crate::diagnose) struct Decision {
+    pub verdict: Verdict,
+    /// For each effect of the best structure: what could be in its place. Empty where it has none.
+    pub alternatives: Vec<Vec<usize>>,
+    /// All names that are left, or the nearest.
+    pub names: Vec<&'static str>,
+    /// How far behind the best an explanation is still left.
+    pub margin: f64,
+    /// Why what is distinguished from everything else by far is not named alone.
+    pub doubt: Option<&'static str>,
+}
+
+/// The same in the place of one effect. Of one that has to be there anyhow it is no question whether it is, only whether
+/// something else does its work: there the usual margin does.
+fn margin_of(context: &Context, place: &SelectedEffect, margin: f64) -> f64 {
+    if is_required(context, place.entry) { margin.min(context.settings.margin) } else { margin }
+}
+
+/// What stands within `margin` of an effect of the best structure, or does as well on recordings that were not fitted, less
+/// what is not to be expected where that is.
+pub(in crate::diagnose) fn in_place_of(context: &Context, place: &SelectedEffect, margin: f64) -> Vec<usize> {
+    let margin = margin_of(context, place, margin);
+    let near = place.others.iter().filter(|(other, gap)| *gap < margin || place.equals.contains(other));
+    near.map(|(entry, _)| *entry).filter(|&other| !is_less_plausible(context, other, place.entry)).collect()
+}
+
+/// The verdict of what was found. `confirmed` is whether recordings that were not fitted bear it out, or nothing is left
+/// that they would have to.
+pub(in crate::diagnose) fn decide(context: &Context, found: &Selection, tests: &[Test], confirmed: bool) -> Decision {
+    let adequate = tests.iter().all(|t| t.passed);
+    let names = |entries: &mut dyn Iterator<Item = usize>| unique(entries.map(|e| context.catalogue[e].name).collect());
+    let widest = context.margin();
+    let ended = |verdict, names| Decision { verdict, alternatives: Vec::new(), names, margin: widest, doubt: None };
+    if found.best.is_none() {
+        if adequate {
+            return ended(Verdict::None, Vec::new());
+        }
+        let near = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0);
+        return ended(Verdict::Unknown, names(&mut near.take(NEAREST).map(|t| t.entry)));
+    }
+    if !adequate
+        || found.places.iter().any(|p| p.gain < context.settings.margin && !needs_no_evidence(context, p.entry))
+    {
+        return ended(Verdict::Unknown, names(&mut found.places.iter().map(|p| p.entry)));
+    }
+    let mut alternatives = Vec::with_capacity(found.places.len());
+    let mut near_any = false;
+    for place in &found.places {
+        let mut near = in_place_of(context, place, widest);
+        // One throw cannot tell what is in the catalogue from what is not, so the next best is left beside the best; where
+        // nothing else explains anything, the best is left alone, and what is in no catalogue beside it.
+        let doubtful = doubtful(context, place, confirmed);
+        near_any |= !near.is_empty();
+        if near.is_empty() && doubtful {
+            near.extend(runner_up(context, found, place));
+        }
+        near.truncate(MOST_ALTERNATIVES);
+        alternatives.push(near);
+    }
+    let doubt = found.places.iter().any(|place| doubtful(context, place, confirmed));
+    let open = doubt || alternatives.iter().any(|near| !near.is_empty());
+    let all = found.places.iter().zip(&alternatives);
+    let names = names(&mut all.flat_map(|(place, near)| std::iter::once(place.entry).chain(near.iter().copied())));
+    let margin = found.places.iter().map(|p| margin_of(context, p, widest)).fold(context.settings.margin, f64::max);
+    let doubt = (doubt && !near_any).then(|| {
+        if context.evidence.shows_one_motion() {
+            words(context).single
+        } else {
+            "no recording that was not fitted bears it out"
+        }
+    });
+    Decision { verdict: if open { Verdict::OneOf } else { Verdict::Named }, alternatives, names, margin, doubt }
+}
+
+/// Whether an effect is not named alone although nothing comes near it: a single throw shows it, or no recording that was not
+/// fitted bears it out. One that has to be there anyhow does where it is distinguished from everything else by far, several throws or
+/// objects showing it; of a single throw, where what it leaves is noise.
+fn doubtful(context: &Context, place: &SelectedEffect, confirmed: bool) -> bool {
+    if !is_required(context, place.entry) {
+        return !confirmed || context.evidence.shows_one_motion();
+    }
+    let offered = |other: usize| !is_less_plausible(context, other, place.entry);
+    let near = |(other, gap): &(usize, f64)| offered(*other) && *gap < SINGLE_MOTION_MARGIN * context.settings.margin;
+    !confirmed && (context.evidence.shows_one_motion() || place.others.iter().any(near))
+}
+
+/// The next best in the place of an effect, whatever its distance, that explains anything at all.
+fn runner_up(context: &Context, found: &Selection, place: &SelectedEffect) -> Option<usize> {
+    // What falls behind by all that the effect is worth gains nothing.
+    let beside = place.others.iter().filter(|(_, gap)| *gap < place.gain).map(|(entry, _)| *entry);
+    let alone = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0).map(|t| t.entry);
+    let named = |entry: usize| found.places.iter().any(|p| p.entry == entry);
+    beside.chain(alone).find(|&entry| !named(entry) && !is_less_plausible(context, entry, place.entry))
+}
+
+/// Each name once, in the order in which they come.
+pub(in crate::diagnose) fn unique<'a>(names: Vec<&'a str>) -> Vec<&'a str> {
+    let mut once: Vec<&'a str> = Vec::with_capacity(names.len());
+    for name in names {
+        if !once.contains(&name) {
+            once.push(name);
+        }
+    }
+    once
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    use crate::diagnose::hypothesis::forward_selection::search;
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+    use crate::diagnose::judge::adequacy::residual_diagnostics;
+
+    fn verdict(truth: &[(&str, f64)], count: u32) -> (Verdict, Vec<&'static str>) {
+        let mut found = (Verdict::Insufficient, Vec::new());
+        in_swings(truth, count, 0, |context| {
+            let searched = search(context, fit_without_effects(context).unwrap(), &|_| {}).unwrap();
+            let tests = residual_diagnostics(context, searched.best.as_ref().unwrap_or(&searched.base)).tests;
+            let decision = decide(context, &searched, &tests, true);
+            found = (decision.verdict, decision.names);
+        });
+        found
+    }
+
+    #[test]
+    fn several_motions_name_an_effect_and_a_single_one_leaves_a_choice() {
+        assert_eq!(verdict(&[], 3), (Verdict::None, Vec::new()));
+        assert_eq!(verdict(&[(FRICTION, 0.15)], 3), (Verdict::Named, vec!["viscous_friction"]));
+        let (one, names) = verdict(&[(FRICTION, 0.15)], 1);
+        assert!(one == Verdict::OneOf && names.contains(&"viscous_friction"), "{one:?} {names:?}");
+    }
+}

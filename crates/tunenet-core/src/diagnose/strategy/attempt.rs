@@ -1,0 +1,115 @@
+//! An attempt to explain recordings: the hypothesis found, and the context under which it holds.
+
+use crate::Result;
+use crate::diagnose::Test;
+use crate::diagnose::evidence::sign_ambiguous::fix_sign_ambiguous;
+use crate::diagnose::evidence::unmeasured_axes::without_unmeasured;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::Selection;
+use crate::diagnose::hypothesis::multistart::fit_without_effects;
+use crate::diagnose::judge::adequacy::{ResidualDiagnostics, residual_diagnostics};
+use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::judge::negative_control::{negative_control, ratios};
+use crate::diagnose::judge::practical_significance::noise_floor;
+
+/// What an attempt has looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::diagnose) enum Scope {
+    /// The simulation was tuned; no effect was looked for yet.
+    Tuned,
+    /// Whole recordings.
+    Whole,
+    /// What lies between events, and then the events themselves.
+    Segments {
+        /// Whether the events leave something that no effect takes away.
+        events_open: bool,
+    },
+}
+
+/// What recordings that were not fitted say of wrong effects.
+pub(in crate::diagnose) struct Control {
+    /// A wrong effect, and the root mean square that it reaches.
+    pub wrong: Option<(&'static str, f64)>,
+    /// Of the best candidates: the held-out residual of each alone over that without it.
+    pub ratios: Vec<(usize, f64)>,
+}
+
+/// An attempt to explain the recordings.
+pub(in crate::diagnose) struct Attempt<'a> {
+    pub context: Context<'a>,
+    pub found: Selection<'a>,
+    pub scope: Scope,
+    /// Whether what is left of whole recordings looks like noise.
+    pub residuals: ResidualDiagnostics,
+    /// The tests of practical significance that the effects passed, where they were needed.
+    pub practical: Option<Vec<Test>>,
+    /// The held-out recordings without any effect.
+    pub before: Option<HeldOut>,
+    /// The lag-1 correlation of the noise, by which whole recordings were prewhitened.
+    pub lag1: f64,
+    /// The noise of the recordings as a mean square.
+    pub floor: f64,
+    /// The negative control, where it was made before chance was admitted.
+    pub control: Option<Control>,
+}
+
+impl<'a> Attempt<'a> {
+    /// The simulation as it is, tuned.
+    pub fn tuned(context: &Context<'a>) -> Result<Self> {
+        let context = context.with_evidence(fix_sign_ambiguous(context)?);
+        let base = fit_without_effects(&context)?;
+        let context = without_unmeasured(context, &base)?;
+        let found = Selection { base, alone: Vec::new(), best: None, places: Vec::new() };
+        let floor = noise_floor(context.sets());
+        let (scope, residuals) = (Scope::Tuned, ResidualDiagnostics::default());
+        Ok(Self { context, found, scope, residuals, practical: None, before: None, lag1: 0.0, floor, control: None })
+    }
+
+    /// What was found in `context`, tested.
+    pub fn tested(
+        context: Context<'a>,
+        found: Selection<'a>,
+        scope: Scope,
+        practical: Option<Vec<Test>>,
+    ) -> Result<Self> {
+        let before = validate(&context, &found.base)?;
+        let residuals = residual_diagnostics(&context, found.best.as_ref().unwrap_or(&found.base));
+        let (lag1, floor) = (context.evidence.noise.lag1(), noise_floor(context.sets()));
+        Ok(Self { context, found, scope, residuals, practical, before, lag1, floor, control: None })
+    }
+
+    /// The best hypothesis, be it that nothing is missing.
+    pub fn last(&self) -> &Hypothesis<'a> {
+        self.found.best.as_ref().unwrap_or(&self.found.base)
+    }
+
+    /// Whether something is left of whole recordings that could be taken for noise: a recording confirms then what takes the
+    /// large part away. Without one that could, a large part taken away proves no name; of a single motion it leaves a choice.
+    pub fn may_inflate_noise(&self) -> bool {
+        let evidence = &self.context.evidence;
+        let confirmable = !evidence.validation.is_empty() || evidence.shows_one_motion_per_object();
+        self.scope == Scope::Whole && self.practical.is_none() && confirmable && !self.residuals.passed()
+    }
+
+    /// What wrong effects reach on held-out recordings.
+    pub fn negative_control(&self) -> Result<Control> {
+        let wrong = negative_control(&self.context, &self.found)?;
+        Ok(Control { wrong, ratios: ratios(&self.context, &self.found, self.before.as_ref())? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    #[test]
+    fn a_tuned_simulation_has_looked_for_no_effect_yet() {
+        in_swings(&[(FRICTION, 0.15)], 3, 1, |context| {
+            let attempt = Attempt::tuned(context).unwrap();
+            assert!(attempt.scope == Scope::Tuned && attempt.found.best.is_none() && !attempt.may_inflate_noise());
+            let tested = Attempt::tested(attempt.context, attempt.found, Scope::Whole, None).unwrap();
+            assert!(tested.before.is_some() && tested.may_inflate_noise(), "something is left, and could be confirmed");
+        });
+    }
+}

@@ -1,0 +1,68 @@
+//! Selected effects by name: where segments and events are explained apart, each has its own catalogue.
+
+use crate::diagnose::hypothesis::catalogue::Entry;
+use crate::diagnose::hypothesis::context::Context;
+use crate::diagnose::hypothesis::forward_selection::SelectedEffect;
+
+/// A [`SelectedEffect`] that holds in any catalogue.
+pub(in crate::diagnose) struct ByName {
+    name: &'static str,
+    gain: f64,
+    p_value: f64,
+    others: Vec<(&'static str, f64)>,
+    equals: Vec<&'static str>,
+}
+
+impl ByName {
+    pub fn of(context: &Context, place: &SelectedEffect) -> Self {
+        let name = |entry: usize| context.catalogue[entry].name;
+        Self {
+            name: name(place.entry),
+            gain: place.gain,
+            p_value: place.p_value,
+            others: place.others.iter().map(|&(entry, gap)| (name(entry), gap)).collect(),
+            equals: place.equals.iter().map(|&entry| name(entry)).collect(),
+        }
+    }
+
+    /// Without what lies farther behind.
+    pub fn within(mut self, margin: f64) -> Self {
+        let equals = &self.equals;
+        self.others.retain(|(name, gap)| *gap < margin || equals.contains(name));
+        self
+    }
+
+    /// In this catalogue; `None` where it does not hold the effect.
+    pub fn place(&self, catalogue: &[Entry]) -> Option<SelectedEffect> {
+        let entry = |name: &str| catalogue.iter().position(|e| e.name == name);
+        Some(SelectedEffect {
+            entry: entry(self.name)?,
+            gain: self.gain,
+            p_value: self.p_value,
+            others: self.others.iter().filter_map(|&(name, gap)| Some((entry(name)?, gap))).collect(),
+            equals: self.equals.iter().filter_map(|name| entry(name)).collect(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{entry, in_swings};
+
+    #[test]
+    fn a_place_is_found_again_in_another_catalogue() {
+        in_swings(&[], 1, 0, |context| {
+            let (friction, rest) = (entry(context, "viscous_friction"), entry(context, "rest_angle"));
+            let others = vec![(rest, 3.0), (entry(context, "time_scale"), 9.0)];
+            let place = SelectedEffect { entry: friction, gain: 20.0, p_value: 0.01, others, equals: Vec::new() };
+            let named = ByName::of(context, &place).within(6.0);
+            let turned: Vec<Entry> = context.catalogue.iter().rev().cloned().collect();
+            let found = named.place(&turned).unwrap();
+            assert_eq!(turned[found.entry].name, "viscous_friction");
+            assert_eq!(found.others.len(), 1);
+            assert_eq!(turned[found.others[0].0].name, "rest_angle");
+            assert!(named.place(&turned[..1]).is_none());
+        });
+    }
+}

@@ -1,0 +1,172 @@
+//! Model discrepancy as noise (variance inflation): with enough real data every statistical test fails, so what is left is
+//! taken for autocorrelated noise, and what then still stands out has to take most of the gap away.
+
+use super::{Attempt, Strategy};
+use crate::Result;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::{Evidence, NoiseModel};
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::{Selection, search};
+use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::judge::negative_control::negative_control;
+use crate::diagnose::judge::practical_significance::{CONFIRMED, CONTROL, noise_floor, practical_tests};
+use crate::diagnose::{Progress, Test};
+
+/// Correlations above this would leave next to no independent value.
+const GREATEST: f64 = 0.97;
+
+pub(super) struct DiscrepancyAsNoise;
+
+impl Strategy for DiscrepancyAsNoise {
+    fn applies(&self, attempt: &Attempt) -> bool {
+        attempt.may_inflate_noise()
+    }
+
+    fn attempt<'a>(&self, attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
+        let second = with_inflated_noise(&attempt.context, &attempt.found, attempt.floor, progress)?;
+        Ok(if second.stands() { attempt.replaced(second) } else { attempt })
+    }
+}
+
+impl<'a> Attempt<'a> {
+    /// The same recordings explained with inflated noise.
+    pub(super) fn replaced(self, second: Second<'a>) -> Self {
+        let Second { context, found, before, tests } = second;
+        Self { context, found, before, practical: Some(tests), ..self }
+    }
+}
+
+/// A search with what an earlier one leaves taken for noise.
+pub(in crate::diagnose) struct Second<'a> {
+    /// Under which it was made.
+    pub context: Context<'a>,
+    pub found: Selection<'a>,
+    pub before: Option<HeldOut>,
+    pub tests: Vec<Test>,
+}
+
+impl Second<'_> {
+    /// Whether it finds effects that pass every test.
+    pub fn stands(&self) -> bool {
+        self.found.best.is_some() && self.tests.iter().all(|t| t.passed)
+    }
+}
+
+/// Searches again with what `first` leaves taken for noise, and tests what that finds; `floor` is the noise of the recordings
+/// as a mean square.
+pub(in crate::diagnose) fn with_inflated_noise<'a>(
+    context: &Context<'a>,
+    first: &Selection<'a>,
+    floor: f64,
+    progress: &dyn Fn(Progress),
+) -> Result<Second<'a>> {
+    let unseen_floor = noise_floor(&context.evidence.validation);
+    let (context, mut found) = search_inflated(context, first, progress)?;
+    let before = validate(&context, &found.base)?;
+    let after = found.best.as_ref().map_or(Ok(None), |best| validate(&context, best))?;
+    if let (Some(before), Some(after)) = (&before, &after) {
+        admit_equals(&context, &mut found, before.rmse, after.rmse)?;
+    }
+    let control = negative_control(&context, &found)?.map(|c| c.1);
+    let tests = practical_tests(&context, &found, (floor, unseen_floor), before.as_ref().zip(after.as_ref()), control)?;
+    Ok(Second { context, found, before, tests })
+}
+
+/// The evidence with what `model` leaves treated as noise.
+fn with_discrepancy_as_noise(context: &Context, model: &Hypothesis) -> Result<Evidence> {
+    let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
+    let mut evidence = Evidence::clone(&context.evidence);
+    let (mut product, mut square) = (0.0, 0.0);
+    let channels = evidence.training.first().map_or(0, Set::width);
+    let mut pooled = vec![(0.0, 0.0); channels];
+    for (set, values) in evidence.training.iter_mut().zip(&plain) {
+        let width = set.width();
+        for (channel, pooled) in pooled.iter_mut().enumerate().take(width) {
+            let kept: Vec<f64> =
+                (channel..values.len()).step_by(width).filter(|&i| set.keep[i]).map(|i| values[i]).collect();
+            let sum: f64 = kept.iter().map(|v| v * v).sum();
+            if kept.is_empty() || sum <= 0.0 {
+                continue;
+            }
+            let spread = (sum / kept.len() as f64).sqrt();
+            pooled.0 += sum;
+            pooled.1 += kept.len() as f64;
+            square += sum / (spread * spread);
+            product += kept.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / (spread * spread);
+            set.noise[channel] = set.noise[channel].max(spread);
+        }
+    }
+    for set in &mut evidence.validation {
+        for (noise, (sum, count)) in set.noise.iter_mut().zip(&pooled) {
+            if *count > 0.0 {
+                *noise = noise.max((sum / count).sqrt());
+            }
+        }
+    }
+    let rho = if square > 0.0 { (product / square).clamp(0.0, GREATEST) } else { 0.0 };
+    // What a mean of correlated values is worth in independent ones.
+    let effective_fraction = (1.0 - rho) / (1.0 + rho);
+    Ok(Evidence { noise: NoiseModel::Inflated { effective_fraction }, ..evidence.prewhitened(0.0) })
+}
+
+/// The search again with what `found` leaves taken for noise, and the context of it.
+pub(in crate::diagnose) fn search_inflated<'a>(
+    context: &Context<'a>,
+    found: &Selection<'a>,
+    progress: &dyn Fn(Progress),
+) -> Result<(Context<'a>, Selection<'a>)> {
+    let best = found.best.as_ref().unwrap_or(&found.base);
+    let context = context.with_evidence(with_discrepancy_as_noise(context, best)?);
+    let base = context.fit_near(&[], &found.base)?;
+    let found = search(&context, base, progress)?;
+    Ok((context, found))
+}
+
+/// Where a single effect was found: counts every other that does as well on recordings that were not fitted among what
+/// could stand in its place.
+fn admit_equals(context: &Context, found: &mut Selection, before: f64, after: f64) -> Result<()> {
+    let [place] = found.places.as_mut_slice() else { return Ok(()) };
+    for trial in found.alone.iter().filter(|t| t.entry != place.entry && t.excluded.is_none()) {
+        let Some(model) = &trial.model else { continue };
+        let Some(reached) = validate(context, model)? else { continue };
+        if reached.rmse <= CONFIRMED * before && reached.rmse < CONTROL * after {
+            place.equals.push(trial.entry);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings, names};
+
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+
+    /// What the fit leaves has three times the noise and hardly an independent value.
+    #[test]
+    fn noise_is_inflated_to_the_residual_of_the_hypothesis() {
+        in_swings(&[(FRICTION, 0.05)], 3, 1, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let inflated = with_discrepancy_as_noise(context, &base).unwrap();
+            let NoiseModel::Inflated { effective_fraction } = inflated.noise else { panic!("{:?}", inflated.noise) };
+            assert!(effective_fraction < 0.5, "{effective_fraction}");
+            let wider = |a: &[Set], b: &[Set]| a.iter().zip(b).all(|(a, b)| a.noise[0] > 1.2 * b.noise[0]);
+            assert!(wider(&inflated.training, context.sets()));
+            assert!(wider(&inflated.validation, &context.evidence.validation));
+        });
+    }
+
+    #[test]
+    fn an_effect_that_explains_all_stands_with_inflated_noise() {
+        in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
+            let attempt = Attempt::tuned(context).unwrap();
+            let floor = attempt.floor;
+            let tested = Attempt::tested(attempt.context, attempt.found, super::super::Scope::Whole, None).unwrap();
+            assert!(DiscrepancyAsNoise.applies(&tested));
+            let replaced = DiscrepancyAsNoise.attempt(tested, &|_| {}).unwrap();
+            assert!(replaced.practical.is_some() && replaced.floor == floor);
+            assert_eq!(names(&replaced.context, &replaced.last().structure.effects), ["viscous_friction"]);
+        });
+    }
+}

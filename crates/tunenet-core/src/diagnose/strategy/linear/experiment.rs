@@ -1,0 +1,229 @@
+//! What to record next of an arm: the motion in which the effects that are left together differ.
+//!
+//! Effects are distinguished by what their torque follows: speed, the rate at which motion changes, the pose, or the load. The
+//! joint is the one in which the contested effect shows most, and speeds and poses are those that the recordings reach.
+
+use super::choose::Chosen;
+use super::logs::Logs;
+use crate::Result;
+use crate::diagnose::answer::{NextExperiment, Verdict};
+
+/// What a torque follows.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Follows {
+    Speed,
+    Rate,
+    Pose,
+    Load,
+}
+
+impl Follows {
+    fn of(effect: &str) -> Self {
+        match effect {
+            "viscous_friction" | "coulomb_friction" | "stribeck_friction" => Self::Speed,
+            "armature" | "time_delay" | "joint_elasticity" => Self::Rate,
+            "payload_com_offset" | "torque_gain" => Self::Load,
+            _ => Self::Pose,
+        }
+    }
+
+    /// What it shows in the motion that is asked for.
+    fn sign(effect: &str) -> &'static str {
+        match effect {
+            "viscous_friction" => "grows in proportion to speed",
+            "coulomb_friction" => "is the same at every speed and turns with the direction",
+            "stribeck_friction" => "is there at the slowest speed alone",
+            "armature" => "grows fourfold at twice the speed",
+            "time_delay" => "doubles where the torque changes twice as fast",
+            "joint_elasticity" => "follows the torque and its slopes",
+            "torque_bias" => "is the same in every pose",
+            "joint_spring" => "grows from its rest in a straight line",
+            "joint_offset" => "follows gravity as the joint alone turns",
+            "base_tilt" => "turns with the direction in which the arm reaches",
+            "payload_com_offset" => "is gone without the payload",
+            "torque_gain" => "stays in proportion with the payload and without",
+            _ => "comes apart there",
+        }
+    }
+}
+
+/// What the recordings reach in one joint.
+struct Reach {
+    joint: usize,
+    low_rad: f64,
+    high_rad: f64,
+    fastest_rad_s: f64,
+}
+
+/// The experiment that tells `names` apart, or shows more of what none of them explains.
+///
+/// # Errors
+/// Where a simulator refuses.
+pub(super) fn next(
+    logs: &Logs,
+    chosen: &Chosen,
+    verdict: Verdict,
+    names: &[&'static str],
+    margin: f64,
+) -> Result<Option<NextExperiment>> {
+    match verdict {
+        Verdict::OneOf => {
+            let open = chosen.effects.iter().find(|s| s.doubtful(margin));
+            let Some(stood) = open else { return Ok(None) };
+            let contested: Vec<&'static str> = std::iter::once(stood.entry)
+                .chain(stood.near(margin))
+                .map(|entry| logs.entries[entry].effect.name)
+                .filter(|name| names.contains(name))
+                .collect();
+            let mut without = chosen.best.point.clone();
+            for (object, i) in logs.places(stood.entry) {
+                without[object][i] = logs.parameter((object, i)).value;
+            }
+            let joint = strongest(logs, |run| {
+                let (there, gone) = (logs.prediction(run, &chosen.best.point)?, logs.prediction(run, &without)?);
+                Ok(there
+                    .iter()
+                    .zip(&gone)
+                    .enumerate()
+                    .map(|(i, (a, b))| (a - b) / run.noise[i % run.width()])
+                    .collect())
+            })?;
+            Ok(Some(apart(&contested, &reach(logs, joint))))
+        }
+        Verdict::Unknown => {
+            let joint = strongest(logs, |run| logs.in_noise(run, &chosen.best.point))?;
+            Ok(Some(alone(&reach(logs, joint))))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The joint in which such values have the largest squares.
+fn strongest(logs: &Logs, of: impl Fn(&super::logs::Run) -> Result<Vec<f64>>) -> Result<usize> {
+    let mut sums = vec![0.0; logs.runs[0].width()];
+    for run in logs.fitted() {
+        for (i, value) in of(run)?.iter().enumerate() {
+            sums[i % run.width()] += value * value;
+        }
+    }
+    Ok((0..sums.len()).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0))
+}
+
+/// How far and how fast the recordings move a joint, where their inputs name positions and speeds.
+fn reach(logs: &Logs, joint: usize) -> Reach {
+    let mut found = Reach { joint: joint + 1, low_rad: f64::INFINITY, high_rad: f64::NEG_INFINITY, fastest_rad_s: 0.0 };
+    for input in logs.fitted().filter_map(|run| run.prepared.input.as_ref()) {
+        let column = |name: String| input.channels().iter().position(|c| c.name == name);
+        if let Some(q) = column(format!("q{}", joint + 1)) {
+            let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
+            (found.low_rad, found.high_rad) = input.column(q).fold((found.low_rad, found.high_rad), ends);
+        }
+        if let Some(dq) = column(format!("dq{}", joint + 1)) {
+            found.fastest_rad_s = input.column(dq).fold(found.fastest_rad_s, |most, v| most.max(v.abs()));
+        }
+    }
+    found
+}
+
+fn apart(contested: &[&'static str], reach: &Reach) -> NextExperiment {
+    let Reach { joint, low_rad, high_rad, fastest_rad_s } = *reach;
+    let follows: Vec<Follows> = contested.iter().map(|name| Follows::of(name)).collect();
+    let count = |what: Follows| follows.iter().filter(|f| **f == what).count();
+    let mut steps = Vec::new();
+    let mut settings = vec![("joint".to_owned(), joint as f64)];
+    let moving = fastest_rad_s > 0.0 && high_rad > low_rad;
+    let (slow, fast) = (0.1 * fastest_rad_s, fastest_rad_s);
+    let speeds = count(Follows::Speed) > 0 && (count(Follows::Rate) + count(Follows::Pose) + count(Follows::Load) > 0)
+        || count(Follows::Speed) > 1;
+    if speeds {
+        let how = if moving {
+            settings.extend([("slow_rad_s".to_owned(), slow), ("fast_rad_s".to_owned(), fast)]);
+            format!("at constant {slow:.2}, {:.2} and {fast:.2} rad/s", (slow * fast).sqrt())
+        } else {
+            "at three constant speeds, the fastest ten times the slowest".into()
+        };
+        steps.push(format!("when the arm is warm, move joint {joint} alone to and fro {how}"));
+    }
+    if count(Follows::Rate) > 0 {
+        let how = if moving {
+            settings.push(("twice_rad_s".to_owned(), 2.0 * fast));
+            format!(", up to {:.2} rad/s where the arm may", 2.0 * fast)
+        } else {
+            String::new()
+        };
+        steps.push(format!("repeat the same motion of joint {joint} twice as fast{how}"));
+    }
+    if count(Follows::Pose) > 0 {
+        let how = if moving {
+            settings.extend([("low_rad".to_owned(), low_rad), ("high_rad".to_owned(), high_rad)]);
+            format!("six poses from {low_rad:.2} to {high_rad:.2} rad or beyond")
+        } else {
+            "six poses over its range".into()
+        };
+        let turned = if contested.contains(&"base_tilt") && joint != 1 {
+            ", then the same with joint 1 turned by half a turn"
+        } else {
+            ""
+        };
+        steps.push(format!("hold joint {joint} still for 3 s in each of {how}, approached from both sides{turned}"));
+    }
+    if count(Follows::Load) > 0 {
+        steps.push("record the same motion once with and once without the payload".into());
+    }
+    let signs: Vec<String> = contested.iter().map(|name| format!("{name} {}", Follows::sign(name))).collect();
+    NextExperiment { text: format!("{}: {}", steps.join("; "), signs.join(", ")), settings }
+}
+
+/// Where no known effect will do: one joint alone, so that what its torque follows can be seen.
+fn alone(reach: &Reach) -> NextExperiment {
+    let Reach { joint, low_rad, high_rad, fastest_rad_s } = *reach;
+    let mut settings = vec![("joint".to_owned(), joint as f64)];
+    let how = if fastest_rad_s > 0.0 && high_rad > low_rad {
+        let slow = 0.1 * fastest_rad_s;
+        settings.extend([
+            ("slow_rad_s".to_owned(), slow),
+            ("low_rad".to_owned(), low_rad),
+            ("high_rad".to_owned(), high_rad),
+        ]);
+        format!("from {low_rad:.2} to {high_rad:.2} rad and back at constant {slow:.2} rad/s")
+    } else {
+        "over its range and back, slowly".into()
+    };
+    let text = format!(
+        "move joint {joint} alone, in which most is left, {how}, once cold and once warm: ripple repeats with its position, play shows \
+         where it turns round, what grease does fades with warmth"
+    );
+    NextExperiment { text, settings }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REACH: Reach = Reach { joint: 3, low_rad: -1.5, high_rad: 0.5, fastest_rad_s: 0.8 };
+
+    /// What is asked for follows from what is left together, with joint, speeds and poses of the recordings.
+    #[test]
+    fn each_set_has_a_motion_of_its_own() {
+        let friction = apart(&["viscous_friction", "coulomb_friction"], &REACH);
+        assert!(
+            friction.text.contains("joint 3 alone to and fro at constant 0.08, 0.25 and 0.80 rad/s"),
+            "{friction:?}"
+        );
+        assert!(friction.text.contains("coulomb_friction is the same at every speed"), "{friction:?}");
+        assert!(friction.settings.contains(&("fast_rad_s".to_owned(), 0.8)));
+        let rate = apart(&["armature", "time_delay"], &REACH);
+        assert!(rate.text.starts_with("repeat the same motion of joint 3 twice as fast, up to 1.60 rad/s"), "{rate:?}");
+        let pose = apart(&["joint_offset", "base_tilt"], &REACH);
+        assert!(
+            pose.text.contains("six poses from -1.50 to 0.50 rad") && pose.text.contains("joint 1 turned"),
+            "{pose:?}"
+        );
+        let load = apart(&["torque_bias", "payload_com_offset"], &REACH);
+        assert!(
+            load.text.contains("once with and once without the payload") && load.text.contains("hold joint 3 still")
+        );
+        let texts = [friction.text, rate.text, pose.text, load.text, alone(&REACH).text];
+        assert!(texts.iter().all(|t| !t.contains("ball") && !t.contains("drop") && !t.contains("throw")), "{texts:?}");
+    }
+}

@@ -1,0 +1,191 @@
+//! Segment-wise: where the tuned simulation is far beyond noise, what lies between events is explained first, then the events.
+
+use super::{Attempt, Scope, Strategy};
+use crate::Result;
+use crate::diagnose::Progress;
+use crate::diagnose::Test;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::{Evidence, NoiseModel};
+use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
+use crate::diagnose::hypothesis::catalogue::catalogue;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::search;
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
+use crate::diagnose::hypothesis::multistart::fit_without_effects;
+use crate::diagnose::hypothesis::pruning::prune;
+use crate::diagnose::hypothesis::structure::FixedEffect;
+use crate::diagnose::joint::Point;
+use crate::diagnose::judge::leave_segments_out::leave_segments_out;
+use crate::diagnose::judge::practical_significance::{CONFIRMED, CONTROL, LEFT_SHARE};
+use crate::diagnose::strategy::by_name::ByName;
+use crate::diagnose::strategy::discrepancy_as_noise::search_inflated;
+use crate::diagnose::strategy::segments_alone::by_name;
+use crate::diagnose::strategy::segments_alone::{NamedScore, SegmentFindings, segments_alone};
+use crate::simulator::Phase;
+
+pub(super) struct SegmentWise;
+
+impl Strategy for SegmentWise {
+    fn applies(&self, attempt: &Attempt) -> bool {
+        attempt.scope == Scope::Tuned && is_far_beyond_noise(&attempt.context, &attempt.found.base)
+    }
+
+    fn attempt<'a>(&self, attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
+        let Some(apart) = apart(&attempt.context, progress)? else { return Ok(attempt) };
+        let practical = apart.best.is_some().then_some(apart.tests);
+        let found = Selection { base: attempt.found.base, alone: apart.alone, best: apart.best, places: apart.places };
+        Attempt::tested(attempt.context, found, Scope::Segments { events_open: apart.open }, practical)
+    }
+}
+
+/// What flights and contacts say.
+struct Apart<'a> {
+    /// All effects together, where they stand; `None` where the flights need none and contacts show none.
+    pub best: Option<Hypothesis<'a>>,
+    pub places: Vec<SelectedEffect>,
+    /// Every candidate as it stood alone, beside flights or beside contacts.
+    pub alone: Vec<CandidateFit<'a>>,
+    pub tests: Vec<Test>,
+    /// Whether contacts leave something that nothing takes away.
+    pub open: bool,
+}
+
+/// What contacts say, the flights understood.
+struct Contacts {
+    point: Point,
+    /// The effects of contact are listed by name.
+    names: Vec<&'static str>,
+    /// Free numbers: object, name, value.
+    values: Vec<(Option<usize>, String, f64)>,
+    places: Vec<ByName>,
+    tests: Vec<Test>,
+    confirmed: bool,
+    alone: Vec<NamedScore>,
+}
+
+/// A fit that leaves this many times the noise is not mended by any effect that is as good as exact.
+const HOPELESS: f64 = 50.0;
+
+/// Whether what `model` leaves is so far beyond noise that whole recordings need not be searched first.
+fn is_far_beyond_noise(context: &Context<'_>, model: &Hypothesis) -> bool {
+    model.deviance(f64::MAX) > HOPELESS * HOPELESS * context.count() as f64
+}
+
+/// Judges flights and contacts apart. `None` where the flights are not understood.
+fn apart<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Option<Apart<'a>>> {
+    let Some(segments_alone) = segments_alone(context, progress)? else { return Ok(None) };
+    let contacts = contacts(context, &segments_alone.given, progress)?;
+    let mut names: Vec<&'static str> = segments_alone.given.iter().map(|g| g.entry.name).collect();
+    if contacts.confirmed {
+        names.extend(&contacts.names);
+    }
+    let entry = |name: &str| context.catalogue.iter().position(|e| e.name == name);
+    let effects: Vec<usize> = names.iter().filter_map(|name| entry(name)).collect();
+    let trial = |alone: &NamedScore| {
+        Some(CandidateFit {
+            excluded: alone.excluded.clone(),
+            ..CandidateFit::unfitted(entry(alone.name)?, alone.gain)
+        })
+    };
+    let mut alone: Vec<CandidateFit> = segments_alone.alone.iter().chain(&contacts.alone).filter_map(trial).collect();
+    alone.sort_by(|a, b| a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)));
+    if effects.is_empty() {
+        return Ok(Some(Apart { best: None, places: Vec::new(), alone, tests: Vec::new(), open: true }));
+    }
+    let structure = context.structure(&effects)?;
+    let globals = structure.globals.iter().map(|g| {
+        let found = contacts.values.iter().find(|(object, name, _)| *object == g.object && *name == g.parameter.name);
+        found.map(|f| f.2).or_else(|| stands(&segments_alone, g.object, &g.parameter.name)).unwrap_or(g.parameter.value)
+    });
+    let point = Point { globals: globals.collect(), nuisances: contacts.point.nuisances };
+    let fit = context.joint(&structure).stand(point)?;
+    // What flights alone distinguish is distinguished.
+    let flying = segments_alone.places.into_iter().map(|place| place.within(segments_alone.margin));
+    let mut places: Vec<SelectedEffect> = flying.filter_map(|place| place.place(&context.catalogue)).collect();
+    let mut tests = segments_alone.tests;
+    if contacts.confirmed {
+        tests.extend(contacts.tests);
+        places.extend(contacts.places.iter().filter_map(|place| place.place(&context.catalogue)));
+    }
+    let best = Some(Hypothesis { structure, fit });
+    Ok(Some(Apart { best, places, alone, tests, open: !contacts.confirmed }))
+}
+
+/// What contacts leave, with what acts on flights held where it was found.
+fn contacts(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress)) -> Result<Contacts> {
+    let mut catalogue = catalogue(context.subjects);
+    catalogue.retain(|entry| entry.of[0].phase == Phase::Contact);
+    let mut training = context.sets().to_vec();
+    training.iter_mut().for_each(Set::hold_still);
+    let given = given.to_vec().into();
+    let evidence = Evidence { training, validation: Vec::new(), noise: NoiseModel::White };
+    let new = Context::new(context.subjects, evidence, catalogue, context.settings);
+    let context = Context { given, rollouts: context.rollouts.clone(), ..new };
+    let base = fit_without_effects(&context)?;
+    let first = search(&context, base, progress)?;
+    let (context, mut found) = search_inflated(&context, &first, progress)?;
+    prune(&context, &mut found)?;
+    let (tests, confirmed) = confirmed(&context, &found)?;
+    let best = found.best.as_ref().filter(|_| confirmed).unwrap_or(&found.base);
+    let globals = best.structure.globals.iter().zip(&best.fit.point.globals);
+    let of = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
+    let places = best.structure.effects.iter().filter_map(of).map(|place| ByName::of(&context, place));
+    Ok(Contacts {
+        point: best.fit.point.clone(),
+        names: best.structure.effects.iter().map(|&e| context.catalogue[e].name).collect(),
+        values: globals.map(|(g, value)| (g.object, g.parameter.name.clone(), *value)).collect(),
+        places: places.collect(),
+        tests,
+        confirmed,
+        alone: by_name(&context, &found),
+    })
+}
+
+/// Whether flights that were hidden from the fit bear out what was found at contacts, and no wrong effect as well.
+fn confirmed(context: &Context<'_>, found: &Selection) -> Result<(Vec<Test>, bool)> {
+    let Some(best) = &found.best else { return Ok((Vec::new(), false)) };
+    let (Some(before), Some(after)) = (leave_segments_out(context, &found.base)?, leave_segments_out(context, best)?)
+    else {
+        return Ok((Vec::new(), false));
+    };
+    let wrong = |t: &&CandidateFit| t.excluded.is_none() && !best.structure.effects.contains(&t.entry);
+    let control = match found.alone.iter().rev().find(wrong) {
+        Some(trial) => leave_segments_out(context, &context.fit_near(&[trial.entry], &found.base)?)?,
+        None => None,
+    };
+    let (whole, left) = (found.base.deviance(f64::MAX), best.deviance(f64::MAX));
+    let test = |name, value, threshold| Test { name, value, threshold, passed: value <= threshold };
+    let mut tests = vec![
+        test("left over taken away", left / (whole - left).max(f64::MIN_POSITIVE), LEFT_SHARE),
+        test("hidden flights' residual after over before", after / before, CONFIRMED),
+    ];
+    tests.extend(
+        control.map(|c| test("hidden flights' residual over that of a wrong effect", after / c, CONTROL.recip())),
+    );
+    let passed = tests.iter().all(|t| t.passed);
+    Ok((tests, passed))
+}
+
+fn stands(segments_alone: &SegmentFindings, object: Option<usize>, name: &str) -> Option<f64> {
+    segments_alone.given.iter().find_map(|g| g.value(object.unwrap_or(0), name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_context, in_swings};
+    use crate::testing::{Exact, Pendulum};
+
+    #[test]
+    fn what_knows_no_segments_is_left_to_whole_recordings() {
+        let pendulum = Exact::new(Pendulum);
+        let seen = [[0.2, 0.0], [0.0, 0.7]].map(|start| pendulum.observe(&[(FRICTION, 1.0)], &start, 1e-4, 1).unwrap());
+        in_context(&pendulum, &seen, 0, |context| {
+            let tuned = Attempt::tuned(context).unwrap();
+            assert!(SegmentWise.applies(&tuned), "friction of 1/s is far beyond a noise of 0.1 mrad");
+            let same = SegmentWise.attempt(tuned, &|_| {}).unwrap();
+            assert!(same.scope == Scope::Tuned);
+        });
+        in_swings(&[], 2, 0, |context| assert!(!SegmentWise.applies(&Attempt::tuned(context).unwrap())));
+    }
+}

@@ -1,0 +1,167 @@
+//! Segments alone: every flight between two contacts as a recording of its own, whose start is unknown.
+//!
+//! A contact that no entry of the catalogue describes corrupts every prediction of what comes after it. Cut apart, flights
+//! know nothing of it: what acts on them, and how they were seen, shows as clearly as if the contact were understood; and
+//! one recording brings several of them, so that one can be held out to judge by.
+
+use crate::Result;
+use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::segments::free_segments;
+use crate::diagnose::evidence::unmeasured_axes::without_unmeasured;
+use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
+use crate::diagnose::hypothesis::catalogue::{Entry, catalogue};
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::Selection;
+use crate::diagnose::hypothesis::forward_selection::search;
+use crate::diagnose::hypothesis::multistart::fit_without_effects;
+use crate::diagnose::hypothesis::pruning::prune;
+use crate::diagnose::hypothesis::structure::FixedEffect;
+use crate::diagnose::judge::adequacy::residual_diagnostics;
+use crate::diagnose::judge::practical_significance::noise_floor;
+use crate::diagnose::strategy::by_name::ByName;
+use crate::diagnose::strategy::discrepancy_as_noise::with_inflated_noise;
+use crate::diagnose::{Progress, Subject, Test};
+use crate::simulator::{Phase, Preparation, Simulator};
+
+/// Of so many flights of an object one is held out: the second, so that others are faster, and others slower.
+const ENOUGH: usize = 3;
+const HELD_OUT: usize = 1;
+/// Less than this share of the noise's variance is nothing to explain.
+const SMALL: f64 = 0.3;
+
+/// What flights say.
+pub(in crate::diagnose) struct SegmentFindings {
+    /// The effects that act on them, or on how they were seen, with the values found.
+    pub given: Vec<FixedEffect>,
+    /// For each of them: its worth, and what could stand in its place.
+    pub places: Vec<ByName>,
+    /// How far behind an explanation is left.
+    pub margin: f64,
+    pub tests: Vec<Test>,
+    /// Every candidate as it stood alone.
+    pub alone: Vec<NamedScore>,
+}
+
+/// A candidate beside flights or contacts alone.
+pub(in crate::diagnose) struct NamedScore {
+    pub name: &'static str,
+    pub gain: f64,
+    pub excluded: Option<String>,
+}
+
+/// What the flights of all recordings say; `None` where they are too few, or nothing explains them either.
+pub(in crate::diagnose) fn segments_alone(
+    context: &Context<'_>,
+    progress: &dyn Fn(Progress),
+) -> Result<Option<SegmentFindings>> {
+    let simulators: Option<Vec<Box<dyn Simulator>>> =
+        context.subjects.iter().map(|s| s.simulator.in_flight()).collect();
+    let Some(simulators) = simulators else { return Ok(None) };
+    let named = context.subjects.iter().zip(&simulators);
+    let subjects: Vec<Subject> =
+        named.map(|(s, simulator)| Subject { name: s.name.clone(), simulator: simulator.as_ref() }).collect();
+    let evidence = flights(&subjects, context.sets())?;
+    if evidence.training.len() < ENOUGH {
+        return Ok(None);
+    }
+    let mut catalogue = catalogue(&subjects);
+    catalogue.retain(|entry| entry.of[0].phase != Phase::Contact);
+    let rollouts = context.rollouts.clone();
+    let context = Context { rollouts, ..Context::new(&subjects, evidence, catalogue, context.settings) };
+    let Some((context, found, tests)) = understood(context, progress)? else { return Ok(None) };
+    Ok(Some(summarised(&context, &found, tests)))
+}
+
+/// The search, and the tests that its answer passes; `None` where it fails some.
+fn understood<'a>(
+    context: Context<'a>,
+    progress: &dyn Fn(Progress),
+) -> Result<Option<(Context<'a>, Selection<'a>, Vec<Test>)>> {
+    let base = fit_without_effects(&context)?;
+    let context = without_unmeasured(context, &base)?;
+    let found = search(&context, base, progress)?;
+    let best = found.best.as_ref().unwrap_or(&found.base);
+    let tests = residual_diagnostics(&context, best).tests;
+    // Rounding has a pattern of its own, far below the noise.
+    let small = best.deviance(best.scale()) < SMALL * context.count() as f64;
+    let adequate = small || tests.iter().all(|t| t.passed);
+    if found.best.is_none() {
+        let tests = if small { Vec::new() } else { tests };
+        return Ok(adequate.then_some((context, found, tests)));
+    }
+    // The least that takes the large part away, where unseen flights confirm it.
+    if !context.evidence.validation.is_empty() {
+        let mut second = with_inflated_noise(&context, &found, noise_floor(context.sets()), progress)?;
+        prune(&second.context, &mut second.found)?;
+        if second.stands() {
+            return Ok(Some((second.context, second.found, second.tests)));
+        }
+    }
+    Ok(adequate.then_some((context, found, tests)))
+}
+
+/// The candidates by name.
+pub(in crate::diagnose) fn by_name(context: &Context<'_>, found: &Selection) -> Vec<NamedScore> {
+    let name = |entry: usize| context.catalogue[entry].name;
+    let one = |t: &CandidateFit| NamedScore { name: name(t.entry), gain: t.gain, excluded: t.excluded.clone() };
+    found.alone.iter().map(one).collect()
+}
+
+fn summarised(context: &Context<'_>, found: &Selection, tests: Vec<Test>) -> SegmentFindings {
+    let objects = context.subjects.len();
+    let given = |model: &Hypothesis| -> Vec<FixedEffect> {
+        let each = model.structure.effects.iter().enumerate();
+        each.map(|(position, &entry)| {
+            let entry = &context.catalogue[entry];
+            let values = (0..objects).map(|object| values(model, position, entry, object)).collect();
+            FixedEffect { entry: entry.clone(), values }
+        })
+        .collect()
+    };
+    let ordered = found.best.iter().flat_map(|model| &model.structure.effects);
+    let place = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
+    let places = ordered.filter_map(place).map(|place| ByName::of(context, place)).collect();
+    SegmentFindings {
+        given: found.best.as_ref().map_or_else(Vec::new, given),
+        places,
+        margin: context.margin(),
+        tests,
+        alone: by_name(context, found),
+    }
+}
+
+/// The coefficients of one object's effect; absent where it has no flight.
+fn values(model: &Hypothesis, position: usize, entry: &Entry, object: usize) -> Vec<f64> {
+    let globals = &model.structure.globals;
+    let of = |k: usize| {
+        let mine = |g: &usize| {
+            globals[*g].effect == Some((position, k)) && globals[*g].object.is_none_or(|owner| owner == object)
+        };
+        (0..globals.len()).find(mine).map(|g| model.fit.point.globals[g])
+    };
+    entry.of[object].coefficients.iter().enumerate().map(|(k, c)| of(k).unwrap_or(c.absent)).collect()
+}
+
+/// Every flight as a recording, one of each object held out where there are enough.
+fn flights(subjects: &[Subject], sets: &[Set]) -> Result<Evidence> {
+    let mut all: Vec<Set> = Vec::new();
+    for set in sets {
+        // What follows the last contact may hold more of them, too small to be found.
+        let flights = free_segments(set.clock(), &set.contacts).into_iter().take(set.contacts.len().max(1));
+        for range in flights.flatten() {
+            let Ok(seen) = set.prepared.seen.slice(range.clone()) else { continue };
+            if let Preparation::Usable(prepared) = subjects[set.object].simulator.prepare(&seen)? {
+                // Flights of one recording differ as throws do: the first are fast, the last are slow.
+                all.push(Set { throw: all.len(), ..set.piece(range, *prepared) });
+            }
+        }
+    }
+    for object in 0..subjects.len() {
+        let mine: Vec<usize> = (0..all.len()).filter(|&i| all[i].object == object).collect();
+        if mine.len() >= ENOUGH {
+            all[mine[HELD_OUT]].held_out = true;
+        }
+    }
+    Ok(Evidence::new(all))
+}

@@ -1,0 +1,56 @@
+//! Contexts of closed-form recordings, on which every step of the pipeline is tested.
+
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::{Evidence, copies};
+use crate::diagnose::hypothesis::catalogue::catalogue;
+use crate::diagnose::hypothesis::context::Context;
+use crate::diagnose::{Settings, Subject};
+use crate::observation::Observation;
+use crate::simulator::{Preparation, Simulator};
+use crate::testing::{Exact, Pendulum};
+
+/// Standard deviation of the noise of [`swings`].
+pub const NOISE_RAD: f64 = 1e-3;
+/// Names of the coefficients of a pendulum.
+pub const FRICTION: &str = "viscous_friction.rate_1_s";
+pub const REST: &str = "rest_angle.angle_rad";
+
+/// Swings of a pendulum of 0.8 m with these coefficients, each from another start.
+pub fn swings(truth: &[(&str, f64)], count: u32) -> Vec<Observation> {
+    let all: Vec<(&str, f64)> = truth.iter().copied().chain([("length", 0.8)]).collect();
+    (0..count).map(|k| swing(&all, k)).collect()
+}
+
+/// One swing, the `k`th of its starts.
+pub fn swing(truth: &[(&str, f64)], k: u32) -> Observation {
+    let turn = 1.3 * f64::from(k);
+    let start = [0.2 * turn.cos(), 0.6 * turn.sin()];
+    Exact::new(Pendulum).observe(truth, &start, NOISE_RAD, u64::from(k)).unwrap()
+}
+
+/// Runs `test` in the context of these recordings, of which the last `held_out` are held out.
+pub fn in_context(simulator: &dyn Simulator, seen: &[Observation], held_out: usize, test: impl FnOnce(&Context)) {
+    let (subjects, settings) = ([Subject { name: "it".into(), simulator }], Settings::default());
+    let prepared = |(i, one): (usize, &Observation)| match simulator.prepare(one).unwrap() {
+        Preparation::Usable(prepared) => Set::new(i, 0, i + held_out >= seen.len(), *prepared),
+        Preparation::Rejected(rejected) => panic!("{:?}", rejected.note),
+    };
+    let mut sets: Vec<Set> = seen.iter().enumerate().map(prepared).collect();
+    copies::label(&mut sets);
+    test(&Context::new(&subjects, Evidence::new(sets), catalogue(&subjects), &settings));
+}
+
+/// The same of swings with these coefficients.
+pub fn in_swings(truth: &[(&str, f64)], count: u32, held_out: usize, test: impl FnOnce(&Context)) {
+    in_context(&Exact::new(Pendulum), &swings(truth, count), held_out, test);
+}
+
+/// The position of an effect in the catalogue.
+pub fn entry(context: &Context, name: &str) -> usize {
+    context.catalogue.iter().position(|e| e.name == name).unwrap()
+}
+
+/// The names of these effects.
+pub fn names(context: &Context, effects: &[usize]) -> Vec<&'static str> {
+    effects.iter().map(|&e| context.catalogue[e].name).collect()
+}

@@ -1,0 +1,101 @@
+//! Single samples that cannot belong to the motion: a tracker that jumped for one frame, a digit too many.
+
+use super::{FEWEST_SAMPLES, Observation, noise_sd};
+
+/// Share of the samples on either side that the usual range leaves out.
+const TAIL: usize = 50;
+
+/// A lone sample stands out from this many times the noise ...
+const OFF_NOISE: f64 = 15.0;
+/// ... and this many steps of its neighbours off their line.
+const OFF_STEPS: f64 = 1.5;
+/// ... and this share of the range of the others.
+const OFF_SHARE: f64 = 0.01;
+
+impl Observation {
+    /// The samples (from 0) that leap out of the range of the others by more than that whole range, or off their neighbours'
+    /// line by more than noise and motion can, and are back at the next sample. Two or more in a row are motion, however strange, and stay.
+    #[must_use]
+    pub fn outliers(&self) -> Vec<usize> {
+        let mut ranges = Vec::new();
+        let outside: Vec<Vec<bool>> = (0..self.channels().len())
+            .map(|channel| {
+                let mut sorted: Vec<f64> = self.column(channel).collect();
+                sorted.sort_unstable_by(f64::total_cmp);
+                let tail = sorted.len().div_ceil(TAIL);
+                let (low, high) = (sorted[tail.min(sorted.len() - 1)], sorted[sorted.len().saturating_sub(tail + 1)]);
+                let range = high - low;
+                ranges.push(range);
+                self.column(channel).map(|v| range > 0.0 && (v > high + range || v < low - range)).collect()
+            })
+            .collect();
+        let sd: Vec<f64> = (0..self.channels().len()).map(|c| noise_sd(&self.column(c).collect::<Vec<_>>())).collect();
+        let leaps = |i: usize| {
+            outside.iter().any(|c| c[i])
+                || (0..sd.len()).any(|c| self.stands_out(i, c, OFF_NOISE * sd[c] + OFF_SHARE * ranges[c]))
+        };
+        let alone = |&i: &usize| leaps(i) && (i == 0 || !leaps(i - 1)) && (i + 1 == self.len() || !leaps(i + 1));
+        (0..self.len()).filter(alone).collect()
+    }
+
+    /// Whether sample `i` lies off the line between its neighbours by far more than the noise, and by more than the motion
+    /// about it could: an impact bends the path there by one step at most.
+    fn stands_out(&self, i: usize, channel: usize, least: f64) -> bool {
+        if i < 2 || i + 2 >= self.len() {
+            return false;
+        }
+        let (t, v) = (|k: usize| self.clock()[k], |k: usize| self.row(k)[channel]);
+        let share = (t(i) - t(i - 1)) / (t(i + 1) - t(i - 1));
+        let off = (v(i) - v(i - 1) - share * (v(i + 1) - v(i - 1))).abs();
+        let steps = [v(i - 1) - v(i - 2), v(i + 1) - v(i - 1), v(i + 2) - v(i + 1)];
+        let step = steps.iter().fold(0.0f64, |most, s| most.max(s.abs()));
+        off > least + OFF_STEPS * step
+    }
+
+    /// The same without the samples at `places`; `None` where none is to go or too few would be left.
+    #[must_use]
+    pub fn without(&self, places: &[usize]) -> Option<Self> {
+        if places.is_empty() || self.len() < places.len() + FEWEST_SAMPLES {
+            return None;
+        }
+        let mut keep = vec![true; self.len()];
+        for &i in places {
+            keep[i] = false;
+        }
+        let kept: Vec<usize> = (0..self.len()).filter(|&i| keep[i]).collect();
+        let clock = kept.iter().map(|&i| self.clock()[i]).collect();
+        let values = kept.iter().flat_map(|&i| self.row(i).iter().copied()).collect();
+        Self::new(self.kind(), self.channels().to_vec(), clock, values).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drop(wild: &[(usize, f64)]) -> Observation {
+        let clock: Vec<f64> = (0..120).map(|i| f64::from(i) / 120.0).collect();
+        // A fall of 1 m in .45 s, then rest.
+        let mut position_m: Vec<[f64; 3]> = clock.iter().map(|t| [0.0, 0.0, (1.0 - 4.905 * t * t).max(0.0)]).collect();
+        for &(i, z) in wild {
+            position_m[i][2] = z;
+        }
+        Observation::positions(clock, &position_m).unwrap()
+    }
+
+    #[test]
+    fn a_leap_of_one_sample_is_wild() {
+        let seen = drop(&[(40, 1e6), (80, -3.0)]);
+        assert_eq!(seen.outliers(), [40, 80]);
+        let kept = seen.without(&seen.outliers()).unwrap();
+        assert!(kept.len() == 118 && kept.outliers().is_empty());
+    }
+
+    #[test]
+    fn motion_is_not() {
+        assert!(drop(&[]).outliers().is_empty());
+        assert!(drop(&[(40, 5.0), (41, 5.0)]).outliers().is_empty(), "two in a row");
+        assert_eq!(drop(&[(20, 0.5)]).outliers(), [20], "within the range, but off the path");
+        assert!(drop(&[]).without(&[]).is_none());
+    }
+}

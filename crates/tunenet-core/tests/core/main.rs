@@ -1,0 +1,7 @@
+//! The crate as its users see it.
+
+mod driven;
+mod examples;
+mod measured;
+mod several;
+mod words;

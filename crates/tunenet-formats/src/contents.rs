@@ -1,0 +1,199 @@
+//! What is in a file, whether or not it can be used.
+
+use std::path::Path;
+
+use crate::csv::lines::{Lines, cells, named, separator};
+use crate::csv::own_columns;
+use crate::csv::scan::scan;
+use crate::format::Format;
+use crate::format::format;
+use crate::mcap::topics::{Topic, survey};
+use crate::quantity::{Meaning, Quantity, meaning};
+use crate::ranges::written_out;
+use crate::recording::ReadOptions;
+use crate::source::unchanged;
+use crate::{Error, Result};
+use tunenet_core::observation::Kind;
+use tunenet_core::observation::Note;
+
+/// What is in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Contents {
+    /// A text table.
+    Table(Table),
+    /// An MCAP file.
+    Log(Log),
+}
+
+/// A column of a text table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Its name in the header, empty where there is no header.
+    pub name: String,
+    /// The name under which it is read, `None` where it is not known.
+    pub read_as: Option<String>,
+}
+
+/// A line that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BrokenLine {
+    /// From 1.
+    pub line: usize,
+    /// What is wrong with it.
+    pub message: String,
+}
+
+/// What is in a text table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The columns in their order.
+    pub columns: Vec<Column>,
+    /// The kind of observation it makes, or why it makes none.
+    pub usable: std::result::Result<Kind, String>,
+    /// What to try where it makes none; empty where nothing is known.
+    pub remedy: String,
+    /// Lines after the header that hold something.
+    pub rows: usize,
+    /// Good samples among them.
+    pub samples: usize,
+    /// First and last time in s.
+    pub span_s: Option<(f64, f64)>,
+    /// One over the median interval, in 1/s.
+    pub median_rate_hz: Option<f64>,
+    /// The longest interval, in s.
+    pub largest_gap_s: Option<f64>,
+    /// The first lines that cannot be used, at most ten.
+    pub broken: Vec<BrokenLine>,
+    /// How many lines cannot be used.
+    pub broken_count: usize,
+    /// What was noticed.
+    pub notes: Vec<Note>,
+}
+
+/// What is in an MCAP file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    /// The convention that its messages follow: `ros2`.
+    pub profile: String,
+    /// The program that wrote it.
+    pub library: String,
+    /// Its topics by name.
+    pub topics: Vec<Topic>,
+    /// Seconds from the first message to the last, by the times of recording; `None` without messages.
+    pub span_s: Option<f64>,
+    /// Where it is cut off or broken: what is wrong and how many messages came before. The topics count those.
+    pub ended: Option<String>,
+}
+
+/// What is in the CSV or MCAP file at `path`.
+///
+/// # Errors
+/// [`Error::Io`] where the system refuses the file; [`Error::File`] where it is empty or neither text nor MCAP.
+pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
+    contents_with(path, &ReadOptions::default())
+}
+
+/// As [`contents`], with the columns of a foreign CSV file named; an MCAP file has none, and all its topics are listed.
+///
+/// # Errors
+/// As [`contents`].
+pub fn contents_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Contents> {
+    let path = path.as_ref();
+    unchanged(path, || contents_once(path, options))
+}
+
+fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
+    match format(path)? {
+        Format::Csv => table(path, options).map(Contents::Table),
+        Format::Mcap => {
+            let found = survey(path)?;
+            let ended = found.ended.map(|error| match error {
+                Error::File { message, .. } => message,
+                other => other.to_string(),
+            });
+            let span_s = found.log_ns.map(|(first, last)| last.saturating_sub(first) as f64 * 1e-9);
+            let (profile, library, topics) = (found.profile, found.library, found.topics);
+            Ok(Contents::Log(Log { profile, library, topics, span_s, ended }))
+        }
+    }
+}
+
+fn table(path: &Path, options: &ReadOptions) -> Result<Table> {
+    let mut table = Table {
+        columns: columns(path, options)?,
+        usable: Err(String::new()),
+        remedy: String::new(),
+        rows: 0,
+        samples: 0,
+        span_s: None,
+        median_rate_hz: None,
+        largest_gap_s: None,
+        broken: Vec::new(),
+        broken_count: 0,
+        notes: Vec::new(),
+    };
+    let scan = match scan(path, options) {
+        Ok(scan) => scan,
+        Err(Error::Text { message, hint, .. }) => {
+            (table.usable, table.remedy, table.rows) = (Err(message), hint, rows(path)?);
+            return Ok(table);
+        }
+        Err(error) => return Err(error),
+    };
+    table.usable = scan.check(false).map(|()| scan.layout.kind).map_err(|error| match error {
+        Error::Text { line, message, hint, .. } => {
+            table.remedy = hint;
+            format!("line {line}: {message}")
+        }
+        other => other.to_string(),
+    });
+    let times = if scan.layout.kind == Kind::BounceTimes { &scan.values } else { &scan.clock };
+    table.rows = scan.rows;
+    table.samples = times.len();
+    table.span_s = times.first().copied().zip(times.last().copied());
+    let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    intervals.sort_unstable_by(f64::total_cmp);
+    table.largest_gap_s = intervals.last().copied();
+    table.median_rate_hz = intervals.get(intervals.len() / 2).map(|median| 1.0 / median);
+    table.notes = scan.notes();
+    table.broken_count = scan.broken_count;
+    table.broken = scan.broken.into_iter().map(|b| BrokenLine { line: b.line, message: b.message }).collect();
+    Ok(table)
+}
+
+/// How many samples a table without a known column could hold.
+fn rows(path: &Path) -> Result<usize> {
+    let mut lines = Lines::open(path)?;
+    let Some(first) = lines.next()? else { return Ok(0) };
+    let separator = separator(&first.text);
+    let mut rows = usize::from(!named(&cells(&first.text, separator), separator));
+    while lines.next()?.is_some() {
+        rows += 1;
+    }
+    Ok(rows)
+}
+
+fn columns(path: &Path, options: &ReadOptions) -> Result<Vec<Column>> {
+    let Some(first) = Lines::open(path)?.next()? else { return Ok(Vec::new()) };
+    let read_as = |name: &str| match meaning(name) {
+        Meaning::Known(Quantity::Time, _) => Some(Quantity::Time.header()),
+        _ if !options.channels.is_empty() => own_columns::header_of(name, &options.channels),
+        Meaning::Known(quantity, _) => Some(quantity.header()),
+        _ => None,
+    };
+    let separator = separator(&first.text);
+    let cells = cells(&first.text, separator);
+    let named = named(&cells, separator);
+    let name = |text: &str| if named { text.to_owned() } else { String::new() };
+    let mut columns: Vec<Column> =
+        cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect();
+    let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
+    for (ours, theirs) in &written_out(&options.columns, if named { &names } else { &[] })? {
+        let by_name = columns.iter().position(|column| column.name == *theirs);
+        let by_number = || theirs.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        if let Some(column) = by_name.or_else(by_number).and_then(|at| columns.get_mut(at)) {
+            column.read_as = read_as(ours).or_else(|| column.read_as.take());
+        }
+    }
+    Ok(columns)
+}

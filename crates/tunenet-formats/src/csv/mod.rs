@@ -1,0 +1,11 @@
+//! Text tables.
+
+pub(crate) mod bounces;
+pub(crate) mod columns;
+mod guess;
+mod guess_joints;
+pub(crate) mod lines;
+pub(crate) mod own_columns;
+pub(crate) mod scan;
+pub(crate) mod series;
+pub(crate) mod write;

@@ -1,0 +1,66 @@
+//! An observation from a text table.
+
+use std::path::Path;
+
+use super::bounces::doubt;
+use super::scan::{Scan, scan};
+use crate::recording::ReadOptions;
+use crate::recording::Recording;
+use crate::{Error, Result};
+use tunenet_core::observation::Note;
+use tunenet_core::observation::{FEWEST_SAMPLES, Kind, Observation};
+
+pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
+    let scan = scan(path, options)?;
+    scan.check(options.skip_broken)?;
+    let mut notes = scan.notes();
+    let samples = scan.values.len() / scan.layout.channels.len();
+    if samples < FEWEST_SAMPLES {
+        return Err(few(path, samples));
+    }
+    if scan.layout.kind == Kind::BounceTimes {
+        let observation = bounce_times(path, scan, &mut notes)?;
+        return Ok(Recording { observation, notes });
+    }
+    let Scan { layout, clock, values, .. } = scan;
+    let observation = Observation::new(layout.kind, layout.channels, clock, values)?;
+    Ok(Recording { observation, notes })
+}
+
+/// Numbered impacts are taken as they are; without numbers the list ends where counting would go wrong.
+fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observation> {
+    let Scan { layout, clock, mut values, lines, .. } = scan;
+    if layout.clock.is_some() {
+        return Observation::new(layout.kind, layout.channels, clock, values);
+    }
+    if let Some(doubt) = doubt(&values) {
+        let text = format!(
+            "the interval before line {} is {:.4} s after one of {:.4} s, so a click was missed or false: \
+             {} excluded",
+            lines[doubt.from],
+            doubt.interval_s,
+            doubt.before_s,
+            match values.len() - doubt.from - 1 {
+                0 => "that time is".into(),
+                after => format!("that time and the {after} after it are"),
+            }
+        );
+        notes.push(Note::new("bounces.missed", text, "number the impacts in a column `bounce_number` to use them"));
+        values.truncate(doubt.from);
+        if values.len() < FEWEST_SAMPLES {
+            let message = format!(
+                "expected at least {FEWEST_SAMPLES} impacts in a row, found {} before the missed or false click at line {}",
+                values.len(),
+                lines[doubt.from]
+            );
+            let hint = "delete the false times, or number the impacts in a column `bounce_number`";
+            return Err(Error::file(path, message, hint));
+        }
+    }
+    Observation::bounce_times(values)
+}
+
+fn few(path: &Path, samples: usize) -> Error {
+    let message = format!("expected at least {FEWEST_SAMPLES} samples, found {samples}");
+    Error::file(path, message, "record for longer")
+}

@@ -1,0 +1,99 @@
+//! Filling a data set's file with rollouts.
+
+use std::path::Path;
+
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use tunenet_core::network::{DatasetHeader, Draw, Pair, Shard, check_learned, roll_pair, stream};
+use tunenet_core::simulator::Simulator;
+
+use super::file::DatasetWriter;
+use crate::{Error, Result};
+
+/// Pairs rolled out before they are written. Bounds the memory; many times the number of cores, so that none waits long.
+const BLOCK: u64 = 128;
+
+/// Rolls out the pairs of a dataset into `out`, or those that an interrupted run left over.
+///
+/// `draw` is asked for pair 0, 1, … with a generator that depends on the header's seed and the pair's number alone, and
+/// rollouts are spread over the cores: whatever the number of threads and however often the run was interrupted, the
+/// bytes are the same. `progress` gets the number of pairs done and of all; where it answers `false`, the work stops and
+/// can be resumed; that of the last call is asked before the file gets its name.
+///
+/// # Errors
+/// [`Error::Setting`] where a parameter to be learned changes no rollout, since a network would learn to make it up;
+/// [`Error::Simulator`] where a rollout fails, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
+pub fn generate(
+    simulator: &dyn Simulator,
+    header: &DatasetHeader,
+    draw: &Draw<'_>,
+    out: &Path,
+    progress: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<()> {
+    generate_shard(simulator, header, None, draw, out, progress)
+}
+
+/// As [`generate`], of one share of the pairs alone where `shard` says so: [`merge`](crate::dataset::merge) puts shares together.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_shard(
+    simulator: &dyn Simulator,
+    header: &DatasetHeader,
+    shard: Option<Shard>,
+    draw: &Draw<'_>,
+    out: &Path,
+    progress: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<()> {
+    check_learned(simulator, header, draw)?;
+    let make = |number: u64, random: &mut ChaCha8Rng| roll_pair(simulator, header, draw(number, random));
+    fill_shard(header, shard, &make, out, progress)
+}
+
+/// Writes the pairs of a dataset into `out`, or those that an interrupted run left over: `make` is asked for pair 0, 1, …
+/// with a generator that depends on the header's seed and the pair's number alone. What holds of [`generate`] holds here.
+///
+/// # Errors
+/// What `make` refuses, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
+pub fn fill(
+    header: &DatasetHeader,
+    make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
+    out: &Path,
+    progress: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<()> {
+    fill_shard(header, None, make, out, progress)
+}
+
+/// As [`fill`], of one share of the pairs alone where `shard` says so.
+///
+/// # Errors
+/// As [`fill`].
+pub fn fill_shard(
+    header: &DatasetHeader,
+    shard: Option<Shard>,
+    make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
+    out: &Path,
+    progress: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<()> {
+    let mut writer = match shard {
+        Some(shard) => DatasetWriter::open_shard(out, header.clone(), shard)?,
+        None => DatasetWriter::open(out, header.clone())?,
+    };
+    let first = shard.map_or(0, |shard| shard.block(header.pairs).start);
+    let all = writer.end() - first;
+    while writer.written() < writer.end() {
+        if !progress(writer.written() - first, all) {
+            return Err(Error::Stopped);
+        }
+        let block = writer.written()..(writer.written() + BLOCK).min(writer.end());
+        let pairs: Vec<Result<Pair>> =
+            block.into_par_iter().map(|number| make(number, &mut stream(header.seed, number))).collect();
+        for pair in pairs {
+            writer.write(&pair?)?;
+        }
+    }
+    if !progress(all, all) {
+        return Err(Error::Stopped);
+    }
+    writer.finish()
+}

@@ -1,0 +1,68 @@
+//! What a file is: content first, by the marks at its beginning.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use crate::encoding;
+use crate::source::{LARGEST_TEXT, open};
+use crate::{Error, Result};
+
+/// What a file is, judged by its first bytes and, where they say nothing, by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    Csv,
+    Mcap,
+}
+
+/// Files of other kinds: where in them their mark stands, the mark, what they are, and what to do.
+const OTHERS: [(usize, &[u8], &str, &str); 15] = [
+    (0, b"SQLite format 3", "a ROS 2 bag in SQLite form", "convert it with `ros2 bag convert` to MCAP"),
+    (0, b"#ROSBAG V2.0", "a ROS 1 bag", "convert it with `mcap convert` and record ROS 2 messages"),
+    (0, b"PK\x03\x04", "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
+    (0, b"\xd0\xcf\x11\xe0", "an old spreadsheet", "export the sheet as CSV"),
+    (0, b"\x1f\x8b", "a gzip archive", "unpack it first"),
+    (0, b"\x28\xb5\x2f\xfd", "a zstd archive", "unpack it first"),
+    (0, b"\xfd7zXZ\0", "an xz archive", "unpack it first"),
+    (0, b"\x89PNG", "a picture", "give the numbers that were measured, as CSV"),
+    (0, b"\xff\xd8\xff", "a picture", "give the numbers that were measured, as CSV"),
+    (0, b"%PDF", "a PDF document", "give the numbers that were measured, as CSV"),
+    (4, b"ftyp", "a video", "give the positions that were seen in it, as CSV"),
+    (0, b"\x89HDF", "an HDF5 file", "export the series as CSV"),
+    (0, b"MATLAB 5.0", "a MATLAB file", "export the series as CSV"),
+    (0, b"\x93NUMPY", "a NumPy array", "save it as CSV, for example with `numpy.savetxt`"),
+    (0, b"PAR1", "a Parquet file", "save it as CSV"),
+];
+
+/// Content first: an MCAP file under any name is read as one, and a text file named `.mcap` is not called empty.
+pub(crate) fn format(path: &Path) -> Result<Format> {
+    let mut start = Vec::new();
+    let file = open(path)?;
+    let bytes = file.metadata().map_err(|e| Error::io(path, "reading", e))?.len();
+    file.take(512).read_to_end(&mut start).map_err(|e| Error::io(path, "reading", e))?;
+    let named_mcap = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
+    if start.starts_with(mcap::MAGIC) {
+        return Ok(Format::Mcap);
+    }
+    if named_mcap {
+        let message = if start.is_empty() {
+            "expected an MCAP file, found an empty one".to_owned()
+        } else if mcap::MAGIC.starts_with(&start) {
+            format!("the file ends after {} bytes, in the middle of its first mark", start.len())
+        } else {
+            "expected the mark of an MCAP file at its start, found other bytes".to_owned()
+        };
+        return Err(Error::file(path, message, "copy the recording again, or name a text file `.csv`"));
+    }
+    if let Some((_, _, what, hint)) =
+        OTHERS.iter().find(|(at, mark, ..)| start.get(*at..).is_some_and(|s| s.starts_with(mark)))
+    {
+        return Err(Error::file(path, format!("expected CSV or MCAP, found {what}"), *hint));
+    }
+    encoding::refuse_foreign(path, &start)?;
+    if bytes > LARGEST_TEXT {
+        let message = format!("expected at most {LARGEST_TEXT} bytes of text, found {bytes}");
+        let hint = "keep the columns that are needed, for example `cut -d, -f1,4`, or cut the file into pieces";
+        return Err(Error::file(path, message, hint));
+    }
+    Ok(Format::Csv)
+}

@@ -1,0 +1,49 @@
+//! Files to observations and back: CSV and MCAP recordings, data sets and models.
+//!
+//! [`read`] finds out what a file is by looking into it, then what kind of observation its columns or messages make, and
+//! returns the [`Recording`]: the observation and what was noticed on the way. [`contents`] lists what is in a file without
+//! asking it to be usable. [`write_csv`] and [`write_mcap`] are their counterparts; both replace a file in one step.
+//!
+//! | folder or file | subject |
+//! |---|---|
+//! | `source`, `encoding`, `format` | the file itself: what is opened, how its text is written, which format it has |
+//! | `quantity`, `ranges` | what a column is by its name and unit, and ranges of columns |
+//! | `csv` | lines and cells, the layout of the columns, guesses where names are unknown, the numbers, writing |
+//! | `mcap` | records and chunks, topics, ROS 2 and JSON messages, joints, pictures, writing |
+//! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
+//! | `model` | trained networks and checkpoints in safetensors |
+//! | `atomic` | replacing a file in one step |
+//! | `contents` | the listing |
+
+mod atomic;
+mod contents;
+mod csv;
+pub mod dataset;
+mod encoding;
+mod format;
+mod mcap;
+mod model;
+mod quantity;
+mod ranges;
+mod read;
+mod recording;
+mod shown;
+mod source;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+
+pub use atomic::write_atomically;
+pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
+pub use csv::write::write_csv;
+pub use encoding::read_text;
+pub use mcap::pictures;
+pub use mcap::topics::Topic;
+pub use mcap::trajectory::{JointPoint, write_approach};
+pub use mcap::write::write_mcap;
+pub use model::{load_model, model_from_bytes, model_to_bytes, save_model, train_file};
+pub use read::read;
+pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording};
+pub use source::open;
+pub(crate) use tunenet_core::{Error, Origin, Result};

@@ -1,0 +1,16 @@
+//! MCAP files: logs of messages.
+
+mod decoder;
+mod definitions;
+mod joints;
+mod json;
+pub(crate) mod message;
+pub mod pictures;
+pub(crate) mod records;
+pub(crate) mod ros;
+pub(crate) mod series;
+pub(crate) mod stamps;
+pub(crate) mod topics;
+pub(crate) mod trajectory;
+mod whole_chunks;
+pub(crate) mod write;

@@ -1,0 +1,223 @@
+//! The messages of an MCAP file, one by one.
+//!
+//! The file is read from start to end in small pieces, so its size does not matter and an index is not needed; a recording
+//! that was cut off gives every message up to the cut.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{McapError, records::op};
+
+use super::whole_chunks::{PIECE, WholeChunks};
+use crate::source::open;
+use crate::{Error, Result};
+
+/// Longest record in bytes. An uncompressed 4K picture has 25 MB; a length beyond this is a broken file.
+const LONGEST_RECORD: usize = 256 << 20;
+
+/// Longest record of a small file, in bytes: a picture of one colour shrinks to nearly nothing.
+const LONGEST_SMALL: usize = 32 << 20;
+
+/// How much a file may grow as it is unpacked beyond that. Memory for a corrupted length is allocated before it is read.
+const MOST_GROWTH: u64 = 64;
+
+/// The longest record that a file of `bytes` can plausibly hold, in bytes, and never more than `most`.
+fn longest_record(bytes: u64, most: usize) -> usize {
+    usize::try_from(bytes.saturating_mul(MOST_GROWTH)).unwrap_or(usize::MAX).max(LONGEST_SMALL).min(most)
+}
+
+/// A channel of an MCAP file, with its schema.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct ChannelInfo {
+    /// Its number in the file.
+    pub id: u16,
+    pub topic: String,
+    /// `cdr`, `json`, …
+    pub message_encoding: String,
+    /// Empty where there is no schema.
+    pub schema_name: String,
+}
+
+/// One message, not decoded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct RawMessage {
+    pub channel: Arc<ChannelInfo>,
+    /// When it was recorded, in ns.
+    pub log_time: u64,
+    pub data: Vec<u8>,
+}
+
+/// The messages of a file in the order in which they stand there. Ends after the first error.
+pub(crate) struct Messages {
+    path: PathBuf,
+    file: WholeChunks<File>,
+    reader: LinearReader,
+    schemas: BTreeMap<u16, String>,
+    channels: BTreeMap<u16, Arc<ChannelInfo>>,
+    library: String,
+    profile: String,
+    count: u64,
+    ended: bool,
+}
+
+/// Opens an MCAP file.
+///
+/// # Errors
+/// [`Error::Io`] or [`Error::File`] where the file cannot be opened. The iterator returns [`Error::File`] once, as its
+/// last item, where the file is cut off or broken, and says how many messages came before.
+pub(crate) fn messages(path: impl AsRef<Path>) -> Result<Messages> {
+    messages_up_to(path.as_ref(), LONGEST_RECORD)
+}
+
+/// As [`messages`], where a record may have up to `longest` bytes.
+///
+/// # Errors
+/// As [`messages`].
+pub(crate) fn messages_up_to(path: &Path, longest: usize) -> Result<Messages> {
+    let file = open(path)?;
+    let bytes = file.metadata().map_err(|e| Error::io(path, "opening", e))?.len();
+    let options = LinearReaderOptions::default()
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(longest_record(bytes, longest));
+    Ok(Messages {
+        path: path.into(),
+        file: WholeChunks::new(file),
+        reader: LinearReader::new_with_options(options),
+        schemas: BTreeMap::new(),
+        channels: BTreeMap::new(),
+        library: String::new(),
+        profile: String::new(),
+        count: 0,
+        ended: false,
+    })
+}
+
+impl Messages {
+    /// The channels met so far, with or without messages.
+    pub(crate) fn channels(&self) -> impl Iterator<Item = &Arc<ChannelInfo>> {
+        self.channels.values()
+    }
+
+    /// Who wrote the file, as far as its header says: profile and library.
+    pub(crate) fn writer(&self) -> (&str, &str) {
+        (&self.profile, &self.library)
+    }
+
+    /// The next message, `None` at the end of the file. After a fault there is nothing more to ask for.
+    pub(crate) fn advance(&mut self) -> std::result::Result<Option<RawMessage>, Fault> {
+        loop {
+            let record = match self.reader.next_event() {
+                None => return Ok(None),
+                Some(Err(McapError::UnexpectedEof)) if self.file.overrun() => return Err(Fault::Overrun),
+                Some(event) => match event? {
+                    LinearReadEvent::ReadRequest(need) => {
+                        let read = self.file.read(self.reader.insert(need.clamp(1, PIECE))).map_err(Fault::Io)?;
+                        self.reader.notify_read(read);
+                        continue;
+                    }
+                    // What else there is, is not parsed: the crate's parser of attachments panics on short ones.
+                    LinearReadEvent::Record { data, opcode } => match opcode {
+                        op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE => {
+                            mcap::parse_record(opcode, data)?.into_owned()
+                        }
+                        _ => continue,
+                    },
+                },
+            };
+            if let Some(message) = self.take(record)? {
+                return Ok(Some(message));
+            }
+        }
+    }
+
+    fn broken(&self, fault: Fault) -> Error {
+        let what = match fault {
+            Fault::Io(error) => return Error::io(&self.path, "reading", error),
+            Fault::Overrun => "a record is longer than the chunk it stands in".to_owned(),
+            Fault::Format(McapError::UnexpectedEof) => "the recording is cut off".to_owned(),
+            Fault::Format(McapError::BadMagic) => "expected the mark of an MCAP file, found other bytes".to_owned(),
+            Fault::Format(McapError::UnsupportedCompression(name)) => {
+                format!("expected zstd or lz4 chunks, found `{name}`")
+            }
+            Fault::Format(McapError::Parse(_)) => "a record does not follow the MCAP format".to_owned(),
+            Fault::Format(other) => {
+                let text = other.to_string();
+                let mut letters = text.chars();
+                letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+            }
+        };
+        let messages = if self.count == 1 { "message" } else { "messages" };
+        let hint = format!("try `mcap recover {} -o recovered.mcap`, which keeps them", self.path.display());
+        Error::file(&self.path, format!("{what}: {} {messages} could be read before", self.count), hint)
+    }
+
+    /// Takes in one record; returns it where it is a message.
+    fn take(&mut self, record: Record<'static>) -> std::result::Result<Option<RawMessage>, McapError> {
+        match record {
+            Record::Header(header) => (self.profile, self.library) = (header.profile, header.library),
+            Record::Schema { header, .. } => {
+                self.schemas.insert(header.id, header.name);
+            }
+            Record::Channel(channel) => {
+                // The summary at the end repeats every channel.
+                let schema_name = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                self.channels.entry(channel.id).or_insert_with(|| {
+                    Arc::new(ChannelInfo {
+                        id: channel.id,
+                        topic: channel.topic,
+                        message_encoding: channel.message_encoding,
+                        schema_name,
+                    })
+                });
+            }
+            Record::Message { header, data } => {
+                let Some(channel) = self.channels.get(&header.channel_id) else {
+                    return Err(McapError::UnknownChannel(header.sequence, header.channel_id));
+                };
+                self.count += 1;
+                return Ok(Some(RawMessage {
+                    channel: Arc::clone(channel),
+                    log_time: header.log_time,
+                    data: data.into_owned(),
+                }));
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
+}
+
+/// Why there is no next message.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    /// The file could not be read.
+    Io(std::io::Error),
+    /// A record runs past the end of its chunk.
+    Overrun,
+    /// Whatever else the format does not allow.
+    Format(McapError),
+}
+
+impl From<McapError> for Fault {
+    fn from(error: McapError) -> Self {
+        Self::Format(error)
+    }
+}
+
+impl Iterator for Messages {
+    type Item = Result<RawMessage>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let next = self.advance();
+        self.ended = !matches!(next, Ok(Some(_)));
+        next.map_err(|fault| self.broken(fault)).transpose()
+    }
+}

@@ -1,0 +1,86 @@
+//! Training from a file, with a checkpoint beside it.
+
+use std::fmt::Write as _;
+use std::io::BufRead as _;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+use tunenet_core::network::{Checkpoint, Keeping, Model, TrainOptions, TrainProgress, Weights, train};
+
+use super::file::at;
+use super::safetensors;
+use crate::dataset::DatasetFile;
+use crate::source::open;
+use crate::{Error, Result, write_atomically};
+
+/// Trains a network on the dataset at `dataset`; see [`train()`]. Its state is kept at `checkpoint`, where one is given; what
+/// does not fit into memory waits in a temporary file beside that, or else in the system's folder for such files.
+///
+/// # Errors
+/// As [`train()`]; [`Error::File`] and [`Error::Io`] where the dataset or the checkpoint cannot be used.
+pub fn train_file(
+    dataset: &Path,
+    options: &TrainOptions,
+    checkpoint: Option<&Path>,
+    progress: &mut dyn FnMut(&TrainProgress) -> bool,
+) -> Result<Model> {
+    options.preset.check()?;
+    let kept = checkpoint.map(|path| CheckpointFile { path, dataset });
+    let folder = folder(checkpoint);
+    let overflow = || tempfile::tempfile_in(&folder);
+    let keeping = Keeping { checkpoint: kept.as_ref().map(|kept| kept as &dyn Checkpoint), overflow: Some(&overflow) };
+    train(&DatasetFile::open(dataset)?, options, keeping, progress).map_err(|error| match error {
+        Error::Dataset { expected, found, remedy } => {
+            Error::file(dataset, format!("expected {expected}, found {found}"), remedy)
+        }
+        Error::Overflow { action, source } => Error::io(folder.join("temporary file of the training"), action, source),
+        Error::Weights { .. } => at(checkpoint.unwrap_or(dataset), error),
+        other => other,
+    })
+}
+
+/// Where the temporary file belongs.
+fn folder(checkpoint: Option<&Path>) -> PathBuf {
+    match checkpoint.and_then(Path::parent) {
+        Some(folder) if folder.as_os_str().is_empty() => PathBuf::from("."),
+        Some(folder) => folder.into(),
+        None => std::env::temp_dir(),
+    }
+}
+
+/// The state of a training on `dataset`, kept at `path`.
+struct CheckpointFile<'a> {
+    path: &'a Path,
+    dataset: &'a Path,
+}
+
+impl Checkpoint for CheckpointFile<'_> {
+    fn fingerprint(&self, settings: &[u8]) -> Result<String> {
+        let mut hash = Sha256::new();
+        let mut file = std::io::BufReader::new(open(self.dataset)?);
+        loop {
+            let bytes = file.fill_buf().map_err(|e| Error::io(self.dataset, "reading", e))?;
+            if bytes.is_empty() {
+                break;
+            }
+            hash.update(bytes);
+            let read = bytes.len();
+            file.consume(read);
+        }
+        hash.update(settings);
+        let mut hex = String::with_capacity(64);
+        for byte in hash.finalize() {
+            let _ = write!(hex, "{byte:02x}");
+        }
+        Ok(hex)
+    }
+
+    fn load(&self) -> Result<Option<Weights>> {
+        self.path.exists().then(|| safetensors::read(self.path, "a checkpoint")).transpose()
+    }
+
+    fn save(&self, weights: &Weights) -> Result<()> {
+        let bytes = safetensors::to_bytes(self.path, weights)?;
+        write_atomically(self.path, |file| file.write_all(&bytes))
+    }
+}

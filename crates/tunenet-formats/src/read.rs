@@ -1,0 +1,58 @@
+//! Reading a recording, whatever its format.
+
+use std::path::Path;
+
+use tunenet_core::observation::Observation;
+
+use crate::csv::own_columns;
+use crate::format::{Format, format};
+use crate::recording::{LARGEST, ReadOptions, Recording};
+use crate::source::unchanged;
+use crate::{Error, Origin, Result, csv, mcap};
+
+/// The observation in a CSV or MCAP file.
+///
+/// # Errors
+/// [`Error::Io`] where the system refuses the file, [`Error::Text`] where a line of a CSV file cannot be used,
+/// [`Error::File`] where the file as a whole cannot, [`Error::Setting`] where `options` contradict themselves, and
+/// [`Error::Observation`] where the numbers make no observation.
+pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Recording> {
+    let path = path.as_ref();
+    unchanged(path, || read_once(path, options))
+}
+
+fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
+    match format(path)? {
+        Format::Csv if options.topic.is_some() => Err(Error::Setting {
+            origin: Origin::Flag,
+            name: "topic",
+            expected: "an MCAP file".into(),
+            found: format!("the text file {}", path.display()),
+        }),
+        Format::Csv => csv::series::read(path, options),
+        Format::Mcap if !options.columns.is_empty() => Err(Error::Setting {
+            origin: Origin::Flag,
+            name: "columns",
+            expected: "a CSV file".into(),
+            found: format!("the MCAP file {}", path.display()),
+        }),
+        Format::Mcap => {
+            let recording = mcap::series::read(path, options.topic.as_deref(), &options.joints)?;
+            refuse_too_large(path, &recording.observation)?;
+            if options.channels.is_empty() {
+                Ok(recording)
+            } else {
+                own_columns::chosen(path, recording, &options.channels)
+            }
+        }
+    }
+}
+
+/// Numbers beyond [`LARGEST`] are refused with their sample.
+fn refuse_too_large(path: &Path, seen: &Observation) -> Result<()> {
+    let width = seen.channels().len();
+    let Some(at) = seen.values().iter().position(|v| v.abs() > LARGEST) else { return Ok(()) };
+    let (channel, sample, found) = (&seen.channels()[at % width].name, at / width + 1, seen.values()[at]);
+    let message = format!("`{channel}` at sample {sample} is too large: expected at most {LARGEST:e}, found {found:e}");
+    Err(Error::file(path, message, "check the unit, or leave the message out"))
+}

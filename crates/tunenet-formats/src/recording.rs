@@ -1,0 +1,39 @@
+//! An observation from a file, and how a file is to be read.
+
+use tunenet_core::observation::{Channel, Note, Observation};
+
+/// Most numbers of one observation, its clock apart: ten million positions and a third more. A file with more is refused,
+/// since it would take gigabytes of memory.
+pub const MOST_NUMBERS: usize = 40_000_000;
+
+/// Greatest size of a number in an observation, in SI units: seconds since 1970 fit, and nothing that a person measures
+/// is larger.
+pub const LARGEST: f64 = 1e10;
+
+/// An observation from a file, and what was noticed while reading it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// What was seen.
+    pub observation: Observation,
+    /// What the reader did that a person may want to know, in the order in which it was noticed.
+    pub notes: Vec<Note>,
+}
+
+/// How to read a file that does not speak this project's names.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Pairs (ours, theirs): ours is a column name with its unit (`t_s`, `z_mm`), theirs a name from the file's header, or
+    /// a column number from 1; for joints also ranges, (`q1..6_rad`, `2..7`) or (`q1..6_rad`, `joint_*`). For CSV alone.
+    pub columns: Vec<(String, String)>,
+    /// The MCAP topic to read; `None` takes the only one that can be used.
+    pub topic: Option<String>,
+    /// Skip malformed lines of a CSV file, as long as they are few, instead of refusing the file.
+    pub skip_broken: bool,
+    /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them, and hints on the
+    /// columns of a CSV file speak of them. Where empty, the first message decides.
+    pub joints: Vec<String>,
+    /// The channels that a simulator of one's own predicts, in its order: they are looked for by their
+    /// [headers](Channel::header), and the series becomes one of [`Kind::Other`](tunenet_core::observation::Kind::Other). Empty where the file's
+    /// columns or messages decide.
+    pub channels: Vec<Channel>,
+}

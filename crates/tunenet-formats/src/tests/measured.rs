@@ -1,0 +1,115 @@
+//! Files measured by others, in the folder that `TUNENET_MEASURED` names.
+
+use std::path::{Path, PathBuf};
+
+use crate::{Contents, ReadOptions, contents, read};
+use tunenet_core::observation::Kind;
+
+/// The files of a folder by ending, or `None` where there are none to test with.
+fn measured(folder: &str, ending: &str) -> Option<Vec<PathBuf>> {
+    let Some(root) = std::env::var_os("TUNENET_MEASURED") else {
+        eprintln!("skipped: TUNENET_MEASURED does not name a folder of measured files");
+        return None;
+    };
+    let folder = Path::new(&root).join(folder);
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        eprintln!("skipped: {} is not there", folder.display());
+        return None;
+    };
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == ending));
+    paths.sort();
+    Some(paths)
+}
+
+#[test]
+fn every_flight_is_read() {
+    for path in measured("tt-flights", "csv").unwrap_or_default() {
+        let found = read(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(found.observation.kind(), Kind::Positions, "{}", path.display());
+    }
+}
+
+#[test]
+fn every_bounce_list_is_read() {
+    for path in measured("bounce-acoustic", "csv").unwrap_or_default() {
+        let found = read(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(found.observation.kind(), Kind::BounceTimes, "{}", path.display());
+        assert!(found.observation.len() >= 5, "{}: {}", path.display(), found.observation.len());
+    }
+}
+
+#[test]
+fn every_toss_is_read_and_its_other_columns_noted() {
+    for path in measured("cube-tosses", "csv").unwrap_or_default() {
+        let found = read(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(found.notes[0].code, "columns.ignored");
+    }
+}
+
+#[test]
+fn every_bag_is_counted_and_refused_with_a_reason() {
+    let Some(paths) = measured("mcap-rosbag2", "mcap") else { return };
+    let expected = [
+        ("multiple_files_0", 1324),
+        ("multiple_files_1", 1324),
+        ("multiple_files_2", 529),
+        ("wbag_0", 1246),
+        ("wbag_1", 1240),
+        ("wbag_2", 1240),
+        ("wbag_3", 1240),
+        ("wbag_4", 1108),
+        ("talker", 20),
+        ("cdr_test_0", 7),
+        ("only_services", 12),
+    ];
+    for path in paths {
+        let Contents::Log(log) = contents(&path).unwrap() else { panic!("{}", path.display()) };
+        assert_eq!(log.ended, None, "{}", path.display());
+        let count: u64 = log.topics.iter().map(|topic| topic.messages).sum();
+        let stem = path.file_stem().unwrap().to_string_lossy();
+        if let Some((_, expected)) = expected.iter().find(|(name, _)| *name == stem) {
+            assert_eq!(count, *expected, "{stem}");
+        }
+        let error = read(&path, &ReadOptions::default()).unwrap_err().to_string();
+        eprintln!("{}", &error[error.rfind('/').map_or(0, |_| error.find(&*stem).unwrap_or(0))..]);
+        assert!(error.contains("no topic carries positions, joints or bounces: "), "{error}");
+        if stem == "wrong_rmw_test_0" {
+            assert!(error.contains("message encoding `wrong_format`"), "{error}");
+        }
+    }
+}
+
+#[test]
+fn foreign_tables_are_read_with_columns() {
+    let read_with = |folder: &str, ending: &str, stem: &str, columns: &str| {
+        let paths = measured(folder, ending).unwrap_or_default();
+        let path = paths.into_iter().find(|path| path.file_stem().is_some_and(|name| name == stem))?;
+        let pairs = columns.split(',').filter_map(|pair| pair.split_once('='));
+        let columns = pairs.map(|(ours, theirs)| (ours.to_owned(), theirs.to_owned())).collect();
+        Some(read(&path, &ReadOptions { columns, topic: None, ..ReadOptions::default() }))
+    };
+    if let Some(found) = read_with("three-balls", "txt", "red_ball", "t_s=t,x_m=x,z_m=y") {
+        assert_eq!(found.unwrap().observation.kind(), Kind::Positions);
+    }
+    let pendulum = "control_method_ilqr_data_measured";
+    let columns = "t_s=time,q1_rad=position,dq1_rad_s=velocity,tau1_nm=torque";
+    if let Some(found) = read_with("pendulum-dfki", "csv", pendulum, columns) {
+        assert_eq!(found.unwrap().observation.channels().len(), 3);
+    }
+    let loaded = "ur-20_02_19_14harm50secLoad";
+    let joints: Vec<String> = (1..=6).map(|j| format!("q{j}_rad={},i{j}_a={}", j + 1, j + 13)).collect();
+    let columns = format!("t_s=1,{}", joints.join(","));
+    if let Some(found) = read_with("ur10e-payload", "csv", loaded, &columns) {
+        assert_eq!(found.unwrap().observation.channels().len(), 12);
+    }
+    // Its second to tenth lines are garbage.
+    if let Some(found) = read_with("ur10e-payload", "csv", "ur-20_02_19_15harm50secLoad", &columns) {
+        let error = found.unwrap_err();
+        eprintln!("{error}\n{:?}", error.hint());
+        assert!(
+            error.to_string().contains(":2:1: the time falls: expected more than 3047.693, found -0.1231"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,10 @@
+//! `tunenet-bench` as a process.
+
+mod blind;
+mod diagnose;
+mod paper;
+#[path = "../regress/pinned.rs"]
+mod pinned;
+#[cfg(feature = "video")]
+mod shot;
+mod tuning;

@@ -1,0 +1,6 @@
+//! `diagnose` names what a simulation lacks, or what it cannot tell apart.
+
+mod answers;
+mod contacts_alone;
+mod effects;
+mod real;

@@ -1,0 +1,333 @@
+//! Diagnosis of recordings that nobody here made: two other engines, where `TUNENET_PEERS` names a folder that holds them,
+//! and real balls, where `TUNENET_MEASURED` does; skipped without.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::common::{Folder, Ran};
+use serde_json::Value;
+
+/// A folder that an environment variable names, and that is there.
+fn folder(variable: &str, inside: &str) -> Option<PathBuf> {
+    let path = std::env::var_os(variable).map(|root| Path::new(&root).join(inside)).filter(|path| path.is_dir());
+    if path.is_none() {
+        eprintln!("skipped: {variable} names no folder with {inside}");
+    }
+    path
+}
+
+/// The files of a folder whose names start and end so, sorted.
+fn files(folder: &Path, start: &str, end: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut files: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
+    let name = |path: &Path| path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    files.retain(|path| name(path).starts_with(start) && name(path).ends_with(end));
+    files.sort();
+    files
+}
+
+fn run(command: &mut Command) -> Value {
+    let ran = Ran::from(command.arg("--json").output().expect("the binary starts"));
+    assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.stderr);
+    let json = ran.json();
+    let of = |key: &str| &json[key];
+    eprintln!(
+        "  {} {} of {}, gap {}, {} rollouts, {:.1} s",
+        of("verdict"),
+        names(&json["effects"], "name").join(" + "),
+        of("candidates"),
+        of("gap"),
+        of("rollouts"),
+        json["seconds"].as_f64().unwrap_or(0.0),
+    );
+    json
+}
+
+/// What a failure is told with.
+fn short(json: &Value) -> String {
+    ["verdict", "effects", "candidates", "gap", "adequacy", "description"]
+        .map(|key| format!("{key} {}", json[key]))
+        .join("\n")
+}
+
+fn names(list: &Value, key: &str) -> Vec<String> {
+    let name = |v: &Value| v.get(key).unwrap_or(v).as_str().unwrap_or_default().to_owned();
+    list.as_array().into_iter().flatten().map(name).collect()
+}
+
+/// Whether `effect` is named or in the set that is.
+fn offers(json: &Value, effect: &str) -> bool {
+    let named = json["verdict"] == "named" || json["verdict"] == "one_of";
+    named
+        && (names(&json["effects"], "name").contains(&effect.into())
+            || names(&json["candidates"], "").contains(&effect.into()))
+}
+
+fn is_named(json: &Value, effect: &str) -> bool {
+    json["verdict"] == "named" && names(&json["effects"], "name").contains(&effect.into())
+}
+
+/// A manifest in which every file is an object of its own, with these lines for each.
+fn each_its_own(files: &[PathBuf], extra: &str) -> String {
+    let one = |(i, path): (usize, &PathBuf)| {
+        format!("[[observation]]\nfile = '{}'\nobject = \"ball {i}\"\n{extra}\n", path.display())
+    };
+    files.iter().enumerate().map(one).collect()
+}
+
+const PEERS_BALL: &str = "\
+kind = \"ball\"
+ball.radius_m = 0.5
+surface.height_m = 0.0
+
+[parameters.restitution]
+value = 0.5
+min = 0.0
+max = 1.0
+";
+
+/// A set of another engine, `count` files of it, each its own object. The other engines put the ball's radius at .5 m.
+fn peers(set: &str, count: usize) -> Option<Value> {
+    let from = folder("TUNENET_PEERS", "cross")?.join(set);
+    let mut those = files(&from, "", ".csv");
+    those.retain(|path| !path.ends_with("truth.csv"));
+    those.truncate(count);
+    let here = Folder::new();
+    here.write("ball.toml", PEERS_BALL);
+    here.write("m.toml", each_its_own(&those, ""));
+    eprintln!("{set}:");
+    let columns = "t_s=t,x_m=x,y_m=y,z_m=z";
+    Some(run(here.command().args(["diagnose", "--sim", "ball.toml", "--manifest", "m.toml", "--columns", columns])))
+}
+
+#[test]
+fn another_engine_with_drag() {
+    for set in ["pybullet_drag", "mujoco_drag"] {
+        let Some(json) = peers(set, 5) else { return };
+        assert!(offers(&json, "quadratic_drag"), "{set}: {}", short(&json));
+    }
+}
+
+#[test]
+fn another_engine_with_a_tilted_floor() {
+    let Some(json) = peers("mujoco_tilt", 4) else { return };
+    assert!(offers(&json, "surface_tilt"), "{}", short(&json));
+}
+
+#[test]
+fn another_engine_with_late_contacts_on_a_tilted_floor() {
+    let Some(json) = peers("pybullet_tilt", 4) else { return };
+    assert!(offers(&json, "surface_tilt"), "{}", short(&json));
+}
+
+#[test]
+fn another_engine_whose_fast_bounces_return_less() {
+    let Some(json) = peers("mujoco_eslope", 5) else { return };
+    assert!(offers(&json, "speed_dependent_restitution"), "{}", short(&json));
+}
+
+#[test]
+#[ignore = "not reached: rebounds of one ball stray by .10 from its law, which changes by .04 (rms, 60 bounces). Most of that is \
+            where the contact was found: this engine brakes what it finds above the surface and pushes what it finds below it. \
+            With three numbers for that, .024 is left, and an exponent of .20 shows; but sets without the effect then show .05 \
+            to .17, one of them at p = .004"]
+fn another_engine_with_late_contacts_whose_fast_bounces_return_less() {
+    let Some(json) = peers("pybullet_eslope", 10) else { return };
+    assert!(offers(&json, "speed_dependent_restitution"), "{}", short(&json));
+}
+
+#[test]
+fn another_engine_in_the_wind() {
+    for set in ["pybullet_wind", "mujoco_wind"] {
+        let Some(json) = peers(set, 3) else { return };
+        assert!(offers(&json, "wind"), "{set}: {}", short(&json));
+    }
+}
+
+/// Its contacts last; what flies there flies as here.
+#[test]
+fn another_engine_with_nothing_hidden() {
+    for set in ["mujoco_easy", "mujoco_hard"] {
+        let Some(json) = peers(set, 5) else { return };
+        let effects = json["effects"].as_array().expect("effects");
+        let at_contact = effects.iter().all(|e| e["where"]["phase"] == "contact");
+        assert!(json["verdict"] != "none" && at_contact, "{set}: {}", short(&json));
+    }
+}
+
+/// The numbers of a foreign table, row by row.
+fn numbers(path: &Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(path).expect("a table");
+    let row = |line: &str| line.split(['\t', ',']).map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
+    text.lines().filter_map(row).collect()
+}
+
+/// A ball's scene without a word about its start.
+fn ball(radius_m: f64, mass_kg: Option<f64>) -> String {
+    let mass = mass_kg.map(|m| format!("ball.mass_kg = {m}\n")).unwrap_or_default();
+    format!(
+        "kind = \"ball\"\nball.radius_m = {radius_m}\n{mass}\n[parameters.restitution]\nvalue = 0.8\nmin = 0.0\nmax = 1.0\n"
+    )
+}
+
+/// One of three balls that fell a metre: its table has the columns time, then these.
+fn fallen(name: &str, x: usize, z: usize, until_s: f64, radius_m: f64, mass_kg: f64) -> Option<Value> {
+    let from = folder("TUNENET_MEASURED", "three-balls")?.join(name);
+    let here = Folder::new();
+    let rows = numbers(&from).into_iter().filter(|row| row[0] < until_s);
+    let lines: Vec<String> = rows.map(|row| format!("{},{},{}", row[0], row[x], row[z])).collect();
+    here.write("fall.csv", format!("t_s,x_m,z_m\n{}\n", lines.join("\n")));
+    here.write("ball.toml", ball(radius_m, Some(mass_kg)));
+    eprintln!("{name}:");
+    Some(run(here.command().args(["diagnose", "--sim", "ball.toml", "--observation", "fall.csv"])))
+}
+
+#[test]
+fn foam_needs_air_and_rubber_does_not() {
+    let Some(red) = fallen("red_ball.txt", 1, 2, 0.54, 0.0155, 0.0004) else { return };
+    assert!(is_named(&red, "quadratic_drag") && names(&red["effects"], "name").len() == 1, "{}", short(&red));
+    let Some(black) = fallen("black_ball.txt", 2, 1, 9.0, 0.0199, 0.02455) else { return };
+    assert!(["none", "insufficient"].contains(&black["verdict"].as_str().unwrap_or_default()), "{}", short(&black));
+    let Some(white) = fallen("white_ball.txt", 2, 1, 9.0, 0.0201, 0.0028) else { return };
+    let named = names(&white["effects"], "name");
+    assert!(white["verdict"] != "named" || named == ["quadratic_drag"], "{}", short(&white));
+}
+
+/// The same three as one manifest: each has its own size, foam shows the air clearly and rubber does not need it.
+#[test]
+fn three_balls_together_show_drag() {
+    let Some(from) = folder("TUNENET_MEASURED", "three-balls") else { return };
+    let here = Folder::new();
+    let balls = [
+        ("red", 1, 2, 0.54, 0.0155, 0.0004),
+        ("black", 2, 1, 9.0, 0.0199, 0.02455),
+        ("white", 2, 1, 9.0, 0.0201, 0.0028),
+    ];
+    let mut manifest = String::new();
+    for (name, x, z, until_s, radius_m, mass_kg) in balls {
+        let rows = numbers(&from.join(format!("{name}_ball.txt"))).into_iter().filter(|row| row[0] < until_s);
+        let lines: Vec<String> = rows.map(|row| format!("{},{},{}", row[0], row[x], row[z])).collect();
+        here.write(&format!("{name}.csv"), format!("t_s,x_m,z_m\n{}\n", lines.join("\n")));
+        let scene = format!("ball.radius_m = {radius_m}\nball.mass_kg = {mass_kg}");
+        let entry = format!("[[observation]]\nfile = \"{name}.csv\"\nobject = \"{name}\"\n{scene}\n");
+        manifest.push_str(&entry);
+    }
+    here.write("m.toml", manifest);
+    here.write("ball.toml", ball(0.02, None));
+    eprintln!("three balls:");
+    let json = run(here.command().args(["diagnose", "--sim", "ball.toml", "--manifest", "m.toml"]));
+    assert!(is_named(&json, "quadratic_drag") && names(&json["effects"], "name").len() == 1, "{}", short(&json));
+    let own = json["objects"].as_array().expect("one for each");
+    let verdict = |name: &str| own.iter().find(|o| o["object"] == name).map(|o| &o["verdict"]).expect("an object");
+    assert!(verdict("red") == "named" && verdict("black") == "none", "{own:#?}");
+    let each = json["effects"][0]["coefficients"]["drag_coefficient"]["objects"].as_array().expect("one for each");
+    let of = |name: &str| each.iter().find(|o| o["object"] == name).and_then(|o| o["value"].as_f64()).expect("a value");
+    assert!((0.4..1.2).contains(&of("red")), "{each:?}");
+}
+
+fn flights(count: usize) -> Option<Value> {
+    let from = folder("TUNENET_MEASURED", "tt-flights")?;
+    let files: Vec<PathBuf> = files(&from, "", ".csv").into_iter().take(count).collect();
+    let here = Folder::new();
+    here.write("ball.toml", ball(0.02, Some(0.0027)));
+    eprintln!("{count} flights:");
+    // A table rubs.
+    let friction = "parameters.friction.tune=true";
+    Some(run(here.command().args(["diagnose", "--sim", "ball.toml", "--set", friction, "--observation"]).args(files)))
+}
+
+#[test]
+fn table_tennis_flights_show_drag_together() {
+    let Some(json) = flights(12) else { return };
+    assert!(is_named(&json, "quadratic_drag"), "{}", short(&json));
+    let effects = json["effects"].as_array().expect("effects");
+    let drag = effects.iter().find(|e| e["name"] == "quadratic_drag").expect("drag");
+    let coefficient = drag["coefficients"]["drag_coefficient"]["value"].as_f64().expect("a drag coefficient");
+    eprintln!("  drag coefficient {coefficient:.3}");
+    assert!((0.3..=0.7).contains(&coefficient), "{drag:#}");
+    // Flights differ by more than their noise, and the interval says so: two halves of them do not exclude each other.
+    let warned = names(&json["warnings"], "code");
+    assert!(warned.contains(&"intervals.widened".into()) && json["gap"]["of"] == "flights", "{warned:?}");
+    let held_out = &json["gap"]["held_out"];
+    let ratio = held_out["after"].as_f64().expect("held out") / held_out["before"].as_f64().expect("held out");
+    assert!(ratio <= 0.5, "{held_out}");
+}
+
+/// One flight alone leaves a choice; what is written of it is one effect, with which tuning fits no worse than without.
+#[test]
+fn one_flight_cannot_tell() {
+    let Some(from) = folder("TUNENET_MEASURED", "tt-flights") else { return };
+    for file in files(&from, "", ".csv").iter().step_by(17) {
+        let here = Folder::new();
+        here.write("ball.toml", ball(0.02, Some(0.0027)));
+        let name = file.display();
+        eprintln!("{name}:");
+        let line = format!("diagnose --sim ball.toml --observation {name} --out o.toml");
+        let json = run(here.command().args(line.split(' ')));
+        assert!(json["verdict"] != "named", "{name} {}", short(&json));
+        if json["verdict"] == "one_of" {
+            let gap = |sim: &str| {
+                let tuned = here.run(&format!("tune --sim {sim} --observation {name} --json")).json();
+                tuned["gap"]["after"].as_f64().expect("a gap")
+            };
+            let (with, without) = (gap("o.toml"), gap("ball.toml"));
+            assert!(with < 1.05 * without, "{name}: {with} with, {without} without\n{}", short(&json));
+        }
+    }
+    let Some(json) = flights(1) else { return };
+    assert_eq!(json["verdict"], "one_of", "{}", short(&json));
+    assert!(offers(&json, "quadratic_drag"), "{}", short(&json));
+}
+
+#[test]
+fn heard_bounces_leave_two_explanations() {
+    let Some(from) = folder("TUNENET_MEASURED", "bounce-acoustic") else { return };
+    let files = files(&from, "pingpong_0", ".csv");
+    let here = Folder::new();
+    here.write("ball.toml", ball(0.02, None));
+    eprintln!("{} lists of bounces:", files.len());
+    let json = run(here.command().args(["diagnose", "--sim", "ball.toml", "--observation"]).args(files));
+    assert_eq!(names(&json["candidates"], ""), ["quadratic_drag", "speed_dependent_restitution"], "{}", short(&json));
+    let held_out = &json["gap"]["held_out"];
+    let ratio = held_out["after"].as_f64().expect("held out") / held_out["before"].as_f64().expect("held out");
+    assert!(ratio <= 0.5, "{held_out}");
+}
+
+/// Pixels become metres by a length in the picture; `up` turns an axis that points down.
+fn metres(path: &Path, fps: f64, px_m: f64, up: f64) -> String {
+    let rows = numbers(path);
+    let line = |(i, row): (usize, &Vec<f64>)| format!("{},{},{}", i as f64 / fps, row[0] / px_m, up * row[1] / px_m);
+    let lines: Vec<String> = rows.iter().enumerate().map(line).collect();
+    format!("t_s,x_m,z_m\n{}\n", lines.join("\n"))
+}
+
+#[test]
+fn a_basketball_in_a_picture_whose_pixels_are_not_square() {
+    let Some(from) = folder("TUNENET_MEASURED", "basketball-throw") else { return };
+    let here = Folder::new();
+    here.write("throw.csv", metres(&from.join("OUTPUT.csv"), 60.0, 23.37 / 0.12, 1.0));
+    here.write("ball.toml", ball(0.747 / std::f64::consts::TAU, Some(0.5)));
+    eprintln!("basketball:");
+    let json = run(here.command().args(["diagnose", "--sim", "ball.toml", "--observation", "throw.csv"]));
+    assert!(offers(&json, "aspect_ratio") || offers(&json, "length_scale"), "{}", short(&json));
+}
+
+/// No length is known in these pictures: gravity itself is the only scale, so lengths stay free.
+#[test]
+#[ignore = "not reached: `unknown`, nearest wind, magnus and perspective. All launches fly the same way, so that wind and a tilted \
+            camera do what drag does, and nothing brings the held-out launch's 11.1 mm down to the noise, 2.3 mm"]
+fn spinning_launches_show_drag() {
+    let Some(from) = folder("TUNENET_MEASURED", "pingpong-serve-px") else { return };
+    let here = Folder::new();
+    let mut names = Vec::new();
+    for (i, file) in files(&from, "IMG", ".csv").iter().enumerate() {
+        // From the mean apparent gravity of its README, 6200 px/s².
+        let name = format!("launch_{i}.csv");
+        here.write(&name, metres(file, 240.0, 6200.0 / 9.81, -1.0));
+        names.push(name);
+    }
+    here.write("ball.toml", ball(0.02, Some(0.0027)));
+    eprintln!("{} launches:", names.len());
+    let json = run(here.command().args(["diagnose", "--sim", "ball.toml", "--observation"]).args(names));
+    assert!(offers(&json, "quadratic_drag"), "{}", short(&json));
+}

@@ -1,0 +1,7 @@
+//! What README and docs say is held against the tool.
+
+mod documented;
+mod links;
+pub mod page;
+mod readme;
+mod results;

@@ -1,0 +1,163 @@
+//! The tables of docs/, held against the tool and the sources. Commands are those of `documented.rs`, links of `links.rs`.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use tunenet_sim::shot::task::TASK_KEYS;
+use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
+use tunenet_sim::simulation_file::{ARM_EFFECT_KEYS, ARM_KEYS, PROCESS_EFFECT_KEYS, PROCESS_KEYS};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+fn text(path: impl AsRef<Path>) -> String {
+    let path = root().join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// The rows that docs/files.md must hold for these keys.
+fn rows(keys: &[Key]) -> String {
+    let mut table = String::from("| key | value | needed | meaning |\n|---|---|---|---|\n");
+    for key in keys {
+        let needed = if key.required { "yes" } else { "no" };
+        let meaning = key.meaning.replace('|', "\\|");
+        writeln!(table, "| `{}` | {} | {needed} | {meaning} |", key.path, key.shape.expected()).unwrap();
+    }
+    table
+}
+
+#[test]
+fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
+    let page = text("docs/files.md");
+    let all: [(&str, &[Key]); 8] = [
+        ("keys", BALL_KEYS),
+        ("arm", ARM_KEYS),
+        ("effects", &EFFECT_KEYS),
+        ("arm effects", &ARM_EFFECT_KEYS),
+        ("process", PROCESS_KEYS),
+        ("process effects", &PROCESS_EFFECT_KEYS),
+        ("parameters", PARAMETER_KEYS),
+        ("task", TASK_KEYS),
+    ];
+    for (name, keys) in all {
+        let (begin, end) = (format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->"));
+        let found = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end));
+        let found = found.unwrap_or_else(|| panic!("docs/files.md lacks its mark `{name}`")).0;
+        let expected = rows(keys);
+        assert!(found == expected, "docs/files.md should hold between its marks `{name}`:\n{expected}");
+    }
+}
+
+/// The sources of all crates.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() && path.file_name().is_some_and(|n| n != "tests" && n != "target") {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_warning_has_its_remedy_in_the_docs() {
+    let pages = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs", "plan", "grow"];
+    let page = pages.map(|page| text(format!("docs/{page}.md"))).concat();
+    let (mut files, mut codes) = (Vec::new(), 0);
+    sources(&root().join("crates"), &mut files);
+    for file in files {
+        for call in text(&file).split("Note::new(").skip(1) {
+            let Some(code) = call.trim_start().strip_prefix('"').and_then(|rest| rest.split('"').next()) else {
+                continue;
+            };
+            assert!(page.contains(&format!("| `{code}` |")), "no page of docs/ lists `{code}` of {}", file.display());
+            codes += 1;
+        }
+    }
+    assert!(codes > 20, "only {codes} codes found");
+}
+
+#[test]
+fn every_check_is_in_the_docs() {
+    let (page, mut files, mut codes) = (text("docs/preflight.md"), Vec::new(), 0);
+    sources(&root().join("crates/tunenet-ball/src/preflight"), &mut files);
+    for file in files {
+        // Codes are the only texts of the form "word.word" there.
+        for quoted in text(&file).split('"').skip(1).step_by(2) {
+            let Some((family, word)) = quoted.split_once('.') else { continue };
+            if [family, word].iter().all(|w| !w.is_empty() && w.chars().all(|c| c.is_ascii_lowercase())) {
+                assert!(page.contains(&format!("| `{quoted}` |")), "docs/preflight.md lacks `{quoted}`");
+                codes += 1;
+            }
+        }
+    }
+    assert!(codes > 20, "only {codes} codes found");
+}
+
+#[test]
+fn every_key_of_the_json_is_in_the_docs() {
+    let (page, folder) = (text("docs/json.md"), tempfile::tempdir().unwrap());
+    let assets = root().join("assets");
+    let at = |name: &str| assets.join(name).display().to_string();
+    let out = folder.path().join("drop.mcap").display().to_string();
+    let (scene, drop, throw) = (at("ball.toml"), at("observations/drop.csv"), at("observations/throw.csv"));
+    let light: Vec<String> = (1..=5).map(|i| at(&format!("observations/light_{i}.csv"))).collect();
+    let shot = at("shot.toml");
+    let runs: [&[&str]; 10] = [
+        &["plan", "--sim", &scene, "--task", &shot],
+        &["diagnose", "--sim", &scene, "--observation", &light[0], &light[1], &light[2], "--held-out", &light[4]],
+        &["tune", "--sim", &scene, "--observation", &drop],
+        &["tune", "--sim", &scene, "--set", "parameters.friction.tune=true", "--observation", &throw],
+        &["tune", "--sim", &scene, "--observation", &drop, "--each"],
+        &["simulate", "--sim", &scene, "--set", "release.height_m=1", "--out", &out],
+        &["inspect", &out],
+        &["inspect", &scene],
+        &["inspect", &drop],
+        &["inspect", &drop, &throw],
+    ];
+    for arguments in runs {
+        let output = Command::new(env!("CARGO_BIN_EXE_tunenet"))
+            .args(arguments)
+            .arg("--json")
+            .env("TUNENET_CACHE", folder.path().join("cache"))
+            .output()
+            .unwrap();
+        let object: serde_json::Value =
+            serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{arguments:?}: {e}"));
+        listed(&object, &page, arguments);
+    }
+}
+
+/// Every key below `value` stands in `page`; the names of parameters are data, not keys.
+fn listed(value: &serde_json::Value, page: &str, arguments: &[&str]) {
+    match value {
+        serde_json::Value::Object(object) => {
+            for (key, inner) in object {
+                let data = ["restitution", "friction", "c_1_m"].contains(&key.as_str());
+                let word = |text: &str| text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == key);
+                assert!(data || word(page), "docs/json.md does not list `{key}` of {arguments:?}");
+                listed(inner, page, arguments);
+            }
+        }
+        serde_json::Value::Array(all) => all.iter().for_each(|inner| listed(inner, page, arguments)),
+        _ => {}
+    }
+}
+
+/// The picture at the head of the README is what its script draws with this tool.
+#[test]
+fn the_picture_is_drawn_by_its_script() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = folder.path().join("drop.svg");
+    let script = root().join("docs/make_picture.py");
+    let run = Command::new("python3").arg(script).arg(env!("CARGO_BIN_EXE_tunenet")).arg(&drawn).output();
+    let Ok(run) = run else {
+        println!("skipped: no python3");
+        return;
+    };
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    assert_eq!(std::fs::read_to_string(drawn).unwrap(), text("docs/drop.svg"), "docs/drop.svg is older");
+}

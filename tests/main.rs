@@ -1,0 +1,13 @@
+//! The tests of the tool as a process: one binary, a folder for each subject.
+
+mod arm;
+mod cli;
+mod common;
+mod diagnose;
+mod docs;
+mod files;
+mod process;
+mod regress;
+mod tune;
+#[cfg(feature = "video")]
+mod video;

@@ -1,0 +1,8 @@
+//! Simulators that are programs of their own.
+
+pub mod failing;
+mod failures;
+mod program;
+pub mod programs;
+mod ray_script;
+mod warnings;
