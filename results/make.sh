@@ -80,27 +80,27 @@ for what in "${@:-paper}"; do
             ;;
         shot)
             measure shot bench shot --trials 200 --seed "$shot_seed"
-            paste shot docs/plan.md <(body results/shot/shot.md)
+            paste shot docs/evidence-shot.md <(body results/shot/shot.md)
             ;;
         diagnose)
             measure diagnose bench diagnose --seed "$seed"
-            paste goals docs/diagnose.md <(body results/diagnose/goals.md)
+            paste goals docs/evidence.md <(body results/diagnose/goals.md)
             ;;
         arm)
             listen arm bench diagnose --arm --seed "$seed"
-            paste arm docs/arm-logs.md <(fenced results/arm/told.md)
+            paste arm docs/evidence.md <(fenced results/arm/told.md)
             ;;
         intervals)
             listen intervals bench intervals --seed "$seed"
-            paste intervals docs/tune.md <(fenced results/intervals/told.md)
+            paste intervals docs/evidence.md <(fenced results/intervals/told.md)
             ;;
         regions)
             measure regions bench regions --draws 400 --seed "$seed"
-            paste regions docs/tune.md <(body results/regions/regions.md)
+            paste regions docs/evidence.md <(body results/regions/regions.md)
             ;;
         preflight)
             listen preflight bench preflight --seed "$seed"
-            paste preflight docs/preflight.md results/preflight/told.md
+            paste preflight docs/evidence.md results/preflight/told.md
             ;;
         speed)
             mkdir -p results/speed
@@ -112,7 +112,7 @@ for what in "${@:-paper}"; do
                 sed -nE 's/^  (.*[^ ])  +([^ ].*)$/| \1 | \2 |/p' target/results-speed.txt
             } > results/speed/speed.md
             note results/speed "tunenet bench speed" $((SECONDS - began))
-            paste speed README.md results/speed/speed.md
+            paste speed docs/evidence.md results/speed/speed.md
             ;;
         *)
             echo "expected one of those at the head of this file, found \`$what\`" >&2
