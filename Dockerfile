@@ -1,4 +1,4 @@
-# An image with `tunenet` and `tunenet-video`: docker build --tag tunenet .
+# An image with `tunenet`, `tunenet-video` and `tunenet-bench`: docker build --tag tunenet .
 # Without video, which makes it much smaller: docker build --tag tunenet --build-arg FEATURES=--no-default-features --build-arg LIBRARIES= .
 
 FROM debian:bookworm-slim AS build
@@ -13,7 +13,8 @@ WORKDIR /source
 COPY . .
 ARG FEATURES=
 # rust-toolchain.toml names the version, which rustup then brings.
-RUN rustup toolchain install && cargo install --locked --path crates/tunenet-cli --root /opt/tunenet $FEATURES
+RUN rustup toolchain install && cargo install --locked --path crates/tunenet-cli --root /opt/tunenet $FEATURES \
+    && cargo install --locked --path crates/tunenet-bench --root /opt/tunenet $FEATURES
 
 FROM debian:bookworm-slim
 ARG LIBRARIES="libopencv-imgcodecs406 libopencv-imgproc406 libopencv-videoio406"

@@ -62,7 +62,7 @@ book: target/tools/bin/mdbook ## build docs/ as a book into target/book
 licences: target/tools/bin/cargo-deny ## check licences, sources and bans of every dependency (deny.toml)
 	@$< --workspace check licenses bans sources
 
-model: cargo ## make the built-in network again: the same bytes on the same kind of CPU
+model: cargo ## train the built-in network again
 	@assets/networks/make.sh
 
 fmt: cargo ## format all code

@@ -7,11 +7,13 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use tunenet_core::network::{DatasetReader, Model, Side};
-use tunenet_core::observation::recording::pictures::pictures;
-use tunenet_core::observation::recording::{ReadOptions, contents_with, read};
+use tunenet_core::network::Side;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::Scale;
+use tunenet_formats::dataset::DatasetReader;
+use tunenet_formats::pictures::pictures;
+use tunenet_formats::{ReadOptions, contents_with, read};
+use tunenet_formats::{model_from_bytes, model_to_bytes};
 use tunenet_sim::shot::Task;
 use tunenet_sim::{SimulationFile, simulator};
 
@@ -147,7 +149,7 @@ pub fn simulation(bytes: &[u8]) {
         let _ = file.set(assignment);
     }
     SimulationFile::parse(path, &file.text()).expect("what was accepted is accepted again");
-    let _ = (file.essence(), file.release(), file.effects(), file.parameters());
+    let _ = (file.essence(), file.scene(), file.effects(), file.parameters());
     for kind in [Kind::Positions, Kind::BounceTimes] {
         let Ok(world) = simulator(&file, kind) else { continue };
         let values: Vec<f64> = world.parameters().iter().map(|p| p.value).collect();
@@ -167,9 +169,9 @@ pub fn task(bytes: &[u8]) {
 
 /// A model file, and one estimate by it.
 pub fn model(bytes: &[u8]) {
-    let Ok(model) = Model::from_bytes("a.safetensors", bytes) else { return };
-    let written = model.to_bytes().expect("what was read can be written");
-    Model::from_bytes("a.safetensors", &written).expect("what was written can be read");
+    let Ok(model) = model_from_bytes("a.safetensors", bytes) else { return };
+    let written = model_to_bytes(&model).expect("what was read can be written");
+    model_from_bytes("a.safetensors", &written).expect("what was written can be read");
     let clock = model.clock();
     if clock.len() < 2 || clock.len() > 100 {
         return;
