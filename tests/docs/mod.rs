@@ -1,6 +1,7 @@
 //! What README and docs say is held against the tool.
 
 mod documented;
+mod findings;
 mod links;
 pub mod page;
 mod readme;

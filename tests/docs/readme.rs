@@ -50,53 +50,6 @@ fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     }
 }
 
-/// The sources of all crates.
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() && path.file_name().is_some_and(|n| n != "tests" && n != "target") {
-            sources(&path, found);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            found.push(path);
-        }
-    }
-}
-
-#[test]
-fn every_warning_has_its_remedy_in_the_docs() {
-    let pages = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs", "plan", "grow"];
-    let page = pages.map(|page| text(format!("docs/{page}.md"))).concat();
-    let (mut files, mut codes) = (Vec::new(), 0);
-    sources(&root().join("crates"), &mut files);
-    for file in files {
-        for call in text(&file).split("Note::new(").skip(1) {
-            let Some(code) = call.trim_start().strip_prefix('"').and_then(|rest| rest.split('"').next()) else {
-                continue;
-            };
-            assert!(page.contains(&format!("| `{code}` |")), "no page of docs/ lists `{code}` of {}", file.display());
-            codes += 1;
-        }
-    }
-    assert!(codes > 20, "only {codes} codes found");
-}
-
-#[test]
-fn every_check_is_in_the_docs() {
-    let (page, mut files, mut codes) = (text("docs/preflight.md"), Vec::new(), 0);
-    sources(&root().join("crates/tunenet-ball/src/preflight"), &mut files);
-    for file in files {
-        // Codes are the only texts of the form "word.word" there.
-        for quoted in text(&file).split('"').skip(1).step_by(2) {
-            let Some((family, word)) = quoted.split_once('.') else { continue };
-            if [family, word].iter().all(|w| !w.is_empty() && w.chars().all(|c| c.is_ascii_lowercase())) {
-                assert!(page.contains(&format!("| `{quoted}` |")), "docs/preflight.md lacks `{quoted}`");
-                codes += 1;
-            }
-        }
-    }
-    assert!(codes > 20, "only {codes} codes found");
-}
-
 #[test]
 fn every_key_of_the_json_is_in_the_docs() {
     let (page, folder) = (text("docs/json.md"), tempfile::tempdir().unwrap());

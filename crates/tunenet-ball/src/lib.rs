@@ -3,6 +3,7 @@
 //!
 //! [`segmentation`] cuts positions into flights and contacts; [`preflight`] checks a recording before anything is tuned to it.
 
+pub mod findings;
 pub mod preflight;
 pub mod segmentation;
 

@@ -15,6 +15,7 @@ mod args;
 mod commands;
 pub mod failure;
 pub mod files;
+pub mod findings;
 pub mod shard;
 pub mod view;
 

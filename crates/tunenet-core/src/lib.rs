@@ -28,6 +28,8 @@
 pub mod camera;
 pub mod diagnose;
 pub mod error;
+pub mod finding;
+pub mod findings;
 pub mod network;
 pub mod observation;
 pub mod simulator;

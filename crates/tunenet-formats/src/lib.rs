@@ -20,6 +20,7 @@ mod contents;
 mod csv;
 pub mod dataset;
 mod encoding;
+pub mod findings;
 mod format;
 mod mcap;
 mod model;

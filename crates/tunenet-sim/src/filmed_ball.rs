@@ -5,6 +5,7 @@ use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Rejected, Simulator};
 use tunenet_core::{Error, Result};
 
+use crate::findings;
 use crate::scene::BallScene;
 use crate::{ObservedBall, SimulationFile};
 
@@ -68,7 +69,7 @@ impl Simulator for FilmedBall {
         let v_px: Vec<f64> = seen.column(1).collect();
         let Some(camera) = LineCamera::of_fall(seen.clock(), &v_px, &scale) else {
             let note = Note::new(
-                "camera.unknown",
+                findings::CAMERA_UNKNOWN,
                 format!("no camera shows a fall of {:.2} m like this from {} s on", scale.length, scale.start_s),
                 "correct `release.height_m` and `release.time_s`, or leave both out and give metres",
             );

@@ -24,6 +24,7 @@ pub mod built_in;
 pub mod drawn;
 pub mod filmed;
 pub mod filmed_ball;
+pub mod findings;
 pub mod observed;
 pub mod observed_arm;
 pub mod observed_ball;

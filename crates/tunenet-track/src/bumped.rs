@@ -1,7 +1,7 @@
 //! Camera motion: frames in which the background is displaced are left out and reported.
 
 use tunenet_video_protocol::track::Unseen;
-use tunenet_video_protocol::{FindingKind, VideoFinding};
+use tunenet_video_protocol::{VideoFinding, findings};
 
 use crate::noticed;
 use crate::samples::Samples;
@@ -83,7 +83,7 @@ fn leave_out(track: &mut Track, places: &[usize], away: &[bool]) {
     };
     let text = format!("the camera moved between {:.2} and {:.2} s {how}: {became}", time(*first), time(*last));
     track.notes.push(VideoFinding::new(
-        FindingKind::CameraBumped,
+        findings::CAMERA_BUMPED,
         text,
         "put the camera on a stand and do not touch it while it records",
     ));

@@ -1,7 +1,7 @@
 //! Findings about a video: each with a fixed code, a sentence, and what to try.
 
 use tunenet_video_protocol::track::Unseen;
-use tunenet_video_protocol::{FindingKind, VideoFinding};
+use tunenet_video_protocol::{VideoFinding, findings};
 
 use crate::track::answer::Track;
 
@@ -34,7 +34,7 @@ fn rolls(track: &Track) -> Option<VideoFinding> {
         let text = format!(
             "the ball moves along a straight line, {across:.0} px across and {down:.0} px down: it rolls and never flies"
         );
-        VideoFinding::new(FindingKind::Rolls, text, "record a ball that falls and bounces; rolling does not show restitution")
+        VideoFinding::new(findings::BALL_ROLLS, text, "record a ball that falls and bounces; rolling does not show restitution")
     })
 }
 
@@ -85,7 +85,7 @@ impl CutOff {
         let why = why.as_ref().map_or(String::new(), |why| format!("; then: {why}"));
         let text = format!("the video is cut off: {frames}{promised} frames can be decoded, until {last_s:.3} s{why}");
         VideoFinding::new(
-            FindingKind::Truncated,
+            findings::FILM_TRUNCATED,
             text,
             "what was read is used; copy the video again if its end matters",
         )
@@ -106,24 +106,20 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
             track.repeated.len(),
             numbers.join(", ")
         );
-        notes.push(VideoFinding::new(FindingKind::FramesRepeated, text, "they are left out"));
+        notes.push(VideoFinding::new(findings::FILM_REPEATED, text, "they are left out"));
     }
     if track.dropped > 0 {
         let text = format!("{} frames are missing according to the video's clock", track.dropped);
-        notes.push(VideoFinding::new(FindingKind::FramesDropped, text, "the gaps stay in the clock"));
+        notes.push(VideoFinding::new(findings::FILM_DROPPED, text, "the gaps stay in the clock"));
     }
     if clutter {
         let text = "the background contains the ball's colour, so only moving pixels count as the ball";
-        notes.push(VideoFinding::new(
-            FindingKind::ColourInBackground,
-            text,
-            "use another background if the track has gaps",
-        ));
+        notes.push(VideoFinding::new(findings::BALL_BACKGROUND, text, "use another background if the track has gaps"));
     }
     let cut = track.sightings.iter().filter(|s| s.cut).count();
     if cut > 0 {
         let text = format!("the border of the picture cuts the ball in {cut} frames, which are left out of the track");
-        notes.push(VideoFinding::new(FindingKind::CutByBorder, text, "keep the whole flight in view"));
+        notes.push(VideoFinding::new(findings::BALL_CUT, text, "keep the whole flight in view"));
     }
     let lost: Vec<(usize, f64)> = track
         .sightings
@@ -134,7 +130,7 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
     if let Some((_, since)) = lost.first() {
         let count: usize = lost.iter().map(|l| l.0).sum();
         let text = format!("the ball is not seen in {count} frames in between, first after {since:.3} s");
-        notes.push(VideoFinding::new(FindingKind::Lost, text, "see the overlay; more light reduces blur"));
+        notes.push(VideoFinding::new(findings::BALL_LOST, text, "see the overlay; more light reduces blur"));
     }
     if let Some(last) = track.sightings.last().filter(|s| s.frame + LOST_FRAMES < frames) {
         let (width, height) = (track.size_px.0 as f64, track.size_px.1 as f64);
@@ -146,7 +142,7 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
             last.time_s,
             frames - 1 - last.frame
         );
-        notes.push(VideoFinding::new(FindingKind::Gone, text, "what was seen until then is used"));
+        notes.push(VideoFinding::new(findings::BALL_GONE, text, "what was seen until then is used"));
     }
     notes
 }

@@ -5,7 +5,7 @@ use tunenet_core::camera::LineCamera;
 use tunenet_core::observation::Observation;
 use tunenet_core::{Error, Origin, Result};
 use tunenet_video_protocol::track::ScaleSource;
-use tunenet_video_protocol::{FindingKind, VideoFinding};
+use tunenet_video_protocol::{VideoFinding, findings};
 
 use crate::parabola::Parabola;
 use crate::perspective;
@@ -117,7 +117,7 @@ fn disagreement(by_gravity: f64, by_length: f64) -> Option<VideoFinding> {
             1e3 * by_length,
             1e3 * by_gravity
         );
-        VideoFinding::new(FindingKind::ScaleDisagrees,
+        VideoFinding::new(findings::SCALE_DISAGREES,
             text,
             "correct `ball.radius_m` or `--length`, or give the camera's true rate with `--camera-rate` (slow motion)",
         )
@@ -258,7 +258,7 @@ fn odd_flights(seen: &Observation, preflight: &Preflight) -> Vec<VideoFinding> {
                 f.acceleration / usual
             );
             VideoFinding::new(
-                FindingKind::OddFlight,
+                findings::FLIGHT_ODD,
                 text,
                 "release it cleanly, and record from the side, level and far away",
             )

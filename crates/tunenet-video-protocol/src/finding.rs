@@ -1,52 +1,18 @@
-//! What a person should know of a video.
+//! A finding about a video, as it crosses from one program to the other.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Note;
 
-use crate::words::words;
-
-words! {
-    /// What was found, by its fixed code.
-    FindingKind {
-        /// The background holds the ball's colour.
-        ColourInBackground = "ball.background",
-        /// The border of the picture cuts the ball.
-        CutByBorder = "ball.cut",
-        /// The ball is not seen until the end.
-        Gone = "ball.gone",
-        /// The ball is not seen for a while in between.
-        Lost = "ball.lost",
-        /// No ball is seen.
-        NoBall = "ball.none",
-        /// The ball rolls and never leaves the ground.
-        Rolls = "ball.rolls",
-        /// What moves is not round.
-        NotRound = "ball.shape",
-        /// Two balls are seen.
-        TwoBalls = "ball.two",
-        /// The camera moved for a while.
-        CameraBumped = "camera.bumped",
-        /// The camera moves all the time.
-        CameraMoves = "camera.moves",
-        /// Frames are missing by the video's clock.
-        FramesDropped = "film.dropped",
-        /// Frames repeat the one before.
-        FramesRepeated = "film.repeated",
-        /// The file ends before its end.
-        Truncated = "film.truncated",
-        /// A flight falls otherwise than the others.
-        OddFlight = "flight.odd",
-        /// Fall and size of the ball do not go together.
-        ScaleDisagrees = "scale.disagrees",
-    }
-}
+use crate::findings;
 
 /// What was found, in words, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VideoFinding {
     /// What it is.
-    #[serde(rename = "code")]
+    #[serde(rename = "code", deserialize_with = "known")]
     pub kind: FindingKind,
     /// One sentence: what was found and where.
     pub text: String,
@@ -63,6 +29,14 @@ impl VideoFinding {
     /// The same as a note of any recording.
     #[must_use]
     pub fn note(&self) -> Note {
-        Note::new(self.kind.word(), &self.text, &self.remedy)
+        Note::new(self.kind, &self.text, &self.remedy)
     }
+}
+
+/// The kind with a code that this crate declares.
+fn known<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FindingKind, D::Error> {
+    let code = String::deserialize(deserializer)?;
+    let kind = findings::ALL.iter().find(|kind| kind.code() == code);
+    kind.copied()
+        .ok_or_else(|| D::Error::custom(format!("expected the code of a finding about a video, found `{code}`")))
 }

@@ -10,10 +10,11 @@
 //! | [`finding`] | | what a person should know of a video, in the answers |
 
 pub mod finding;
+pub mod findings;
 pub mod speed;
 pub mod synthetic;
 pub mod track;
 mod words;
 
-pub use finding::{FindingKind, VideoFinding};
+pub use finding::VideoFinding;
 pub use track::TrackAnswer;

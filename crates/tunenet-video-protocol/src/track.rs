@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 use tunenet_core::observation::State;
 
-use crate::finding::{FindingKind, VideoFinding};
+use tunenet_core::finding::FindingKind;
+
+use crate::finding::VideoFinding;
+use crate::findings;
 use crate::words::words;
 
 /// All that the parent needs of a video. An error of the file or of a flag is an answer as well, so that the parent says it
@@ -96,10 +99,10 @@ impl Unseen {
     #[must_use]
     pub fn kind(self) -> FindingKind {
         match self {
-            Self::NoBall => FindingKind::NoBall,
-            Self::TwoBalls => FindingKind::TwoBalls,
-            Self::NotRound => FindingKind::NotRound,
-            Self::CameraMoves => FindingKind::CameraMoves,
+            Self::NoBall => findings::BALL_NONE,
+            Self::TwoBalls => findings::BALL_TWO,
+            Self::NotRound => findings::BALL_SHAPE,
+            Self::CameraMoves => findings::CAMERA_MOVES,
         }
     }
 }
@@ -150,7 +153,7 @@ impl Facts {
     /// That the ball never leaves the ground, where it does not.
     #[must_use]
     pub fn rolls(&self) -> Option<&VideoFinding> {
-        self.warnings.iter().find(|finding| finding.kind == FindingKind::Rolls)
+        self.warnings.iter().find(|finding| finding.kind == findings::BALL_ROLLS)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Bounce times: whether a ball can have made them.
 
 use super::Expected;
+use crate::findings;
 use tunenet_core::observation::Check;
 use tunenet_core::observation::{Observation, event_time_sd};
 use tunenet_core::statistics::median;
@@ -25,11 +26,11 @@ pub(crate) fn checks(seen: &Observation, expected: &Expected) -> Vec<Check> {
     // A hop that lasts T rises to g T²/8.
     let hop = expected.gravity_m_s2 * first * first / 8.0;
     let plausible = if PLAUSIBLE_HOP_M.contains(&hop) {
-        Check::passed("bounces.implausible", format!("the first hop is {hop:.3} m high"))
+        Check::passed(findings::BOUNCES_IMPLAUSIBLE, format!("the first hop is {hop:.3} m high"))
     } else {
         let text = format!("the first interval of {first} s would need a hop of {hop:.3e} m");
         Check::failed(
-            "bounces.implausible",
+            findings::BOUNCES_IMPLAUSIBLE,
             text,
             "check the unit of the times: seconds; a column in milliseconds is called `bounce_time_ms`",
         )
@@ -47,9 +48,12 @@ pub(crate) fn checks(seen: &Observation, expected: &Expected) -> Vec<Check> {
                  a column `bounce_number` where clicks were missed",
                 at + 1
             );
-            Check::noticed("bounces.grow", text, remedy)
+            Check::noticed(findings::BOUNCES_GROW, text, remedy)
         }
-        None => Check::passed("bounces.grow", "no hop is longer than the previous one, within the noise of the clock"),
+        None => Check::passed(
+            findings::BOUNCES_GROW,
+            "no hop is longer than the previous one, within the noise of the clock",
+        ),
     };
     vec![plausible, grows]
 }
@@ -96,7 +100,7 @@ mod tests {
 
     fn grow(times: &[f64]) -> Check {
         let seen = Observation::bounce_times(times.to_vec()).unwrap();
-        checks(&seen, &Expected::default()).into_iter().find(|c| c.code == "bounces.grow").unwrap()
+        checks(&seen, &Expected::default()).into_iter().find(|c| c.kind == findings::BOUNCES_GROW).unwrap()
     }
 
     #[test]

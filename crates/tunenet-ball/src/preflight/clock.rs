@@ -1,6 +1,8 @@
 //! The clock: even or not, frames lost, frames that stand twice, and whether it is quick enough for the motion.
 
+use crate::findings;
 use crate::segmentation::span;
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Check;
 use tunenet_core::observation::Observation;
 use tunenet_core::observation::{noise_sd, step};
@@ -37,7 +39,7 @@ pub(crate) fn rate_hz(clock: &[f64]) -> f64 {
 
 /// Whether the intervals are even, gaps apart.
 pub(crate) fn irregular(clock: &[f64]) -> Check {
-    const CODE: &str = "clock.irregular";
+    const KIND: FindingKind = findings::CLOCK_IRREGULAR;
     let all = intervals(clock);
     let middle = median(all.iter().copied()).unwrap_or(0.0);
     let mut near: Vec<f64> = all.into_iter().filter(|i| *i < GAP * middle).collect();
@@ -45,22 +47,22 @@ pub(crate) fn irregular(clock: &[f64]) -> Check {
     let at = |share: usize| near[near.len() * share / 100];
     let (low, high) = (at(5), at(95));
     if near.len() < 8 {
-        return Check::not_run(CODE, "too few intervals");
+        return Check::not_run(KIND, "too few intervals");
     }
     if high - low > UNEVEN * middle {
         let text = format!("intervals vary from {:.3} to {:.3} ms about {:.3} ms", low * 1e3, high * 1e3, middle * 1e3);
         return Check::noticed(
-            CODE,
+            KIND,
             text,
             "stamp frames when they are taken, not when they arrive; correct irregular stamps do no harm",
         );
     }
-    Check::passed(CODE, format!("even intervals of {:.3} ms", middle * 1e3))
+    Check::passed(KIND, format!("even intervals of {:.3} ms", middle * 1e3))
 }
 
 /// Whether frames are missing.
 pub(crate) fn gaps(clock: &[f64]) -> Check {
-    const CODE: &str = "clock.gaps";
+    const KIND: FindingKind = findings::CLOCK_GAPS;
     let all = intervals(clock);
     let middle = median(all.iter().copied()).unwrap_or(0.0);
     let lost = |interval: f64| if interval > GAP * middle { (interval / middle).round() - 1.0 } else { 0.0 };
@@ -73,17 +75,17 @@ pub(crate) fn gaps(clock: &[f64]) -> Check {
             100.0 * share,
             clock[at]
         );
-        return Check::noticed(CODE, text, "an impact within a gap is lost; record again if there are many gaps");
+        return Check::noticed(KIND, text, "an impact within a gap is lost; record again if there are many gaps");
     }
     Check::passed(
-        CODE,
+        KIND,
         if total > 0.0 { format!("{total:.0} single frames missing") } else { "no frame is missing".into() },
     )
 }
 
 /// Whether there are frames enough between impacts.
 pub(crate) fn slow(seen: &Observation, gravity_m_s2: f64) -> Check {
-    const CODE: &str = "clock.slow";
+    const KIND: FindingKind = findings::CLOCK_SLOW;
     let heights: Vec<f64> = seen.column(2).collect();
     let fall_s = (2.0 * span(&heights) / gravity_m_s2).sqrt();
     let rate = rate_hz(seen.clock());
@@ -91,9 +93,9 @@ pub(crate) fn slow(seen: &Observation, gravity_m_s2: f64) -> Check {
     if frames < FEWEST_IN_FALL {
         let wanted = 2.0 * FEWEST_IN_FALL / fall_s;
         let text = format!("{rate:.1} Hz leaves {frames:.1} frames for the {fall_s:.3} s of the longest fall");
-        return Check::noticed(CODE, text, format!("record at {wanted:.0} Hz or more, or drop from higher up"));
+        return Check::noticed(KIND, text, format!("record at {wanted:.0} Hz or more, or drop from higher up"));
     }
-    Check::passed(CODE, format!("{frames:.0} frames in the longest fall"))
+    Check::passed(KIND, format!("{frames:.0} frames in the longest fall"))
 }
 
 /// Runs of samples that are equal in every channel that moves, in the midst of motion: first and last sample of each.
@@ -140,15 +142,15 @@ pub(crate) fn standing(seen: &Observation) -> Vec<(usize, usize)> {
 
 /// Frames written more than once: the samples to leave out.
 pub(crate) fn repeats(seen: &Observation, standing: &[(usize, usize)]) -> (Check, Vec<usize>) {
-    const CODE: &str = "clock.repeats";
+    const KIND: FindingKind = findings::CLOCK_REPEATS;
     let out: Vec<usize> =
         standing.iter().filter(|(a, b)| b - a < LONGEST_REPEAT).flat_map(|(a, b)| a + 1..b + 1).collect();
     let Some(first) = out.first() else {
-        return (Check::passed(CODE, "no frame stands twice"), out);
+        return (Check::passed(KIND, "no frame stands twice"), out);
     };
     let every = if out.len() * 3 > seen.len() { "every second frame or so" } else { "frames" };
     let text = format!("{} repeated frames left out ({every}), the first at {:.3} s", out.len(), seen.clock()[*first]);
-    (Check::noticed(CODE, text, "save the video at the rate at which it was taken"), out)
+    (Check::noticed(KIND, text, "save the video at the rate at which it was taken"), out)
 }
 
 /// Long runs of equal samples: the samples after each first one.

@@ -2,6 +2,8 @@
 
 use super::Expected;
 use super::flights::{Flight, Flights};
+use crate::findings;
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::{Check, State};
 use tunenet_core::statistics::{NORMAL_95, UPPER_95, mad_sd, median, student_quantile};
 
@@ -189,9 +191,9 @@ impl ApparentGravity {
 
 /// The check of gravity within what is plausible; [`units`](super::units) answers for the rest.
 pub(crate) fn check(found: Option<&ApparentGravity>, expected: &Expected, rate_hz: f64) -> Check {
-    const CODE: &str = "gravity.apparent";
+    const KIND: FindingKind = findings::GRAVITY_APPARENT;
     let Some(found) = found else {
-        return Check::not_run(CODE, "no free flight is long enough to measure the fall");
+        return Check::not_run(KIND, "no free flight is long enough to measure the fall");
     };
     let gravity = expected.gravity_m_s2;
     let seen = format!("free flight falls at {}", found.text());
@@ -199,10 +201,10 @@ pub(crate) fn check(found: Option<&ApparentGravity>, expected: &Expected, rate_h
         let causes = found.causes(gravity, rate_hz);
         let text =
             format!("{seen}, {:.3} times the expected {gravity}: not plausible for a ball", found.ratio(gravity));
-        return Check::failed(CODE, text, remedy(&causes));
+        return Check::failed(KIND, text, remedy(&causes));
     }
     if !found.differs(gravity) {
-        return Check::passed(CODE, format!("{seen}, expected {gravity}"));
+        return Check::passed(KIND, format!("{seen}, expected {gravity}"));
     }
     let percent = 100.0 * (found.ratio(gravity) - 1.0);
     let way = if percent < 0.0 { "below" } else { "above" };
@@ -210,10 +212,10 @@ pub(crate) fn check(found: Option<&ApparentGravity>, expected: &Expected, rate_h
     if expected.forces_known {
         return Check {
             state: State::Passed,
-            ..Check::passed(CODE, format!("{text}; expected, because the simulation has forces in flight"))
+            ..Check::passed(KIND, format!("{text}; expected, because the simulation has forces in flight"))
         };
     }
-    Check::noticed(CODE, text, remedy(&found.causes(gravity, rate_hz)))
+    Check::noticed(KIND, text, remedy(&found.causes(gravity, rate_hz)))
 }
 
 fn remedy(causes: &[String]) -> String {

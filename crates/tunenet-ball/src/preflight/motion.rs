@@ -2,8 +2,10 @@
 
 use super::Expected;
 use super::flights::{Flight, Flights};
+use crate::findings;
 use crate::segmentation::Arcs;
 use crate::segmentation::span;
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Check;
 use tunenet_core::observation::{FEWEST_SAMPLES, Note, Observation, noise_sd};
 
@@ -16,36 +18,36 @@ const WORST_MISFIT_SHARE: f64 = 0.05;
 
 /// Whether anything moves.
 pub(crate) fn moves(seen: &Observation) -> Check {
-    const CODE: &str = "motion.none";
+    const KIND: FindingKind = findings::MOTION_NONE;
     let still = (0..seen.channels().len()).all(|c| span(&seen.column(c).collect::<Vec<_>>()) < LEAST_MOTION_M);
     if still {
         let text = format!("the ball does not move in any of the {} samples", seen.len());
-        return Check::failed(CODE, text, "check the columns and their units");
+        return Check::failed(KIND, text, "check the columns and their units");
     }
-    Check::passed(CODE, "the ball moves")
+    Check::passed(KIND, "the ball moves")
 }
 
 /// Whether a motion without a bounce is a flight at all.
 pub(crate) fn like(arcs: &Arcs, flights: &Flights, expected: &Expected) -> Check {
-    const CODE: &str = "motion.unlike";
+    const KIND: FindingKind = findings::MOTION_UNLIKE;
     let remedy = "check the units and the sign of z, the unit of the time, and which column is which";
     if !arcs.contacts.is_empty() {
-        return Check::passed(CODE, "it flies and bounces");
+        return Check::passed(KIND, "it flies and bounces");
     }
     // A fall that ends in rest without a rebound that is seen, say.
     let falls = |f: &Flight| PLAUSIBLE_GRAVITY.contains(&(f.acceleration() / expected.gravity_m_s2));
     if flights.flights.iter().any(falls) {
-        return Check::passed(CODE, "it flies");
+        return Check::passed(KIND, "it flies");
     }
     let (Some(apparent), Some(misfit)) = (arcs.apparent_gravity_m_s2, arcs.misfit_share) else {
-        return Check::not_run(CODE, "too few samples without a bounce");
+        return Check::not_run(KIND, "too few samples without a bounce");
     };
     let gravity = expected.gravity_m_s2;
     // Five standard deviations: a short noisy flight is none of its own fault.
     let slack = 5.0 * apparent.sd;
     let plausible = PLAUSIBLE_GRAVITY.start * gravity - slack..PLAUSIBLE_GRAVITY.end * gravity + slack;
     if plausible.contains(&apparent.value) && misfit < WORST_MISFIT_SHARE {
-        return Check::passed(CODE, "it flies");
+        return Check::passed(KIND, "it flies");
     }
     let text = if misfit > 1.0 {
         "the height does not change".to_string()
@@ -55,34 +57,34 @@ pub(crate) fn like(arcs: &Arcs, flights: &Flights, expected: &Expected) -> Check
         let percent = 100.0 * misfit;
         format!("neither a bounce nor a flight: the best parabola deviates by {percent:.0} % of the motion")
     };
-    Check::failed(CODE, text, remedy)
+    Check::failed(KIND, text, remedy)
 }
 
 /// What the cutting into flights noticed: samples before the release, and blows.
 pub(crate) fn cut(arcs: &Arcs) -> [Check; 2] {
-    let of = |code: &'static str, passed: &str| match arcs.notes.iter().find(|n| n.code == code) {
-        Some(Note { code, text, remedy }) => Check::noticed(code, text.clone(), remedy.clone()),
-        None => Check::passed(code, passed),
+    let of = |kind: FindingKind, passed: &str| match arcs.notes.iter().find(|n| n.kind == kind) {
+        Some(Note { kind, text, remedy }) => Check::noticed(*kind, text.clone(), remedy.clone()),
+        None => Check::passed(kind, passed),
     };
     [
-        of("release.late", "the record begins in flight or at the release"),
-        of("motion.blow", "nothing but the surface touches the ball"),
+        of(findings::RELEASE_LATE, "the record begins in flight or at the release"),
+        of(findings::MOTION_BLOW, "nothing but the surface touches the ball"),
     ]
 }
 
 /// Whether enough undisturbed motion is left.
 pub(crate) fn undisturbed(usable: usize, samples: usize) -> Check {
-    const CODE: &str = "motion.disturbed";
+    const KIND: FindingKind = findings::MOTION_DISTURBED;
     if usable < FEWEST_SAMPLES {
         let text = format!("only {usable} of {samples} samples are undisturbed free motion");
-        return Check::failed(CODE, text, "record a drop that touches nothing but the surface");
+        return Check::failed(KIND, text, "record a drop that touches nothing but the surface");
     }
-    Check::passed(CODE, format!("{usable} of {samples} samples are undisturbed"))
+    Check::passed(KIND, format!("{usable} of {samples} samples are undisturbed"))
 }
 
 /// How much of the end the ball lies still.
 pub(crate) fn rest(seen: &Observation) -> Check {
-    const CODE: &str = "motion.rest";
+    const KIND: FindingKind = findings::MOTION_REST;
     let heights: Vec<f64> = seen.column(2).collect();
     let last = heights.len() - 1;
     let noise = noise_sd(&heights).max(1e-4 * span(&heights));
@@ -90,7 +92,7 @@ pub(crate) fn rest(seen: &Observation) -> Check {
     let since = seen.clock()[last + 1 - still.max(1)];
     let lies = seen.clock()[last] - since;
     if still > seen.len() / 10 && still > 8 {
-        return Check::passed(CODE, format!("the ball lies still for the last {lies:.2} s"));
+        return Check::passed(KIND, format!("the ball lies still for the last {lies:.2} s"));
     }
-    Check::passed(CODE, "the record ends in motion")
+    Check::passed(KIND, "the record ends in motion")
 }

@@ -1,9 +1,11 @@
 //! Frames that are missing although the stamps are even: in flight, the motion leaps by what it does in whole frames.
 
 use std::ops::Range;
+use tunenet_core::finding::FindingKind;
 
 use nalgebra::{Matrix4, Vector4};
 
+use crate::findings;
 use crate::segmentation::parabolas::{MOST_SAMPLES, parabolas};
 use crate::segmentation::polynomial::Polynomial;
 use crate::segmentation::span;
@@ -11,7 +13,7 @@ use tunenet_core::observation::Check;
 use tunenet_core::observation::{Observation, noise_sd};
 use tunenet_core::statistics::median;
 
-const CODE: &str = "clock.skipped";
+const KIND: FindingKind = findings::CLOCK_SKIPPED;
 /// A ball that turns upwards by more than this share of the fastest fall has bounced.
 const BOUNCES_SHARE: f64 = 0.1;
 /// ... beside this many times what noise leaves unsure of the turn.
@@ -42,7 +44,7 @@ const EXACT_SHARE: f64 = 1e-7;
 /// Whether frames were left out and the others stamped as if none was.
 pub(crate) fn check(seen: &Observation, gravity_m_s2: f64) -> Check {
     if seen.len() > MOST_SAMPLES {
-        return Check::not_run(CODE, "too many samples to search for single missing frames");
+        return Check::not_run(KIND, "too many samples to search for single missing frames");
     }
     let (clock, heights) = (seen.clock(), seen.column(2).collect::<Vec<f64>>());
     let frame_s = median(clock.windows(2).map(|w| w[1] - w[0])).unwrap_or(0.0);
@@ -53,7 +55,7 @@ pub(crate) fn check(seen: &Observation, gravity_m_s2: f64) -> Check {
         leaps.extend(flight.leaps().into_iter().map(|(at, frames)| (part.start + at, frames)));
     }
     let Some(&(first, _)) = leaps.iter().min() else {
-        return Check::passed(CODE, "no flight jumps by whole frames");
+        return Check::passed(KIND, "no flight jumps by whole frames");
     };
     let frames: usize = leaps.iter().map(|l| l.1).sum();
     let text = format!(
@@ -63,7 +65,7 @@ pub(crate) fn check(seen: &Observation, gravity_m_s2: f64) -> Check {
         if leaps.len() > 1 { format!(" and {} times more", leaps.len() - 1) } else { String::new() }
     );
     Check::noticed(
-        CODE,
+        KIND,
         text,
         "stamp frames when they are taken; a program that counts frames does not notice a lost one",
     )

@@ -3,9 +3,11 @@
 
 use super::Expected;
 use super::flights::{Flight, Flights};
+use crate::findings;
 use crate::segmentation::Arcs;
 use crate::segmentation::polynomial::Polynomial;
 use crate::segmentation::span;
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Check;
 use tunenet_core::observation::Observation;
 
@@ -27,9 +29,9 @@ const BORDER_SHARE: f64 = 0.15;
 
 /// Whether it bounces; `coarse` says that it does, in too few samples to determine when.
 pub(crate) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool) -> Check {
-    const CODE: &str = "contact.none";
+    const KIND: FindingKind = findings::CONTACT_NONE;
     if coarse {
-        return Check::passed(CODE, "a bounce, with too few samples to determine its time");
+        return Check::passed(KIND, "a bounce, with too few samples to determine its time");
     }
     let duration = seen.clock()[seen.len() - 1] - seen.clock()[0];
     if let Some(low) = arcs.late {
@@ -38,18 +40,18 @@ pub(crate) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool) -> Check {
              its contacts, so the samples from there on are excluded",
             seen.clock()[low]
         );
-        return Check::noticed(CODE, text, "record until after the first bounce, better the third");
+        return Check::noticed(KIND, text, "record until after the first bounce, better the third");
     }
     match arcs.contacts.len() {
         0 => Check::noticed(
-            CODE,
+            KIND,
             format!(
                 "the ball does not bounce within the {duration:.2} s of the record, so its contacts cannot be examined"
             ),
             "record until after the first bounce, better the third",
         ),
-        1 => Check::passed(CODE, format!("one bounce at {:.3} s", arcs.contacts[0].time_s)),
-        n => Check::passed(CODE, format!("{n} bounces, the first at {:.3} s", arcs.contacts[0].time_s)),
+        1 => Check::passed(KIND, format!("one bounce at {:.3} s", arcs.contacts[0].time_s)),
+        n => Check::passed(KIND, format!("{n} bounces, the first at {:.3} s", arcs.contacts[0].time_s)),
     }
 }
 
@@ -104,24 +106,24 @@ fn arcs_curvature(flights: &Flights) -> f64 {
 
 /// Whether the surface's height is known.
 pub(crate) fn height(level: Option<Level>, expected: &Expected) -> Check {
-    const CODE: &str = "surface.unknown";
+    const KIND: FindingKind = findings::SURFACE_UNKNOWN;
     let Some(Level { height_m: level, .. }) = level else {
-        return Check::not_run(CODE, "no contact shows the surface height");
+        return Check::not_run(KIND, "no contact shows the surface height");
     };
     match (expected.surface_height_m, expected.radius_m) {
-        (Some(height), _) => Check::passed(CODE, format!("the surface is given at {height} m")),
+        (Some(height), _) => Check::passed(KIND, format!("the surface is given at {height} m")),
         (None, Some(radius)) => {
-            Check::passed(CODE, format!("surface height estimated from the contacts: about {:.3} m", level - radius))
+            Check::passed(KIND, format!("surface height estimated from the contacts: about {:.3} m", level - radius))
         }
-        (None, None) => Check::passed(CODE, format!("at its contacts the ball's centre is {level:.3} m high")),
+        (None, None) => Check::passed(KIND, format!("at its contacts the ball's centre is {level:.3} m high")),
     }
 }
 
 /// Whether a surface and a height of fall that are given agree with the contacts.
 pub(crate) fn agrees(arcs: &Arcs, level: Option<Level>, expected: &Expected) -> [Check; 2] {
-    const CODES: [&str; 2] = ["surface.disagrees", "release.disagrees"];
+    const KINDS: [FindingKind; 2] = [findings::SURFACE_DISAGREES, findings::RELEASE_DISAGREES];
     let Some(Level { height_m: level, sd_m, .. }) = level else {
-        return CODES.map(|code| Check::not_run(code, "no contact to compare with"));
+        return KINDS.map(|kind| Check::not_run(kind, "no contact to compare with"));
     };
     let fall = (arcs.start_m[2] - level).abs();
     let limit = DIFFERS_SHARE * fall + DIFFERS_SD * sd_m;
@@ -132,30 +134,30 @@ pub(crate) fn agrees(arcs: &Arcs, level: Option<Level>, expected: &Expected) -> 
                 level - radius
             );
             Check::noticed(
-                CODES[0],
+                KINDS[0],
                 text,
                 "correct `surface.height_m` or `ball.radius_m`, or leave the height out so that it is estimated",
             )
         }
-        (Some(_), Some(_)) => Check::passed(CODES[0], "the contacts agree with the given surface"),
-        _ => Check::not_run(CODES[0], "the surface height is not given"),
+        (Some(_), Some(_)) => Check::passed(KINDS[0], "the contacts agree with the given surface"),
+        _ => Check::not_run(KINDS[0], "the surface height is not given"),
     };
     let release = match expected.release_height_m {
         Some(height) if (fall - height).abs() > limit => {
             let text = format!("the ball falls {fall:.3} m, not the given {height} m");
-            Check::noticed(CODES[1], text, "correct `release.height_m`, or leave it out so that it is estimated")
+            Check::noticed(KINDS[1], text, "correct `release.height_m`, or leave it out so that it is estimated")
         }
-        Some(_) => Check::passed(CODES[1], "the fall agrees with the given height"),
-        None => Check::not_run(CODES[1], "the height of fall is not given"),
+        Some(_) => Check::passed(KINDS[1], "the fall agrees with the given height"),
+        None => Check::not_run(KINDS[1], "the height of fall is not given"),
     };
     [surface, release]
 }
 
 /// Whether the ball stays on its surface; where it does not, the sample at which it has fallen below.
 pub(crate) fn left(seen: &Observation, level: Option<Level>) -> (Check, Option<usize>) {
-    const CODE: &str = "surface.left";
+    const KIND: FindingKind = findings::SURFACE_LEFT;
     let Some(level) = level else {
-        return (Check::not_run(CODE, "no contact shows the surface height"), None);
+        return (Check::not_run(KIND, "no contact shows the surface height"), None);
     };
     let heights: Vec<f64> = seen.column(2).collect();
     let slack = BELOW_NOISE * level.noise_m + BELOW_SHARE * span(&heights) + DIFFERS_SD * level.sd_m;
@@ -163,7 +165,7 @@ pub(crate) fn left(seen: &Observation, level: Option<Level>) -> (Check, Option<u
     let after = seen.clock().partition_point(|t| *t <= level.since_s);
     let below = (after..heights.len().saturating_sub(BELOW_SAMPLES - 1))
         .find(|&i| heights[i..i + BELOW_SAMPLES].iter().all(|z| *z < limit));
-    let Some(below) = below else { return (Check::passed(CODE, "the ball stays on its surface"), None) };
+    let Some(below) = below else { return (Check::passed(KIND, "the ball stays on its surface"), None) };
     // It left where it was last as high as the surface.
     let edge = (after..below).rev().find(|&i| heights[i] >= level.height_m).unwrap_or(after);
     let text = format!(
@@ -171,12 +173,12 @@ pub(crate) fn left(seen: &Observation, level: Option<Level>) -> (Check, Option<u
         seen.clock()[edge],
         edge + 2
     );
-    (Check::noticed(CODE, text, "end the record there, or use a larger surface"), Some(edge + 1))
+    (Check::noticed(KIND, text, "end the record there, or use a larger surface"), Some(edge + 1))
 }
 
 /// Whether the path leaves the view at its top and comes back.
 pub(crate) fn view(seen: &Observation) -> Check {
-    const CODE: &str = "view.left";
+    const KIND: FindingKind = findings::VIEW_LEFT;
     let (clock, heights) = (seen.clock(), seen.column(2).collect::<Vec<f64>>());
     let usual = 1.0 / super::clock::rate_hz(clock);
     let top = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -191,12 +193,12 @@ pub(crate) fn view(seen: &Observation) -> Check {
                 && !rises(i + 3)
         })
         .collect();
-    let Some(first) = hidden.first() else { return Check::passed(CODE, "the path stays in view") };
+    let Some(first) = hidden.first() else { return Check::passed(KIND, "the path stays in view") };
     let text = format!(
         "the ball leaves the view upwards {} time{}, first at {:.3} s",
         hidden.len(),
         if hidden.len() == 1 { "" } else { "s" },
         clock[*first]
     );
-    Check::noticed(CODE, text, "move the camera back; what was seen is used")
+    Check::noticed(KIND, text, "move the camera back; what was seen is used")
 }

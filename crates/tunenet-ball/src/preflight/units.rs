@@ -2,6 +2,8 @@
 
 use super::Expected;
 use super::gravity::ApparentGravity;
+use crate::findings;
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Check;
 
 /// How many times too large a length is where it stands in this unit instead of metres.
@@ -22,13 +24,13 @@ const AGREES_FAR: f64 = 0.75;
 
 /// Whether lengths stand in metres and times in seconds.
 pub(crate) fn check(found: Option<&ApparentGravity>, expected: &Expected) -> Check {
-    const CODE: &str = "units.wrong";
+    const KIND: FindingKind = findings::UNITS_WRONG;
     let Some(found) = found else {
-        return Check::not_run(CODE, "no free flight is long enough to check the units");
+        return Check::not_run(KIND, "no free flight is long enough to check the units");
     };
     let ratio = found.value_m_s2 / expected.gravity_m_s2;
     if !found.implausible(expected.gravity_m_s2) {
-        return Check::passed(CODE, "lengths are in metres and times in seconds");
+        return Check::passed(KIND, "lengths are in metres and times in seconds");
     }
     let lengths =
         LENGTHS.iter().map(|(unit, column, factor)| (format!("lengths are in {unit}, not metres"), *column, *factor));
@@ -70,8 +72,8 @@ pub(crate) fn check(found: Option<&ApparentGravity>, expected: &Expected) -> Che
                     )
                 }
             };
-            Check::failed(CODE, text, remedy)
+            Check::failed(KIND, text, remedy)
         }
-        None => Check::passed(CODE, "no common unit explains the fall"),
+        None => Check::passed(KIND, "no common unit explains the fall"),
     }
 }

@@ -1,6 +1,8 @@
 //! Single values: leaps, a tracker that stands still, and a path cut off at the border of the view.
 
+use crate::findings;
 use crate::segmentation::span;
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Check;
 use tunenet_core::observation::Observation;
 use tunenet_core::observation::{noise_sd, step};
@@ -10,20 +12,20 @@ const STANDS: usize = 5;
 
 /// The check of single outliers.
 pub(crate) fn outliers(places: &[usize], kept: bool) -> Check {
-    const CODE: &str = "samples.wild";
+    const KIND: FindingKind = findings::SAMPLES_WILD;
     if places.is_empty() {
-        return Check::passed(CODE, "no outliers");
+        return Check::passed(KIND, "no outliers");
     }
     let shown: Vec<String> = places.iter().take(4).map(|i| (i + 1).to_string()).collect();
     let more = if places.len() > 4 { format!(" and {} others", places.len() - 4) } else { String::new() };
     let fate = if kept { "was excluded" } else { "was kept, because too few would remain" };
-    Check::noticed(CODE, format!("sample {}{more} is an outlier and {fate}", shown.join(", ")), "correct or remove it")
+    Check::noticed(KIND, format!("sample {}{more} is an outlier and {fate}", shown.join(", ")), "correct or remove it")
 }
 
 /// Where the values stand still while the ball must move on: within the record (`inside`), at its end, or at the border of
 /// the view. The samples to leave out go with it.
 pub(crate) fn frozen(seen: &Observation, inside: &[(usize, usize)]) -> (Check, Vec<usize>) {
-    const CODE: &str = "samples.frozen";
+    const KIND: FindingKind = findings::SAMPLES_FROZEN;
     let mut out: Vec<usize> = inside.iter().flat_map(|(a, b)| a + 1..b + 1).collect();
     let mut places: Vec<String> =
         inside.iter().map(|(a, b)| format!("from {:.3} to {:.3} s", seen.clock()[*a], seen.clock()[*b])).collect();
@@ -38,7 +40,7 @@ pub(crate) fn frozen(seen: &Observation, inside: &[(usize, usize)]) -> (Check, V
     out.sort_unstable();
     out.dedup();
     if places.is_empty() {
-        return (Check::passed(CODE, "the values are never frozen during motion"), out);
+        return (Check::passed(KIND, "the values are never frozen during motion"), out);
     }
     let shown = places.iter().take(3).cloned().collect::<Vec<_>>().join(", ");
     let more = if places.len() > 3 { format!(" and {} more times", places.len() - 3) } else { String::new() };
@@ -46,7 +48,7 @@ pub(crate) fn frozen(seen: &Observation, inside: &[(usize, usize)]) -> (Check, V
         "exactly the same values {shown}{more}: the tracker lost the ball, and {} samples were left out",
         out.len()
     );
-    (Check::noticed(CODE, text, "keep the whole path in view, or leave out samples without a ball"), out)
+    (Check::noticed(KIND, text, "keep the whole path in view, or leave out samples without a ball"), out)
 }
 
 /// From which sample on a noisy record repeats itself to its end: a ball at rest would go on being noisy.

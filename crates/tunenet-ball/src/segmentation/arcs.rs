@@ -12,6 +12,7 @@ use super::kinks::Kinks;
 use super::polynomial::Polynomial;
 use super::release::release;
 use super::span;
+use crate::findings;
 
 /// Fewer samples say nothing of their acceleration.
 const FEWEST_FOR_GRAVITY: usize = 6;
@@ -57,7 +58,7 @@ impl Arcs {
         if release > usable.start {
             let held = seen.clock()[release] - seen.clock()[usable.start];
             let text = format!("the first {held:.3} s before the release were excluded");
-            notes.push(Note::new("release.late", text, ""));
+            notes.push(Note::new(findings::RELEASE_LATE, text, ""));
             usable.start = release;
         }
         let contacts = contacts(seen.clock(), &axes[2], &usable, &inside, gravity_m_s2);

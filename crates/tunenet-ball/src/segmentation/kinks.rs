@@ -12,6 +12,7 @@ use super::lasting::lasting;
 use super::parabolas::parabolas;
 use super::polynomial::Polynomial;
 use super::span;
+use crate::findings;
 
 /// A slope difference counts as a kink from this many of its standard deviations on. Noise alone reaches it once in
 /// 10^9 samples; the weakest impact that can be tuned to has far more.
@@ -195,7 +196,7 @@ impl Kinks {
                 self.samples
             );
             notes.push(Note::new(
-                "motion.blow",
+                findings::MOTION_BLOW,
                 text,
                 "record without touching the ball; a hand, a racket or a second surface does this",
             ));

@@ -5,6 +5,7 @@ mod spoil;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use tunenet_ball::findings;
 
 use anyhow::Result;
 use rand::SeedableRng;
@@ -58,10 +59,10 @@ struct Said {
 
 impl Said {
     fn of(checks: &[Check], air: bool) -> Self {
-        let false_notice = |c: &Check| c.state == State::Noticed && !(air && c.code == "gravity.apparent");
+        let false_notice = |c: &Check| c.state == State::Noticed && !(air && c.kind == findings::GRAVITY_APPARENT);
         Self {
             air,
-            codes: checks.iter().filter(|c| blames(c)).map(|c| c.code.to_owned()).collect(),
+            codes: checks.iter().filter(|c| blames(c)).map(|c| c.kind.code().to_owned()).collect(),
             rejected: checks.iter().any(|c| c.state == State::Failed),
             noticed: checks.iter().any(false_notice),
         }
@@ -92,7 +93,7 @@ pub fn run(options: &BenchPreflight) -> Result<Exit> {
             bar.inc(1);
             let (record, expected) = (kind.make)(&mut random(k, number));
             let checks = checked(record, &expected)?;
-            Ok(checks.iter().any(|c| kind.codes.contains(&c.code) && blames(c)))
+            Ok(checks.iter().any(|c| kind.found_by.contains(&c.kind) && blames(c)))
         };
         let hits: Vec<bool> = pieces(&store, &format!("fault-{k}"), records, &hit)?;
         found.push(hits.iter().filter(|h| **h).count() as f64 / records as f64);
@@ -170,7 +171,7 @@ fn markdown(records: usize, seed: u64, good: &[Good], found: &[f64]) -> String {
 }
 
 fn as_json(records: usize, seed: u64, good: &[Good], found: &[f64], met: bool) -> Value {
-    let faults = KINDS.iter().zip(found).map(|(k, f)| json!({ "fault": k.name, "codes": k.codes, "found": f }));
+    let faults = KINDS.iter().zip(found).map(|(k, f)| json!({ "fault": k.name, "codes": k.found_by, "found": f }));
     let good = good.iter().map(|g| {
         json!({ "name": g.name, "records": g.records, "rejected": g.rejected, "noticed": g.noticed, "codes": g.codes })
     });

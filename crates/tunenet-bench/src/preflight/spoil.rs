@@ -2,46 +2,56 @@
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use tunenet_ball::findings;
 use tunenet_ball::preflight::Expected;
+use tunenet_core::finding::FindingKind;
 
 use super::motion::{GRAVITY_M_S2, Record, Setup, whole};
 
 /// A kind of fault.
 pub struct Kind {
     pub name: &'static str,
-    /// Codes that find it.
-    pub codes: &'static [&'static str],
+    /// Checks that find it.
+    pub found_by: &'static [FindingKind],
     pub make: fn(&mut ChaCha8Rng) -> (Record, Expected),
 }
 
 pub const KINDS: [Kind; 27] = [
-    Kind { name: "each frame twice", codes: &["clock.repeats"], make: each_twice },
-    Kind { name: "each frame twice, stamps stretched", codes: &["clock.repeats"], make: each_twice_stretched },
-    Kind { name: "some frames repeated", codes: &["clock.repeats"], make: some_repeated },
-    Kind { name: "frames dropped", codes: &["clock.gaps"], make: dropped },
-    Kind { name: "one gap", codes: &["clock.gaps", "view.left"], make: gap },
-    Kind { name: "irregular clock", codes: &["clock.irregular"], make: jitter },
-    Kind { name: "too few frames", codes: &["clock.slow"], make: slow },
-    Kind { name: "outliers", codes: &["samples.wild"], make: outliers },
-    Kind { name: "tracker stands still", codes: &["samples.frozen"], make: frozen },
-    Kind { name: "tracker lost to the end", codes: &["samples.frozen"], make: lost },
-    Kind { name: "cut off at the top of the view", codes: &["samples.frozen"], make: clipped },
-    Kind { name: "out of view at the top", codes: &["view.left", "clock.gaps"], make: out_of_view },
-    Kind { name: "millimetres", codes: &["units.wrong"], make: |r| lengths(r, 1000.0) },
-    Kind { name: "centimetres", codes: &["units.wrong"], make: |r| lengths(r, 100.0) },
-    Kind { name: "feet", codes: &["units.wrong"], make: |r| lengths(r, 1.0 / 0.3048) },
-    Kind { name: "milliseconds", codes: &["units.wrong"], make: milliseconds },
-    Kind { name: "wrong frame rate", codes: &["gravity.apparent", "units.wrong"], make: frame_rate },
-    Kind { name: "wrong scale, 4 to 20 %", codes: &["gravity.apparent"], make: scale },
-    Kind { name: "held before the release", codes: &["release.late"], make: held },
-    Kind { name: "no bounce", codes: &["contact.none"], make: no_bounce },
-    Kind { name: "leaves the surface", codes: &["surface.left", "motion.blow"], make: leaves },
-    Kind { name: "struck in flight", codes: &["motion.blow"], make: struck },
-    Kind { name: "at rest throughout", codes: &["motion.none", "motion.unlike"], make: rest },
-    Kind { name: "z upside down", codes: &["motion.unlike", "gravity.apparent", "units.wrong"], make: upside_down },
-    Kind { name: "wrong surface given", codes: &["surface.disagrees"], make: wrong_surface },
-    Kind { name: "wrong height given", codes: &["release.disagrees"], make: wrong_height },
-    Kind { name: "frames dropped amid a fall, stamps even", codes: &["clock.skipped"], make: renumbered },
+    Kind { name: "each frame twice", found_by: &[findings::CLOCK_REPEATS], make: each_twice },
+    Kind {
+        name: "each frame twice, stamps stretched",
+        found_by: &[findings::CLOCK_REPEATS],
+        make: each_twice_stretched,
+    },
+    Kind { name: "some frames repeated", found_by: &[findings::CLOCK_REPEATS], make: some_repeated },
+    Kind { name: "frames dropped", found_by: &[findings::CLOCK_GAPS], make: dropped },
+    Kind { name: "one gap", found_by: &[findings::CLOCK_GAPS, findings::VIEW_LEFT], make: gap },
+    Kind { name: "irregular clock", found_by: &[findings::CLOCK_IRREGULAR], make: jitter },
+    Kind { name: "too few frames", found_by: &[findings::CLOCK_SLOW], make: slow },
+    Kind { name: "outliers", found_by: &[findings::SAMPLES_WILD], make: outliers },
+    Kind { name: "tracker stands still", found_by: &[findings::SAMPLES_FROZEN], make: frozen },
+    Kind { name: "tracker lost to the end", found_by: &[findings::SAMPLES_FROZEN], make: lost },
+    Kind { name: "cut off at the top of the view", found_by: &[findings::SAMPLES_FROZEN], make: clipped },
+    Kind { name: "out of view at the top", found_by: &[findings::VIEW_LEFT, findings::CLOCK_GAPS], make: out_of_view },
+    Kind { name: "millimetres", found_by: &[findings::UNITS_WRONG], make: |r| lengths(r, 1000.0) },
+    Kind { name: "centimetres", found_by: &[findings::UNITS_WRONG], make: |r| lengths(r, 100.0) },
+    Kind { name: "feet", found_by: &[findings::UNITS_WRONG], make: |r| lengths(r, 1.0 / 0.3048) },
+    Kind { name: "milliseconds", found_by: &[findings::UNITS_WRONG], make: milliseconds },
+    Kind { name: "wrong frame rate", found_by: &[findings::GRAVITY_APPARENT, findings::UNITS_WRONG], make: frame_rate },
+    Kind { name: "wrong scale, 4 to 20 %", found_by: &[findings::GRAVITY_APPARENT], make: scale },
+    Kind { name: "held before the release", found_by: &[findings::RELEASE_LATE], make: held },
+    Kind { name: "no bounce", found_by: &[findings::CONTACT_NONE], make: no_bounce },
+    Kind { name: "leaves the surface", found_by: &[findings::SURFACE_LEFT, findings::MOTION_BLOW], make: leaves },
+    Kind { name: "struck in flight", found_by: &[findings::MOTION_BLOW], make: struck },
+    Kind { name: "at rest throughout", found_by: &[findings::MOTION_NONE, findings::MOTION_UNLIKE], make: rest },
+    Kind {
+        name: "z upside down",
+        found_by: &[findings::MOTION_UNLIKE, findings::GRAVITY_APPARENT, findings::UNITS_WRONG],
+        make: upside_down,
+    },
+    Kind { name: "wrong surface given", found_by: &[findings::SURFACE_DISAGREES], make: wrong_surface },
+    Kind { name: "wrong height given", found_by: &[findings::RELEASE_DISAGREES], make: wrong_height },
+    Kind { name: "frames dropped amid a fall, stamps even", found_by: &[findings::CLOCK_SKIPPED], make: renumbered },
 ];
 
 fn known(setup: &Setup) -> Expected {

@@ -2,6 +2,7 @@
 
 use toml_edit::InlineTable;
 use tunenet_core::diagnose::{self, Diagnosis, NamedEffect, OfObject, Value, Verdict};
+use tunenet_core::findings;
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
 use tunenet_sim::SimulationFile;
@@ -124,7 +125,8 @@ impl Answer<'_> {
 
     /// Why recordings do not suffice: what is said of all, then of each that cannot be used.
     pub fn reasons(&self) -> Vec<&Note> {
-        let of_all = self.diagnosis.notes.iter().filter(|n| n.code.starts_with("recordings."));
+        let of_all = [findings::RECORDINGS_NONE, findings::RECORDINGS_SHORT, findings::RECORDINGS_ALIKE];
+        let of_all = self.diagnosis.notes.iter().filter(move |n| of_all.contains(&n.kind));
         of_all.chain(self.diagnosis.uses.iter().filter(|u| !u.used).filter_map(|u| u.notes.first())).collect()
     }
 

@@ -1,19 +1,23 @@
 //! What an outcome of tuning says.
 
+use tunenet_ball::findings as ball_findings;
+use tunenet_core::finding::FindingKind;
+use tunenet_core::findings as core_findings;
 use tunenet_core::observation::{Check, Note, State};
 use tunenet_core::tune::{Outcome, Verdict};
+use tunenet_sim::findings as sim_findings;
 
 /// The one note that says why there is no answer, or none about a contact.
 pub fn reason(outcome: &Outcome) -> Option<&Note> {
-    let failed: Vec<&str> =
-        outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.code).collect();
+    let failed: Vec<FindingKind> =
+        outcome.preflight.iter().flatten().filter(|c| c.state == State::Failed).map(|c| c.kind).collect();
     let rejected = outcome.verdict == Verdict::Rejected;
     // What rejects without a list of checks says why in its one note.
     if rejected && failed.is_empty() {
-        return outcome.notes.iter().find(|n| n.code.ends_with(".unusable"));
+        return outcome.notes.iter().find(|n| n.kind == sim_findings::ARM_UNUSABLE);
     }
-    let silent = ["contact.none", "recordings.short"];
-    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.code) } else { silent.contains(&n.code) })
+    let silent = [ball_findings::CONTACT_NONE, core_findings::RECORDINGS_SHORT];
+    outcome.notes.iter().find(|n| if rejected { failed.contains(&n.kind) } else { silent.contains(&n.kind) })
 }
 
 /// Whether a recording was used although its checks reject it.

@@ -16,6 +16,7 @@ use crate::args::{Leave, Reading, Simulation};
 use crate::files::destination::urdf_beside;
 use crate::files::hash;
 use crate::files::names::file_name;
+use crate::findings;
 
 /// A simulation file with its overrides.
 pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
@@ -62,7 +63,7 @@ fn at_most(most: usize, mut recording: Recording) -> Result<Recording> {
     let samples = recording.observation.len();
     if let Some(fewer) = recording.observation.thinned(most)? {
         let text = format!("{} of {samples} samples are used, evenly chosen", fewer.len());
-        recording.notes.push(Note::new("samples.thinned", text, ""));
+        recording.notes.push(Note::new(findings::SAMPLES_THINNED, text, ""));
         recording.observation = fewer;
     }
     Ok(recording)
@@ -130,9 +131,7 @@ pub fn lacks(file: &SimulationFile) -> Result<Vec<Note>> {
     if !replays(file) {
         return Ok(Vec::new());
     }
-    let arm = ReplayedArm::from_file(file)?;
-    let moves = |note: &&Note| arm.joint_names().iter().any(|name| note.text.contains(&format!("`{name}`")));
-    Ok(arm.notes().iter().filter(|n| n.code == "urdf.limits").filter(moves).cloned().collect())
+    Ok(ReplayedArm::from_file(file)?.missing_limits())
 }
 
 /// `recording` with the run without payload at `reference` beside it, where there is one.

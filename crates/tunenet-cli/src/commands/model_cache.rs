@@ -1,6 +1,7 @@
 //! Networks trained for a scene, kept for the next run.
 
 use crate::files::{hash, names};
+use crate::findings;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -58,7 +59,7 @@ impl Cache {
         let model = whole.and_then(|(_, rest)| model_from_bytes(&path, rest).ok());
         let notes = if model.is_none() {
             let text = format!("{} in the cache was damaged and has been made again", names::file_name(&path));
-            vec![Note::new("cache.replaced", text, "")]
+            vec![Note::new(findings::CACHE_REPLACED, text, "")]
         } else {
             Vec::new()
         };
@@ -84,7 +85,7 @@ fn unusable(path: &Path, why: &str) -> Note {
     let folder = path.parent().unwrap_or(path).display();
     let text = format!("the network for this scene is not kept: {why}");
     Note::new(
-        "cache.unusable",
+        findings::CACHE_UNUSABLE,
         text,
         format!("make {folder} writable, name another folder in {FOLDER}, or use --no-cache"),
     )

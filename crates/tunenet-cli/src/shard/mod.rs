@@ -15,8 +15,10 @@ use tunenet_core::network::Shard;
 use tunenet_core::observation::Note;
 
 pub use self::mark::{Job, Mark};
+
 use crate::failure::Exit;
 use crate::files::names;
+use crate::findings;
 use crate::view::json::print_json;
 use crate::view::json::warning;
 use crate::view::text::{stage, warn};
@@ -77,7 +79,7 @@ impl Share {
         (u64::from(shard.count()) > self.all).then(|| {
             let (count, all) = (shard.count(), self.all);
             let text = format!("{count} shards of {all} pieces: from {all}/{count} on none has any");
-            Note::new("shards.many", text, format!("take at most {} shards", all.max(1)))
+            Note::new(findings::SHARDS_MANY, text, format!("take at most {} shards", all.max(1)))
         })
     }
 }

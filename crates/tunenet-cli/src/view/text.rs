@@ -51,7 +51,7 @@ pub fn lines(text: &str) -> String {
 /// Prints a warning with its remedy.
 pub fn warn(note: &Note) {
     let (yellow, reset) = (anstyle::AnsiColor::Yellow.on_default().bold(), anstyle::Reset);
-    anstream::eprintln!("{yellow}warning{reset}[{}]: {}", note.code, lines(&note.text));
+    anstream::eprintln!("{yellow}warning{reset}[{}]: {}", note.kind, lines(&note.text));
     if !note.remedy.is_empty() {
         anstream::eprintln!("  try: {}", lines(&note.remedy));
     }

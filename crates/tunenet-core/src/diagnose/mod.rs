@@ -31,6 +31,7 @@ pub use answer::{
 };
 pub use input::{Progress, Recording, Settings, Subject};
 
+use crate::findings;
 use crate::observation::{Kind, Note};
 use crate::simulator::Preparation;
 use crate::{Error, Origin, Result};
@@ -94,7 +95,11 @@ pub fn diagnose(
         }
         let names: Vec<&str> = uses.iter().filter(|u| u.held_out).map(|u| u.name.as_str()).collect();
         if !names.is_empty() {
-            notes.push(Note::new("held_out.chosen", format!("held out for validation: {}", names.join(", ")), ""));
+            notes.push(Note::new(
+                findings::HELD_OUT_CHOSEN,
+                format!("held out for validation: {}", names.join(", ")),
+                "",
+            ));
         }
     }
     let problem = Problem { subjects, recordings, settings, progress };

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Note;
+use crate::finding::FindingKind;
 
 /// How a check ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,8 +35,9 @@ impl State {
 /// One check of one recording.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Check {
-    /// A fixed code for scripts: `clock.repeats`.
-    pub code: &'static str,
+    /// What is checked; its code serves scripts.
+    #[serde(rename = "code")]
+    pub kind: FindingKind,
     /// How it ended.
     pub state: State,
     /// What was found, in one sentence; for a check that was not run, why.
@@ -47,33 +49,33 @@ pub struct Check {
 impl Check {
     /// A check that found nothing wrong.
     #[must_use]
-    pub fn passed(code: &'static str, text: impl Into<String>) -> Self {
-        Self { code, state: State::Passed, text: text.into(), remedy: String::new() }
+    pub fn passed(kind: FindingKind, text: impl Into<String>) -> Self {
+        Self { kind, state: State::Passed, text: text.into(), remedy: String::new() }
     }
 
     /// A check that noticed something; the recording is used.
     #[must_use]
-    pub fn noticed(code: &'static str, text: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { code, state: State::Noticed, text: text.into(), remedy: remedy.into() }
+    pub fn noticed(kind: FindingKind, text: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { kind, state: State::Noticed, text: text.into(), remedy: remedy.into() }
     }
 
     /// A check that rejects the recording.
     #[must_use]
-    pub fn failed(code: &'static str, text: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { code, state: State::Failed, text: text.into(), remedy: remedy.into() }
+    pub fn failed(kind: FindingKind, text: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { kind, state: State::Failed, text: text.into(), remedy: remedy.into() }
     }
 
     /// A check that could not be made.
     #[must_use]
-    pub fn not_run(code: &'static str, why: impl Into<String>) -> Self {
-        Self { code, state: State::NotRun, text: why.into(), remedy: String::new() }
+    pub fn not_run(kind: FindingKind, why: impl Into<String>) -> Self {
+        Self { kind, state: State::NotRun, text: why.into(), remedy: String::new() }
     }
 
     /// What a person should know of it, where it noticed something or failed.
     #[must_use]
     pub fn note(&self) -> Option<Note> {
         matches!(self.state, State::Noticed | State::Failed).then(|| Note {
-            code: self.code,
+            kind: self.kind,
             text: self.text.clone(),
             remedy: self.remedy.clone(),
         })

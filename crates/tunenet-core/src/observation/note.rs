@@ -2,11 +2,14 @@
 
 use serde::Serialize;
 
+use crate::finding::FindingKind;
+
 /// Something noticed: what it is, in words, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Note {
-    /// A fixed code for scripts: `release.late`.
-    pub code: &'static str,
+    /// What kind of finding it is; its code serves scripts.
+    #[serde(rename = "code")]
+    pub kind: FindingKind,
     /// One sentence: what was found and where.
     pub text: String,
     /// What to try; may be empty.
@@ -15,7 +18,7 @@ pub struct Note {
 
 impl Note {
     /// A note from its three parts.
-    pub fn new(code: &'static str, text: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { code, text: text.into(), remedy: remedy.into() }
+    pub fn new(kind: FindingKind, text: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { kind, text: text.into(), remedy: remedy.into() }
     }
 }

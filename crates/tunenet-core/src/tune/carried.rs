@@ -10,6 +10,7 @@ use super::fit::{Fit, Problem};
 use super::interval::Interval;
 use super::region::Region;
 use crate::Result;
+use crate::findings;
 use crate::observation::{Note, with_decimals};
 use crate::statistics::NORMAL_95;
 
@@ -59,7 +60,7 @@ impl Carried {
                 with_decimals(low, 4),
                 with_decimals(high, 4)
             );
-            all.notes.push(Note::new("parameter.carried", text, ""));
+            all.notes.push(Note::new(findings::PARAMETER_CARRIED, text, ""));
             all.moves.push(moves);
         }
         Ok(all)

@@ -10,6 +10,7 @@ use super::residual::floor;
 use super::starts::local_estimate;
 use super::unknowns::Point;
 use super::{Adequacy, Tuning};
+use crate::findings;
 use crate::observation::{Kind, Note, with_decimals};
 use crate::simulator::Parameter;
 use crate::statistics::NORMAL_95;
@@ -66,13 +67,13 @@ impl Tuning<'_> {
                     adequacy.limit
                 );
                 notes.push(Note::new(
-                    "fit.poor",
+                    findings::FIT_POOR,
                     text,
                     "`tunenet diagnose` with the same files names the effect that is missing, or says that it is none it knows",
                 ));
             } else if !adequacy.tested {
                 let text = format!("{} samples are too few to tell noise from misfit", recording.seen.len());
-                notes.push(Note::new("fit.untested", text, "bring a longer recording"));
+                notes.push(Note::new(findings::FIT_UNTESTED, text, "bring a longer recording"));
             }
         }
     }
@@ -89,7 +90,7 @@ impl Tuning<'_> {
             let (one, what) = if heard { ("bounce", "bounces") } else { ("sample", "samples") };
             let more = (unknowns + 1 - values).div_ceil(self.simulator.channels().len());
             let least = if more == 1 { format!("1 more {one}") } else { format!("{more} more {what}") };
-            Note::new("recordings.short", text, format!("bring at least {least}"))
+            Note::new(findings::RECORDINGS_SHORT, text, format!("bring at least {least}"))
         })
     }
 
@@ -155,7 +156,7 @@ impl Tuning<'_> {
                 );
                 fit.point.parameters[i] = value.clamp(p.min, p.max);
                 *standing = Standing::local(p, value, sd, standing);
-                notes.push(Note::new("fit.local", text, ""));
+                notes.push(Note::new(findings::FIT_LOCAL, text, ""));
                 fell = true;
             }
         }
@@ -243,13 +244,13 @@ impl Standing {
         match self.status {
             Status::NoEffect => {
                 let text = format!("`{name}` changes nothing in these recordings, so it keeps its value {value}");
-                Some(Note::new("parameter.no_effect", text, remedy))
+                Some(Note::new(findings::PARAMETER_NO_EFFECT, text, remedy))
             }
             Status::Weak if self.told => None,
             Status::Weak => {
                 let (low, high) = (with_decimals(low, 3), with_decimals(high, 3));
                 let text = format!("the data do not determine `{name}`: any value from {low} to {high} fits");
-                Some(Note::new("parameter.not_identifiable", text, remedy))
+                Some(Note::new(findings::PARAMETER_NOT_IDENTIFIABLE, text, remedy))
             }
             Status::AtBound => {
                 let text = format!(
@@ -257,14 +258,14 @@ impl Standing {
                     with_decimals(self.beyond.abs(), 1)
                 );
                 Some(Note::new(
-                    "parameter.at_bound",
+                    findings::PARAMETER_AT_BOUND,
                     text,
                     "widen the bound if it may lie beyond; otherwise check the units and what the simulation leaves out",
                 ))
             }
             Status::Pinned if value <= p.min || value >= p.max => {
                 let text = format!("`{name}` lies on its bound {value}, as it may: its interval is one-sided");
-                Some(Note::new("parameter.one_sided", text, ""))
+                Some(Note::new(findings::PARAMETER_ONE_SIDED, text, ""))
             }
             Status::Pinned | Status::Direction => None,
         }
@@ -311,7 +312,11 @@ pub(super) fn name_directions(tuning: &Tuning, known: &Information, notes: &mut 
         };
         let terms: Vec<String> = parts.iter().map(term).collect();
         let text = format!("the data do not determine the combination {}", terms.join(" "));
-        notes.push(Note::new("parameter.direction", text, "fix one of them, or bring a recording that separates them"));
+        notes.push(Note::new(
+            findings::PARAMETER_DIRECTION,
+            text,
+            "fix one of them, or bring a recording that separates them",
+        ));
     }
 }
 

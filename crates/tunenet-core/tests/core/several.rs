@@ -38,7 +38,7 @@ fn tuned(names: &[&str], law: Law, real: impl Fn(f64) -> f64, seed: u64) -> (Out
 }
 
 fn note<'a>(outcome: &'a Outcome, code: &str) -> Option<&'a str> {
-    outcome.notes.iter().find(|n| n.code == code).map(|n| n.text.as_str())
+    outcome.notes.iter().find(|n| n.kind.code() == code).map(|n| n.text.as_str())
 }
 
 const TRUTH: [f64; 5] = [0.3, 0.4, 0.6, 0.2, 0.8];

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::guess::guess;
 use super::guess_joints::guess_joints;
 use super::lines::{Cell, Line, Lines, cells};
+use crate::findings;
 use crate::quantity::{Family, Meaning, Quantity, Scale, meaning};
 use crate::ranges::written_out;
 use crate::shown::list;
@@ -267,11 +268,11 @@ fn named(header: &Header<'_>, found: &mut Found, notes: &mut Vec<Note>) {
     }
     if !ignored.is_empty() {
         let text = format!("columns without a known name are ignored: {}", list(ignored, 12));
-        notes.push(Note::new("columns.ignored", text, "map them with `--columns` where they matter"));
+        notes.push(Note::new(findings::COLUMNS_IGNORED, text, "map them with `--columns` where they matter"));
     }
     if !repeated.is_empty() {
         let text = format!("columns that repeat a quantity are ignored: {}", list(repeated, 12));
-        notes.push(Note::new("columns.repeated", text, "choose with `--columns`"));
+        notes.push(Note::new(findings::COLUMNS_REPEATED, text, "choose with `--columns`"));
     }
 }
 
@@ -305,13 +306,13 @@ fn build(header: &Header<'_>, kind: Kind, found: &Found, mut notes: Vec<Note>) -
     }
     if !absent.is_empty() {
         let text = format!("no column {}: taken as 0", list(absent.iter().map(String::as_str), 2));
-        notes.push(Note::new("columns.absent", text, "name them with `--columns` where the file has them"));
+        notes.push(Note::new(findings::COLUMNS_ABSENT, text, "name them with `--columns` where the file has them"));
     }
     let cells = header.cells();
     for source in clock.iter().chain(values.iter().flatten()).filter(|source| source.scale != Scale::Keep) {
         let theirs = if header.named { cells[source.column].text.to_owned() } else { format!("{}", source.column + 1) };
         let text = format!("column `{theirs}` is converted to `{}`", source.quantity.header());
-        notes.push(Note::new("columns.converted", text, ""));
+        notes.push(Note::new(findings::COLUMNS_CONVERTED, text, ""));
     }
     let channels = wanted.iter().map(|quantity| quantity.channel()).collect();
     Ok(Layout { kind, channels, clock, values, notes })

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::columns::{Header, Layout, Source};
+use crate::findings;
 use crate::quantity::{Meaning, Quantity, Scale, meaning, plain};
 use crate::recording::Recording;
 use crate::shown::list;
@@ -50,7 +51,11 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
         }
         if !ignored.is_empty() {
             let text = format!("columns that the simulation does not name are ignored: {}", list(ignored, 12));
-            notes.push(Note::new("columns.ignored", text, "name them under `process.channels` where they matter"));
+            notes.push(Note::new(
+                findings::COLUMNS_IGNORED,
+                text,
+                "name them under `process.channels` where they matter",
+            ));
         }
     }
     let absent = values.iter().position(Option::is_none).map(|i| channels[i].header());
@@ -64,7 +69,7 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
             Quantity::Own(i) => channels[usize::from(i)].header(),
             known => known.header(),
         };
-        notes.push(Note::new("columns.converted", format!("column `{theirs}` is converted to `{ours}`"), ""));
+        notes.push(Note::new(findings::COLUMNS_CONVERTED, format!("column `{theirs}` is converted to `{ours}`"), ""));
     }
     Ok(Layout { kind: Kind::Other, channels: channels.to_vec(), clock, values, notes })
 }
@@ -190,8 +195,8 @@ mod tests {
         let seen = found.observation;
         assert_eq!((seen.kind(), seen.clock()), (Kind::Other, &[0.0, 0.5, 1.0][..]));
         assert_eq!(seen.row(0), [1.0, std::f64::consts::PI]);
-        let codes: Vec<&str> = found.notes.iter().map(|note| note.code).collect();
-        assert_eq!(codes, ["columns.ignored", "columns.converted", "columns.converted"]);
+        let kinds: Vec<_> = found.notes.iter().map(|note| note.kind).collect();
+        assert_eq!(kinds, [findings::COLUMNS_IGNORED, findings::COLUMNS_CONVERTED, findings::COLUMNS_CONVERTED]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::columns::{Header, Layout, Source, layout};
 use super::lines::{Line, Lines, MOST_IDLE, cells, idle, named, number, separator};
 use super::own_columns;
+use crate::findings;
 use crate::recording::LARGEST;
 use crate::recording::MOST_NUMBERS;
 use crate::recording::ReadOptions;
@@ -337,7 +338,7 @@ impl Scan {
         let more = self.broken_count - each.len();
         let more = if more > 0 { format!("; and {more} more") } else { String::new() };
         let text = format!("{} left out as broken: {}{more}", lines_in_words(self.broken_count), each.join("; "));
-        (self.broken_count > 0).then(|| Note::new("rows.broken", text, "see whether the rest can be trusted"))
+        (self.broken_count > 0).then(|| Note::new(findings::ROWS_BROKEN, text, "see whether the rest can be trusted"))
     }
 
     /// What was noticed, the layout's notes first.
@@ -347,11 +348,11 @@ impl Scan {
         if self.empty.0 > 0 {
             let text =
                 format!("{} left out for an empty cell, the first at line {}", samples(self.empty.0), self.empty.1);
-            notes.push(Note::new("rows.empty_cell", text, ""));
+            notes.push(Note::new(findings::ROWS_EMPTY_CELL, text, ""));
         }
         if self.same > 0 {
             let text = format!("{} left out that repeat the line before", samples(self.same));
-            notes.push(Note::new("rows.repeated", text, ""));
+            notes.push(Note::new(findings::ROWS_REPEATED, text, ""));
         }
         if let (count @ 1.., Some(first)) = &self.repeated {
             let text = format!(
@@ -359,11 +360,11 @@ impl Scan {
                 samples(*count),
                 first.line
             );
-            notes.push(Note::new("clock.repeated", text, "record the time with more digits"));
+            notes.push(Note::new(findings::CLOCK_REPEATED, text, "record the time with more digits"));
         }
         if let Some(zero) = &self.zero {
             let text = format!("{} of 0 at the end left out, from line {} on", samples(self.zeros), zero.number);
-            notes.push(Note::new("bounces.trailing_zero", text, ""));
+            notes.push(Note::new(findings::BOUNCES_TRAILING_ZERO, text, ""));
         }
         notes
     }

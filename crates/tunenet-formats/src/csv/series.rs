@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::bounces::doubt;
 use super::scan::{Scan, scan};
+use crate::findings;
 use crate::recording::ReadOptions;
 use crate::recording::Recording;
 use crate::{Error, Result};
@@ -45,7 +46,11 @@ fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observ
                 after => format!("that time and the {after} after it are"),
             }
         );
-        notes.push(Note::new("bounces.missed", text, "number the impacts in a column `bounce_number` to use them"));
+        notes.push(Note::new(
+            findings::BOUNCES_MISSED,
+            text,
+            "number the impacts in a column `bounce_number` to use them",
+        ));
         values.truncate(doubt.from);
         if values.len() < FEWEST_SAMPLES {
             let message = format!(

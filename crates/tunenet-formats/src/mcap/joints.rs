@@ -1,6 +1,7 @@
 //! Joint messages as rows: joints matched by name, quantities settled by the first message.
 
 use super::message::JointMessage;
+use crate::findings;
 use crate::quantity::{Family, Quantity};
 use crate::shown::list;
 use tunenet_core::observation::Channel;
@@ -91,7 +92,7 @@ impl Joints {
     pub fn notes(&self) -> Vec<Note> {
         let mut notes = Vec::new();
         let names = list(self.names.iter().map(String::as_str), usize::MAX);
-        notes.push(Note::new("joints.order", format!("joints 1 to {} are {names}", self.names.len()), ""));
+        notes.push(Note::new(findings::JOINTS_ORDER, format!("joints 1 to {} are {names}", self.names.len()), ""));
         let absent: Vec<&str> = ["position", "velocity", "effort"]
             .into_iter()
             .zip(self.present)
@@ -100,17 +101,17 @@ impl Joints {
             .collect();
         if !absent.is_empty() {
             let text = format!("the messages carry no {}", absent.join(" and no "));
-            notes.push(Note::new("joints.absent", text, "record them where the driver measures them"));
+            notes.push(Note::new(findings::JOINTS_ABSENT, text, "record them where the driver measures them"));
         }
         if !self.others.is_empty() {
             let others = list(self.others.iter().map(String::as_str), usize::MAX);
             let text = format!("not read, since they move nothing between base and payload: {others}");
-            notes.push(Note::new("joints.others", text, ""));
+            notes.push(Note::new(findings::JOINTS_OTHERS, text, ""));
         }
         if self.partial > 0 {
             let messages = if self.partial == 1 { "message" } else { "messages" };
             let text = format!("{} {messages} left out for lack of one of these joints or quantities", self.partial);
-            notes.push(Note::new("joints.partial", text, ""));
+            notes.push(Note::new(findings::JOINTS_PARTIAL, text, ""));
         }
         notes
     }
@@ -156,7 +157,7 @@ mod tests {
         let mut values = Vec::new();
         assert!(joints.row(&first, &mut values));
         assert_eq!(values, [2.0, 1.0, 4.0, 3.0]);
-        assert!(joints.notes().iter().any(|n| n.code == "joints.others" && n.text.contains("`grip`")));
+        assert!(joints.notes().iter().any(|n| n.kind == findings::JOINTS_OTHERS && n.text.contains("`grip`")));
         let unknown = Joints::new(&first, &["c".to_owned()]).unwrap_err();
         assert_eq!(unknown, "expected the joints of the URDF, found no `c` among `a`, `grip`, `b`");
     }

@@ -9,6 +9,7 @@ use super::records::messages;
 use super::stamps::to_s;
 use super::topics::{Topic, choose, survey};
 use crate::csv::scan::samples;
+use crate::findings;
 use crate::recording::MOST_NUMBERS;
 use crate::recording::Recording;
 use crate::{Error, Result};
@@ -143,7 +144,7 @@ impl<'a> Series<'a> {
                 return self.refuse(text, "record again, or choose another topic with `--topic`");
             }
             let text = format!("{} left out for a number that is not finite", samples(count));
-            notes.push(Note::new("messages.not_finite", text, ""));
+            notes.push(Note::new(findings::MESSAGES_NOT_FINITE, text, ""));
         }
         let width = self.channels.len();
         let clock = self.clock(&mut notes)?;
@@ -161,11 +162,11 @@ impl<'a> Series<'a> {
         }
         if same > 0 {
             let text = format!("{} of `{name}` left out that repeat the one before", samples(same));
-            notes.push(Note::new("messages.repeated", text, ""));
+            notes.push(Note::new(findings::MESSAGES_REPEATED, text, ""));
         }
         if out_of_order > 0 {
             let text = format!("{} of `{name}` left out whose time does not rise", samples(out_of_order));
-            notes.push(Note::new("clock.falling", text, ""));
+            notes.push(Note::new(findings::CLOCK_FALLING, text, ""));
         }
         let (clock, values) = kept;
         if clock.len() < FEWEST_SAMPLES {
@@ -195,7 +196,7 @@ impl<'a> Series<'a> {
             (None, fault) => {
                 let why = if fault.is_some() { "do not rise" } else { "are not set" };
                 let text = format!("the stamps of `{name}` {why}: the times of recording are used");
-                notes.push(Note::new("clock.log_time", text, "stamp the messages where they are measured"));
+                notes.push(Note::new(findings::CLOCK_LOG_TIME, text, "stamp the messages where they are measured"));
                 Ok(logs)
             }
             (Some(fault), None) | (_, Some(fault)) => {

@@ -1,7 +1,9 @@
 //! Text tables.
 
+use crate::findings;
 use crate::testing::{error_text, read_as};
 use crate::{ReadOptions, Recording};
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Kind;
 
 fn good(text: impl AsRef<[u8]>) -> Recording {
@@ -17,8 +19,8 @@ fn mapped(text: &str, columns: &[(&str, &str)]) -> crate::Result<Recording> {
     read_as("a.csv", text, &ReadOptions { columns, topic: None, ..ReadOptions::default() })
 }
 
-fn codes(recording: &Recording) -> Vec<&'static str> {
-    recording.notes.iter().map(|note| note.code).collect()
+fn kinds(recording: &Recording) -> Vec<FindingKind> {
+    recording.notes.iter().map(|note| note.kind).collect()
 }
 
 #[test]
@@ -93,7 +95,7 @@ fn a_mapping_that_fits_nothing_is_refused() {
 #[test]
 fn what_is_ignored_is_noted() {
     let found = good("t_s,t_ms,z_m,qw,z_m\n0,0,3,1,3\n0.5,500,2,1,2\n1,1000,1,1,1\n");
-    assert_eq!(codes(&found), ["columns.ignored", "columns.repeated", "columns.absent"]);
+    assert_eq!(kinds(&found), [findings::COLUMNS_IGNORED, findings::COLUMNS_REPEATED, findings::COLUMNS_ABSENT]);
     assert_eq!(found.notes[0].text, "columns without a known name are ignored: `qw`");
     assert_eq!(found.notes[1].text, "columns that repeat a quantity are ignored: `t_ms`, `z_m`");
     let found = good("t_s,z_m\n0,3\n0.1,\n0.5,2\n0.5,2\n1,1\n");
@@ -106,11 +108,11 @@ fn what_is_ignored_is_noted() {
 fn bounce_lists_end_where_they_cannot_be_counted() {
     let zeros = good("bounce_time_s\n0.4\n1.3\n2.1\n0\n0.000\n");
     assert_eq!(zeros.observation.len(), 3);
-    assert_eq!(zeros.notes[0].code, "bounces.trailing_zero");
+    assert_eq!(zeros.notes[0].kind, findings::BOUNCES_TRAILING_ZERO);
     assert_eq!(zeros.notes[0].text, "2 samples of 0 at the end left out, from line 5 on");
     let missed = good("bounce_time_s\n0\n1\n1.9\n3.5\n4.2\n");
     assert_eq!(missed.observation.values(), [0.0, 1.0, 1.9]);
-    assert_eq!(missed.notes[0].code, "bounces.missed");
+    assert_eq!(missed.notes[0].kind, findings::BOUNCES_MISSED);
     assert_eq!(
         missed.notes[0].text,
         "the interval before line 5 is 1.6000 s after one of 0.9000 s, so a click was missed or false: that time and \

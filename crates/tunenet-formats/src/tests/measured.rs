@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::findings;
 use crate::{Contents, ReadOptions, contents, read};
 use tunenet_core::observation::Kind;
 
@@ -43,7 +44,7 @@ fn every_bounce_list_is_read() {
 fn every_toss_is_read_and_its_other_columns_noted() {
     for path in measured("cube-tosses", "csv").unwrap_or_default() {
         let found = read(&path, &ReadOptions::default()).unwrap();
-        assert_eq!(found.notes[0].code, "columns.ignored");
+        assert_eq!(found.notes[0].kind, findings::COLUMNS_IGNORED);
     }
 }
 

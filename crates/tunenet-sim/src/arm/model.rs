@@ -5,6 +5,7 @@ use tunenet_core::observation::Note;
 use tunenet_core::{Error, Origin, Result};
 
 use super::{Inertia, Pose};
+use crate::findings;
 
 /// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +52,18 @@ pub struct Joint {
     pub damping: f64,
     /// Coulomb friction, N·m or N.
     pub friction: f64,
+}
+
+impl Joint {
+    /// That the URDF gives no range to a joint that should have one, where it does not.
+    #[must_use]
+    pub fn without_limits(&self) -> Option<Note> {
+        let missing = self.kind != JointKind::Continuous && self.limits.lower == f64::NEG_INFINITY;
+        missing.then(|| {
+            let text = format!("joint `{}` has no room between its limits; taken as one without limits", self.name);
+            Note::new(findings::URDF_LIMITS, text, "write lower and upper into <limit>")
+        })
+    }
 }
 
 /// Which coordinate moves a joint: its position is `multiplier · q[index] + offset`. Joints that mimic another share its
@@ -205,7 +218,7 @@ impl Model {
             }
             if body.coordinate.own {
                 let text = format!("joint `{}` is held at {position}", body.joint.name);
-                new.notes.push(Note::new("urdf.held", text, "it is not between the base and the payload"));
+                new.notes.push(Note::new(findings::URDF_HELD, text, "it is not between the base and the payload"));
             }
             homes.push((parent, place));
         }

@@ -5,6 +5,7 @@ use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::{Preparation, Prepared, Rejected};
 
 use super::ObservedArm;
+use crate::findings;
 
 /// Fewest samples that are worth a fit; fewer do not distinguish noise from misfit.
 const FEWEST: usize = 20;
@@ -14,7 +15,7 @@ impl ObservedArm {
     /// [`tunenet_core::Error::Observation`] where torques are not numbers, which the observation's constructor excludes.
     pub(super) fn prepared(&self, seen: &Observation) -> Result<Preparation> {
         let reject = |text: String, remedy: &str| {
-            let note = Note::new("arm.unusable", text, remedy);
+            let note = Note::new(findings::ARM_UNUSABLE, text, remedy);
             Ok(Preparation::Rejected(Box::new(Rejected { note, checks: Vec::new() })))
         };
         let place = |name: &str| seen.channels().iter().position(|c| c.name == name);
@@ -36,7 +37,7 @@ impl ObservedArm {
         let moved = (!within(seen.clock())).then(|| seen.from_zero());
         if moved.is_some() {
             let text = "the clock does not begin with the motion: its first sample is taken for the motion's start";
-            notes.push(Note::new("arm.clock", text, "let the clock count from the start of the motion"));
+            notes.push(Note::new(findings::ARM_CLOCK, text, "let the clock count from the start of the motion"));
         }
         let seen = moved.as_ref().unwrap_or(seen);
         let kept = seen.clock().partition_point(|t| *t <= duration + 1e-9);
@@ -46,7 +47,7 @@ impl ObservedArm {
         }
         if kept < seen.len() {
             let text = format!("{} samples after the motion's {duration} s are left out", seen.len() - kept);
-            notes.push(Note::new("arm.longer", text, "raise `motion.duration_s` if the motion continued"));
+            notes.push(Note::new(findings::ARM_LONGER, text, "raise `motion.duration_s` if the motion continued"));
         }
         let values = (0..kept).flat_map(|i| columns.iter().flatten().map(move |c| seen.row(i)[*c])).collect();
         let clock = seen.clock()[..kept].to_vec();

@@ -1,5 +1,6 @@
 //! The ball between two contacts: no surface, and a start of its own.
 
+use tunenet_ball::findings;
 use tunenet_ball::{Arcs, BallSegmentation};
 use tunenet_core::Result;
 use tunenet_core::observation::{Kind, Note, Observation};
@@ -36,7 +37,7 @@ impl ObservedBall {
         });
         prepared.nuisances = own.collect::<Result<_>>()?;
         prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);
-        prepared.silent.fill(Some(Note::new("contact.none", "a flight does not depend on contacts", "")));
+        prepared.silent.fill(Some(Note::new(findings::CONTACT_NONE, "a flight does not depend on contacts", "")));
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 }

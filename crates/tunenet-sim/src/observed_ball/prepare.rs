@@ -2,6 +2,7 @@
 //! leaves open.
 
 use tunenet_ball::BallSegmentation;
+use tunenet_ball::findings as ball_findings;
 use tunenet_ball::preflight::{Expected, Preflight, examine};
 use tunenet_core::Result;
 use tunenet_core::observation::{Check, State};
@@ -11,6 +12,7 @@ use tunenet_core::tune::channel_noise;
 
 use super::{ObservedBall, Unknown};
 use crate::ball::Forces;
+use crate::findings;
 
 /// Bounces whose intervals give the restitution at the speed of the first impacts.
 const LEADING_INTERVALS: usize = 4;
@@ -93,7 +95,7 @@ impl ObservedBall {
         prepared.events = arcs.contacts.iter().map(|c| c.time_s).collect();
         for check in &preflight.checks {
             // Without a bounce, nothing is known of contacts; that is said where it is asked for.
-            if check.code == "contact.none" && check.state == State::Noticed {
+            if check.kind == ball_findings::CONTACT_NONE && check.state == State::Noticed {
                 prepared.silent.fill(check.note());
             } else {
                 prepared.notes.extend(check.note());
@@ -143,7 +145,7 @@ impl ObservedBall {
         }
         prepared.checks = preflight.checks;
         prepared.silent[1] = Some(Note::new(
-            "friction.unseen",
+            findings::FRICTION_UNSEEN,
             "bounce times do not depend on friction",
             "record positions of a throw along the surface",
         ));
@@ -163,7 +165,7 @@ fn impossible(preflight: &Preflight, seen: &Observation) -> Preparation {
     let failed = preflight.rejected().and_then(Check::note);
     let none = || {
         let text = format!("fewer than 3 of {} samples can be used", seen.len());
-        Note::new("motion.disturbed", text, "record a drop that touches nothing but the surface")
+        Note::new(ball_findings::MOTION_DISTURBED, text, "record a drop that touches nothing but the surface")
     };
     let note = failed.unwrap_or_else(none);
     Preparation::Rejected(Box::new(Rejected { note, checks: preflight.checks.clone() }))
@@ -173,8 +175,8 @@ fn impossible(preflight: &Preflight, seen: &Observation) -> Preparation {
 fn forced(preflight: &Preflight) -> Option<Note> {
     let failed = preflight.rejected()?;
     let text =
-        format!("a rejected recording is used because of --force ({}): the answer may mean nothing", failed.code);
-    Some(Note::new("preflight.forced", text, "correct the recording and omit --force"))
+        format!("a rejected recording is used because of --force ({}): the answer may mean nothing", failed.kind);
+    Some(Note::new(findings::PREFLIGHT_FORCED, text, "correct the recording and omit --force"))
 }
 
 /// The restitution at the first impacts: how the logarithm of the interval falls over the first few, long intervals

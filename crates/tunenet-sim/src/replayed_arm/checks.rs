@@ -1,5 +1,7 @@
 //! Checks of a log of joints before anything is computed from it.
 
+use tunenet_core::finding::FindingKind;
+
 use tunenet_core::observation::Observation;
 use tunenet_core::observation::{Check, State};
 use tunenet_core::statistics::dot;
@@ -7,6 +9,7 @@ use tunenet_core::statistics::dot;
 use super::filter::{slope, smooth};
 use super::recorded::{columns, even_step};
 use crate::arm::{Joint, JointKind};
+use crate::findings;
 
 /// Positions may exceed their limits by this much, rad: figures of files are rounded, and arms give a little.
 const OVERSHOOT_RAD: f64 = 0.05;
@@ -26,8 +29,8 @@ const ALIKE: f64 = 0.7;
 /// Cut-off for comparing speeds, Hz.
 const SPEEDS_HZ: f64 = 5.0;
 
-pub(super) fn check(code: &'static str, state: State, text: impl Into<String>, remedy: &str) -> Check {
-    Check { code, state, text: text.into(), remedy: remedy.into() }
+pub(super) fn check(kind: FindingKind, state: State, text: impl Into<String>, remedy: &str) -> Check {
+    Check { kind, state, text: text.into(), remedy: remedy.into() }
 }
 
 /// All checks of the log `seen` of an arm with these joints, in an order in which the first failure is the reason.
@@ -47,47 +50,47 @@ pub(super) fn checks(seen: &Observation, joints: &[&Joint], gains: bool) -> Vec<
 }
 
 fn count(seen: &Observation, joints: &[&Joint]) -> Check {
-    let (code, found) = ("joints.count", columns(seen, "q").len());
+    let (kind, found) = (findings::JOINTS_COUNT, columns(seen, "q").len());
     let names = || joints.iter().map(|j| format!("`{}`", j.name)).collect::<Vec<_>>().join(", ");
     if found == 0 {
-        return check(code, State::Failed, "expected joint positions, found none", "record `q1_rad`, …");
+        return check(kind, State::Failed, "expected joint positions, found none", "record `q1_rad`, …");
     }
     if found != joints.len() {
         let text = format!("expected {} joints ({}), found {found}", joints.len(), names());
         let remedy = "number the columns in the order of the URDF, with `--columns` where the names differ; of joints beyond \
                       `arm.payload_link` nothing is read";
-        return check(code, State::Failed, text, remedy);
+        return check(kind, State::Failed, text, remedy);
     }
-    check(code, State::Passed, format!("{found} joints"), "")
+    check(kind, State::Passed, format!("{found} joints"), "")
 }
 
 /// A log whose gaps are many times as long as itself would have to be filled by guesses.
 fn clock(seen: &Observation) -> Check {
-    let (code, clock) = ("joints.clock", seen.clock());
+    let (kind, clock) = (findings::JOINTS_CLOCK, seen.clock());
     let (span, step) = (clock[clock.len() - 1] - clock[0], even_step(clock));
     let share = clock.len() as f64 * step / span;
     if share < LEAST_FILLED {
         let text = format!("samples are {step:.4} s apart and fill {:.0} % of {span:.1} s", 100.0 * share);
-        return check(code, State::Failed, text, "cut the log where its gaps are, and check the unit of the time");
+        return check(kind, State::Failed, text, "cut the log where its gaps are, and check the unit of the time");
     }
-    check(code, State::Passed, "the clock has no long gaps", "")
+    check(kind, State::Passed, "the clock has no long gaps", "")
 }
 
 fn effort(seen: &Observation, gains: bool) -> Check {
-    let code = "joints.effort";
+    let kind = findings::JOINTS_EFFORT;
     match (columns(seen, "tau").is_empty(), columns(seen, "i").is_empty(), gains) {
-        (false, ..) => check(code, State::Passed, "torques are measured", ""),
-        (true, false, true) => check(code, State::Passed, "torques from currents, by `arm.current_gain_nm_a`", ""),
+        (false, ..) => check(kind, State::Passed, "torques are measured", ""),
+        (true, false, true) => check(kind, State::Passed, "torques from currents, by `arm.current_gain_nm_a`", ""),
         (true, false, false) => {
             let text = "expected torques, or currents with their torque constants, found only currents";
             let remedy =
                 "write `arm.current_gain_nm_a = [..]`, the N·m of each joint for 1 A, into the simulation file";
-            check(code, State::Failed, text, remedy)
+            check(kind, State::Failed, text, remedy)
         }
         (true, true, _) => {
             let text = "expected torques (effort) or motor currents, found only positions and speeds";
             let remedy = "record `effort` in JointState, or columns `tau1_nm`, … or `i1_a`, …";
-            check(code, State::Failed, text, remedy)
+            check(kind, State::Failed, text, remedy)
         }
     }
 }
@@ -134,7 +137,7 @@ fn units(seen: &Observation, joints: &[&Joint]) -> Check {
 }
 
 fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
-    let code = "joints.units";
+    let kind = findings::JOINTS_UNITS;
     let remedy = "name the columns `q1_deg`, … and `dq1_deg_s`, … (with `--columns` where the names are others), or record radians";
     for Column { name, limit_rad, position, speed } in all {
         let (low, high) = range(seen, position);
@@ -148,7 +151,7 @@ fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
             };
             let text =
                 format!("`{name}` reaches {farthest:.1}, which is not a possible angle in radians: degrees?{limits}");
-            return check(code, State::Failed, text, remedy);
+            return check(kind, State::Failed, text, remedy);
         }
         let Some((ratio, alike)) = speed.and_then(|speed| ratio(seen, position, speed)) else { continue };
         let near = |expected: f64| (ratio / expected - 1.0).abs() < NEAR;
@@ -157,15 +160,15 @@ fn units_of(seen: &Observation, all: Vec<Column>) -> Check {
             let text = format!(
                 "the speeds of `{name}` are {ratio:.3} times the slope of its positions: the {which} are in degrees"
             );
-            return check(code, State::Failed, text, remedy);
+            return check(kind, State::Failed, text, remedy);
         }
         if alike > ALIKE && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio) {
             let text = format!("the speeds of `{name}` are {ratio:.3} times the slope of its positions");
             let remedy = "is the clock in milliseconds (name it `t_ms`), or in frames?";
-            return check(code, State::Failed, text, remedy);
+            return check(kind, State::Failed, text, remedy);
         }
     }
-    check(code, State::Passed, "angles are in radians, and the clock in seconds", "")
+    check(kind, State::Passed, "angles are in radians, and the clock in seconds", "")
 }
 
 /// Measured speeds over the slope of the positions, and the cosine between both; nothing where the joint hardly moves.
@@ -184,7 +187,7 @@ fn ratio(seen: &Observation, position: usize, speed: usize) -> Option<(f64, f64)
 }
 
 fn limits(seen: &Observation, joints: &[&Joint]) -> Check {
-    let code = "joints.limits";
+    let kind = findings::JOINTS_LIMITS;
     for (joint, &column) in joints.iter().zip(&columns(seen, "q")) {
         let (low, high) = (joint.limits.lower - OVERSHOOT_RAD, joint.limits.upper + OVERSHOOT_RAD);
         if let Some((i, q)) = seen.column(column).enumerate().find(|(_, q)| !(low..=high).contains(q)) {
@@ -196,7 +199,7 @@ fn limits(seen: &Observation, joints: &[&Joint]) -> Check {
                 joint.limits.upper
             );
             let remedy = "check order and zero of the joints, and the limits of the URDF";
-            return check(code, State::Failed, text, remedy);
+            return check(kind, State::Failed, text, remedy);
         }
     }
     let free =
@@ -205,17 +208,17 @@ fn limits(seen: &Observation, joints: &[&Joint]) -> Check {
     let absent =
         format!("the URDF gives no limits of {} (none, or lower equal to upper): not checked", unlimited.join(", "));
     if !unlimited.is_empty() && unlimited.len() == joints.len() {
-        return check(code, State::NotRun, absent, "");
+        return check(kind, State::NotRun, absent, "");
     }
     let rest = if unlimited.is_empty() { String::new() } else { format!("; {absent}") };
-    check(code, State::Passed, format!("the motion stays within the limits of the joints{rest}"), "")
+    check(kind, State::Passed, format!("the motion stays within the limits of the joints{rest}"), "")
 }
 
 fn speeds(seen: &Observation, joints: &[&Joint]) -> Check {
-    let code = "joints.speeds";
+    let kind = findings::JOINTS_SPEEDS;
     let (positions, speeds) = (columns(seen, "q"), columns(seen, "dq"));
     if speeds.is_empty() {
-        return check(code, State::NotRun, "no speeds are recorded", "");
+        return check(kind, State::NotRun, "no speeds are recorded", "");
     }
     for ((joint, &position), &speed) in joints.iter().zip(&positions).zip(&speeds) {
         if let Some((_, alike)) = ratio(seen, position, speed).filter(|(_, alike)| *alike < ALIKE) {
@@ -223,8 +226,8 @@ fn speeds(seen: &Observation, joints: &[&Joint]) -> Check {
                 "the speeds of `{}` are not the slope of its positions (cosine {alike:.2}); only positions are used",
                 joint.name
             );
-            return check(code, State::Noticed, text, "check the order of the columns, and signs");
+            return check(kind, State::Noticed, text, "check the order of the columns, and signs");
         }
     }
-    check(code, State::Passed, "speeds are the slopes of the positions", "")
+    check(kind, State::Passed, "speeds are the slopes of the positions", "")
 }

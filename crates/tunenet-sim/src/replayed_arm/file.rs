@@ -49,6 +49,12 @@ impl ReplayedArm {
     pub fn notes(&self) -> &[Note] {
         &self.arm.model.notes
     }
+
+    /// What the URDF lacks of the joints that move, in their order.
+    #[must_use]
+    pub fn missing_limits(&self) -> Vec<Note> {
+        self.arm.model.joints().iter().filter_map(|joint| joint.without_limits()).collect()
+    }
 }
 
 /// The replayed arm of `file`, with the numbers of those effects free that the file asks to tune.

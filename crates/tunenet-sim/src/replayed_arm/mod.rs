@@ -25,6 +25,8 @@ use tunenet_core::observation::{Check, State};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Rejected, Simulator};
 use tunenet_core::{Error, Origin, Result};
 
+use crate::findings;
+
 pub use checks::suspect_units;
 pub use file::{replayed, replays};
 pub use reference::with_reference;
@@ -278,9 +280,9 @@ impl Simulator for ReplayedArm {
                 windows.len(),
                 cells as f64 * log.step_s
             );
-            let note = Note::new("joints.short", text, "record for longer, without gaps");
+            let note = Note::new(findings::JOINTS_SHORT, text, "record for longer, without gaps");
             let check =
-                Check { code: note.code, state: State::Failed, text: note.text.clone(), remedy: note.remedy.clone() };
+                Check { kind: note.kind, state: State::Failed, text: note.text.clone(), remedy: note.remedy.clone() };
             checks.push(check);
             return Ok(Preparation::Rejected(Box::new(Rejected { note, checks })));
         }

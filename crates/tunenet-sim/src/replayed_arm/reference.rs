@@ -5,6 +5,7 @@ use tunenet_core::{Error, Result};
 
 use super::filter::{slope, smooth, whole};
 use super::recorded::{columns, cubic, even_step, linear};
+use crate::findings;
 
 /// Speeds are compared below this, Hz, and first this many times a second.
 const COMPARED_HZ: f64 = 5.0;
@@ -157,7 +158,7 @@ pub fn with_reference(seen: &Observation, reference: &Observation) -> Result<(Ob
          are used, and the positions agree to {apart:.4} rad (RMS)",
         both.clock()[both.len() - 1] - both.clock()[0]
     );
-    Ok((seen, Note::new("reference.aligned", text, "")))
+    Ok((seen, Note::new(findings::REFERENCE_ALIGNED, text, "")))
 }
 
 fn apart_rad(both: &Observation, moved: &[Vec<f64>], kept: &[usize], reference: &Observation) -> f64 {

@@ -6,6 +6,7 @@ use tunenet_core::statistics::dot;
 
 use super::checks::check;
 use crate::arm::Joint;
+use crate::findings;
 
 /// A joint whose rigid torque is less than this share of the greatest says nothing of its sign: friction outweighs it.
 const WEIGHTY: f64 = 0.1;
@@ -49,7 +50,7 @@ fn explained(torques: &Torques, joint: usize, joints: usize, sign: f64) -> f64 {
 
 /// Names the joints whose torques follow the arm's only with their sign turned.
 pub(super) fn signs(torques: &Torques, joints: &[&Joint], currents: bool) -> Check {
-    let (code, n) = ("joints.signs", joints.len());
+    let (kind, n) = (findings::JOINTS_SIGNS, joints.len());
     let size = |values: &[f64], j: usize| column(values, j, n).map(|v| v * v).sum::<f64>().sqrt();
     let greatest = (0..n).map(|j| size(&torques.bare, j)).fold(0.0, f64::max);
     let weighty: Vec<usize> =
@@ -60,7 +61,7 @@ pub(super) fn signs(torques: &Torques, joints: &[&Joint], currents: bool) -> Che
         .filter(|&j| explained(torques, j, n, 1.0) < LEAST && explained(torques, j, n, -1.0) > MOST)
         .collect();
     if turned.is_empty() {
-        return check(code, State::Passed, "torques have the sign that the arm needs", "");
+        return check(kind, State::Passed, "torques have the sign that the arm needs", "");
     }
     let names: Vec<String> = turned.iter().map(|&j| format!("`{}`", joints[j].name)).collect();
     let which = if turned.len() == weighty.len() && turned.len() > 1 {
@@ -75,12 +76,12 @@ pub(super) fn signs(torques: &Torques, joints: &[&Joint], currents: bool) -> Che
         "positive is what the motor exerts about the joint's axis: change the sign of these columns{how}; or the zero of the joint \
          is half a turn off"
     );
-    check(code, State::Failed, text, &remedy)
+    check(kind, State::Failed, text, &remedy)
 }
 
 /// Whether the run has the higher load, and not the other way round. `prepared` holds the difference of both.
 pub(super) fn swapped(prepared: &Prepared, torques: &Torques, joints: usize) -> Check {
-    let code = "reference.swapped";
+    let kind = findings::REFERENCE_SWAPPED;
     let noise = prepared.noise.as_deref().unwrap_or_default();
     let weigh = |values: &[f64]| -> Vec<f64> {
         values.iter().enumerate().map(|(i, v)| v / noise.get(i % joints).copied().unwrap_or(1.0)).collect()
@@ -93,11 +94,11 @@ pub(super) fn swapped(prepared: &Prepared, torques: &Torques, joints: usize) -> 
             both / square
         );
         return check(
-            code,
+            kind,
             State::Failed,
             text,
             "pass the run with payload to --observation and the one without to --reference",
         );
     }
-    check(code, State::Passed, "the run has the higher load", "")
+    check(kind, State::Passed, "the run has the higher load", "")
 }

@@ -5,6 +5,7 @@ use tunenet_core::tune::{Estimate, Outcome, Verdict};
 
 use super::checks::check;
 use crate::SimulationFile;
+use crate::findings;
 
 /// A payload that reaches from its link to twice its centre of mass and is thinner than this, kg/m³, is none that a hand
 /// holds: foam has 20.
@@ -50,7 +51,7 @@ fn gain(outcome: &Outcome, referenced: bool) -> Option<Check> {
              is wrong in them, and friction, is in neither interval"
         )
     };
-    Some(check("payload.gain", State::Noticed, text, remedy))
+    Some(check(findings::PAYLOAD_GAIN, State::Noticed, text, remedy))
 }
 
 /// A payload that is weighed with the URDF's own masses, although something is left that they do not explain.
@@ -59,7 +60,7 @@ fn alone(outcome: &Outcome, referenced: bool) -> Option<Check> {
     let text = "without a reference run, friction and errors of the URDF's masses are attributed to the payload, by \
                 more than its interval says";
     let remedy = "record the same motion without payload and give it with `--reference`";
-    Some(check("payload.alone", State::Noticed, text, remedy))
+    Some(check(findings::PAYLOAD_ALONE, State::Noticed, text, remedy))
 }
 
 /// A centre of mass where no payload of that mass has one.
@@ -75,16 +76,16 @@ fn place(file: &SimulationFile, outcome: &Outcome) -> Option<Check> {
     let distance = at.iter().map(|v| v * v).sum::<f64>().sqrt();
     let unsure = tuned.iter().map(|p| (0.5 * (p.interval95.1 - p.interval95.0)).powi(2)).sum::<f64>().sqrt();
     let farthest = (0.5 * (mass / THINNEST_KG_M3).cbrt()).max(LONGEST_TOOL_M);
-    let code = "payload.place";
+    let kind = findings::PAYLOAD_PLACE;
     if distance - unsure <= farthest {
-        return Some(check(code, State::Passed, format!("the centre of mass lies {distance:.3} m from its link"), ""));
+        return Some(check(kind, State::Passed, format!("the centre of mass lies {distance:.3} m from its link"), ""));
     }
     let text = format!(
         "the centre of mass lies {distance:.3} m from its link, which is implausible for a payload of {mass:.3} kg (at most {farthest:.2} m)"
     );
     let remedy = "check the joints' order and zeros and the torque constants; without a `--reference`, errors of the URDF and friction \
                   are taken for a payload";
-    Some(check(code, State::Noticed, text, remedy))
+    Some(check(kind, State::Noticed, text, remedy))
 }
 
 /// A centre of mass that contradicts the one that was tuned before.
@@ -97,14 +98,14 @@ fn moved(file: &SimulationFile, outcome: &Outcome) -> Option<Check> {
             apart.push(format!("`{}` {:.3} m, was {:.3} m", now.name, now.value, now.before));
         }
     }
-    let code = "payload.moved";
+    let kind = findings::PAYLOAD_MOVED;
     if apart.is_empty() {
-        return both.then(|| check(code, State::Passed, "the centre of mass agrees with the one tuned before", ""));
+        return both.then(|| check(kind, State::Passed, "the centre of mass agrees with the one tuned before", ""));
     }
     let text = format!(
         "the centre of mass differs from the one that this file was tuned to ({}) by more than both intervals allow",
         apart.join("; ")
     );
     let remedy = "is it the same payload, mounted in the same way? otherwise joint zeros or the signs of columns differ between the logs";
-    Some(check(code, State::Noticed, text, remedy))
+    Some(check(kind, State::Noticed, text, remedy))
 }

@@ -13,6 +13,7 @@ use super::provenance::Provenance;
 use crate::SimulationFile;
 use crate::ball::effects::{BallEffect, DRAG};
 use crate::ball::{Scene, State};
+use crate::findings;
 use crate::scene::BallParameters;
 use crate::simulation_file::schema::number;
 
@@ -202,7 +203,7 @@ impl Belief {
             let drag = BallEffect::find(DRAG);
             if !listed.iter().all(|table| self.understands(drag.as_ref(), table)) {
                 let text = "`open_drag` in the file is not in tunenet's form: no drag is assumed";
-                self.notes.push(Note::new("plan.open_drag", text, "tune the file again, or remove that line"));
+                self.notes.push(Note::new(findings::PLAN_OPEN_DRAG, text, "tune the file again, or remove that line"));
                 return;
             }
             let all: Vec<Alternative> = listed.into_iter().map(|table| known.with(drag, table, provenance)).collect();
@@ -274,7 +275,7 @@ fn unless_edited(name: &str, value: f64, interval: Option<(f64, f64)>, told: &mu
     }
     let text =
         format!("{name} is {value}, which is outside the tuned interval ({low} to {high}); it is taken as exact");
-    told.push(Note::new("plan.changed", text, "tune the file again, or restore the value"));
+    told.push(Note::new(findings::PLAN_CHANGED, text, "tune the file again, or restore the value"));
     None
 }
 
@@ -295,7 +296,7 @@ fn range(open: &[Alternative]) -> Option<Note> {
             "the measurement leaves air drag uncertain (c from {least:.3} to {greatest:.3} 1/m): the \
              balls that are drawn have all of it"
         );
-        Note::new("plan.open_drag", text, "a recording with more or higher bounces reduces this")
+        Note::new(findings::PLAN_OPEN_DRAG, text, "a recording with more or higher bounces reduces this")
     })
 }
 

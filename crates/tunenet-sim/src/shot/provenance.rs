@@ -4,6 +4,7 @@ use toml_edit::{InlineTable, Item, Value};
 use tunenet_core::observation::Note;
 
 use crate::SimulationFile;
+use crate::findings;
 use crate::simulation_file::schema::number;
 
 /// What wrote a file, and how sure it was.
@@ -51,18 +52,18 @@ impl Provenance<'_> {
         let again = "tune it to a drop of this ball: `tunenet tune … --out tuned.toml`";
         match self.word("verdict") {
             "" => vec![Note::new(
-                "plan.untuned",
+                findings::PLAN_UNTUNED,
                 "this simulation was never tuned: its values are used as they are, and the success probability says nothing \
                  of how wrong they are",
                 again,
             )],
             "poor_fit" => vec![Note::new(
-                "plan.poor_fit",
+                findings::PLAN_POOR_FIT,
                 "this simulation was tuned, but does not match the measurement",
                 "ask `tunenet diagnose` what it lacks, and plan with the file that it writes",
             )],
             "one_of" if self.list("alternatives").is_none() => vec![Note::new(
-                "plan.one_explanation",
+                findings::PLAN_ONE_EXPLANATION,
                 "several effects explain the measurement, and the file has only the numbers of one",
                 "record what `tunenet diagnose` proposes next, and diagnose again",
             )],

@@ -5,6 +5,8 @@ use std::sync::{Mutex, PoisonError};
 use tunenet_core::observation::{GREATEST, Note};
 use tunenet_core::simulator::Parameter;
 
+use crate::findings;
+
 /// Rollouts that a program was asked for, and those of them that cannot be used. A fit then tries other values, and the user has
 /// to hear of it.
 ///
@@ -106,14 +108,14 @@ impl Tally {
                 let text = format!(
                     "the program refused {rollouts} of {all} rollouts, of these nearest to the file's values {at}: {what}"
                 );
-                Note::new("program.refused", text, REMEDY)
+                Note::new(findings::PROGRAM_REFUSED, text, REMEDY)
             });
             let beyond = counted.beyond.iter().map(|Lacking { rollouts, nearest: Place { at, what, .. } }| {
                 let text = format!(
                     "the program answered numbers beyond {GREATEST:e} in {rollouts} of {all} rollouts, of these nearest to the \
                      file's values {at}: {what}"
                 );
-                Note::new("program.beyond", text, REMEDY)
+                Note::new(findings::PROGRAM_BEYOND, text, REMEDY)
             });
             refused.chain(beyond).collect()
         })

@@ -192,8 +192,8 @@ fn every_alternative_has_its_weight() {
     let alone = planned(&file("\n[provenance]\nverdict = \"one_of\"\n"), Rule::Probability);
     assert_eq!(alone.best().probability, Some(1.0));
     let belief = Belief::new(&file("\n[provenance]\nverdict = \"one_of\"\n"), &task()).unwrap();
-    assert_eq!(belief.notes()[0].code, "plan.one_explanation");
-    assert_eq!(Belief::new(&file(""), &task()).unwrap().notes()[0].code, "plan.untuned");
+    assert_eq!(belief.notes()[0].kind.code(), "plan.one_explanation");
+    assert_eq!(Belief::new(&file(""), &task()).unwrap().notes()[0].kind.code(), "plan.untuned");
 }
 
 /// Of a file whose drag is open, every strength has its share; the file's own numbers stay what is drawn and what `nearest`
@@ -205,12 +205,12 @@ fn a_drag_that_is_open_is_planned_for() {
     let found = planned(&file(open), Rule::Probability);
     assert_eq!(found.best().probability, Some(0.75));
     let belief = Belief::new(&file(open), &task()).unwrap();
-    assert_eq!(belief.notes()[0].code, "plan.open_drag");
+    assert_eq!(belief.notes()[0].kind.code(), "plan.open_drag");
     assert_eq!(belief.nominal(), Belief::new(&file(""), &task()).unwrap().nominal());
     // Of another value than was tuned, nothing is known of the drag beside it; what is not as it was written is told.
     let edited = open.replace("verdict", "interval95 = { restitution = [0.79, 0.81] }\nverdict");
     let edited = Belief::new(&file(&edited), &task()).unwrap();
-    assert_eq!(edited.notes().iter().map(|n| n.code).collect::<Vec<_>>(), ["plan.changed"]);
+    assert_eq!(edited.notes().iter().map(|n| n.kind.code()).collect::<Vec<_>>(), ["plan.changed"]);
     assert!(edited.draws(8, 0).iter().all(|d| d.ball.flight.quadratic_drag_1_m == 0.0));
     for (from, to) in
         [("c_1_m = 9.0", "c_1_m = \"9\""), ("c_1_m = 9.0", "c_1_m = 1e308"), ("0.25", "-0.25"), ("0.7,", "5.0,")]

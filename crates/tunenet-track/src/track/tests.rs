@@ -1,12 +1,12 @@
 //! Videos that are drawn here, so that the truth is known, and real ones.
 
 use std::path::Path;
+use tunenet_video_protocol::findings;
 
 use super::*;
 use crate::scale::Known;
 use crate::test_films::{Film, disc_film};
 use tunenet_ball::preflight::Expected;
-use tunenet_video_protocol::FindingKind;
 
 fn answer(path: &Path, settings: &Settings) -> Answer {
     track(&Source::new(path, None), settings, &mut |_, _| {}).unwrap()
@@ -76,7 +76,7 @@ fn a_ball_of_the_backgrounds_hue_is_found_where_it_moves() {
     let path = folder.path().join("film.avi");
     let centres = disc_film(&path, &Film { balls: vec![GREEN], poster: Some([60.0, 170.0, 70.0]), ..Film::default() });
     let track = tracked(&path, &Settings::default());
-    assert!(track.notes.iter().any(|n| n.kind == FindingKind::ColourInBackground), "{:?}", track.notes);
+    assert!(track.notes.iter().any(|n| n.kind == findings::BALL_BACKGROUND), "{:?}", track.notes);
     assert!(track.sightings.len() >= 57, "{}", track.sightings.len());
     for s in &track.sightings {
         let (u, v) = centres[s.frame];
@@ -91,8 +91,8 @@ fn repeated_frames_and_a_ball_that_leaves_are_noticed() {
     disc_film(&path, &Film { balls: vec![RED], repeat: vec![20, 40], speed_px_s: 320.0, ..Film::default() });
     let track = tracked(&path, &Settings::default());
     assert_eq!(track.repeated, [21, 42]);
-    let codes: Vec<&str> = track.notes.iter().map(|n| n.kind.word()).collect();
-    assert_eq!(codes, ["film.repeated", "ball.cut", "ball.gone"], "{:?}", track.notes);
+    let kinds: Vec<_> = track.notes.iter().map(|n| n.kind).collect();
+    assert_eq!(kinds, [findings::FILM_REPEATED, findings::BALL_CUT, findings::BALL_GONE], "{:?}", track.notes);
     assert!(track.notes[2].text.contains("leaves the view"));
     assert!(track.whole().all(|s| s.frame != 21 && s.frame != 42));
 }

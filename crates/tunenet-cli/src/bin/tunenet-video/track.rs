@@ -208,7 +208,12 @@ fn facts(track: &Track, metric: Option<&Metric>, samples: &Samples) -> Facts {
 }
 
 fn check(check: &observation::Check) -> Check {
-    Check { code: check.code.to_owned(), state: check.state, text: check.text.clone(), remedy: check.remedy.clone() }
+    Check {
+        code: check.kind.code().to_owned(),
+        state: check.state,
+        text: check.text.clone(),
+        remedy: check.remedy.clone(),
+    }
 }
 
 fn sheet(drawn: &[Drawn]) -> Vec<Picture> {

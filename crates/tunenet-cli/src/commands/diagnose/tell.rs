@@ -107,13 +107,13 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
 /// Of many recordings with the same to say, the first few.
 fn warnings(notes: &[Note]) {
     for (i, note) in notes.iter().enumerate() {
-        let before = notes[..i].iter().filter(|other| other.code == note.code).count();
+        let before = notes[..i].iter().filter(|other| other.kind == note.kind).count();
         match before.cmp(&MOST_ALIKE) {
             Ordering::Less => warn(note),
             Ordering::Equal => {
-                let more = notes[i..].iter().filter(|other| other.code == note.code).count();
+                let more = notes[i..].iter().filter(|other| other.kind == note.kind).count();
                 let text = format!("{more} more of this kind; `--json` has all");
-                warn(&Note::new(note.code, text, ""));
+                warn(&Note::new(note.kind, text, ""));
             }
             Ordering::Greater => {}
         }

@@ -77,7 +77,7 @@ impl Motion {
     pub fn row(&self) -> Vec<String> {
         let gravity = self.preflight.gravity.map_or_else(|| "-".into(), |g| g.text());
         let noticed = self.preflight.checks.iter().filter(|c| matches!(c.state, State::Noticed | State::Failed));
-        let noticed: Vec<&str> = noticed.map(|c| c.code).collect();
+        let noticed: Vec<&str> = noticed.map(|c| c.kind.code()).collect();
         let noticed = if noticed.is_empty() { "all passed".into() } else { noticed.join(", ") };
         vec![self.bounces.to_string(), gravity, noticed]
     }
@@ -93,7 +93,7 @@ impl Motion {
         object["preflight"] = json!(self.preflight.checks);
         if let Some(warnings) = object["warnings"].as_array_mut() {
             let notes = self.preflight.checks.iter().filter_map(Check::note);
-            warnings.extend(notes.map(|n| json!({ "code": n.code, "text": n.text, "remedy": n.remedy })));
+            warnings.extend(notes.map(|n| json!({ "code": n.kind, "text": n.text, "remedy": n.remedy })));
         }
     }
 

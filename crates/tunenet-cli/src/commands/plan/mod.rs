@@ -20,6 +20,7 @@ use crate::args::{Plan, PlanRule};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
+use crate::findings;
 use crate::view::json::print_json;
 use crate::view::text::{stage, warn};
 use crate::view::{html, sentence};
@@ -107,7 +108,7 @@ fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
     let out_of_reach = plan.candidates.iter().filter(|c| c.joints_rad.is_none()).count();
     if out_of_reach > 0 {
         notes.push(Note::new(
-            "plan.arm_reach",
+            findings::PLAN_ARM_REACH,
             format!("the arm reaches {} of {} heights", plan.candidates.len() - out_of_reach, plan.candidates.len()),
             "move its base in the task file, or narrow `release.heights_m`",
         ));
@@ -116,7 +117,7 @@ fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
     if plan.reachable && at_end {
         let (low, high) = task.heights_m;
         notes.push(Note::new(
-            "plan.at_end",
+            findings::PLAN_AT_END,
             format!(
                 "the best height is the {} that the task allows",
                 if plan.best == 0 { "lowest" } else { "highest" }

@@ -19,7 +19,7 @@ pub fn checks(name: &str, checks: &[Check]) -> Markup {
                     @for state in [State::Failed, State::Noticed, State::Passed, State::NotRun] {
                         @for check in checks.iter().filter(|c| c.state == state) {
                             tr {
-                                th scope="row" { code { (check.code) } }
+                                th scope="row" { code { (check.kind) } }
                                 td.state data-name="state" { (sign(state)) " " (state.name()) }
                                 td {
                                     (prose(&check.text))
@@ -58,7 +58,7 @@ pub fn warnings(notes: &[Note]) -> Markup {
             ul.plain {
                 @for note in notes {
                     li {
-                        code { (note.code) } " \u{b7} " (prose(&note.text))
+                        code { (note.kind) } " \u{b7} " (prose(&note.text))
                         @if !note.remedy.is_empty() { br; span.try { (prose(&note.remedy)) } }
                     }
                 }
@@ -73,7 +73,12 @@ mod tests {
 
     #[test]
     fn states_stay_apart_and_texts_are_escaped() {
-        let check = |state, text: &str| Check { code: "clock.gaps", state, text: text.into(), remedy: String::new() };
+        let check = |state, text: &str| Check {
+            kind: tunenet_ball::findings::CLOCK_GAPS,
+            state,
+            text: text.into(),
+            remedy: String::new(),
+        };
         let all = [check(State::NotRun, "no clock"), check(State::Passed, "<b>even</b>"), check(State::Failed, "none")];
         let page = checks("a.csv", &all).into_string();
         assert!(page.contains("1 passed, 1 failed, 1 not run") && page.contains("&lt;b&gt;even"), "{page}");

@@ -1,6 +1,7 @@
 //! The page of `tunenet tune`.
 
 use std::path::Path;
+use tunenet_core::findings;
 
 use maud::{Markup, html};
 use tunenet_core::Result;
@@ -153,7 +154,7 @@ impl Answer {
                 "Misfit with one parameter fixed and all others fitted again, in squared standard deviations. "
                 "Values below the dotted line make the 95 % interval (shaded), the thick line on the axis the 50 % interval; the dot is \
                  the tuned value. A narrow minimum: the data determine it. A flat one: they do not."
-                @if self.outcome.notes.iter().any(|n| n.code == "fit.local") {
+                @if self.outcome.notes.iter().any(|n| n.kind == findings::FIT_LOCAL) {
                     " Here the fit to the whole record is poor, so the tuned value was estimated from the contacts only and need not lie \
                      at the minimum of the whole."
                 }

@@ -1,8 +1,10 @@
 //! The answer at the head of a page: a shape, a word, a sentence.
 
 use maud::{Markup, html};
+use tunenet_core::findings as core_findings;
 use tunenet_core::observation::Note;
 use tunenet_core::tune::{Estimate, Outcome, Verdict};
+use tunenet_sim::findings as sim_findings;
 
 use crate::answers::tune::reason;
 use crate::view::text::{in_words, rounded};
@@ -44,9 +46,13 @@ pub fn prose(text: &str) -> Markup {
 
 /// Why a parameter is not determined.
 fn open(outcome: &Outcome) -> Option<&Note> {
-    let opening =
-        |code: &str| ["friction.unseen", "recordings.short"].contains(&code) || code.starts_with("parameter.n");
-    outcome.notes.iter().find(|n| outcome.verdict == Verdict::NotIdentifiable && opening(n.code))
+    let opening = [
+        sim_findings::FRICTION_UNSEEN,
+        core_findings::RECORDINGS_SHORT,
+        core_findings::PARAMETER_NOT_IDENTIFIABLE,
+        core_findings::PARAMETER_NO_EFFECT,
+    ];
+    outcome.notes.iter().find(|n| outcome.verdict == Verdict::NotIdentifiable && opening.contains(&n.kind))
 }
 
 pub fn word(verdict: Verdict) -> &'static str {

@@ -18,6 +18,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::judge::held_out_proof::{HeldOut, rmse};
 use crate::diagnose::judge::judgement::Judgement;
+use crate::findings;
 use crate::observation::Note;
 use crate::simulator::Phase;
 use crate::statistics::NORMAL_95;
@@ -34,7 +35,7 @@ pub(in crate::diagnose) fn assemble(
     let intervals = Intervals::new(context, last, judged.heterogeneous);
     if intervals.widened {
         notes.push(Note::new(
-            "intervals.widened",
+            findings::INTERVALS_WIDENED,
             "the recordings differ among themselves by more than their noise; intervals are as wide as that scatter makes them",
             "",
         ));

@@ -2,6 +2,7 @@
 
 use crate::diagnose::answer::{Diagnosis, Use, Verdict};
 use crate::diagnose::hypothesis::context::Context;
+use crate::findings;
 use crate::observation::Note;
 
 /// Fewer values than this beyond the unknowns say nothing of what is missing.
@@ -15,10 +16,10 @@ pub(in crate::diagnose) fn too_little(context: &Context, uses: &[Use], notes: &[
         context.subjects.iter().map(|s| s.simulator.parameters().iter().filter(|p| p.tune).count()).sum();
     let unknowns = nuisances + parameters;
     let note = if context.sets().is_empty() {
-        Note::new("recordings.none", "no recording can be used to fit", "see what was noted of each")
+        Note::new(findings::RECORDINGS_NONE, "no recording can be used to fit", "see what was noted of each")
     } else if values < unknowns + LEAST_FREEDOM {
         let text = format!("{values} values for {unknowns} unknowns leave nothing to judge by");
-        Note::new("recordings.short", text, "bring longer recordings, or more of them")
+        Note::new(findings::RECORDINGS_SHORT, text, "bring longer recordings, or more of them")
     } else {
         return None;
     };

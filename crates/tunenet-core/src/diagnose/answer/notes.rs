@@ -7,6 +7,7 @@ use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::plausibility::implausible_reason;
 use crate::diagnose::judge::judgement::Judgement;
 use crate::diagnose::judge::verdict::in_place_of;
+use crate::findings;
 use crate::observation::{Note, with_decimals};
 
 /// Where across its bounds a parameter is tried.
@@ -16,14 +17,14 @@ const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
 pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) {
     if judged.practical {
         notes.push(Note::new(
-            "adequacy.practical",
+            findings::ADEQUACY_PRACTICAL,
             "something small is left beyond noise; the effects are named for the large part that they take away",
             "",
         ));
     }
     if judged.events_open() {
         notes.push(Note::new(
-            "contact.unexplained",
+            findings::CONTACT_UNEXPLAINED,
             "what flies is explained; at the contacts something is left that no effect takes away",
             "vary height and surface, to see with which of them it changes",
         ));
@@ -31,7 +32,7 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
     if judged.lag1 != 0.0 {
         let rho = judged.lag1;
         let text = format!("noise is autocorrelated (lag-1 {rho:.2}); residuals were prewhitened");
-        notes.push(Note::new("noise.coloured", text, ""));
+        notes.push(Note::new(findings::NOISE_COLOURED, text, ""));
     }
     note_unidentifiable(&judged.context, judged.best(), notes);
     if judged.told() {
@@ -52,10 +53,10 @@ fn note_unidentifiable(context: &Context<'_>, model: &Hypothesis, notes: &mut Ve
         notes.push(if moves_something(context, model, g) {
             let (name, value) = (&parameter.name, with_decimals(model.fit.point.globals[g], 3));
             let text = format!("the recordings do not determine `{name}`: near {value} they do not depend on it");
-            Note::new("parameter.not_identifiable", text, remedy)
+            Note::new(findings::PARAMETER_NOT_IDENTIFIABLE, text, remedy)
         } else {
             Note::new(
-                "parameter.no_effect",
+                findings::PARAMETER_NO_EFFECT,
                 format!("`{}` changes nothing in these recordings", parameter.name),
                 remedy,
             )
@@ -85,7 +86,11 @@ fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, no
         for (other, why) in near.filter_map(|(other, _)| Some((*other, implausible_reason(context, *other)?))) {
             let name = context.catalogue[other].name;
             let text = format!("`{name}` would explain these recordings about as well, but {why}");
-            notes.push(Note::new("effect.unlikely", text, "set world.medium = \"other\" where it did not move in air"));
+            notes.push(Note::new(
+                findings::EFFECT_UNLIKELY,
+                text,
+                "set world.medium = \"other\" where it did not move in air",
+            ));
         }
     }
 }
@@ -102,6 +107,6 @@ pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>)
             recordings.len(),
             motion = words.motion
         );
-        notes.push(Note::new("recordings.alike", text, words.otherwise));
+        notes.push(Note::new(findings::RECORDINGS_ALIKE, text, words.otherwise));
     }
 }

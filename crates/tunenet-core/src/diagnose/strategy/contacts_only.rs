@@ -8,6 +8,7 @@ use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::pipeline::{Preparations, Problem};
 use crate::diagnose::strategy::detrended_flights::straighten;
 use crate::diagnose::{Settings, Subject};
+use crate::findings;
 use crate::observation::{Kind, Note};
 use crate::simulator::{Phase, Preparation, Simulator, measurement_effects};
 
@@ -56,7 +57,7 @@ pub(in crate::diagnose) fn contacts_alone(
     answer.rollouts += whole.rollouts;
     answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Contacts);
     answer.notes.push(Note::new(
-        "contacts.alone",
+        findings::CONTACTS_ALONE,
         "the recordings as a whole are not explained, but their contacts surely take speed along the surface. They were \
          judged alone: each flight has a smooth acceleration of its own, and what that is stays open",
         "record several throws in varied directions to learn more of the flights",

@@ -8,6 +8,7 @@ use crate::diagnose::evidence::segment_noise::raise_noise;
 use crate::diagnose::evidence::segments::free_segments;
 use crate::diagnose::pipeline::{Preparations, Problem};
 use crate::diagnose::{Settings, Subject};
+use crate::findings;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Simulator};
 use crate::statistics::NORMAL_95;
@@ -71,7 +72,7 @@ pub(in crate::diagnose) fn flights_alone(
     }
     answer.parameters = whole.parameters.iter().map(|tuned| beside_contacts(tuned, sets, problem)).collect();
     answer.notes.push(Note::new(
-        "flights.alone",
+        findings::FLIGHTS_ALONE,
         "the recordings as a whole are not explained: they differ from throw to throw, as by spin, or at contacts. \
          Their flights were judged alone, each with a spin of its own, and parameters of contacts are read off the \
          samples beside them",

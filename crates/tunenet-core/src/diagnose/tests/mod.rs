@@ -4,6 +4,7 @@ mod glider;
 pub(in crate::diagnose) mod zoo;
 
 use super::*;
+use crate::findings;
 use crate::observation::Observation;
 use glider::{Glider, Truth, throws};
 
@@ -86,7 +87,7 @@ fn a_single_throw_earns_no_lone_name() {
 fn a_handful_of_samples_is_insufficient() {
     let found = ask(&[&throws(Truth::default(), 1, 6, 6)], &Settings::default());
     assert_eq!(found.verdict, Verdict::Insufficient);
-    assert!(found.notes.iter().any(|n| n.code == "recordings.short"));
+    assert!(found.notes.iter().any(|n| n.kind == findings::RECORDINGS_SHORT));
     assert_eq!(ask(&[&[]], &Settings::default()).verdict, Verdict::Insufficient);
 }
 

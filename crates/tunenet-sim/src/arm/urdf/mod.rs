@@ -19,6 +19,7 @@ use tunenet_core::{Error, Result};
 use tunenet_formats::read_text;
 
 use super::{Coordinate, Inertia, Joint, JointKind, Limits, Model, Pose};
+use crate::findings;
 
 /// Most links of a file: a humanoid with hands has about a hundred.
 const MOST_LINKS: usize = 1000;
@@ -56,7 +57,7 @@ pub fn parse(path: &Path, text: &str) -> Result<Model> {
         bodies.iter().filter(|b| b.inertia.mass_kg == 0.0).map(|b| format!("`{}`", b.name)).collect();
     if !weightless.is_empty() {
         let text = format!("no <inertial> of {}, which move: without weight here", weightless.join(", "));
-        notes.push(Note::new("urdf.weightless", text, "add mass, centre of mass and inertia"));
+        notes.push(Note::new(findings::URDF_WEIGHTLESS, text, "add mass, centre of mass and inertia"));
     }
     if bodies.is_empty() {
         return Err(file.error("expected a joint that moves, found none", "is this the URDF of an arm?"));
@@ -120,12 +121,14 @@ impl File<'_> {
                 return Err(self.error_at("joint", &joint.name, message, "correct <dynamics>"));
             }
         }
-        let limits = self.limits(joint, kind, notes)?;
+        let limits = self.limits(joint, kind)?;
         let (damping, friction) = (dynamics.damping, dynamics.friction);
-        Ok(Joint { name: joint.name.clone(), kind, axis, limits, damping, friction })
+        let joint = Joint { name: joint.name.clone(), kind, axis, limits, damping, friction };
+        notes.extend(joint.without_limits());
+        Ok(joint)
     }
 
-    fn limits(&self, joint: &urdf_rs::Joint, kind: JointKind, notes: &mut Vec<Note>) -> Result<Limits> {
+    fn limits(&self, joint: &urdf_rs::Joint, kind: JointKind) -> Result<Limits> {
         let limit = &joint.limit;
         let given = [limit.lower, limit.upper, limit.velocity, limit.effort];
         if given.iter().any(|n| n.is_nan()) || limit.lower > limit.upper || limit.velocity < 0.0 || limit.effort < 0.0 {
@@ -139,10 +142,7 @@ impl File<'_> {
         if kind == JointKind::Continuous {
             return Ok(limits);
         }
-        if limit.lower == limit.upper {
-            let text = format!("joint `{}` has no room between its limits; taken as one without limits", joint.name);
-            notes.push(Note::new("urdf.limits", text, "write lower and upper into <limit>"));
-        } else {
+        if limit.lower < limit.upper {
             (limits.lower, limits.upper) = (limit.lower, limit.upper);
         }
         Ok(limits)
@@ -223,6 +223,6 @@ impl File<'_> {
         if all.is_empty() {
             return Vec::new();
         }
-        vec![Note::new("urdf.ignored", format!("the URDF's {} are left out", all.join(", ")), "")]
+        vec![Note::new(findings::URDF_IGNORED, format!("the URDF's {} are left out", all.join(", ")), "")]
     }
 }

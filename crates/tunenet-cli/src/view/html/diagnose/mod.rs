@@ -267,7 +267,7 @@ fn excluded(answer: &Answer) -> Markup {
                         tr {
                             th.file scope="row" { (one.name) }
                             td.state data-name="used" { @if one.used { "in part" } @else { "no" } }
-                            td { @for note in &one.notes { p { code { (note.code) } " " (prose(&note.text)) @if !note.remedy.is_empty() { " " span.try { (prose(&note.remedy)) } } } } }
+                            td { @for note in &one.notes { p { code { (note.kind) } " " (prose(&note.text)) @if !note.remedy.is_empty() { " " span.try { (prose(&note.remedy)) } } } } }
                         }
                     }
                 }

@@ -16,6 +16,7 @@ use crate::diagnose::answer::{
     Value, Verdict,
 };
 use crate::diagnose::input::Settings;
+use crate::findings;
 use crate::observation::{Note, with_decimals};
 use crate::statistics::{UPPER_95, dot, student_quantile};
 
@@ -69,7 +70,7 @@ pub(super) fn answer(
     if told && !judged.adequate {
         let text = "something is left beyond noise; the effects take the larger part away, on the stretches that were not \
                     fitted as well";
-        notes.push(Note::new("adequacy.practical", text, ""));
+        notes.push(Note::new(findings::ADEQUACY_PRACTICAL, text, ""));
     }
     let effects: Vec<NamedEffect> = if told {
         chosen.effects.iter().map(|s| named(logs, last, &covariance, s, settings.margin)).collect()

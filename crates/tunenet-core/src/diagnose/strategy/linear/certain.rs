@@ -9,6 +9,7 @@ use super::logs::Logs;
 use crate::Result;
 use crate::diagnose::answer::{NextExperiment, Verdict};
 use crate::diagnose::input::Settings;
+use crate::findings;
 use crate::observation::Note;
 
 /// What explains more and cannot be distinguished from something else.
@@ -55,6 +56,6 @@ impl Chosen {
             names.join(" or ")
         );
         let hint = experiment.as_ref().map_or(String::new(), |e| e.text.clone());
-        Ok(Further { note: Note::new("effects.further", text, hint), experiment })
+        Ok(Further { note: Note::new(findings::EFFECTS_FURTHER, text, hint), experiment })
     }
 }

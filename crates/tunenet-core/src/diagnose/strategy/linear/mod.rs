@@ -28,6 +28,7 @@ mod logs;
 use crate::Result;
 use crate::diagnose::input::{Progress, Recording, Settings, Subject};
 use crate::diagnose::{Diagnosis, Use};
+use crate::findings;
 use crate::observation::Note;
 use choose::Chosen;
 use logs::Logs;
@@ -45,14 +46,14 @@ pub(in crate::diagnose) fn diagnose(
     let mut uses: Vec<Use> = Vec::new();
     let mut logs = Logs::new(subjects, recordings, &mut uses, progress)?;
     if logs.runs.is_empty() {
-        let note = Note::new("recordings.none", "no recording can be used", "see what is noted of each");
+        let note = Note::new(findings::RECORDINGS_NONE, "no recording can be used", "see what is noted of each");
         return Ok(answer::insufficient(uses, vec![note]));
     }
     let mut notes = Vec::new();
     if settings.set_aside && !logs.runs.iter().any(|r| r.held_out) {
         logs.set_aside()?;
         let text = "the last third of each recording is held out for validation";
-        notes.push(Note::new("held_out.chosen", text, ""));
+        notes.push(Note::new(findings::HELD_OUT_CHOSEN, text, ""));
     }
     progress(Progress::Tuning);
     let base = logs.tuned()?;
