@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use tunenet_ball::bounces;
-use tunenet_core::diagnose::{self, Recording, Subject, Verdict, diagnose};
+use tunenet_core::diagnose::{self, Recording, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::tune::{self, tune};
 use tunenet_sim::{SimulationFile, simulator};
@@ -197,7 +197,7 @@ impl Several {
             .map(|(i, seen)| Recording { name: format!("drop {i}"), object: 0, held_out: false, seen })
             .collect();
         let settings = diagnose::Settings { set_aside: false, ..diagnose::Settings::default() };
-        let found = diagnose(&subjects, &recordings, &settings, &|_| {})?;
+        let found = tunenet_ball::diagnose(&subjects, &recordings, &settings, &|_| {})?;
         let Some(e) = found.parameters.iter().find(|p| p.name == "restitution") else { return Ok(None) };
         let effects = found.effects.iter().map(|named| {
             let one =

@@ -5,7 +5,7 @@ mod flight;
 mod prepare;
 
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Effect, Parameter, Preparation, Scale, Simulator};
+use tunenet_core::simulator::{Effect, Parameter, Preparation, Scale, Segmented, Simulator};
 use tunenet_core::{Error, Result};
 
 use crate::ball::effects::{BallEffect, Body};
@@ -222,16 +222,8 @@ impl Simulator for ObservedBall {
         Ok(Box::new(self.freed(names)?))
     }
 
-    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
-        Some(Box::new(self.aloft()?))
-    }
-
-    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
-        Some(Box::new(self.spinning()?))
-    }
-
-    fn with_release_spin(&self) -> Option<Box<dyn Simulator>> {
-        Some(Box::new(self.let_go_spinning()?))
+    fn segmented(&self) -> Option<&dyn Segmented> {
+        Some(self)
     }
 
     fn rollout(
@@ -262,6 +254,21 @@ impl Simulator for ObservedBall {
             *value = times.get(index).copied().unwrap_or(rest);
         }
         Ok(())
+    }
+}
+
+/// Its free segments are flights, its events contacts, and its hidden state the spin.
+impl Segmented for ObservedBall {
+    fn free_segment(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.aloft()?))
+    }
+
+    fn with_hidden_state(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.spinning()?))
+    }
+
+    fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.let_go_spinning()?))
     }
 }
 

@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict, diagnose};
+use tunenet_ball::diagnose;
+use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_sim::{SimulationFile, simulator};
 

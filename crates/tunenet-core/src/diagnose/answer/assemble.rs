@@ -194,7 +194,7 @@ fn explained(judged: &Judgement, recordings: &[Recording]) -> Result<Vec<Explain
         before: before.to_vec(),
         after: after.to_vec(),
         noise: set.noise.clone(),
-        contacts: set.contacts.clone(),
+        contacts: set.events.clone(),
         nuisances: set
             .prepared
             .nuisances

@@ -154,14 +154,14 @@ fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
             all.push(Set {
                 recording: 0,
                 object: set.object,
-                throw: 0,
+                motion: 0,
                 held_out: false,
                 pull: set.pull.clone(),
                 prepared,
                 noise: set.noise.clone(),
                 keep,
                 filter,
-                contacts: Vec::new(),
+                events: Vec::new(),
                 held_still: false,
             });
         }

@@ -163,7 +163,7 @@ fn arcs(set: &Set, residual: &[f64], ball: bool) -> Vec<Arc> {
     let (clock, width) = (set.clock(), set.width());
     let seen = &set.prepared.seen;
     let mut edges = vec![0];
-    edges.extend(set.contacts.iter().map(|t| clock.partition_point(|c| c < t)));
+    edges.extend(set.events.iter().map(|t| clock.partition_point(|c| c < t)));
     edges.push(clock.len());
     let mut all = Vec::new();
     for (number, edge) in edges.windows(2).enumerate() {

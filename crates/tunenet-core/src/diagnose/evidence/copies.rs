@@ -13,7 +13,7 @@ pub(in crate::diagnose) fn label(sets: &mut [Set]) {
     let mut first: Vec<usize> = Vec::new();
     for i in 0..sets.len() {
         match first.iter().find(|&&known| alike(&sets[known], &sets[i])) {
-            Some(&known) => sets[i].throw = sets[known].throw,
+            Some(&known) => sets[i].motion = sets[known].motion,
             None => first.push(i),
         }
     }
@@ -83,7 +83,7 @@ mod tests {
             thrown(4, 1, 1.0, 1.0, 0.5),
         ];
         label(&mut sets);
-        let throws: Vec<usize> = sets.iter().map(|s| s.throw).collect();
+        let throws: Vec<usize> = sets.iter().map(|s| s.motion).collect();
         assert_eq!(throws, [0, 0, 2, 3, 4], "another direction, another speed, another object");
     }
 }

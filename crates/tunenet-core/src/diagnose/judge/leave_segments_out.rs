@@ -35,7 +35,7 @@ fn without(set: &Set, turn: usize) -> (Set, Set) {
     let width = set.width();
     let (mut shown, mut judged) = (set.clone(), set.clone());
     for (k, t) in set.clock().iter().enumerate() {
-        let flight = set.contacts.partition_point(|c| c <= t);
+        let flight = set.events.partition_point(|c| c <= t);
         let hide = flight > 0 && flight % EVERY == turn;
         for i in k * width..(k + 1) * width {
             shown.keep[i] &= !hide;
@@ -65,7 +65,7 @@ mod tests {
     fn a_segment_left_out_is_predicted_from_the_others() {
         in_swings(&[], 2, 0, |context| {
             let mut evidence = crate::diagnose::evidence::Evidence::clone(&context.evidence);
-            evidence.training.iter_mut().for_each(|set| set.contacts = vec![0.5, 1.0, 1.5]);
+            evidence.training.iter_mut().for_each(|set| set.events = vec![0.5, 1.0, 1.5]);
             let context = context.with_evidence(evidence);
             let base = fit_without_effects(&context).unwrap();
             let left = leave_segments_out(&context, &base).unwrap().unwrap();

@@ -5,7 +5,7 @@
 //! is not explained otherwise, what has to be there comes first without having to earn its place; the one effect that one
 //! throw may show besides is looked for beside it, and has to earn its own. The answer leaves a choice in any case.
 
-use super::{Attempt, Strategy};
+use super::{Attempt, Refinement};
 use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::evidence::Evidence;
@@ -16,7 +16,7 @@ use crate::diagnose::strategy::discrepancy_as_noise::with_inflated_noise;
 
 pub(super) struct RequiredEffectsFirst;
 
-impl Strategy for RequiredEffectsFirst {
+impl Refinement for RequiredEffectsFirst {
     fn applies(&self, attempt: &Attempt) -> bool {
         attempt.may_inflate_noise()
     }

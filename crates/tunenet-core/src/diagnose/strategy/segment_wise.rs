@@ -1,6 +1,6 @@
 //! Segment-wise: where the tuned simulation is far beyond noise, what lies between events is explained first, then the events.
 
-use super::{Attempt, Scope, Strategy};
+use super::{Attempt, Refinement, Scope};
 use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::Test;
@@ -25,7 +25,7 @@ use crate::simulator::Phase;
 
 pub(super) struct SegmentWise;
 
-impl Strategy for SegmentWise {
+impl Refinement for SegmentWise {
     fn applies(&self, attempt: &Attempt) -> bool {
         attempt.scope == Scope::Tuned && is_far_beyond_noise(&attempt.context, &attempt.found.base)
     }

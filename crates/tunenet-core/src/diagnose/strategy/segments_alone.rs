@@ -7,7 +7,6 @@
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::evidence::segments::free_segments;
 use crate::diagnose::evidence::unmeasured_axes::without_unmeasured;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::catalogue::{Entry, catalogue};
@@ -56,7 +55,7 @@ pub(in crate::diagnose) fn segments_alone(
     progress: &dyn Fn(Progress),
 ) -> Result<Option<SegmentFindings>> {
     let simulators: Option<Vec<Box<dyn Simulator>>> =
-        context.subjects.iter().map(|s| s.simulator.in_flight()).collect();
+        context.subjects.iter().map(|s| s.simulator.segmented()?.free_segment()).collect();
     let Some(simulators) = simulators else { return Ok(None) };
     let named = context.subjects.iter().zip(&simulators);
     let subjects: Vec<Subject> =
@@ -148,12 +147,12 @@ fn flights(subjects: &[Subject], sets: &[Set]) -> Result<Evidence> {
     let mut all: Vec<Set> = Vec::new();
     for set in sets {
         // What follows the last contact may hold more of them, too small to be found.
-        let flights = free_segments(set.clock(), &set.contacts).into_iter().take(set.contacts.len().max(1));
+        let flights = set.free_segments().into_iter().take(set.events.len().max(1));
         for range in flights.flatten() {
             let Ok(seen) = set.prepared.seen.slice(range.clone()) else { continue };
             if let Preparation::Usable(prepared) = subjects[set.object].simulator.prepare(&seen)? {
                 // Flights of one recording differ as throws do: the first are fast, the last are slow.
-                all.push(Set { throw: all.len(), ..set.piece(range, *prepared) });
+                all.push(Set { motion: all.len(), ..set.piece(range, *prepared) });
             }
         }
     }
