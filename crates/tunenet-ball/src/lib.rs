@@ -7,6 +7,8 @@
 pub mod preflight;
 pub mod segmentation;
 pub mod strategy;
+mod wording;
 
 pub use segmentation::{Arcs, BallSegmentation, Contact, FirstFall, bounces};
 pub use strategy::diagnose;
+pub use wording::WORDING;

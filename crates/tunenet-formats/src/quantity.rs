@@ -29,7 +29,7 @@ impl Quantity {
             Self::Time => None,
             Self::X | Self::Y | Self::Z => Some(Kind::Positions),
             Self::U | Self::V => Some(Kind::Pixels),
-            Self::BounceNumber | Self::BounceTime => Some(Kind::BounceTimes),
+            Self::BounceNumber | Self::BounceTime => Some(Kind::EventTimes),
             Self::Angle(_) | Self::Speed(_) | Self::Torque(_) | Self::Current(_) => Some(Kind::Joints),
             Self::Own(_) => Some(Kind::Other),
         }

@@ -11,11 +11,10 @@ use tunenet_core::simulator::{Effect, Phase, Preparation, Simulator, measurement
 use super::detrended_flights::straighten;
 use super::flights_only::crowded;
 use super::variants;
+use crate::wording::WORDING;
 
 /// What turns speed across the surface into speed along it.
 const CAMERA_TILT: &str = "camera_tilt";
-/// A tilt of each contact's own, which the spin's would be taken for.
-const SCATTER: &str = "bounce_scatter";
 /// Straightening is not exact: what a flight loses changes how the next contact slips. Where what is left does not look like
 /// noise, velocities are taken for so many times less certain, and evidence is so much weaker.
 const WIDER: [f64; 3] = [1.0, 2.0, 3.0];
@@ -54,7 +53,7 @@ impl Strategy for ContactsOnly {
             leave_open(answer);
         }
         answer.rollouts += so_far.diagnosis.rollouts;
-        answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Contacts);
+        answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Events);
         answer.notes.push(Note::new(
             "contacts.alone",
             "the recordings as a whole are not explained, but their contacts surely take speed along the surface. They \
@@ -84,7 +83,7 @@ fn of_contacts(problem: &Problem, spinning: &[Box<dyn Simulator>], wider: f64) -
     let no_tilt = beyond_tilt > problem.settings().margin;
     let at_contact = |effect: &Effect| {
         let tilts = effect.mistaken_for.contains(&CAMERA_TILT);
-        effect.phase == Phase::Contact && effect.name != SCATTER && !(no_tilt && tilts)
+        effect.phase == Phase::Event && !effect.random && !(no_tilt && tilts)
     };
     let settings = Settings { most_effects: 1, ..problem.settings().clone() };
     let Ok(explained) = problem.explain(spinning, straight, &settings, &at_contact) else { return Ok(None) };
@@ -143,7 +142,7 @@ fn leave_open(answer: &mut Diagnosis) {
         answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
     answer.verdict = Verdict::OneOf;
     if answer.next_experiment.is_none() {
-        let text = "add recordings of the same ball from other heights and in other directions".into();
+        let text = WORDING.add.into();
         answer.next_experiment = Some(NextExperiment { text, settings: Vec::new() });
     }
 }

@@ -10,6 +10,7 @@ use tunenet_core::simulator::{Preparation, Simulator};
 use tunenet_core::statistics::NORMAL_95;
 
 use super::variants;
+use crate::wording::WORDING;
 
 /// What has to be free for a flight to begin anywhere.
 const START: [&str; 6] =
@@ -69,11 +70,11 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
         leave_open(problem, &mut answer);
     }
     answer.rollouts += whole.rollouts;
-    answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Flights);
+    answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Segments);
     for i in 0..answer.explained.len() {
         let recording = answer.explained[i].recording;
         let before = answer.explained[..i].iter().filter(|other| other.recording == recording).count();
-        answer.explained[i].flight = Some(before + 1);
+        answer.explained[i].segment = Some(before + 1);
     }
     answer.parameters = whole.parameters.iter().map(|tuned| beside_contacts(tuned, problem)).collect();
     answer.notes.push(Note::new(
@@ -98,7 +99,7 @@ fn leave_open(problem: &Problem, answer: &mut Diagnosis) {
     }
     answer.names.extend(next);
     answer.verdict = Verdict::OneOf;
-    let text = "add recordings of the same ball from other heights and in other directions".into();
+    let text = WORDING.add.into();
     answer.next_experiment = Some(NextExperiment { text, settings: Vec::new() });
 }
 

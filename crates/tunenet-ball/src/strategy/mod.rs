@@ -20,11 +20,13 @@ use tunenet_core::Result;
 use tunenet_core::diagnose::{Diagnosis, Problem, Progress, Recording, Settings, Strategy, Subject, diagnose_with};
 use tunenet_core::simulator::{Segmented, Simulator};
 
+use crate::wording::WORDING;
+
 /// In the order in which they are tried.
 pub const STRATEGIES: [&dyn Strategy; 2] = [&FlightsOnly, &ContactsOnly];
 
-/// As [`tunenet_core::diagnose::diagnose`], with [`STRATEGIES`] for recordings of a bouncing ball. Other recordings get the same
-/// answer as without.
+/// As [`tunenet_core::diagnose::diagnose`], with [`STRATEGIES`] for recordings of a bouncing ball, and its [`WORDING`] instead of that
+/// of `settings`. Recordings of anything without flights and contacts get the same answer as there.
 ///
 /// # Errors
 /// As [`tunenet_core::diagnose::diagnose`].
@@ -34,7 +36,8 @@ pub fn diagnose(
     settings: &Settings,
     progress: &dyn Fn(Progress),
 ) -> Result<Diagnosis> {
-    diagnose_with(&STRATEGIES, subjects, recordings, settings, progress)
+    let settings = Settings { wording: &WORDING, ..settings.clone() };
+    diagnose_with(&STRATEGIES, subjects, recordings, &settings, progress)
 }
 
 /// The simulators of all subjects as `of` changes them; `None` where one of them has no such variant.

@@ -153,11 +153,11 @@ pub fn tuned(bounces_s: &[f64], fall_m: f64) -> Result<Option<Estimate>> {
     if bounces_s.len() < FEWEST_TUNED {
         return Ok(None);
     }
-    tuned_to(&[Observation::bounce_times(bounces_s.to_vec())?], fall_m)
+    tuned_to(&[Observation::event_times(bounces_s.to_vec())?], fall_m)
 }
 
 fn tuned_to(seen: &[Observation], fall_m: f64) -> Result<Option<Estimate>> {
-    let ball = simulator(&scene(Some(fall_m))?, Kind::BounceTimes)?;
+    let ball = simulator(&scene(Some(fall_m))?, Kind::EventTimes)?;
     let outcome = tune(&ball, seen, None, &tune::Settings::default())?;
     let Some(found) = outcome.parameters.iter().find(|p| p.name == "restitution" && p.identified) else {
         return Ok(None);
@@ -175,8 +175,7 @@ pub struct Several {
 impl Several {
     pub fn new(drops: &[Read], fall_m: f64) -> Result<Self> {
         let lists = drops.iter().filter(|drop| drop.lists());
-        let seen =
-            lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<_>>()?;
+        let seen = lists.map(|d| Observation::event_times(d.bounces_s.clone())).collect::<tunenet_core::Result<_>>()?;
         Ok(Self { seen, fall_m })
     }
 
@@ -190,7 +189,7 @@ impl Several {
         if self.seen.is_empty() {
             return Ok(None);
         }
-        let simulator = simulator(&scene(Some(self.fall_m))?, Kind::BounceTimes)?;
+        let simulator = simulator(&scene(Some(self.fall_m))?, Kind::EventTimes)?;
         let subjects = [Subject { name: "ball".into(), simulator: simulator.as_ref() }];
         let recordings: Vec<Recording> = (1..)
             .zip(&self.seen)

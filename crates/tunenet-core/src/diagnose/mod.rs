@@ -25,6 +25,7 @@ mod strategy;
 #[cfg(test)]
 mod tests;
 
+pub use answer::wording::{GENERAL, Wording};
 pub use answer::{
     Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, OfObject,
     OwnEffect, Test, Tuned, Use, Value, Verdict,

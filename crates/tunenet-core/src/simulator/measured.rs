@@ -218,7 +218,7 @@ impl<S: Simulator> Measured<S> {
         if active.is_empty() {
             return self.run(p, nuisances, input, clock, values);
         }
-        if self.kind() == Kind::BounceTimes {
+        if self.kind() == Kind::EventTimes {
             self.run(p, nuisances, input, clock, values)?;
             for (_, effect, c) in &active {
                 if let Act::Clock { to_seen, .. } = effect.act {

@@ -187,6 +187,7 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         coefficients: vec![Coefficient::new(key, unit, 0.0, bounds, typical)],
         plausible: vec![bounds],
         sentence: "",
+        random: false,
         mistaken_for: &[],
         unlikely: None,
     }

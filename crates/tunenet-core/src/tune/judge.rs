@@ -85,7 +85,7 @@ impl Tuning<'_> {
             let text = format!(
                 "{values} measured numbers for {unknowns} unknowns fit whatever they are, so nothing says how sure the answer is"
             );
-            let heard = self.simulator.kind() == Kind::BounceTimes;
+            let heard = self.simulator.kind() == Kind::EventTimes;
             let (one, what) = if heard { ("bounce", "bounces") } else { ("sample", "samples") };
             let more = (unknowns + 1 - values).div_ceil(self.simulator.channels().len());
             let least = if more == 1 { format!("1 more {one}") } else { format!("{more} more {what}") };

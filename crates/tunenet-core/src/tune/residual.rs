@@ -22,7 +22,7 @@ pub fn channel_noise(seen: &Observation) -> Vec<f64> {
     // A channel that never moves (a ball dropped straight down in exact data) must not weigh infinitely.
     let widest = ranges.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let noise = |column: &Vec<f64>| match seen.kind() {
-        Kind::BounceTimes => event_time_sd(seen.clock(), column),
+        Kind::EventTimes => event_time_sd(seen.clock(), column),
         _ => noise_sd(column),
     };
     columns.iter().map(|column| noise(column).max(LEAST_RELATIVE_NOISE * widest)).collect()

@@ -281,13 +281,13 @@ fn build(header: &Header<'_>, kind: Kind, found: &Found, mut notes: Vec<Note>) -
         None => missing(header, found, &format!("a column `{}`", quantity.header()), Some(quantity)),
     };
     let clock = match kind {
-        Kind::BounceTimes => found.get(&Quantity::BounceNumber).copied(),
+        Kind::EventTimes => found.get(&Quantity::BounceNumber).copied(),
         _ => Some(need(Quantity::Time)?),
     };
     let wanted: Vec<Quantity> = match kind {
         Kind::Positions => vec![Quantity::X, Quantity::Y, Quantity::Z],
         Kind::Pixels => vec![Quantity::U, Quantity::V],
-        Kind::BounceTimes => vec![Quantity::BounceTime],
+        Kind::EventTimes => vec![Quantity::BounceTime],
         _ => found.keys().copied().filter(|quantity| quantity.kind() == Some(Kind::Joints)).collect(),
     };
     let mut values = Vec::new();

@@ -156,7 +156,7 @@ pub(crate) fn chosen(path: &Path, recording: Recording, channels: &[Channel]) ->
         let message = format!("expected the channels {wanted} of the simulation, found {found}");
         Err(Error::file(path, message, "choose another --topic, or convert the log into a CSV file with these columns"))
     };
-    if seen.kind() == Kind::BounceTimes {
+    if seen.kind() == Kind::EventTimes {
         return refuse(&names(channels), seen.kind().name());
     }
     let columns: Option<Vec<usize>> =

@@ -18,7 +18,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     if samples < FEWEST_SAMPLES {
         return Err(few(path, samples));
     }
-    if scan.layout.kind == Kind::BounceTimes {
+    if scan.layout.kind == Kind::EventTimes {
         let observation = bounce_times(path, scan, &mut notes)?;
         return Ok(Recording { observation, notes });
     }
@@ -57,7 +57,7 @@ fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observ
             return Err(Error::file(path, message, hint));
         }
     }
-    Observation::bounce_times(values)
+    Observation::event_times(values)
 }
 
 fn few(path: &Path, samples: usize) -> Error {

@@ -99,7 +99,7 @@ impl<'a> Series<'a> {
             }
             // The number is kept beside the time until both are known to be good.
             Sample::Bounce(number) => {
-                self.channels = Channel::bounce_times();
+                self.channels = Channel::event_times();
                 self.values.push(number);
             }
             Sample::Joints(message) => {
@@ -175,7 +175,7 @@ impl<'a> Series<'a> {
         let time_s: Vec<f64> = clock.into_iter().map(to_s).collect();
         let observation = match self.kind {
             // The clock of an impact is its number, and its value the time.
-            Some(Kind::BounceTimes) => Observation::new(Kind::BounceTimes, self.channels, values, time_s)?,
+            Some(Kind::EventTimes) => Observation::new(Kind::EventTimes, self.channels, values, time_s)?,
             kind => Observation::new(kind.unwrap_or(Kind::Other), self.channels, time_s, values)?,
         };
         Ok(Recording { observation, notes })

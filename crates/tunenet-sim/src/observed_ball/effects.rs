@@ -98,7 +98,7 @@ impl ObservedBall {
         // A record without a bounce is silent about contacts alone.
         let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
         for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
-            if phase == Phase::Flight {
+            if phase == Phase::Segment {
                 *silent = None;
             }
         }

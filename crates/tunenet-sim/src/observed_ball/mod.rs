@@ -76,9 +76,9 @@ impl ObservedBall {
         let surface_height_m = ball.surface.height_m;
         let (channels, unknown) = match kind {
             Kind::Positions => (Channel::positions(), unknown_start(&release, surface_height_m)),
-            Kind::BounceTimes => {
+            Kind::EventTimes => {
                 let height = release.height_m.is_none().then_some(Unknown::Height);
-                (Channel::bounce_times(), height.into_iter().chain([Unknown::Time]).collect())
+                (Channel::event_times(), height.into_iter().chain([Unknown::Time]).collect())
             }
             _ => {
                 let expected = "positions or bounce times for a simulation of kind \"ball\"".into();
@@ -207,7 +207,7 @@ impl Simulator for ObservedBall {
 
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
         let preparation = match self.kind {
-            Kind::BounceTimes => self.prepare_bounces(seen)?,
+            Kind::EventTimes => self.prepare_bounces(seen)?,
             _ if self.aloft => self.prepare_flight(seen)?,
             _ => self.prepare_positions(seen)?,
         };

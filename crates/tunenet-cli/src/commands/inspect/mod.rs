@@ -157,7 +157,7 @@ fn several(options: &Inspect) -> Result<Exit> {
 fn purpose(kind: Kind) -> &'static str {
     match kind {
         Kind::Positions => "tune a ball's restitution and friction",
-        Kind::BounceTimes => "tune a ball's restitution",
+        Kind::EventTimes => "tune a ball's restitution",
         Kind::Pixels => "tune a ball's restitution, the camera found from the fall",
         Kind::Joints => "tune an arm's payload",
         _ => "tune a simulator of your own",

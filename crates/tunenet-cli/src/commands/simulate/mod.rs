@@ -54,7 +54,7 @@ fn ball(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
             file.set(key)?;
         }
     }
-    let kind = if options.bounces { Kind::BounceTimes } else { Kind::Positions };
+    let kind = if options.bounces { Kind::EventTimes } else { Kind::Positions };
     let ball = ObservedBall::new(file, kind)?;
     let parameters: Vec<f64> = ball.parameters().iter().map(|p| p.value).collect();
     let own = ball.own_at_rest(release.time_s.unwrap_or(0.0));
@@ -63,7 +63,7 @@ fn ball(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
         let count = ball.impacts_within(&parameters, &own, file.record().clock().last().copied().unwrap_or(0.0))?;
         let index: Vec<f64> = (0..count).map(|i| i as f64).collect();
         let times = rollout(&seen, &parameters, &own, &index)?;
-        Observation::bounce_times(times)?
+        Observation::event_times(times)?
     } else {
         let clock = file.record().clock();
         let values = rollout(&seen, &parameters, &own, &clock)?;

@@ -164,7 +164,7 @@ fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording>
     let recording = load::beside(file, recording, options.reference.as_deref(), &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
-    let span = if seen.kind() == Kind::BounceTimes {
+    let span = if seen.kind() == Kind::EventTimes {
         format!("{} bounces", seen.len())
     } else {
         format!("{} samples, {:.2} s", seen.len(), clock[clock.len() - 1] - clock[0])

@@ -184,7 +184,7 @@ fn noise(seen: &Observation) -> Vec<f64> {
     let steps: Vec<f64> = clock.windows(2).map(|w| w[1] - w[0]).collect();
     let usual = median(steps.iter().copied()).unwrap_or(0.0);
     let uneven = steps.iter().any(|step| (step / usual - 1.0).abs() > UNEVEN);
-    if seen.kind() == Kind::BounceTimes || !uneven || seen.len() < 8 {
+    if seen.kind() == Kind::EventTimes || !uneven || seen.len() < 8 {
         return plain;
     }
     let spread = |channel: usize| {

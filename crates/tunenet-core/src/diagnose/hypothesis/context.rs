@@ -9,7 +9,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::ar1_correlation;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::fit::Effort;
-use crate::diagnose::hypothesis::catalogue::{Entry, SCATTER};
+use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::information_criterion::{bic_gain, likelihood_gain};
 use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
 use crate::diagnose::joint::{Joint, Outcome, Point, spread};
@@ -115,7 +115,7 @@ impl<'a> Context<'a> {
 
     /// Chance at contacts, where every subject knows it.
     pub fn chance_entry(&self) -> Option<&Entry> {
-        self.catalogue.iter().find(|e| e.name == SCATTER)
+        self.catalogue.iter().find(|e| e.chance())
     }
 
     /// How far behind the best an explanation is still left; more where no object shows a second motion, against which the

@@ -78,7 +78,7 @@ fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
 /// intervals, by the same limit as in tuning.
 fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     let heard =
-        context.sets().iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::BounceTimes);
+        context.sets().iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::EventTimes);
     let share = model.structure.globals.len().div_ceil(context.sets().len().max(1));
     let each = heard.map(|(set, residual)| {
         Adequacy::of(&set.prepared.seen, &set.noise, residual, set.prepared.nuisances.len() + share)

@@ -27,10 +27,11 @@ impl Glider {
 fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64, plausible: (f64, f64)) -> Effect {
     Effect {
         name,
-        phase: Phase::Flight,
+        phase: Phase::Segment,
         coefficients: vec![Coefficient::new(key, "1", 0.0, range, typical)],
         plausible: vec![plausible],
         sentence: "",
+        random: false,
         mistaken_for: &[],
         unlikely: None,
     }
