@@ -153,7 +153,7 @@ pub fn tuned(bounces_s: &[f64], fall_m: f64) -> Result<Option<Estimate>> {
     if bounces_s.len() < FEWEST_TUNED {
         return Ok(None);
     }
-    tuned_to(&[Observation::event_times(bounces_s.to_vec())?], fall_m)
+    tuned_to(&[tunenet_ball::bounce_times(bounces_s.to_vec())?], fall_m)
 }
 
 fn tuned_to(seen: &[Observation], fall_m: f64) -> Result<Option<Estimate>> {
@@ -175,7 +175,8 @@ pub struct Several {
 impl Several {
     pub fn new(drops: &[Read], fall_m: f64) -> Result<Self> {
         let lists = drops.iter().filter(|drop| drop.lists());
-        let seen = lists.map(|d| Observation::event_times(d.bounces_s.clone())).collect::<tunenet_core::Result<_>>()?;
+        let seen =
+            lists.map(|d| tunenet_ball::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<_>>()?;
         Ok(Self { seen, fall_m })
     }
 

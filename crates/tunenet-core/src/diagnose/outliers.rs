@@ -16,7 +16,7 @@ const FEWEST_GATHERED: usize = 4;
 
 /// Sets samples aside that leave their neighbours, by `residuals` in units of the noise; returns how many.
 ///
-/// A misfit in flight is smooth, so it moves neighbours together. One at contacts (they last, or the shutter is open) does
+/// A misfit between events is smooth, so it moves neighbours together. One at events (contacts last, or the shutter is open) does
 /// not; but it is there at every contact, and an accident is not.
 pub(super) fn set_aside(sets: &mut [Set], residuals: &[Vec<f64>]) -> usize {
     let (mut chosen, mut near, mut far) = (Vec::new(), Share::default(), Share::default());

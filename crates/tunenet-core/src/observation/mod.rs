@@ -54,7 +54,7 @@ impl Kind {
         match self {
             Self::Positions => "positions",
             Self::Pixels => "pixels",
-            Self::EventTimes => "bounce times",
+            Self::EventTimes => "event times",
             Self::Joints => "joint series",
             Self::Other => "a time series",
         }
@@ -90,12 +90,6 @@ impl Channel {
     #[must_use]
     pub fn positions() -> Vec<Self> {
         ["x", "y", "z"].map(|name| Self::new(name, "m")).to_vec()
-    }
-
-    /// The one channel of [`Kind::EventTimes`].
-    #[must_use]
-    pub fn event_times() -> Vec<Self> {
-        vec![Self::new("bounce_time", "s")]
     }
 }
 
@@ -160,7 +154,7 @@ impl Observation {
             && let Some(i) = falling(&values)
         {
             return refuse(
-                format!("bounce time {}", i + 2),
+                format!("{} {}", channels[0].name.replace('_', " "), i + 2),
                 format!("more than {}", values[i]),
                 format!("{}", values[i + 1]),
             );
@@ -176,13 +170,13 @@ impl Observation {
         Self::new(Kind::Positions, Channel::positions(), time_s, position_m.concat())
     }
 
-    /// Instants of events, s, numbered from 0.
+    /// Instants of events, s, numbered from 0, on a channel of this name.
     ///
     /// # Errors
     /// As [`Observation::new`].
-    pub fn event_times(time_s: Vec<f64>) -> Result<Self> {
+    pub fn event_times(name: &str, time_s: Vec<f64>) -> Result<Self> {
         let index = (0..time_s.len()).map(|i| i as f64).collect();
-        Self::new(Kind::EventTimes, Channel::event_times(), index, time_s)
+        Self::new(Kind::EventTimes, vec![Channel::new(name, "s")], index, time_s)
     }
 
     /// What kind of thing was measured.

@@ -168,7 +168,7 @@ fn compare(
     })
 }
 
-/// Evenly spaced instants over the whole recording; the bounces themselves where the clock counts them.
+/// Evenly spaced instants over the whole recording; the events themselves where the clock counts them.
 fn curve_clock(seen: &Observation) -> Vec<f64> {
     if seen.kind() == Kind::EventTimes {
         return seen.clock().to_vec();

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::guess::guess;
 use super::guess_joints::guess_joints;
 use super::lines::{Cell, Line, Lines, cells};
-use crate::quantity::{Family, Meaning, Quantity, Scale, meaning};
+use crate::quantity::{Family, Meaning, Quantity, Scale, kind_name, meaning};
 use crate::ranges::written_out;
 use crate::shown::list;
 use crate::{Error, Origin, Result};
@@ -189,7 +189,7 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)]) -> Resul
         }
         ([], []) => return missing(header, &found, "columns `t_s` and `z_m`, or `bounce_time_s`", None),
         ([], several) | (several, _) => {
-            let names: Vec<&str> = several.iter().map(|kind| kind.name()).collect();
+            let names: Vec<&str> = several.iter().map(|kind| kind_name(*kind)).collect();
             let message = format!("expected columns of one kind, found those of {}", names.join(" and "));
             return header.refuse(None, message, header.remedy());
         }

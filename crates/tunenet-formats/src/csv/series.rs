@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::bounces::doubt;
 use super::scan::{Scan, scan};
+use crate::quantity::Quantity;
 use crate::recording::ReadOptions;
 use crate::recording::Recording;
 use crate::{Error, Result};
@@ -57,7 +58,7 @@ fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observ
             return Err(Error::file(path, message, hint));
         }
     }
-    Observation::event_times(values)
+    Observation::event_times(&Quantity::BounceTime.channel().name, values)
 }
 
 fn few(path: &Path, samples: usize) -> Error {

@@ -9,6 +9,7 @@ use super::records::messages;
 use super::stamps::to_s;
 use super::topics::{Topic, choose, survey};
 use crate::csv::scan::samples;
+use crate::quantity::{Quantity, kind_name};
 use crate::recording::MOST_NUMBERS;
 use crate::recording::Recording;
 use crate::{Error, Result};
@@ -87,7 +88,7 @@ impl<'a> Series<'a> {
     fn add(&mut self, number: u64, decoded: Decoded, log_time: u64) -> std::result::Result<(), String> {
         let kind = decoded.sample.kind();
         if *self.kind.get_or_insert(kind) != kind {
-            return Err(format!("expected {}, found {}", self.kind.map_or("", Kind::name), kind.name()));
+            return Err(format!("expected {}, found {}", self.kind.map_or("", kind_name), kind_name(kind)));
         }
         let start = self.values.len();
         match decoded.sample {
@@ -99,7 +100,7 @@ impl<'a> Series<'a> {
             }
             // The number is kept beside the time until both are known to be good.
             Sample::Bounce(number) => {
-                self.channels = Channel::event_times();
+                self.channels = vec![Quantity::BounceTime.channel()];
                 self.values.push(number);
             }
             Sample::Joints(message) => {

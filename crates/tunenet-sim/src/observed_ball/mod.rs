@@ -7,6 +7,7 @@ mod prepare;
 use tunenet_core::observation::{Channel, Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Scale, Segmented, Simulator};
 use tunenet_core::{Error, Result};
+use tunenet_formats::kind_name;
 
 use crate::ball::effects::{BallEffect, Body};
 use crate::ball::{Scene, State, impact_times, positions};
@@ -78,11 +79,15 @@ impl ObservedBall {
             Kind::Positions => (Channel::positions(), unknown_start(&release, surface_height_m)),
             Kind::EventTimes => {
                 let height = release.height_m.is_none().then_some(Unknown::Height);
-                (Channel::event_times(), height.into_iter().chain([Unknown::Time]).collect())
+                (tunenet_ball::bounce_time_channels(), height.into_iter().chain([Unknown::Time]).collect())
             }
             _ => {
                 let expected = "positions or bounce times for a simulation of kind \"ball\"".into();
-                return Err(Error::Observation { what: "the observation".into(), expected, found: kind.name().into() });
+                return Err(Error::Observation {
+                    what: "the observation".into(),
+                    expected,
+                    found: kind_name(kind).into(),
+                });
             }
         };
         let parameters = file.parameters()?;
@@ -186,8 +191,8 @@ impl ObservedBall {
     fn wrong_kind(&self, seen: &Observation) -> Error {
         Error::Observation {
             what: "the observation".into(),
-            expected: self.kind.name().into(),
-            found: seen.kind().name().into(),
+            expected: kind_name(self.kind).into(),
+            found: kind_name(seen.kind()).into(),
         }
     }
 }

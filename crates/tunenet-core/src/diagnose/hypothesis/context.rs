@@ -22,9 +22,9 @@ pub(in crate::diagnose) const FULL: Effort = Effort { steps: 12, tolerance: 0.02
 /// A change of the noise's lag-1 correlation below this is left.
 const CORRELATION_CHANGE: f64 = 0.05;
 
-/// Of a single throw, explanations are left up to this many times the usual margin. It is not named alone, since what
-/// is in no catalogue looks like one of its entries in one throw, by any margin; unless the effect has to be there, as drag
-/// of a ball of known mass and size.
+/// Of a single motion, explanations are left up to this many times the usual margin. It is not named alone, since what
+/// is in no catalogue looks like one of its entries in one motion, by any margin; unless the effect has to be there, as
+/// drag of a body of known mass and size.
 pub(in crate::diagnose) const SINGLE_MOTION_MARGIN: f64 = 10.0;
 
 /// The random effect of contacts: every contact tilted by a draw of its own.

@@ -74,7 +74,7 @@ fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
     })
 }
 
-/// Of lists of bounces, too short for any test of shape: whether the residual is no larger than the noise of single
+/// Of lists of events, too short for any test of shape: whether the residual is no larger than the noise of single
 /// intervals, by the same limit as in tuning.
 fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     let heard =

@@ -62,7 +62,7 @@ fn by_chance(context: &Context, found: &mut Selection, adequate: bool) -> Result
     }
 }
 
-/// The search again, every bounce with a tilt of its own.
+/// The search again, every event with a tilt of its own.
 fn with_chance<'a>(
     context: &Context<'a>,
     plain: Selection<'a>,
