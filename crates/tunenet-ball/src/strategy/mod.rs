@@ -47,3 +47,44 @@ fn variants(
 ) -> Option<Vec<Box<dyn Simulator>>> {
     problem.subjects().iter().map(|subject| of(subject.simulator.segmented()?)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tunenet_core::diagnose::Verdict;
+    use tunenet_core::testing::{Exact, Pendulum, Shuttle};
+
+    /// Answers without and with the strategies of a ball.
+    fn both(simulator: &dyn Simulator, seen: &[tunenet_core::observation::Observation]) -> [Diagnosis; 2] {
+        let subjects = [Subject { name: "it".into(), simulator }];
+        let one = |seen| Recording { name: "one".into(), object: 0, held_out: false, seen };
+        let recordings: Vec<Recording> = seen.iter().map(one).collect();
+        let settings = Settings::default();
+        let plain = tunenet_core::diagnose::diagnose(&subjects, &recordings, &settings, &|_| {}).unwrap();
+        [plain, diagnose(&subjects, &recordings, &settings, &|_| {}).unwrap()]
+    }
+
+    #[test]
+    fn what_has_no_hidden_state_gets_the_answer_of_its_recordings_as_they_are() {
+        let shuttle = Exact::new(Shuttle::default());
+        let seen = [[0.0, 1.5], [0.1, -2.0]]
+            .map(|start| shuttle.observe(&[("kick.speed_m_s", 0.3), ("slip.step_m", 0.05)], &start, 1e-3, 1).unwrap());
+        let [plain, ball] = both(&shuttle, &seen);
+        assert_eq!((plain.verdict, &plain.names, plain.rollouts), (ball.verdict, &ball.names, ball.rollouts));
+        assert!(variants_of(&shuttle).is_none());
+    }
+
+    #[test]
+    fn a_pendulum_is_described_in_general_words() {
+        let pendulum = Exact::new(Pendulum);
+        let seen = [pendulum.observe(&[("viscous_friction.rate_1_s", 0.2)], &[0.2, 0.0], 1e-3, 1).unwrap()];
+        let [plain, ball] = both(&pendulum, &seen);
+        assert_eq!(plain.verdict, Verdict::OneOf);
+        assert_eq!(plain.next_experiment, ball.next_experiment);
+        assert_eq!(plain.doubt, ball.doubt);
+    }
+
+    fn variants_of(simulator: &dyn Simulator) -> Option<Box<dyn Simulator>> {
+        simulator.segmented()?.with_hidden_state()
+    }
+}

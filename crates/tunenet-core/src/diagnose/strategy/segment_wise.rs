@@ -173,7 +173,7 @@ fn stands(segments_alone: &SegmentFindings, object: Option<usize>, name: &str) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::zoo::{FRICTION, in_context, in_swings};
+    use crate::diagnose::tests::zoo::{AT_EVENTS, BETWEEN, FRICTION, in_context, in_shuttles, in_swings, names};
     use crate::testing::{Exact, Pendulum};
 
     #[test]
@@ -187,5 +187,27 @@ mod tests {
             assert!(same.scope == Scope::Tuned);
         });
         in_swings(&[], 2, 0, |context| assert!(!SegmentWise.applies(&Attempt::tuned(context).unwrap())));
+    }
+
+    #[test]
+    fn segments_are_explained_first_and_then_the_events() {
+        in_shuttles(&[(BETWEEN, 0.6), (AT_EVENTS, 0.3)], |context| {
+            let tuned = Attempt::tuned(context).unwrap();
+            assert!(SegmentWise.applies(&tuned), "a kick of 0.3 m/s is far beyond a noise of 0.2 mm");
+            let found = SegmentWise.attempt(tuned, &|_| {}).unwrap();
+            assert!(found.scope == Scope::Segments { events_open: false });
+            assert_eq!(names(&found.context, &found.last().structure.effects), ["friction", "kick"]);
+            assert!(found.practical.unwrap().iter().all(|test| test.passed));
+        });
+    }
+
+    #[test]
+    fn events_that_need_no_effect_stay_open() {
+        in_shuttles(&[(BETWEEN, 1.5)], |context| {
+            let tuned = Attempt::tuned(context).unwrap();
+            let found = SegmentWise.attempt(tuned, &|_| {}).unwrap();
+            assert!(found.scope == Scope::Segments { events_open: true });
+            assert_eq!(names(&found.context, &found.last().structure.effects), ["friction"]);
+        });
     }
 }

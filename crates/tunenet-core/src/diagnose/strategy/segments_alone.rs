@@ -164,3 +164,30 @@ fn evidence_of(subjects: &[Subject], sets: &[Set]) -> Result<Evidence> {
     }
     Ok(Evidence::new(all))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{AT_EVENTS, BETWEEN, in_shuttles, in_swings};
+
+    #[test]
+    fn segments_show_what_acts_in_them_whatever_happens_at_events() {
+        in_shuttles(&[(BETWEEN, 0.6), (AT_EVENTS, 0.3)], |context| {
+            let found = segments_alone(context, &|_| {}).unwrap().unwrap();
+            let names: Vec<&str> = found.given.iter().map(|given| given.entry.name).collect();
+            assert_eq!(names, ["friction"]);
+            let rate = found.given[0].value(0, BETWEEN).unwrap();
+            assert!((rate - 0.6).abs() < 0.03, "{rate}");
+            assert!(found.alone.iter().all(|score| !["kick", "slip"].contains(&score.name)), "they act at events");
+        });
+    }
+
+    #[test]
+    fn segments_that_need_nothing_give_nothing_and_what_has_none_is_not_asked() {
+        in_shuttles(&[(AT_EVENTS, 0.3)], |context| {
+            let found = segments_alone(context, &|_| {}).unwrap().unwrap();
+            assert!(found.given.is_empty() && found.places.is_empty());
+        });
+        in_swings(&[], 2, 0, |context| assert!(segments_alone(context, &|_| {}).unwrap().is_none()));
+    }
+}
