@@ -150,7 +150,7 @@ pub fn simulation(bytes: &[u8]) {
     }
     SimulationFile::parse(path, &file.text()).expect("what was accepted is accepted again");
     let _ = (file.essence(), file.scene(), file.effects(), file.parameters());
-    for kind in [Kind::Positions, Kind::BounceTimes] {
+    for kind in [Kind::Positions, Kind::EventTimes] {
         let Ok(world) = simulator(&file, kind) else { continue };
         let values: Vec<f64> = world.parameters().iter().map(|p| p.value).collect();
         let clock = [0.0, 0.05, 0.1];

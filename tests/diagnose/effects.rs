@@ -28,8 +28,13 @@ fn rows(effects: &[Effect]) -> String {
         let coefficients = each.collect::<Vec<_>>().join("<br>");
         let mistaken = effect.mistaken_for.iter().map(|m| format!("`{m}`")).collect::<Vec<_>>().join(", ");
         let sentence = effect.sentence.replace('|', "\\|");
-        writeln!(table, "| `{}` | {} | {coefficients} | {sentence} | {mistaken} |", effect.name, effect.phase.name())
-            .unwrap();
+        writeln!(
+            table,
+            "| `{}` | {} | {coefficients} | {sentence} | {mistaken} |",
+            effect.name,
+            tunenet_sim::phase::name(effect.phase)
+        )
+        .unwrap();
     }
     table
 }

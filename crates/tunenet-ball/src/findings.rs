@@ -72,4 +72,10 @@ finding_kinds! {
     BOUNCES_GROW = "bounces.grow",
         "a hop lasts longer than the one before, beyond the noise of the times",
         "a hand or a second impact: give only the bounces before it; a missed impact: number the impacts in a column `bounce_number`";
+    FLIGHTS_ALONE = "flights.alone",
+        "the recordings as a whole are not explained; their flight segments were analysed separately",
+        "record throws without spin to learn more about the contacts";
+    CONTACTS_ALONE = "contacts.alone",
+        "the recordings as a whole are not explained, but their contacts reduce the speed along the surface, and were analysed separately",
+        "record several throws in different directions to learn more about the flights";
 }

@@ -10,7 +10,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Who set what is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Origin {
-    /// The command line.
+    /// A flag of the program that calls this library.
     Flag,
     /// A file.
     File,

@@ -46,7 +46,7 @@ finding_kinds! {
         "of an arm: one of these effects would explain more, and the recordings do not determine which; none is added",
         "record the motion that `next_experiment` names, then diagnose again";
     CONTACT_UNEXPLAINED = "contact.unexplained",
-        "the named effects explain the flights; contacts leave a discrepancy that no effect explains",
+        "the named effects explain the motion between contacts; contacts leave a discrepancy that no effect explains",
         "vary height and surface, to see which of them changes it";
     INTERVALS_WIDENED = "intervals.widened",
         "recordings differ by more than their noise; intervals follow from their scatter",
@@ -57,12 +57,6 @@ finding_kinds! {
     EFFECT_UNLIKELY = "effect.unlikely",
         "an effect explains the recordings as well, but is implausible for this object",
         "state in the simulation file in which medium the object moved";
-    FLIGHTS_ALONE = "flights.alone",
-        "the recordings as a whole are not explained; their flight segments were analysed separately",
-        "record throws without spin to learn more about the contacts";
-    CONTACTS_ALONE = "contacts.alone",
-        "the recordings as a whole are not explained, but their contacts reduce the speed along the surface, and were analysed separately",
-        "record several throws in different directions to learn more about the flights";
     PARAMETER_CARRIED = "parameter.carried",
         "a fixed value was itself tuned, and the intervals allow for its uncertainty",
         "none needed";

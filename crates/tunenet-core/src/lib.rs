@@ -1,6 +1,6 @@
 //! The mathematics and the data of tunenet: what was seen, what could be, what has been learned, what fits.
 //!
-//! tunenet makes a simulator behave like a measured real thing. This crate holds everything that is the same for every
+//! The aim is a simulator that behaves like a measured real thing. This crate holds everything that is the same for every
 //! simulator; it knows no physics engine, no video and no terminal. Five wings, each standing on the ones before it:
 //!
 //! | wing | question | start reading at |
@@ -18,8 +18,7 @@
 //! 2. Put what was measured into an [`Observation`](observation::Observation).
 //! 3. Call [`tune::tune`]; it returns each parameter with its interval, and a verdict.
 //!
-//! This is `examples/pendulum.rs`, all of it; `cargo run --example pendulum` prints `length = 0.6200 m` and
-//! `damping = 0.2400 1/s`:
+//! This is `examples/pendulum.rs`, all of it; it prints `length = 0.6200 m` and `damping = 0.2400 1/s`:
 //!
 //! ```
 #![doc = include_str!("../examples/pendulum.rs")]

@@ -147,7 +147,7 @@ fn table(path: &Path, options: &ReadOptions) -> Result<Table> {
         }
         other => other.to_string(),
     });
-    let times = if scan.layout.kind == Kind::BounceTimes { &scan.values } else { &scan.clock };
+    let times = if scan.layout.kind == Kind::EventTimes { &scan.values } else { &scan.clock };
     table.rows = scan.rows;
     table.samples = times.len();
     table.span_s = times.first().copied().zip(times.last().copied());

@@ -44,6 +44,7 @@ pub use mcap::topics::Topic;
 pub use mcap::trajectory::{JointPoint, write_approach};
 pub use mcap::write::write_mcap;
 pub use model::{load_model, model_from_bytes, model_to_bytes, save_model, train_file};
+pub use quantity::kind_name;
 pub use read::read;
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording};
 pub use source::open;

@@ -22,6 +22,15 @@ pub(crate) enum Quantity {
     Own(u16),
 }
 
+/// What files and answers call this kind of observation: "positions", "bounce times".
+#[must_use]
+pub fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::EventTimes => "bounce times",
+        other => other.name(),
+    }
+}
+
 impl Quantity {
     /// Whose column it is; `None` for those that go with any kind.
     pub fn kind(self) -> Option<Kind> {
@@ -29,7 +38,7 @@ impl Quantity {
             Self::Time => None,
             Self::X | Self::Y | Self::Z => Some(Kind::Positions),
             Self::U | Self::V => Some(Kind::Pixels),
-            Self::BounceNumber | Self::BounceTime => Some(Kind::BounceTimes),
+            Self::BounceNumber | Self::BounceTime => Some(Kind::EventTimes),
             Self::Angle(_) | Self::Speed(_) | Self::Torque(_) | Self::Current(_) => Some(Kind::Joints),
             Self::Own(_) => Some(Kind::Other),
         }

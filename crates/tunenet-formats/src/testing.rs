@@ -1,7 +1,5 @@
 //! Files made in code for the tests of this folder.
 
-pub(crate) mod bouncer;
-
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::PathBuf;

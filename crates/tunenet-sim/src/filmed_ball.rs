@@ -4,6 +4,7 @@ use tunenet_core::camera::LineCamera;
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Rejected, Simulator};
 use tunenet_core::{Error, Result};
+use tunenet_formats::kind_name;
 
 use crate::findings;
 use crate::scene::BallScene;
@@ -62,7 +63,7 @@ impl Simulator for FilmedBall {
 
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
         if seen.kind() != Kind::Pixels {
-            let (expected, found) = (Kind::Pixels.name().into(), seen.kind().name().into());
+            let (expected, found) = (Kind::Pixels.name().into(), kind_name(seen.kind()).into());
             return Err(Error::Observation { what: "the observation".into(), expected, found });
         }
         let scale = self.ball.scale(&self.ball.own_at_rest(self.start_s), self.start_s);

@@ -11,6 +11,7 @@
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
 //! | [`open_drag`] | the drag that recordings leave open |
+//! | [`phase`] | where effects act, in words |
 //! | [`process`] | a simulator of any language: a program that speaks lines of JSON |
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`filmed`] | drops in front of an uncalibrated camera |
@@ -29,6 +30,7 @@ pub mod observed;
 pub mod observed_arm;
 pub mod observed_ball;
 pub mod open_drag;
+pub mod phase;
 pub mod process;
 pub mod replayed_arm;
 pub mod scene;

@@ -3,6 +3,7 @@
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
 use tunenet_core::{Error, Result};
+use tunenet_formats::kind_name;
 
 use crate::replayed_arm::{replayed, replays};
 use crate::simulation_file::Domain;
@@ -27,7 +28,7 @@ pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>
                     "give an arm's simulation file: `tunenet init arm` writes one to start from",
                 ),
             };
-            let message = format!("expected {is}, which the file describes, found {}", kind.name());
+            let message = format!("expected {is}, which the file describes, found {}", kind_name(kind));
             return Err(Error::file(file.path(), message, other));
         }
         (Domain::Ball, _) => {}

@@ -87,7 +87,7 @@ mod tests {
             now += (up / terminal).atan() / (G * c).sqrt() + (c * height).exp().acosh() / (G * c).sqrt();
             speed = terminal * (1.0 - (-2.0 * c * height).exp()).sqrt();
         }
-        Observation::bounce_times(times).unwrap()
+        tunenet_ball::bounce_times(times).unwrap()
     }
 
     /// The true strength has the greatest share, and the restitution beside it is the true one; what drag costs is no longer
@@ -108,7 +108,7 @@ mod tests {
     fn few_bounces_exclude_little() {
         let shaken: Vec<f64> =
             bounces(0.75, 0.03, 3).clock().iter().zip([0.004, -0.004, 0.004]).map(|(t, d)| t + d).collect();
-        let found = possible(&file(""), &[], &[Observation::bounce_times(shaken).unwrap()]).unwrap();
+        let found = possible(&file(""), &[], &[tunenet_ball::bounce_times(shaken).unwrap()]).unwrap();
         assert!(found.len() >= 5 && found.iter().all(|p| p.share < 0.6), "{found:?}");
     }
 

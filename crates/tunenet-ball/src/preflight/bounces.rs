@@ -99,7 +99,7 @@ mod tests {
     }
 
     fn grow(times: &[f64]) -> Check {
-        let seen = Observation::bounce_times(times.to_vec()).unwrap();
+        let seen = crate::bounce_times(times.to_vec()).unwrap();
         checks(&seen, &Expected::default()).into_iter().find(|c| c.kind == findings::BOUNCES_GROW).unwrap()
     }
 

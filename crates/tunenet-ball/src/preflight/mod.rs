@@ -80,7 +80,7 @@ pub fn of(seen: &Observation, expected: &Expected) -> Vec<Check> {
 pub fn examine(seen: &Observation, expected: &Expected) -> Preflight {
     match seen.kind() {
         Kind::Positions => positions(seen, expected),
-        Kind::BounceTimes => {
+        Kind::EventTimes => {
             let checks = bounces::checks(seen, expected);
             Preflight { checks, kept: Some(seen.clone()), arcs: None, coarse: None, gravity: None }
         }

@@ -48,6 +48,10 @@ impl Segmentation for BallSegmentation {
         let arcs = Arcs::cut(seen, self.gravity_m_s2);
         arcs.map_or_else(Vec::new, |arcs| arcs.contacts.iter().map(|c| c.time_s).collect())
     }
+
+    fn free_acceleration(&self) -> Option<f64> {
+        Some(-self.gravity_m_s2)
+    }
 }
 
 /// The greatest value less the least.

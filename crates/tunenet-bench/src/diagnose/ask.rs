@@ -4,7 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict, diagnose};
+use tunenet_ball::diagnose;
+use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::{SimulationFile, simulator};

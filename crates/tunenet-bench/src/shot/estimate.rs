@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use tunenet_ball::bounces;
-use tunenet_core::diagnose::{self, Recording, Subject, Verdict, diagnose};
+use tunenet_core::diagnose::{self, Recording, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::tune::{self, tune};
 use tunenet_sim::{SimulationFile, simulator};
@@ -153,11 +153,11 @@ pub fn tuned(bounces_s: &[f64], fall_m: f64) -> Result<Option<Estimate>> {
     if bounces_s.len() < FEWEST_TUNED {
         return Ok(None);
     }
-    tuned_to(&[Observation::bounce_times(bounces_s.to_vec())?], fall_m)
+    tuned_to(&[tunenet_ball::bounce_times(bounces_s.to_vec())?], fall_m)
 }
 
 fn tuned_to(seen: &[Observation], fall_m: f64) -> Result<Option<Estimate>> {
-    let ball = simulator(&scene(Some(fall_m))?, Kind::BounceTimes)?;
+    let ball = simulator(&scene(Some(fall_m))?, Kind::EventTimes)?;
     let outcome = tune(&ball, seen, None, &tune::Settings::default())?;
     let Some(found) = outcome.parameters.iter().find(|p| p.name == "restitution" && p.identified) else {
         return Ok(None);
@@ -176,7 +176,7 @@ impl Several {
     pub fn new(drops: &[Read], fall_m: f64) -> Result<Self> {
         let lists = drops.iter().filter(|drop| drop.lists());
         let seen =
-            lists.map(|d| Observation::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<_>>()?;
+            lists.map(|d| tunenet_ball::bounce_times(d.bounces_s.clone())).collect::<tunenet_core::Result<_>>()?;
         Ok(Self { seen, fall_m })
     }
 
@@ -190,14 +190,14 @@ impl Several {
         if self.seen.is_empty() {
             return Ok(None);
         }
-        let simulator = simulator(&scene(Some(self.fall_m))?, Kind::BounceTimes)?;
+        let simulator = simulator(&scene(Some(self.fall_m))?, Kind::EventTimes)?;
         let subjects = [Subject { name: "ball".into(), simulator: simulator.as_ref() }];
         let recordings: Vec<Recording> = (1..)
             .zip(&self.seen)
             .map(|(i, seen)| Recording { name: format!("drop {i}"), object: 0, held_out: false, seen })
             .collect();
         let settings = diagnose::Settings { set_aside: false, ..diagnose::Settings::default() };
-        let found = diagnose(&subjects, &recordings, &settings, &|_| {})?;
+        let found = tunenet_ball::diagnose(&subjects, &recordings, &settings, &|_| {})?;
         let Some(e) = found.parameters.iter().find(|p| p.name == "restitution") else { return Ok(None) };
         let effects = found.effects.iter().map(|named| {
             let one =

@@ -52,7 +52,7 @@ fn read(text: &str) -> Result<Shard, String> {
         },
         _ => text.parse().map_err(|error| told(&error)),
     };
-    shard.map_err(|text| text.trim_start_matches("`--shard`: ").to_owned())
+    shard.map_err(|text| text.trim_start_matches("`shard`: ").to_owned())
 }
 
 const TASK: &str = "SLURM_ARRAY_TASK_ID";
@@ -112,7 +112,7 @@ fn of_environment(variable: &dyn Fn(&str) -> Option<String>, count: Option<u32>)
 /// Without the flag's name, which clap says itself.
 fn told(error: &tunenet_core::Error) -> String {
     let text = error.to_string();
-    text.strip_prefix("`--shard`: ").map(str::to_owned).unwrap_or(text)
+    text.strip_prefix("`shard`: ").map(str::to_owned).unwrap_or(text)
 }
 
 #[cfg(test)]

@@ -8,15 +8,15 @@ use crate::simulator::Scale;
 const REFINEMENTS: usize = 4;
 /// Fewest samples of a first fall that say anything of three numbers.
 const FEWEST: usize = 6;
-/// A ball is at rest where its last samples spread by less than this share of what the whole record spans.
+/// A body is at rest where its last samples spread by less than this share of what the whole record spans.
 const REST_SHARE: f64 = 0.02;
 /// ... over at least this share of the record.
 const REST_LENGTH: f64 = 0.05;
 
 /// What any pinhole camera makes of heights on one vertical line: `v = (a z + b) / (c z + 1)`, with `v` in px and `z` in m.
 ///
-/// Three numbers hold place, aim and focal length as far as they matter to a drop. They follow from samples of known height
-/// alone: those of a first fall from rest, whose heights are known without the restitution.
+/// Three numbers hold place, aim and focal length as far as they matter to a fall. They follow from samples of known height
+/// alone: those of a first fall from rest, whose heights are known without the impacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineCamera {
     a_px_m: f64,
@@ -54,7 +54,7 @@ impl LineCamera {
         (in_front && camera.a_px_m.is_finite() && camera.b_px.is_finite()).then_some(camera)
     }
 
-    /// The camera from the first fall of a drop of this scale, and from the rest at the end where there is one. `clock` in
+    /// The camera from the first fall of this scale, and from the rest at the end where there is one. `clock` in
     /// s, `v_px` downwards. `None` where the fall is hardly seen.
     #[must_use]
     pub fn of_fall(clock: &[f64], v_px: &[f64], scale: &Scale) -> Option<Self> {

@@ -17,7 +17,7 @@ pub struct Pinhole {
     size_px: (usize, usize),
 }
 
-/// The outline of a ball in a picture, as a circle: the ellipse's middle, and the mean of its half axes.
+/// The outline of a sphere in a picture, as a circle: the ellipse's middle, and the mean of its half axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disc {
     /// The middle, px.
@@ -53,9 +53,9 @@ impl Pinhole {
         (depth > 0.0).then(|| [u + self.focal_px * right / depth, v + self.focal_px * down / depth])
     }
 
-    /// The outline of a ball; `None` where the camera is not wholly in front of it.
+    /// The outline of a sphere; `None` where the camera is not wholly in front of it.
     ///
-    /// Its middle is not where the ball's centre appears: the cone of sight that touches the ball is cut obliquely away
+    /// Its middle is not where the sphere's centre appears: the cone of sight that touches the sphere is cut obliquely away
     /// from the picture's middle, and the ellipse reaches farther outwards than inwards.
     #[must_use]
     pub fn disc(&self, centre_m: [f64; 3], radius_m: f64) -> Option<Disc> {
@@ -130,9 +130,9 @@ mod tests {
         assert!(ray.cross(&way).norm() < 1e-9 * way.norm());
     }
 
-    /// The outline's points are those whose ray touches the ball; found here by looking along many rays.
+    /// The outline's points are those whose ray touches the sphere; found here by looking along many rays.
     #[test]
-    fn the_outline_is_where_rays_touch_the_ball() {
+    fn the_outline_is_where_rays_touch_the_sphere() {
         let camera = camera();
         let (centre, radius) = ([0.0, 0.0, 4.5], 0.5);
         let disc = camera.disc(centre, radius).unwrap();
@@ -157,7 +157,7 @@ mod tests {
         assert!((sum[1] / count - disc.centre_px[1]).abs() < 0.005, "{} {disc:?}", sum[1] / count);
         let radius = (count * step * step / std::f64::consts::PI).sqrt();
         assert!((radius / disc.radius_px - 1.0).abs() < 0.002, "{radius} {disc:?}");
-        // The projection of the ball's centre is not the centre of the disc.
+        // The projection of the sphere's centre is not the centre of the disc.
         assert!((camera.project(centre).unwrap()[1] - disc.centre_px[1]).abs() > 0.1);
     }
 }

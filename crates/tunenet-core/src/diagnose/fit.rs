@@ -56,7 +56,7 @@ impl Joint<'_> {
         Ok(self.fit_from(point, residuals, Effort { steps: 0, tolerance: 0.0, horizon: 1.0 }, None))
     }
 
-    /// Moves the start of a recording that the simulator refuses (a ball inside a surface that tilts) to the nearest one
+    /// Moves the start of a recording that the simulator refuses (a body inside a surface that tilts) to the nearest one
     /// that it takes, one unknown at a time.
     fn admit(&self, d: usize, start: &mut Point, horizon: f64) {
         let samples = self.samples(d, horizon);
@@ -198,7 +198,7 @@ impl Joint<'_> {
             let global = &self.structure.globals[place];
             let (p, value) = (&global.parameter, &mut moved.globals[place]);
             let bound = (*value + step).clamp(p.min, p.max);
-            // Where a ball loses nothing it bounces for ever, and a rollout takes as long.
+            // Where impacts take nothing there is no end of them, and a rollout takes as long.
             let short = global.effect.is_none() && bound != *value + step;
             *value += if short { NEARER * (bound - *value) } else { bound - *value };
         }

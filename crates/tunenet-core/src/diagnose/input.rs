@@ -1,5 +1,6 @@
 //! What a diagnosis starts from.
 
+use super::answer::wording::{GENERAL, Wording};
 use crate::observation::{Note, Observation};
 use crate::simulator::Simulator;
 use crate::{Error, Origin, Result};
@@ -38,11 +39,13 @@ pub struct Settings {
     pub most_effects: usize,
     /// Whether recordings may be set aside to judge by where none is given.
     pub set_aside: bool,
+    /// What texts say of things whose motion may have segments between events.
+    pub wording: &'static Wording,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 0, significance: 0.002, margin: 6.0, most_effects: 3, set_aside: true }
+        Self { seed: 0, significance: 0.002, margin: 6.0, most_effects: 3, set_aside: true, wording: &GENERAL }
     }
 }
 

@@ -25,11 +25,14 @@ mod strategy;
 #[cfg(test)]
 mod tests;
 
+pub use answer::wording::{GENERAL, Wording};
 pub use answer::{
     Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, OfObject,
     OwnEffect, Test, Tuned, Use, Value, Verdict,
 };
+pub use evidence::recording::PreparedRecording;
 pub use input::{Progress, Recording, Settings, Subject};
+pub use pipeline::{Explanation, Problem, Strategy};
 
 use crate::findings;
 use crate::observation::{Kind, Note};
@@ -38,9 +41,7 @@ use crate::{Error, Origin, Result};
 use evidence::copies;
 use evidence::recording::Set;
 use judge::held_out_proof;
-use pipeline::{Preparations, Problem};
-use strategy::contacts_only::contacts_alone;
-use strategy::flights_only::flights_alone;
+use pipeline::Preparations;
 use strategy::linear;
 
 /// Finds which effects are missing from the simulators of `subjects`, given what was seen of them.
@@ -52,6 +53,21 @@ use strategy::linear;
 /// [`Error::Setting`] where a setting is out of range or a recording names no subject; [`Error::Observation`] where a
 /// recording is of another kind than its simulator predicts; whatever a simulator refuses with every start.
 pub fn diagnose(
+    subjects: &[Subject],
+    recordings: &[Recording],
+    settings: &Settings,
+    progress: &dyn Fn(Progress),
+) -> Result<Diagnosis> {
+    diagnose_with(&[], subjects, recordings, settings, progress)
+}
+
+/// As [`diagnose`], with these strategies for recordings that are not explained as they are, in the order in which they are
+/// tried.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_with(
+    strategies: &[&dyn Strategy],
     subjects: &[Subject],
     recordings: &[Recording],
     settings: &Settings,
@@ -102,21 +118,15 @@ pub fn diagnose(
             ));
         }
     }
-    let problem = Problem { subjects, recordings, settings, progress };
     let preparations = Preparations { uses, notes };
-    let whole = problem.run(sets.clone(), preparations.clone())?;
-    let (events_open, whole) = (whole.events_open, whole.diagnosis);
-    // Where several effects together are but a guess, as of one throw with a contact, fewer of the flights are better.
-    let crowded = whole.verdict == Verdict::OneOf && whole.effects.len() > 1;
-    let crowded = crowded && sets.iter().any(|set| !set.contacts.is_empty());
-    if (whole.verdict == Verdict::Unknown || events_open || crowded)
-        && let Some(flights) = flights_alone(&problem, &sets, &preparations, &whole)?
-    {
-        return Ok(flights);
+    let problem = Problem::new((subjects, recordings), (settings, progress), (&sets, &preparations));
+    let mut best = problem.as_recorded()?;
+    for strategy in strategies {
+        if strategy.applies(&problem, &best)
+            && let Some(better) = strategy.attempt(&problem, &best)?
+        {
+            best = better;
+        }
     }
-    let doubtful = crowded || whole.verdict == Verdict::Unknown || !whole.adequacy.iter().all(|test| test.passed);
-    if doubtful && let Some(contacts) = contacts_alone(&problem, &sets, &preparations, &whole)? {
-        return Ok(contacts);
-    }
-    Ok(whole)
+    Ok(best.diagnosis)
 }

@@ -16,7 +16,7 @@ const FEWEST_GATHERED: usize = 4;
 
 /// Sets samples aside that leave their neighbours, by `residuals` in units of the noise; returns how many.
 ///
-/// A misfit in flight is smooth, so it moves neighbours together. One at contacts (they last, or the shutter is open) does
+/// A misfit between events is smooth, so it moves neighbours together. One at events (contacts last, or the shutter is open) does
 /// not; but it is there at every contact, and an accident is not.
 pub(super) fn set_aside(sets: &mut [Set], residuals: &[Vec<f64>]) -> usize {
     let (mut chosen, mut near, mut far) = (Vec::new(), Share::default(), Share::default());
@@ -55,7 +55,7 @@ impl Share {
 fn beside_contacts(set: &Set) -> Vec<bool> {
     let clock = set.clock();
     let mut beside = vec![false; clock.len()];
-    for contact in &set.contacts {
+    for contact in &set.events {
         let at = clock.partition_point(|t| t < contact);
         let first = clock.partition_point(|t| *t < contact - BESIDE_S).min(at.saturating_sub(BESIDE));
         let last = clock.partition_point(|t| *t <= contact + BESIDE_S).max(at + BESIDE).min(clock.len());
@@ -100,7 +100,7 @@ mod tests {
         let clock: Vec<f64> = (0..200).map(|k| f64::from(k) * 0.01).collect();
         let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.5 * t, (t * 5.0).sin()]).collect();
         let mut set = Set::new(0, 0, false, Prepared::whole(Observation::positions(clock, &rows).unwrap(), 1));
-        set.contacts = vec![0.4, 0.8, 1.2, 1.6];
+        set.events = vec![0.4, 0.8, 1.2, 1.6];
         let mut residuals: Vec<f64> = (0..600).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
         for k in wild {
             residuals[3 * k + 2] = 20.0;

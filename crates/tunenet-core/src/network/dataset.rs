@@ -10,7 +10,7 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoveredParameter {
-    /// Its name: `restitution`.
+    /// Its name: `friction`.
     pub name: String,
     /// Its unit: `kg`; `1` where there is none.
     pub unit: String,

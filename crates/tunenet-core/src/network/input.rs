@@ -45,7 +45,7 @@ pub enum Input {
         /// The end of the last interval, in units of the recording's time.
         tau_max: f64,
     },
-    /// As `Dimensionless`, of heights read back from a picture: the channel is `v` in px, and the first fall of a drop with
+    /// As `Dimensionless`, of heights read back from a picture: the channel is `v` in px, and the first fall of a body with
     /// this [`Scale`] says what camera saw it ([`LineCamera::of_fall`]).
     Filmed {
         /// Which channel, from 0.
@@ -192,7 +192,7 @@ impl Input {
                 let (scale, channel) = (scale()?, there(*channel)?);
                 let v_px: Vec<f64> = values[channel..].iter().step_by(channels).copied().collect();
                 let Some(camera) = LineCamera::of_fall(clock, &v_px, scale) else {
-                    return refuse("picture", "the first fall of a drop".into(), "none that a camera could see".into());
+                    return refuse("picture", "the first fall of a body".into(), "none that a camera could see".into());
                 };
                 let z_m: Vec<f64> = v_px.iter().map(|v| camera.height(*v)).collect();
                 Self::Dimensionless { channel: 0, bins: *bins, tau_max: *tau_max }.encode(clock, &z_m, 1, Some(scale))

@@ -188,7 +188,7 @@ impl Model {
             let distance = |at: f64| library.distance(at, &whole);
             Some(distance(place[0] + moved[0][0])? > distance(place[0])?)
         };
-        // Next to where nothing changes (a restitution near 0) the network may see a difference that is not there. Where
+        // Next to where nothing changes (impacts that return next to nothing) the network may see a difference that is not there. Where
         // it has learned how guesses of the release err, the distance is no judge of it.
         let step =
             if !self.from_recordings() && worse().unwrap_or(false) { vec![0.0; place.len()] } else { moved[0].clone() };

@@ -42,14 +42,14 @@ pub struct Preset {
 pub enum InputChoice {
     /// One channel as recorded, min-max normalised over the training set.
     Raw {
-        /// The channel's name; without one, the last channel (a ball's height).
+        /// The channel's name; without one, the last channel (a body's height).
         #[serde(default)]
         channel: Option<String>,
     },
     /// One channel in units of each recording's own scale; where a dataset has no scales, all channels standardised over
     /// the same number of intervals.
     Dimensionless {
-        /// The channel's name; without one, the last channel (a ball's height).
+        /// The channel's name; without one, the last channel (a body's height).
         #[serde(default)]
         channel: Option<String>,
         /// How many intervals, at least 2.
@@ -171,7 +171,7 @@ impl Preset {
         }
     }
 
-    /// For recordings of any dropped ball, as they come out of their preparation: release and surface are guesses, records
+    /// For recordings of any body that falls and rebounds, as they come out of their preparation: release and surface are guesses, records
     /// end anywhere.
     #[must_use]
     pub fn general() -> Self {
@@ -211,7 +211,7 @@ impl Preset {
     /// As [`named`](Self::named), for observations of these channels: joint torques have presets of their own.
     ///
     /// # Errors
-    /// [`Error::Setting`] for any other name, and for `general`, which is for balls, beside torques.
+    /// [`Error::Setting`] for any other name, and for `general`, which is for bodies that fall, beside torques.
     pub fn named_for(name: &str, channels: &[Channel]) -> Result<Self> {
         let torques = !channels.is_empty() && channels.iter().all(|c| c.unit == "N·m");
         match name {

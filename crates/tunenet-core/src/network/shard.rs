@@ -37,7 +37,7 @@ impl Shard {
     pub fn new(index: u32, count: u32) -> Result<Self> {
         let refuse = |expected: String| {
             let found = format!("`{index}/{count}`");
-            Err(Error::Setting { origin: Origin::Caller, name: "--shard", expected, found })
+            Err(Error::Setting { origin: Origin::Caller, name: "shard", expected, found })
         };
         if count == 0 || count > Self::MOST {
             return refuse(format!("1 to {} shards", Self::MOST));
@@ -92,7 +92,7 @@ impl FromStr for Shard {
             return Self::new(index, count);
         }
         let (expected, found) = ("i/n with i from 0 to n − 1, such as 0/4".into(), format!("`{text}`"));
-        Err(Error::Setting { origin: Origin::Caller, name: "--shard", expected, found })
+        Err(Error::Setting { origin: Origin::Caller, name: "shard", expected, found })
     }
 }
 
@@ -126,7 +126,7 @@ mod tests {
     fn what_is_no_share_is_refused() {
         for text in ["4/4", "0/0", "-1/4", "1", "a/b", "", "1/2/3", "0/1000001", "1.0/4"] {
             let refused = text.parse::<Shard>().unwrap_err().to_string();
-            assert!(refused.starts_with("`--shard`: expected ") && refused.contains(text), "{refused}");
+            assert!(refused.starts_with("`shard`: expected ") && refused.contains(text), "{refused}");
         }
         assert_eq!("3/4".parse::<Shard>().unwrap().to_string(), "3/4");
     }

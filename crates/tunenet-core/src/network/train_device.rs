@@ -38,7 +38,7 @@ impl TrainDevice {
     /// # Errors
     /// [`Error::Setting`] in a build without the feature `cuda`; [`Error::Device`] where no GPU answers.
     pub fn check(self) -> Result<()> {
-        self.device().map(drop)
+        self.device().map(|_| ())
     }
 
     /// As [`check`](Self::check).

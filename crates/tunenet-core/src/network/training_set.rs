@@ -101,7 +101,7 @@ fn fit_inputs(data: &dyn DataSet, preset: &Preset) -> Result<(Input, Option<Inpu
     if header.target_channels.is_empty() {
         return Ok((fit_input(data, preset)?, None));
     }
-    // The last channel on either side: a ball's height, and `v` in its picture.
+    // The last channel on either side: a body's height, and `v` in its picture.
     let (z, v) = (header.channels.len().saturating_sub(1), header.target_channels.len() - 1);
     match &preset.input {
         InputChoice::Raw { channel: None } if !header.clocks_in_pairs() => {

@@ -1,4 +1,4 @@
-//! How noisy a list of bounce times is.
+//! How noisy a list of event times is.
 
 use crate::statistics::{mad_sd, median};
 
@@ -8,15 +8,15 @@ const SHORT_LIST_SD_S: f64 = 3e-4;
 /// No clock that hears impacts is worse than this share of the interval between them; a list that looks so is not noisy but
 /// wrong, and must not pass for a good fit.
 const WORST_SHARE: f64 = 0.015;
-/// A list says something about its own noise from this many bounces on: one quadratic through the logarithms of the
+/// A list says something about its own noise from this many events on: one quadratic through the logarithms of the
 /// intervals takes three degrees of freedom.
 const FEWEST_FOR_NOISE: usize = 7;
 
-/// Standard deviation of one bounce time, s.
+/// Standard deviation of one event time, s.
 ///
-/// The logarithm of the interval between bounces falls linearly with the count for a constant restitution and smoothly for
-/// any other that depends on speed; what a quadratic in the count leaves over is timing noise and the scatter of the
-/// bounces themselves. An error of one time moves the two intervals beside it, hence √2. The median keeps a missed click from counting.
+/// The logarithm of the interval between impacts falls linearly with the count where each returns the same share of the speed,
+/// and smoothly where that share depends on speed; what a quadratic in the count leaves over is timing noise and the scatter of the
+/// impacts themselves. An error of one time moves the two intervals beside it, hence √2. The median keeps a missed click from counting.
 #[must_use]
 pub fn event_time_sd(index: &[f64], time_s: &[f64]) -> f64 {
     if time_s.len() < FEWEST_FOR_NOISE {

@@ -35,12 +35,12 @@ pub const GREATEST: f64 = 1e100;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Kind {
-    /// A ball's centre: channels `x`, `y`, `z` in m; clock in s.
+    /// A body's centre: channels `x`, `y`, `z` in m; clock in s.
     Positions,
-    /// A ball's picture: channels `u`, `v` in px, v downwards; clock in s.
+    /// A body's centre in a picture: channels `u`, `v` in px, v downwards; clock in s.
     Pixels,
-    /// Impact times: one channel `bounce_time` in s; the clock counts impacts from 0 and may skip one that was missed.
-    BounceTimes,
+    /// Instants of events (impacts): one channel in s; the clock counts events from 0 and may skip one that was missed.
+    EventTimes,
     /// Joints of an arm: channels `q1`, `dq1`, `tau1`, … in rad, rad/s, N·m (or `i1` in A); clock in s.
     Joints,
     /// Anything that a simulator outside this project observes; clock in s.
@@ -48,13 +48,13 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// A name for users: "positions", "bounce times".
+    /// A name for users: "positions", "joint series".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Positions => "positions",
             Self::Pixels => "pixels",
-            Self::BounceTimes => "bounce times",
+            Self::EventTimes => "event times",
             Self::Joints => "joint series",
             Self::Other => "a time series",
         }
@@ -91,12 +91,6 @@ impl Channel {
     pub fn positions() -> Vec<Self> {
         ["x", "y", "z"].map(|name| Self::new(name, "m")).to_vec()
     }
-
-    /// The one channel of [`Kind::BounceTimes`].
-    #[must_use]
-    pub fn bounce_times() -> Vec<Self> {
-        vec![Self::new("bounce_time", "s")]
-    }
 }
 
 /// A time series: shape `[sample, channel]`, one clock for all channels.
@@ -122,7 +116,7 @@ impl Observation {
     ///
     /// # Errors
     /// [`Error::Observation`] where there is no channel, the lengths disagree, fewer than [`FEWEST_SAMPLES`] samples are
-    /// there, a number is not finite or beyond [`GREATEST`], or the clock (for bounce times: the times too) does not rise strictly.
+    /// there, a number is not finite or beyond [`GREATEST`], or the clock (for event times: the times too) does not rise strictly.
     pub fn new(kind: Kind, channels: Vec<Channel>, clock: Vec<f64>, values: Vec<f64>) -> Result<Self> {
         let refuse = |what: String, expected: String, found: String| Err(Error::Observation { what, expected, found });
         if channels.is_empty() {
@@ -156,11 +150,11 @@ impl Observation {
                 format!("{}", clock[i + 1]),
             );
         }
-        if kind == Kind::BounceTimes
+        if kind == Kind::EventTimes
             && let Some(i) = falling(&values)
         {
             return refuse(
-                format!("bounce time {}", i + 2),
+                format!("{} {}", channels[0].name.replace('_', " "), i + 2),
                 format!("more than {}", values[i]),
                 format!("{}", values[i + 1]),
             );
@@ -168,7 +162,7 @@ impl Observation {
         Ok(Self { kind, channels, clock, values })
     }
 
-    /// A ball's centre over time, shape `[sample, 3]`.
+    /// A body's centre over time, shape `[sample, 3]`.
     ///
     /// # Errors
     /// As [`Observation::new`].
@@ -176,13 +170,13 @@ impl Observation {
         Self::new(Kind::Positions, Channel::positions(), time_s, position_m.concat())
     }
 
-    /// Impact times, numbered from 0.
+    /// Instants of events, s, numbered from 0, on a channel of this name.
     ///
     /// # Errors
     /// As [`Observation::new`].
-    pub fn bounce_times(time_s: Vec<f64>) -> Result<Self> {
+    pub fn event_times(name: &str, time_s: Vec<f64>) -> Result<Self> {
         let index = (0..time_s.len()).map(|i| i as f64).collect();
-        Self::new(Kind::BounceTimes, Channel::bounce_times(), index, time_s)
+        Self::new(Kind::EventTimes, vec![Channel::new(name, "s")], index, time_s)
     }
 
     /// What kind of thing was measured.
@@ -197,7 +191,7 @@ impl Observation {
         &self.channels
     }
 
-    /// The clock: seconds, or the number of the impact for [`Kind::BounceTimes`]. Strictly rising.
+    /// The clock: seconds, or the number of the event for [`Kind::EventTimes`]. Strictly rising.
     #[must_use]
     pub fn clock(&self) -> &[f64] {
         &self.clock

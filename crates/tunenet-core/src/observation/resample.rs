@@ -5,7 +5,7 @@ use crate::{Error, Result};
 
 /// `observation` at the instants of `clock`, by linear interpolation; exact, bit for bit, at its own instants.
 ///
-/// Instants before the first or after the last sample take that sample's value: a ball at rest stays at rest, which is
+/// Instants before the first or after the last sample take that sample's value: a body at rest stays at rest, which is
 /// what the paper does with records shorter than its window.
 ///
 /// # Errors

@@ -4,30 +4,16 @@ use super::Parameter;
 use crate::Result;
 
 /// Where an effect acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Phase {
-    /// On a body that nothing touches.
-    Flight,
-    /// Where bodies touch.
-    Contact,
+    /// Between events.
+    Segment,
+    /// At events: where bodies touch, for one.
+    Event,
     /// In how the motion was seen, not in the motion.
     Measurement,
     /// In a joint of an arm.
     Joint,
-}
-
-impl Phase {
-    /// A phrase for users: "in flight".
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Flight => "in flight",
-            Self::Contact => "at contact",
-            Self::Measurement => "in the measurement",
-            Self::Joint => "in the arm",
-        }
-    }
 }
 
 /// One number of an effect.
@@ -66,10 +52,12 @@ pub struct Effect {
     /// Its numbers, in order.
     pub coefficients: Vec<Coefficient>,
     /// For each coefficient: its physical bounds, within the bounds of the fit. Narrower where mass and size
-    /// are known (the drag coefficient of a ball is .1 to 1.5).
+    /// are known (the drag coefficient of a sphere is 0.1 to 1.5).
     pub plausible: Vec<(f64, f64)>,
     /// One sentence for users: what it is and what it does.
     pub sentence: &'static str,
+    /// Whether it is a random effect: every event draws its own value, and the coefficient is their standard deviation.
+    pub random: bool,
     /// Names of effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
     /// Why it is not to be expected of this object, where something else that explains recordings as well is: it stands
@@ -118,10 +106,11 @@ mod tests {
     fn what_is_believed_to_exclude_absence_has_to_be_there() {
         let effect = |low: f64, high: f64| Effect {
             name: "drag",
-            phase: Phase::Flight,
+            phase: Phase::Segment,
             coefficients: vec![Coefficient::new("c", "1", 0.0, (0.0, 10.0), 0.1)],
             plausible: vec![(low, high)],
             sentence: "",
+            random: false,
             mistaken_for: &[],
             unlikely: None,
         };

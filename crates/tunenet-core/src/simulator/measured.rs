@@ -1,7 +1,7 @@
 //! A simulator as a camera and its clock see it.
 
 use super::effects::{Act, MeasurementEffect, find};
-use super::{Effect, Parameter, Preparation, Simulator, measurement_effects};
+use super::{Effect, Parameter, Preparation, Segmented, Simulator, measurement_effects};
 use crate::observation::{Channel, Kind, Observation};
 use crate::{Error, Origin, Result};
 
@@ -218,7 +218,7 @@ impl<S: Simulator> Measured<S> {
         if active.is_empty() {
             return self.run(p, nuisances, input, clock, values);
         }
-        if self.kind() == Kind::BounceTimes {
+        if self.kind() == Kind::EventTimes {
             self.run(p, nuisances, input, clock, values)?;
             for (_, effect, c) in &active {
                 if let Act::Clock { to_seen, .. } = effect.act {
@@ -267,6 +267,20 @@ impl<S: Simulator> Measured<S> {
     }
 }
 
+impl<S: Simulator> Segmented for Measured<S> {
+    fn free_segment(&self) -> Option<Box<dyn Simulator>> {
+        Some(self.around(self.inner.segmented()?.free_segment()?))
+    }
+
+    fn with_hidden_state(&self) -> Option<Box<dyn Simulator>> {
+        Some(self.around(self.inner.segmented()?.with_hidden_state()?))
+    }
+
+    fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
+        Some(self.around(self.inner.segmented()?.with_hidden_state_at_events()?))
+    }
+}
+
 impl<S: Simulator> Simulator for Measured<S> {
     fn parameters(&self) -> &[Parameter] {
         &self.parameters
@@ -307,16 +321,8 @@ impl<S: Simulator> Simulator for Measured<S> {
         Ok(Box::new(outer.freed(&measurement)?))
     }
 
-    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
-        Some(self.around(self.inner.in_flight()?))
-    }
-
-    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
-        Some(self.around(self.inner.with_unknown_spin()?))
-    }
-
-    fn with_release_spin(&self) -> Option<Box<dyn Simulator>> {
-        Some(self.around(self.inner.with_release_spin()?))
+    fn segmented(&self) -> Option<&dyn Segmented> {
+        self.inner.segmented().map(|_| self as &dyn Segmented)
     }
 
     fn rollout(

@@ -8,6 +8,7 @@ mod prepared;
 mod rollouts;
 mod scale;
 mod segmentation;
+mod segmented;
 
 pub use effect::{Coefficient, Effect, Phase};
 pub use effects::measurement_effects;
@@ -18,6 +19,7 @@ pub(crate) use rollouts::every;
 pub use rollouts::{predict, rollout, rollouts};
 pub use scale::Scale;
 pub use segmentation::Segmentation;
+pub use segmented::Segmented;
 
 use auto_impl::auto_impl;
 
@@ -30,7 +32,7 @@ use crate::{Error, Origin, Result};
 /// needed; a complete example stands in `examples/pendulum.rs` of this crate.
 ///
 /// Two sorts of unknowns go into a rollout:
-/// - **parameters** belong to the thing itself (its restitution, its payload) and are what a person asks for;
+/// - **parameters** belong to the thing itself (its friction, its payload) and are what a person asks for;
 /// - **nuisance parameters** belong to one recording (the height of its release, where its floor lay) and are estimated with
 ///   it and then discarded. See [`prepare`](Simulator::prepare).
 ///
@@ -76,21 +78,8 @@ pub trait Simulator: Send + Sync {
         })
     }
 
-    /// The same where nothing is ever touched: a piece of a recording between two contacts, whose start is an unknown of its
-    /// own. `None` where it knows no contacts, or does not distinguish flights from them.
-    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
-        None
-    }
-
-    /// The same simulator, in which what a throw brings beside position and velocity (its spin, and how the air answers it)
-    /// is unknown of every recording: further nuisance parameters, after those that it has. `None` where it knows no such thing.
-    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
-        None
-    }
-
-    /// The same simulator, in which the spin with which a recording starts is unknown: further nuisance parameters, after those that
-    /// it has. Air does not answer it, contacts do. `None` where it knows no such thing.
-    fn with_release_spin(&self) -> Option<Box<dyn Simulator>> {
+    /// This simulator as one whose recordings consist of segments between events, where it knows any.
+    fn segmented(&self) -> Option<&dyn Segmented> {
         None
     }
 

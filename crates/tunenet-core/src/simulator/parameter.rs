@@ -5,7 +5,7 @@ use crate::{Error, Result};
 /// A number of a simulator, with its bounds and its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Its name, as in a simulation file: `restitution`.
+    /// Its name, as in a simulation file: `mass`.
     pub name: String,
     /// Its unit: `kg`; `1` where there is none.
     pub unit: String,

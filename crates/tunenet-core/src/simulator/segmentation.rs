@@ -13,4 +13,10 @@ pub trait Segmentation: Debug + Send + Sync {
 
     /// The instants of the events, on the clock of `seen`.
     fn events(&self, seen: &Observation) -> Vec<f64>;
+
+    /// The acceleration of the last channel in a free segment of the base model, in its unit per s²: −9.81 m/s² of a height under
+    /// gravity. `None` where that is not constant or not known.
+    fn free_acceleration(&self) -> Option<f64> {
+        None
+    }
 }

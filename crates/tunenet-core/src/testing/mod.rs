@@ -10,6 +10,9 @@
 //! | [`Decay`] | y' = −k y | `offset`, `self_quenching` |
 //! | [`Pendulum`] | θ'' = −(g/L) θ | `viscous_friction`, `rest_angle` |
 //! | [`DrivenOscillator`] | x'' = −ω² x + a cos Ωt | `damping`, `drive_detuning` |
+//! | [`Shuttle`] | y' = v, and v → −r v at known instants | `friction`, `push` between events, `kick`, `slip` at events |
+//!
+//! [`reflected_point`] is a point that falls and is reflected, with the data set of pairs that a network learns from.
 //!
 //! ```
 //! use tunenet_core::diagnose::{Recording, Settings, Subject, Verdict, diagnose};
@@ -35,18 +38,26 @@ mod driven_oscillator;
 mod line;
 mod oscillation;
 mod pendulum;
+pub mod reflected_point;
+mod shuttle;
 
 pub use decay::Decay;
 pub use driven_oscillator::DrivenOscillator;
 pub use line::Line;
 pub use pendulum::Pendulum;
+pub use reflected_point::ReflectedPoint;
+pub use shuttle::Shuttle;
+
+use std::sync::Arc;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use crate::observation::{Channel, Observation};
-use crate::simulator::{Coefficient, Effect, Parameter, Phase, Preparation, Prepared, Simulator};
+use crate::simulator::{
+    Coefficient, Effect, Parameter, Phase, Preparation, Prepared, Segmentation, Segmented, Simulator,
+};
 use crate::{Error, Origin, Result};
 
 /// Samples of a recording that [`Exact::observe`] draws, and their rate in Hz.
@@ -76,6 +87,19 @@ pub trait ClosedForm: Send + Sync + 'static {
 
     /// The solution at `t` seconds from a start.
     fn solution(&self, values: &Values, start: &[f64], t: f64) -> f64;
+
+    /// Where its recordings are cut into segments between events; `None` without events.
+    fn segmentation(&self) -> Option<Arc<dyn Segmentation>> {
+        None
+    }
+
+    /// The same system without events; `None` where it has none to leave out.
+    fn free(&self) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        None
+    }
 }
 
 /// A closed-form system as a simulator that carries some of its effects.
@@ -138,7 +162,12 @@ impl<S: ClosedForm + Clone> Simulator for Exact<S> {
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
         let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
         prepared.nuisances = self.system.nuisances(seen)?;
+        prepared.segmentation = self.system.segmentation();
         Ok(Preparation::Usable(Box::new(prepared)))
+    }
+
+    fn segmented(&self) -> Option<&dyn Segmented> {
+        self.system.free().map(|_| self as &dyn Segmented)
     }
 
     fn effects(&self) -> Vec<Effect> {
@@ -179,6 +208,12 @@ impl<S: ClosedForm + Clone> Simulator for Exact<S> {
     }
 }
 
+impl<S: ClosedForm + Clone> Segmented for Exact<S> {
+    fn free_segment(&self) -> Option<Box<dyn Simulator>> {
+        Exact::new(self.system.free()?).with_effects(&self.carried).ok()
+    }
+}
+
 /// An effect of one coefficient that is absent at 0 and plausible within `bounds`.
 fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f64, f64), typical: f64) -> Effect {
     Effect {
@@ -187,6 +222,7 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         coefficients: vec![Coefficient::new(key, unit, 0.0, bounds, typical)],
         plausible: vec![bounds],
         sentence: "",
+        random: false,
         mistaken_for: &[],
         unlikely: None,
     }

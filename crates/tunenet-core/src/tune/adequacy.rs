@@ -40,7 +40,7 @@ impl Adequacy {
             }
         }
         let (counted, tested) = match seen.kind() {
-            Kind::BounceTimes => (samples as f64 - 4.0, samples >= 7),
+            Kind::EventTimes => (samples as f64 - 4.0, samples >= 7),
             _ => (samples as f64, samples >= 8),
         };
         Self { ratio: worst, worst: place, limit: 1.0 + MARGIN + LUCK / counted.max(1.0).sqrt(), tested }

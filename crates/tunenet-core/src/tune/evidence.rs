@@ -168,9 +168,9 @@ fn compare(
     })
 }
 
-/// Evenly spaced instants over the whole recording; the bounces themselves where the clock counts them.
+/// Evenly spaced instants over the whole recording; the events themselves where the clock counts them.
 fn curve_clock(seen: &Observation) -> Vec<f64> {
-    if seen.kind() == Kind::BounceTimes {
+    if seen.kind() == Kind::EventTimes {
         return seen.clock().to_vec();
     }
     let (first, last) = (seen.clock()[0], seen.clock()[seen.len() - 1]);

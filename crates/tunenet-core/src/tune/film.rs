@@ -1,4 +1,4 @@
-//! A drop read back from a picture, whose camera follows the rollouts.
+//! A fall read back from a picture, whose camera follows the rollouts.
 
 use crate::camera::LineCamera;
 use crate::observation::Observation;

@@ -113,7 +113,7 @@ impl Problem<'_> {
                 weighted(self.simulator, &self.recordings[d], &self.noise[d], &parameters, &nuisances, samples)
                     .map(|r| (r, step))
             };
-            // On the edge of what can be simulated (a ball that touches the floor at its start) only one side exists.
+            // On the edge of what can be simulated (a body that touches the floor at its start) only one side exists.
             let (mut moved, step) = rolled(1.0).or_else(|_| rolled(-1.0))?;
             moved.iter_mut().zip(&residuals[d]).for_each(|(m, r)| *m = (*m - r) / step);
             Ok(moved)

@@ -7,7 +7,7 @@ use crate::Result;
 use crate::simulator::Prepared;
 use crate::statistics::{UPPER_95, fisher_quantile, student_quantile};
 
-/// The level of every interval that tunenet states.
+/// The level of every interval that is stated.
 pub const LEVEL: f64 = 0.95;
 /// Residuals that follow each other (ρ above 2/√n, where white noise stays below) carry less than they count.
 const WORST_CORRELATION: f64 = 0.95;
@@ -110,7 +110,7 @@ impl Spread {
     }
 }
 
-/// How many channels have residuals at all. One that is exact (a ball dropped straight down in simulated data) says
+/// How many channels have residuals at all. One that is exact (a body that falls straight down in simulated data) says
 /// nothing of the noise of the others.
 fn moving(residuals: &[f64], width: usize) -> usize {
     let size = |channel: usize| residuals.iter().skip(channel).step_by(width).map(|r| r * r).sum::<f64>();
@@ -185,7 +185,7 @@ pub(super) fn ends_with(
     let mut all = Vec::with_capacity(problem.free.len());
     for (i, &position) in problem.free.iter().enumerate() {
         let p = &problem.simulator.parameters()[position];
-        // Where the slope vanishes (a restitution near 0) the curvature says nothing, but the profile still does.
+        // Where the slope vanishes (impacts that return next to nothing) the curvature says nothing, but the profile still does.
         let sd = spread.sd(fit.covariance[(i, i)]).min(p.span());
         let value = fit.point.parameters[position];
         let near = value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max;

@@ -1,5 +1,6 @@
 //! What a fit is worth: whether noise explains the rest, what each parameter's interval means, and what the data cannot tell.
 
+use crate::findings;
 use nalgebra::DMatrix;
 
 use super::fit::Fit;
@@ -10,7 +11,6 @@ use super::residual::floor;
 use super::starts::local_estimate;
 use super::unknowns::Point;
 use super::{Adequacy, Tuning};
-use crate::findings;
 use crate::observation::{Kind, Note, with_decimals};
 use crate::simulator::Parameter;
 use crate::statistics::NORMAL_95;
@@ -69,7 +69,7 @@ impl Tuning<'_> {
                 notes.push(Note::new(
                     findings::FIT_POOR,
                     text,
-                    "`tunenet diagnose` with the same files names the effect that is missing, or says that it is none it knows",
+                    "a diagnosis of the same recordings names the effect that is missing, or says that it is none it knows",
                 ));
             } else if !adequacy.tested {
                 let text = format!("{} samples are too few to tell noise from misfit", recording.seen.len());
@@ -86,10 +86,11 @@ impl Tuning<'_> {
             let text = format!(
                 "{values} measured numbers for {unknowns} unknowns fit whatever they are, so nothing says how sure the answer is"
             );
-            let heard = self.simulator.kind() == Kind::BounceTimes;
-            let (one, what) = if heard { ("bounce", "bounces") } else { ("sample", "samples") };
+            // The channel of event times says what is timed.
+            let timed = self.simulator.channels()[0].name.strip_suffix("_time");
+            let one = timed.filter(|_| self.simulator.kind() == Kind::EventTimes).unwrap_or("sample");
             let more = (unknowns + 1 - values).div_ceil(self.simulator.channels().len());
-            let least = if more == 1 { format!("1 more {one}") } else { format!("{more} more {what}") };
+            let least = if more == 1 { format!("1 more {one}") } else { format!("{more} more {one}s") };
             Note::new(findings::RECORDINGS_SHORT, text, format!("bring at least {least}"))
         })
     }
@@ -133,8 +134,8 @@ impl Tuning<'_> {
         beyond > spread.one_sided(BOUND_LEVEL) && beyond * spread.sd(known.covariance[(k, k)]) > PRACTICAL_SHARE * span
     }
 
-    /// Where the record as a whole is not explained, what its events alone say stands: a force missing in flight must not
-    /// be booked as restitution. Says whether there was anything to fall back on; `whole` is the gap of the fit to the whole.
+    /// Where the record as a whole is not explained, what its events alone say stands: a force missing between events must not
+    /// be booked as the events' doing. Says whether there was anything to fall back on; `whole` is the gap of the fit to the whole.
     pub(super) fn fall_back_on_local(
         &self,
         fit: &mut Fit,

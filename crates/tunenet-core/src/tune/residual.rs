@@ -9,8 +9,8 @@ const LEAST_RELATIVE_NOISE: f64 = 1e-9;
 
 /// The standard deviation of the noise of each channel, shape `[channel]`, in the channel's unit.
 ///
-/// For a time series from third differences of the series itself. Bounce times have no smooth neighbour to compare with,
-/// so theirs is what a restitution that may change evenly from bounce to bounce leaves over.
+/// For a time series from third differences of the series itself. Event times have no smooth neighbour to compare with,
+/// so theirs is what a share of speed returned that may change evenly from impact to impact leaves over.
 #[must_use]
 pub fn channel_noise(seen: &Observation) -> Vec<f64> {
     let columns = (0..seen.channels().len()).map(|channel| seen.column(channel).collect::<Vec<f64>>());
@@ -19,10 +19,10 @@ pub fn channel_noise(seen: &Observation) -> Vec<f64> {
         let (low, high) = c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
         high - low
     });
-    // A channel that never moves (a ball dropped straight down in exact data) must not weigh infinitely.
+    // A channel that never moves (a body that falls straight down in exact data) must not weigh infinitely.
     let widest = ranges.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let noise = |column: &Vec<f64>| match seen.kind() {
-        Kind::BounceTimes => event_time_sd(seen.clock(), column),
+        Kind::EventTimes => event_time_sd(seen.clock(), column),
         _ => noise_sd(column),
     };
     columns.iter().map(|column| noise(column).max(LEAST_RELATIVE_NOISE * widest)).collect()

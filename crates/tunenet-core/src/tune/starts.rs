@@ -132,7 +132,7 @@ impl Tuning<'_> {
         ranked
     }
 
-    /// Near a bound the slope may vanish (a restitution of a few hundredths leaves next to no rebound), so that a step which
+    /// Near a bound the slope may vanish (impacts that return a few hundredths leave next to no rebound), so that a step which
     /// overshoots never comes back: tries the neighbourhood of the bound by plain rollouts, and fits again from the best.
     fn look_along_bounds(&self, found: Fit) -> (Fit, usize) {
         let problem = self.problem();

@@ -183,7 +183,7 @@ fn derivatives_are_smooth() {
 #[test]
 fn other_kinds_show_what_they_can() {
     let names = |kind| measurement_effects(kind).iter().map(|e| e.name).collect::<Vec<_>>();
-    assert_eq!(names(Kind::BounceTimes), ["time_scale", "time_offset"]);
+    assert_eq!(names(Kind::EventTimes), ["time_scale", "time_offset"]);
     assert_eq!(names(Kind::Joints), Vec::<&str>::new());
     // On a series of no kind, lengths are the channels in m.
     let channels = vec![Channel::new("way", "m"), Channel::new("share", "1")];

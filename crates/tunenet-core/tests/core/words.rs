@@ -1,6 +1,6 @@
 //! This crate speaks of observations, simulators and estimates: of no ball, no file format and no command line.
 //!
-//! A ratchet: the number of places that still do may only fall, and its aim is zero.
+//! A ratchet that has come to its end: no place does any more.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -46,9 +46,13 @@ fn named(line: &str, list: &[&str]) -> usize {
     words(&line).iter().filter(|word| list.contains(&word.as_str())).count()
 }
 
+/// Flags of Rust's own test harness, with which a test starts itself.
+const HARNESS: [&str; 4] = ["exact", "ignored", "nocapture", "test"];
+
 /// How often a line names a flag, a command of the tool, or the command line itself.
 fn command_line(line: &str) -> usize {
     let flags = line.split("--").skip(1).filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()));
+    let flags = flags.filter(|rest| !HARNESS.contains(&words(rest)[0].as_str()));
     let commands = line.split("tunenet ").skip(1).filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()));
     let itself = line.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| *word == "CLI");
     flags.count() + commands.count() + itself.count() + line.matches("command line").count()
@@ -92,7 +96,7 @@ fn at_most(allowed: usize, what: &str, count: impl Fn(&str) -> usize) {
 
 #[test]
 fn core_knows_no_ball() {
-    at_most(405, "of a ball", |line| named(line, &BALL));
+    at_most(0, "of a ball", |line| named(line, &BALL));
 }
 
 #[test]
@@ -102,7 +106,7 @@ fn core_knows_no_file_format() {
 
 #[test]
 fn core_knows_no_command_line() {
-    at_most(19, "of the command line", command_line);
+    at_most(0, "of the command line", command_line);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::guess::guess;
 use super::guess_joints::guess_joints;
 use super::lines::{Cell, Line, Lines, cells};
 use crate::findings;
-use crate::quantity::{Family, Meaning, Quantity, Scale, meaning};
+use crate::quantity::{Family, Meaning, Quantity, Scale, kind_name, meaning};
 use crate::ranges::written_out;
 use crate::shown::list;
 use crate::{Error, Origin, Result};
@@ -190,7 +190,7 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)]) -> Resul
         }
         ([], []) => return missing(header, &found, "columns `t_s` and `z_m`, or `bounce_time_s`", None),
         ([], several) | (several, _) => {
-            let names: Vec<&str> = several.iter().map(|kind| kind.name()).collect();
+            let names: Vec<&str> = several.iter().map(|kind| kind_name(*kind)).collect();
             let message = format!("expected columns of one kind, found those of {}", names.join(" and "));
             return header.refuse(None, message, header.remedy());
         }
@@ -282,13 +282,13 @@ fn build(header: &Header<'_>, kind: Kind, found: &Found, mut notes: Vec<Note>) -
         None => missing(header, found, &format!("a column `{}`", quantity.header()), Some(quantity)),
     };
     let clock = match kind {
-        Kind::BounceTimes => found.get(&Quantity::BounceNumber).copied(),
+        Kind::EventTimes => found.get(&Quantity::BounceNumber).copied(),
         _ => Some(need(Quantity::Time)?),
     };
     let wanted: Vec<Quantity> = match kind {
         Kind::Positions => vec![Quantity::X, Quantity::Y, Quantity::Z],
         Kind::Pixels => vec![Quantity::U, Quantity::V],
-        Kind::BounceTimes => vec![Quantity::BounceTime],
+        Kind::EventTimes => vec![Quantity::BounceTime],
         _ => found.keys().copied().filter(|quantity| quantity.kind() == Some(Kind::Joints)).collect(),
     };
     let mut values = Vec::new();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::columns::{Header, Layout, Source};
 use crate::findings;
-use crate::quantity::{Meaning, Quantity, Scale, meaning, plain};
+use crate::quantity::{Meaning, Quantity, Scale, kind_name, meaning, plain};
 use crate::recording::Recording;
 use crate::shown::list;
 use crate::{Error, Origin, Result};
@@ -161,8 +161,8 @@ pub(crate) fn chosen(path: &Path, recording: Recording, channels: &[Channel]) ->
         let message = format!("expected the channels {wanted} of the simulation, found {found}");
         Err(Error::file(path, message, "choose another --topic, or convert the log into a CSV file with these columns"))
     };
-    if seen.kind() == Kind::BounceTimes {
-        return refuse(&names(channels), seen.kind().name());
+    if seen.kind() == Kind::EventTimes {
+        return refuse(&names(channels), kind_name(seen.kind()));
     }
     let columns: Option<Vec<usize>> =
         channels.iter().map(|wanted| seen.channels().iter().position(|channel| channel == wanted)).collect();

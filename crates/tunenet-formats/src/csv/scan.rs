@@ -216,7 +216,7 @@ impl Scan {
         let time = self.layout.clock.as_ref().map(read).transpose()?;
         let sample = self.layout.values.iter().map(|source| source.as_ref().map_or(Ok(0.0), read));
         let sample = sample.collect::<std::result::Result<Vec<f64>, _>>()?;
-        if self.layout.kind == Kind::BounceTimes {
+        if self.layout.kind == Kind::EventTimes {
             self.add_bounce(&line, time, sample[0])
         } else {
             self.add_sample(line, time.unwrap_or(0.0), &sample)

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::bounces::doubt;
 use super::scan::{Scan, scan};
 use crate::findings;
+use crate::quantity::Quantity;
 use crate::recording::ReadOptions;
 use crate::recording::Recording;
 use crate::{Error, Result};
@@ -19,7 +20,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     if samples < FEWEST_SAMPLES {
         return Err(few(path, samples));
     }
-    if scan.layout.kind == Kind::BounceTimes {
+    if scan.layout.kind == Kind::EventTimes {
         let observation = bounce_times(path, scan, &mut notes)?;
         return Ok(Recording { observation, notes });
     }
@@ -62,7 +63,7 @@ fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observ
             return Err(Error::file(path, message, hint));
         }
     }
-    Observation::bounce_times(values)
+    Observation::event_times(&Quantity::BounceTime.channel().name, values)
 }
 
 fn few(path: &Path, samples: usize) -> Error {

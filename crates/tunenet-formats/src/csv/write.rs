@@ -17,11 +17,11 @@ use tunenet_core::observation::{Channel, Kind, Observation};
 /// # Errors
 /// [`Error::Io`](crate::Error::Io) where the system refuses.
 pub fn write_csv(observation: &Observation, path: impl AsRef<Path>) -> Result<()> {
-    let numbered = observation.kind() != Kind::BounceTimes || !countable(observation);
+    let numbered = observation.kind() != Kind::EventTimes || !countable(observation);
     write_atomically(path, |out| {
         let mut names: Vec<String> = observation.channels().iter().map(Channel::header).collect();
         if numbered {
-            let clock = if observation.kind() == Kind::BounceTimes { "bounce_number" } else { "t_s" };
+            let clock = if observation.kind() == Kind::EventTimes { "bounce_number" } else { "t_s" };
             names.insert(0, clock.into());
         }
         writeln!(out, "{}", names.join(","))?;

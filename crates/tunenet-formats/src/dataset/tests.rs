@@ -8,11 +8,11 @@ use tunenet_core::network::{DatasetHeader, Pair, PairDraw, Shard, stream};
 use tunenet_core::simulator::rollout;
 
 use super::*;
-use crate::testing::bouncer::{Bouncer, draw, header, scale};
 use crate::{Error, Result};
+use tunenet_core::testing::reflected_point::{ReflectedPoint, draw, header, scale};
 
 fn filled(out: &Path, header: &DatasetHeader) -> Result<()> {
-    generate(&Bouncer::new(), header, &draw, out, &mut |_, _| true)
+    generate(&ReflectedPoint::new(), header, &draw, out, &mut |_, _| true)
 }
 
 fn folder() -> tempfile::TempDir {
@@ -34,7 +34,7 @@ fn a_dataset_comes_back_as_it_was_written() {
     let pairs: Vec<Pair> = reader.map(Result::unwrap).collect();
     assert_eq!(pairs.len(), 20);
     for pair in &pairs {
-        let again = rollout(&Bouncer::new(), &pair.target_parameters, &pair.own, &header(20, 50).clock).unwrap();
+        let again = rollout(&ReflectedPoint::new(), &pair.target_parameters, &pair.own, &header(20, 50).clock).unwrap();
         assert_eq!(pair.target, again);
         assert_eq!(pair.scale, Some(scale(pair.own[0])));
     }
@@ -69,7 +69,7 @@ fn an_interrupted_dataset_goes_on_to_the_same_bytes() {
             from = from.min(done);
             true
         };
-        generate(&Bouncer::new(), &header(70, 40), &draw, &out, &mut progress).unwrap();
+        generate(&ReflectedPoint::new(), &header(70, 40), &draw, &out, &mut progress).unwrap();
         assert!(std::fs::read(&out).unwrap() == whole, "cut at byte {cut}");
         assert!(cut < whole.len() / 2 || from >= 16, "cut at byte {cut} of {}: started from {from}", whole.len());
     }
@@ -80,7 +80,7 @@ fn a_stopped_dataset_goes_on() {
     let folder = folder();
     let whole = std::fs::read(dataset(&folder, 300, 10)).unwrap();
     let out = folder.path().join("again.mcap");
-    let stopped = generate(&Bouncer::new(), &header(300, 10), &draw, &out, &mut |done, _| done == 0);
+    let stopped = generate(&ReflectedPoint::new(), &header(300, 10), &draw, &out, &mut |done, _| done == 0);
     assert!(matches!(stopped, Err(Error::Stopped)));
     assert!(!out.exists());
     let mut first = None;
@@ -88,7 +88,7 @@ fn a_stopped_dataset_goes_on() {
         first.get_or_insert(done);
         true
     };
-    generate(&Bouncer::new(), &header(300, 10), &draw, &out, &mut progress).unwrap();
+    generate(&ReflectedPoint::new(), &header(300, 10), &draw, &out, &mut progress).unwrap();
     assert_eq!(first, Some(128));
     assert!(std::fs::read(&out).unwrap() == whole);
 }
@@ -136,7 +136,7 @@ fn pairs_with_clocks_of_their_own_come_back() {
     let make = |number: u64, random: &mut ChaCha8Rng| {
         let clock: Vec<f64> = (0..30 + number).map(|i| i as f64 / 20.0).collect();
         let PairDraw { proposed, target, own, scale } = draw(number, random);
-        let roll = |e: &[f64]| rollout(&Bouncer::new(), e, &own, &clock);
+        let roll = |e: &[f64]| rollout(&ReflectedPoint::new(), e, &own, &clock);
         let (one, two) = (roll(&proposed)?, roll(&target)?);
         let (proposed_parameters, target_parameters) = (proposed, target);
         Ok(Pair { proposed: one, target: two, proposed_parameters, target_parameters, own, scale, clock })
@@ -169,7 +169,7 @@ fn merged_shards_are_the_whole_file() {
 fn shard(folder: &tempfile::TempDir, header: &DatasetHeader, index: u32, count: u32) -> PathBuf {
     let shard = Shard::new(index, count).unwrap();
     let out = folder.path().join(format!("{}-{index}-of-{count}.mcap", header.seed));
-    generate_shard(&Bouncer::new(), header, Some(shard), &draw, &out, &mut |_, _| true).unwrap();
+    generate_shard(&ReflectedPoint::new(), header, Some(shard), &draw, &out, &mut |_, _| true).unwrap();
     out
 }
 

@@ -27,7 +27,7 @@ impl Sample {
         match self {
             Self::Position(_) => Kind::Positions,
             Self::Joints(_) => Kind::Joints,
-            Self::Bounce(_) => Kind::BounceTimes,
+            Self::Bounce(_) => Kind::EventTimes,
         }
     }
 }

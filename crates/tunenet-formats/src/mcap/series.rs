@@ -10,6 +10,7 @@ use super::stamps::to_s;
 use super::topics::{Topic, choose, survey};
 use crate::csv::scan::samples;
 use crate::findings;
+use crate::quantity::{Quantity, kind_name};
 use crate::recording::MOST_NUMBERS;
 use crate::recording::Recording;
 use crate::{Error, Result};
@@ -88,7 +89,7 @@ impl<'a> Series<'a> {
     fn add(&mut self, number: u64, decoded: Decoded, log_time: u64) -> std::result::Result<(), String> {
         let kind = decoded.sample.kind();
         if *self.kind.get_or_insert(kind) != kind {
-            return Err(format!("expected {}, found {}", self.kind.map_or("", Kind::name), kind.name()));
+            return Err(format!("expected {}, found {}", self.kind.map_or("", kind_name), kind_name(kind)));
         }
         let start = self.values.len();
         match decoded.sample {
@@ -100,7 +101,7 @@ impl<'a> Series<'a> {
             }
             // The number is kept beside the time until both are known to be good.
             Sample::Bounce(number) => {
-                self.channels = Channel::bounce_times();
+                self.channels = vec![Quantity::BounceTime.channel()];
                 self.values.push(number);
             }
             Sample::Joints(message) => {
@@ -176,7 +177,7 @@ impl<'a> Series<'a> {
         let time_s: Vec<f64> = clock.into_iter().map(to_s).collect();
         let observation = match self.kind {
             // The clock of an impact is its number, and its value the time.
-            Some(Kind::BounceTimes) => Observation::new(Kind::BounceTimes, self.channels, values, time_s)?,
+            Some(Kind::EventTimes) => Observation::new(Kind::EventTimes, self.channels, values, time_s)?,
             kind => Observation::new(kind.unwrap_or(Kind::Other), self.channels, time_s, values)?,
         };
         Ok(Recording { observation, notes })

@@ -48,7 +48,7 @@ fn plan(observation: &Observation, path: &Path) -> Result<Plan> {
     };
     match observation.kind() {
         Kind::Positions if observation.channels().len() == 3 => Ok(Plan::Point),
-        Kind::BounceTimes => Ok(Plan::Bounce),
+        Kind::EventTimes => Ok(Plan::Bounce),
         Kind::Joints => {
             let mut families: [Vec<usize>; 3] = Default::default();
             for (index, channel) in observation.channels().iter().enumerate() {
@@ -76,7 +76,7 @@ fn plan(observation: &Observation, path: &Path) -> Result<Plan> {
 
 /// The clock in ns, or the times of the impacts.
 fn stamps(observation: &Observation, path: &Path) -> Result<Vec<i64>> {
-    let times = if observation.kind() == Kind::BounceTimes { observation.values() } else { observation.clock() };
+    let times = if observation.kind() == Kind::EventTimes { observation.values() } else { observation.clock() };
     let mut stamps: Vec<i64> = Vec::with_capacity(times.len());
     for (i, time) in times.iter().enumerate() {
         let refuse = |expected: &str| {

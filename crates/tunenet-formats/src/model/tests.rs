@@ -7,12 +7,12 @@ use tunenet_core::network::{Course, Model, Preset, TrainOptions, train_on};
 
 use super::*;
 use crate::dataset::{DatasetFile, generate};
-use crate::testing::bouncer::{Bouncer, draw, header};
 use crate::{Error, Result};
+use tunenet_core::testing::reflected_point::{ReflectedPoint, draw, header};
 
 fn dataset(folder: &tempfile::TempDir, pairs: u64, samples: u32) -> PathBuf {
     let out = folder.path().join("pairs.mcap");
-    generate(&Bouncer::new(), &header(pairs, samples), &draw, &out, &mut |_, _| true).unwrap();
+    generate(&ReflectedPoint::new(), &header(pairs, samples), &draw, &out, &mut |_, _| true).unwrap();
     out
 }
 

@@ -32,7 +32,7 @@ fn every_kind_is_found_from_its_columns() {
     let bounces = good("bounce_time_s\n0.4\n1.3\n2.1\n").observation;
     assert_eq!(
         (bounces.kind(), bounces.clock(), bounces.values()),
-        (Kind::BounceTimes, &[0.0, 1.0, 2.0][..], &[0.4, 1.3, 2.1][..])
+        (Kind::EventTimes, &[0.0, 1.0, 2.0][..], &[0.4, 1.3, 2.1][..])
     );
     let joints = good("t_s,tau1_nm,q1_rad,i1_a\n0,1,2,3\n1,1,2,3\n2,1,2,3").observation;
     let names: Vec<&str> = joints.channels().iter().map(|c| c.name.as_str()).collect();

@@ -35,7 +35,7 @@ fn every_flight_is_read() {
 fn every_bounce_list_is_read() {
     for path in measured("bounce-acoustic", "csv").unwrap_or_default() {
         let found = read(&path, &ReadOptions::default()).unwrap();
-        assert_eq!(found.observation.kind(), Kind::BounceTimes, "{}", path.display());
+        assert_eq!(found.observation.kind(), Kind::EventTimes, "{}", path.display());
         assert!(found.observation.len() >= 5, "{}: {}", path.display(), found.observation.len());
     }
 }

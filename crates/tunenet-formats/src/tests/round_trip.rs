@@ -85,7 +85,7 @@ proptest! {
     #[test]
     fn csv_keeps_every_bounce(times in clock(), skip in 0usize..3) {
         let numbers = (0..times.len()).map(|i| (if i >= 2 { i + skip } else { i }) as f64).collect();
-        let seen = Observation::new(Kind::BounceTimes, Channel::bounce_times(), numbers, times).unwrap();
+        let seen = Observation::new(Kind::EventTimes, vec![Channel::new("bounce_time", "s")], numbers, times).unwrap();
         prop_assert!(same_bits(&back("a.csv", |path| write_csv(&seen, path)), &seen));
     }
 
@@ -98,7 +98,7 @@ proptest! {
     #[test]
     fn mcap_keeps_every_bounce(times in ticks(), skip in 0usize..3) {
         let numbers = (0..times.len()).map(|i| (if i >= 2 { i + skip } else { i }) as f64).collect();
-        let seen = Observation::new(Kind::BounceTimes, Channel::bounce_times(), numbers, times).unwrap();
+        let seen = Observation::new(Kind::EventTimes, vec![Channel::new("bounce_time", "s")], numbers, times).unwrap();
         prop_assert!(same_bits(&back("a.mcap", |path| write_mcap(&seen, path)), &seen));
     }
 
@@ -156,7 +156,10 @@ fn csv_is_written_under_the_headers_that_are_read() {
     let ball =
         Observation::positions(vec![0.0, 0.1, 0.2], &[[0.0, 0.0, 1.0], [0.0, -0.0, 1e-9], [1e30, 0.0, 0.1]]).unwrap();
     assert_eq!(text(&ball), "t_s,x_m,y_m,z_m\n0.0,0.0,0.0,1.0\n0.1,0.0,-0.0,1e-9\n0.2,1e30,0.0,0.1\n");
-    assert_eq!(text(&Observation::bounce_times(vec![0.5, 1.0, 1.4]).unwrap()), "bounce_time_s\n0.5\n1.0\n1.4\n");
+    assert_eq!(
+        text(&Observation::event_times("bounce_time", vec![0.5, 1.0, 1.4]).unwrap()),
+        "bounce_time_s\n0.5\n1.0\n1.4\n"
+    );
     let arm = filled(Kind::Joints, vec![0.0, 1.0, 2.0], &[1.0]);
     assert!(text(&arm).starts_with("t_s,q1_rad,q2_rad,dq1_rad_s,dq2_rad_s,tau1_nm,tau2_nm\n"));
 }

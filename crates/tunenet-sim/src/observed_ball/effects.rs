@@ -4,6 +4,7 @@ use tunenet_ball::Arcs;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation};
 use tunenet_core::{Error, Origin, Result};
+use tunenet_formats::kind_name;
 
 use super::{ObservedBall, Unknown};
 use crate::ball::Scene;
@@ -34,7 +35,7 @@ impl ObservedBall {
             let new = |e: &BallEffect| self.can_take(e) && !ball.free.iter().any(|f| f.name == e.name);
             let Some(effect) = BallEffect::find(name).filter(new) else {
                 let known = ball.absent_effects().iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
-                let expected = format!("an effect of a ball seen as {} ({known})", self.kind.name());
+                let expected = format!("an effect of a ball seen as {} ({known})", kind_name(self.kind));
                 return Err(Error::Setting {
                     origin: Origin::Caller,
                     name: "effects",
@@ -98,7 +99,7 @@ impl ObservedBall {
         // A record without a bounce is silent about contacts alone.
         let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
         for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
-            if phase == Phase::Flight {
+            if phase == Phase::Segment {
                 *silent = None;
             }
         }

@@ -47,7 +47,7 @@ mod tests {
     use std::path::Path;
 
     use tunenet_core::observation::{Kind, Observation};
-    use tunenet_core::simulator::{Preparation, Simulator, rollout};
+    use tunenet_core::simulator::{Preparation, Segmented, Simulator, rollout};
 
     use crate::{ObservedBall, SimulationFile};
 
@@ -57,7 +57,7 @@ mod tests {
         let text = "kind = \"ball\"\nball.radius_m = 0.1\nsurface.height_m = 0.0\nrelease.time_s = 0.0\n\
                     parameters.restitution = { value = 0.5, min = 0.0, max = 1.0 }\n";
         let file = SimulationFile::parse(Path::new("ball.toml"), text).unwrap();
-        let ball = ObservedBall::new(&file, Kind::Positions).unwrap().in_flight().unwrap();
+        let ball = ObservedBall::new(&file, Kind::Positions).unwrap().free_segment().unwrap();
         let clock: Vec<f64> = (0..40).map(|i| 3.0 + f64::from(i) * 0.02).collect();
         let at = |t: f64| [0.2 * (t - 3.0), 1.0, 0.5 + 1.5 * (t - 3.0) - 4.905 * (t - 3.0).powi(2)];
         let rows: Vec<[f64; 3]> = clock.iter().map(|t| at(*t)).collect();

@@ -5,8 +5,9 @@ mod flight;
 mod prepare;
 
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Effect, Parameter, Preparation, Scale, Simulator};
+use tunenet_core::simulator::{Effect, Parameter, Preparation, Scale, Segmented, Simulator};
 use tunenet_core::{Error, Result};
+use tunenet_formats::kind_name;
 
 use crate::ball::effects::{BallEffect, Body};
 use crate::ball::{Scene, State, impact_times, positions};
@@ -76,13 +77,17 @@ impl ObservedBall {
         let surface_height_m = ball.surface.height_m;
         let (channels, unknown) = match kind {
             Kind::Positions => (Channel::positions(), unknown_start(&release, surface_height_m)),
-            Kind::BounceTimes => {
+            Kind::EventTimes => {
                 let height = release.height_m.is_none().then_some(Unknown::Height);
-                (Channel::bounce_times(), height.into_iter().chain([Unknown::Time]).collect())
+                (tunenet_ball::bounce_time_channels(), height.into_iter().chain([Unknown::Time]).collect())
             }
             _ => {
                 let expected = "positions or bounce times for a simulation of kind \"ball\"".into();
-                return Err(Error::Observation { what: "the observation".into(), expected, found: kind.name().into() });
+                return Err(Error::Observation {
+                    what: "the observation".into(),
+                    expected,
+                    found: kind_name(kind).into(),
+                });
             }
         };
         let parameters = file.parameters()?;
@@ -186,8 +191,8 @@ impl ObservedBall {
     fn wrong_kind(&self, seen: &Observation) -> Error {
         Error::Observation {
             what: "the observation".into(),
-            expected: self.kind.name().into(),
-            found: seen.kind().name().into(),
+            expected: kind_name(self.kind).into(),
+            found: kind_name(seen.kind()).into(),
         }
     }
 }
@@ -207,7 +212,7 @@ impl Simulator for ObservedBall {
 
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
         let preparation = match self.kind {
-            Kind::BounceTimes => self.prepare_bounces(seen)?,
+            Kind::EventTimes => self.prepare_bounces(seen)?,
             _ if self.aloft => self.prepare_flight(seen)?,
             _ => self.prepare_positions(seen)?,
         };
@@ -222,16 +227,8 @@ impl Simulator for ObservedBall {
         Ok(Box::new(self.freed(names)?))
     }
 
-    fn in_flight(&self) -> Option<Box<dyn Simulator>> {
-        Some(Box::new(self.aloft()?))
-    }
-
-    fn with_unknown_spin(&self) -> Option<Box<dyn Simulator>> {
-        Some(Box::new(self.spinning()?))
-    }
-
-    fn with_release_spin(&self) -> Option<Box<dyn Simulator>> {
-        Some(Box::new(self.let_go_spinning()?))
+    fn segmented(&self) -> Option<&dyn Segmented> {
+        Some(self)
     }
 
     fn rollout(
@@ -262,6 +259,21 @@ impl Simulator for ObservedBall {
             *value = times.get(index).copied().unwrap_or(rest);
         }
         Ok(())
+    }
+}
+
+/// Its free segments are flights, its events contacts, and its hidden state the spin.
+impl Segmented for ObservedBall {
+    fn free_segment(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.aloft()?))
+    }
+
+    fn with_hidden_state(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.spinning()?))
+    }
+
+    fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
+        Some(Box::new(self.let_go_spinning()?))
     }
 }
 

@@ -30,7 +30,7 @@ impl ObservedBall {
         Expected {
             gravity_m_s2: scene.gravity_m_s2 + forces.effective_gravity_m_s2,
             // A flight with forces of its own is none of gravity's alone.
-            forces_known: known || self.free.iter().chain(&self.own).any(|e| e.phase == Phase::Flight),
+            forces_known: known || self.free.iter().chain(&self.own).any(|e| e.phase == Phase::Segment),
             radius_m: Some(self.scene.radius_m),
             surface_height_m: self.surface_height_m,
             release_height_m: self.release.height_m,
@@ -112,7 +112,7 @@ impl ObservedBall {
     }
 
     pub(super) fn prepare_bounces(&self, seen: &Observation) -> Result<Preparation> {
-        if seen.kind() != Kind::BounceTimes {
+        if seen.kind() != Kind::EventTimes {
             return Err(self.wrong_kind(seen));
         }
         let preflight = examine(seen, &self.expected());

@@ -24,6 +24,7 @@ use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::observation::{Check, State};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Rejected, Simulator};
 use tunenet_core::{Error, Origin, Result};
+use tunenet_formats::kind_name;
 
 use crate::findings;
 
@@ -256,7 +257,7 @@ impl Simulator for ReplayedArm {
 
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
         if seen.kind() != Kind::Joints {
-            let (expected, found) = ("joint series, as an arm's log has".into(), seen.kind().name().into());
+            let (expected, found) = ("joint series, as an arm's log has".into(), kind_name(seen.kind()).into());
             return Err(Error::Observation { what: "the recording".into(), expected, found });
         }
         let joints = self.arm.model.joints();

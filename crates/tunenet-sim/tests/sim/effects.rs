@@ -150,7 +150,7 @@ fn a_rolling_ball_slows_down_evenly_and_stops() {
 fn bounce_times_hear_what_changes_them() {
     let mut file = file();
     file.leave_open(&[LeftOpen::ReleasePosition, LeftOpen::ReleaseVelocity, LeftOpen::ReleaseSpin]);
-    let base = simulator(&file, Kind::BounceTimes).unwrap();
+    let base = simulator(&file, Kind::EventTimes).unwrap();
     let index: Vec<f64> = (0..6).map(f64::from).collect();
     let fall = 1.3;
     let heard = |name: &str, value: f64| {
@@ -176,7 +176,7 @@ fn bounce_times_hear_what_changes_them() {
     file.add_effect("time_scale", &[("factor", 1.02)]).unwrap();
     file.add_effect("time_offset", &[("offset_s", 0.3)]).unwrap();
     file.add_effect("camera_tilt", &[("about_x_rad", 0.1)]).unwrap();
-    let clocked = simulator(&file, Kind::BounceTimes).unwrap();
+    let clocked = simulator(&file, Kind::EventTimes).unwrap();
     let seen = rollout(&*clocked, &[0.75, 0.0], &[fall, 0.2], &index).unwrap();
     assert!(seen.iter().zip(&truth).all(|(seen, t)| (seen - 1.02 * t - 0.3).abs() < 1e-14));
 }
@@ -221,7 +221,7 @@ fn absent_effects_change_no_bit() {
     assert_eq!(rollout(&*free, &absent, &[], &clock).unwrap(), plain);
     assert!(free.effects().is_empty());
 
-    let base = simulator(&file(), Kind::BounceTimes).unwrap();
+    let base = simulator(&file(), Kind::EventTimes).unwrap();
     let all: Vec<&str> = base.effects().iter().map(|e| e.name).collect();
     let expected =
         ["quadratic_drag", "linear_drag", "effective_gravity", "speed_dependent_restitution", "contact_time"];

@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict, diagnose};
+use tunenet_ball::diagnose;
+use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_sim::{SimulationFile, simulator};
 
@@ -64,10 +65,6 @@ fn drag_is_found_with_its_size_although_contacts_are_not_understood() {
 #[test]
 fn nothing_in_flight_is_named_where_nothing_acts() {
     let found = diagnosed([0.0; 3]);
-    assert!(
-        found.effects.iter().all(|e| e.effect.phase == tunenet_core::simulator::Phase::Contact),
-        "{:?}",
-        found.names
-    );
+    assert!(found.effects.iter().all(|e| e.effect.phase == tunenet_core::simulator::Phase::Event), "{:?}", found.names);
     assert_ne!(found.verdict, Verdict::None);
 }

@@ -4,6 +4,7 @@ use serde_json::{Map, Value as Json, json};
 use tunenet_core::diagnose::{
     Candidate, Change, Explained, Fitted, Gap, GapOf, NamedEffect, OfObject, OwnEffect, Test, Tuned, Use, Value,
 };
+use tunenet_sim::phase;
 
 use crate::answers::diagnose::Answer;
 use crate::view::json::warning;
@@ -56,7 +57,7 @@ fn effect(answer: &Answer, named: &NamedEffect) -> Json {
         "name": named.effect.name,
         "sentence": named.effect.sentence,
         "coefficients": coefficients,
-        "where": { "phase": named.effect.phase, "text": named.effect.phase.name() },
+        "where": { "phase": phase::code(named.effect.phase), "text": phase::name(named.effect.phase) },
         "evidence": {
             "bic_gain": evidence.bic_gain,
             "runner_up": evidence.runner_up,
@@ -146,8 +147,8 @@ fn gap(gap: &Gap) -> Json {
 pub fn gap_of(gap: &Gap) -> &'static str {
     match gap.of {
         GapOf::Recordings => "recordings",
-        GapOf::Flights => "flights",
-        GapOf::Contacts => "contacts",
+        GapOf::Segments => "flights",
+        GapOf::Events => "contacts",
     }
 }
 
@@ -172,5 +173,5 @@ fn used(one: &Use) -> Json {
 
 fn estimated(one: &Explained) -> Json {
     let own = one.nuisances.iter().map(|(name, value, unit)| json!({ "name": name, "value": value, "unit": unit }));
-    json!({ "file": one.name, "flight": one.flight, "own": own.collect::<Vec<_>>() })
+    json!({ "file": one.name, "flight": one.segment, "own": own.collect::<Vec<_>>() })
 }

@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use tunenet_core::Error;
 use tunenet_core::observation::{Kind, Note};
 use tunenet_core::simulator::Simulator;
+use tunenet_formats::kind_name;
 use tunenet_sim::replayed_arm::replays;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, simulator};
@@ -57,8 +58,8 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
 fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
     let (first, kind) = (&recorded[0].name, recorded[0].seen.kind());
     let Some(other) = recorded.iter().position(|r| r.seen.kind() != kind) else { return Ok(kind) };
-    let found = recorded[other].seen.kind().name();
-    let message = format!("expected {} as in {first}, found {found}", kind.name());
+    let found = kind_name(recorded[other].seen.kind());
+    let message = format!("expected {} as in {first}, found {found}", kind_name(kind));
     Err(Error::file(&sources[other].path, message, "diagnose recordings of each kind alone").into())
 }
 

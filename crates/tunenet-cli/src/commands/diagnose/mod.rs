@@ -15,7 +15,8 @@ use std::time::Instant;
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict, diagnose};
+use tunenet_ball::diagnose;
+use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict};
 use tunenet_core::observation::Note;
 
 use super::each::{Answered, Work};

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use indicatif::ProgressBar;
 use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, Progress, Value, Verdict};
 use tunenet_core::observation::{Note, with_decimals};
+use tunenet_sim::phase;
 
 use super::improve::Written;
 use crate::answers::diagnose::{Answer, Loaded, NAMELESS};
@@ -157,7 +158,7 @@ fn choices(answer: &Answer) -> String {
 }
 
 fn lone(named: &NamedEffect) -> String {
-    format!("{} {}", named.effect.name, named.effect.phase.name())
+    format!("{} {}", named.effect.name, phase::name(named.effect.phase))
 }
 
 /// What a person wants to know beyond the verdict.
@@ -196,8 +197,8 @@ fn details(answer: &Answer) -> Vec<String> {
             let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
             let of = match gap.of {
                 GapOf::Recordings => "",
-                GapOf::Flights => " of the flights only",
-                GapOf::Contacts => " of the contacts only",
+                GapOf::Segments => " of the flights only",
+                GapOf::Events => " of the contacts only",
             };
             let mut line = format!("gap{of} {} → {}", words(gap.before), words(gap.after));
             if let Some(change) = &gap.held_out {

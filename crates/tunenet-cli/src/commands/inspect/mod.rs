@@ -14,8 +14,8 @@ use tunenet_core::Error;
 use tunenet_core::network::{DatasetHeader, Model, Shard};
 use tunenet_core::observation::{Channel, Kind};
 use tunenet_formats::dataset::DatasetReader;
-use tunenet_formats::load_model;
 use tunenet_formats::{Contents, Log, ReadOptions, Recording, Table, contents_with};
+use tunenet_formats::{kind_name, load_model};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
@@ -157,7 +157,7 @@ fn several(options: &Inspect) -> Result<Exit> {
 fn purpose(kind: Kind) -> &'static str {
     match kind {
         Kind::Positions => "tune a ball's restitution and friction",
-        Kind::BounceTimes => "tune a ball's restitution",
+        Kind::EventTimes => "tune a ball's restitution",
         Kind::Pixels => "tune a ball's restitution, the camera found from the fall",
         Kind::Joints => "tune an arm's payload",
         _ => "tune a simulator of your own",
@@ -249,7 +249,7 @@ fn judged(usable: Result<Kind, String>, motion: Option<&Motion>) -> Result<Kind,
     match &usable {
         Ok(kind) => {
             let good = motion.and_then(Motion::purpose).unwrap_or_else(|| purpose(*kind));
-            stage("usable", &format!("{}: {good}", kind.name()));
+            stage("usable", &format!("{}: {good}", kind_name(*kind)));
         }
         Err(reason) => stage("unusable", reason),
     }
@@ -291,7 +291,8 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
         .topics
         .iter()
         .map(|t| {
-            let usable = t.usable.as_ref().map_or_else(|reason| format!("- {reason}"), |kind| kind.name().to_string());
+            let usable =
+                t.usable.as_ref().map_or_else(|reason| format!("- {reason}"), |kind| kind_name(*kind).to_string());
             vec![t.name.clone(), t.schema.clone(), t.encoding.clone(), t.messages.to_string(), usable]
         })
         .collect();

@@ -22,14 +22,14 @@ impl Motion {
     /// `None` for kinds of which nothing is known.
     pub fn of(seen: &Observation) -> Option<Self> {
         let kind = seen.kind();
-        if !matches!(kind, Kind::Positions | Kind::BounceTimes) {
+        if !matches!(kind, Kind::Positions | Kind::EventTimes) {
             return None;
         }
         // Stamps that count from 1970 are no concern of the checks.
         let moved = (kind == Kind::Positions).then(|| seen.from_zero());
         let preflight = examine(moved.as_ref().unwrap_or(seen), &Expected::default());
         let coarse = usize::from(preflight.coarse.is_some());
-        let listed = if seen.kind() == Kind::BounceTimes { seen.len() } else { 0 };
+        let listed = if seen.kind() == Kind::EventTimes { seen.len() } else { 0 };
         let bounces = preflight.arcs.as_ref().map_or(listed, |arcs| arcs.contacts.len() + coarse);
         let noise = preflight.kept.as_ref().map(|kept| channel_noise(kept)[kept.channels().len() - 1]);
         let rate_hz = 1.0 / median(seen.clock().windows(2).map(|w| w[1] - w[0])).unwrap_or(f64::NAN);

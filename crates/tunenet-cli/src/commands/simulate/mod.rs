@@ -10,7 +10,7 @@ use serde_json::json;
 use tunenet_core::Error;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Measured, Simulator, rollout};
-use tunenet_formats::{write_csv, write_mcap};
+use tunenet_formats::{kind_name, write_csv, write_mcap};
 use tunenet_sim::scene::BallScene;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed};
@@ -54,7 +54,7 @@ fn ball(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
             file.set(key)?;
         }
     }
-    let kind = if options.bounces { Kind::BounceTimes } else { Kind::Positions };
+    let kind = if options.bounces { Kind::EventTimes } else { Kind::Positions };
     let ball = ObservedBall::new(file, kind)?;
     let parameters: Vec<f64> = ball.parameters().iter().map(|p| p.value).collect();
     let own = ball.own_at_rest(release.time_s.unwrap_or(0.0));
@@ -63,7 +63,7 @@ fn ball(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
         let count = ball.impacts_within(&parameters, &own, file.record().clock().last().copied().unwrap_or(0.0))?;
         let index: Vec<f64> = (0..count).map(|i| i as f64).collect();
         let times = rollout(&seen, &parameters, &own, &index)?;
-        Observation::bounce_times(times)?
+        tunenet_ball::bounce_times(times)?
     } else {
         let clock = file.record().clock();
         let values = rollout(&seen, &parameters, &own, &clock)?;
@@ -87,7 +87,7 @@ fn write(options: &Simulate, output: &Output, observation: &Observation) -> Resu
     stage("wrote", &format!("{}, {} samples", options.out.display(), observation.len()));
     if options.common.json {
         print_json(&json!({
-            "schema": "tunenet.simulate/1", "file": names::file_name(&options.out), "kind": observation.kind().name(),
+            "schema": "tunenet.simulate/1", "file": names::file_name(&options.out), "kind": kind_name(observation.kind()),
             "samples": observation.len(), "warnings": [],
         }))?;
     }

@@ -16,12 +16,13 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
+use tunenet_core::findings;
 use tunenet_core::network::Model;
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::tune::{Outcome, Settings, Verdict, tune};
 use tunenet_core::{Error, Origin};
 use tunenet_formats::Recording;
-use tunenet_formats::load_model;
+use tunenet_formats::{kind_name, load_model};
 use tunenet_sim::replayed_arm::{replays, suspect};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
@@ -164,7 +165,7 @@ fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording>
     let recording = load::beside(file, recording, options.reference.as_deref(), &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
-    let span = if seen.kind() == Kind::BounceTimes {
+    let span = if seen.kind() == Kind::EventTimes {
         format!("{} bounces", seen.len())
     } else {
         format!("{} samples, {:.2} s", seen.len(), clock[clock.len() - 1] - clock[0])
@@ -186,8 +187,8 @@ fn tune_to(
     let file = &file.counted_apart();
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
-        let found = recordings[other].observation.kind().name();
-        let message = format!("expected {} as in {}, found {found}", kind.name(), names::file_name(&paths[0]));
+        let found = kind_name(recordings[other].observation.kind());
+        let message = format!("expected {} as in {}, found {found}", kind_name(kind), names::file_name(&paths[0]));
         return Err(Error::file(&paths[other], message, "tune to each kind alone, or use `--each`").into());
     }
     let arm = file.domain() == Domain::Arm;
@@ -197,7 +198,7 @@ fn tune_to(
     };
     if !model.is_none_or(learned) {
         let why = if kind == Kind::Pixels { "this model does not see" } else { "need no model" };
-        let (expected, found) = ("positions".into(), format!("{}, which {why}", kind.name()));
+        let (expected, found) = ("positions".into(), format!("{}, which {why}", kind_name(kind)));
         return Err(Error::Model { what: "input".into(), expected, found }.into());
     }
     if model.is_some() && recordings.len() > 1 {
@@ -250,6 +251,11 @@ fn tune_to(
         return Err(refusal.into());
     }
     let mut outcome = tuned.with_context(|| names(paths))?;
+    outcome
+        .notes
+        .iter_mut()
+        .filter(|note| note.kind == findings::FIT_POOR)
+        .for_each(|note| note.remedy = DIAGNOSE.into());
     if replays(file) {
         suspect(file, &mut outcome, options.reference.is_some());
         outcome.notes.splice(0..0, load::lacks(file)?);
@@ -266,6 +272,10 @@ fn tune_to(
     outcome.notes.extend(file.program_notes());
     Ok((outcome, chosen))
 }
+
+/// What to type where a fit is poor.
+const DIAGNOSE: &str =
+    "`tunenet diagnose` with the same files names the effect that is missing, or says that it is none it knows";
 
 /// Whether it may take long and nothing else shows that it goes on: all of ours take no longer in all than a slow program for one
 /// rollout.

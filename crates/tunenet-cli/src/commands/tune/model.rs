@@ -76,7 +76,7 @@ pub fn choose(
     seed: u64,
     cache: &Cache,
 ) -> Chosen {
-    if ball.kind() == Kind::BounceTimes {
+    if ball.kind() == Kind::EventTimes {
         return none("not needed for bounce times".into());
     }
     let usable = |recording: &Recording| match ball.prepare(&recording.observation) {

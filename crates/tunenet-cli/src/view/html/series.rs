@@ -95,7 +95,7 @@ impl Series {
 
     fn measured(name: &str, seen: &Observation, channel: usize) -> Self {
         let about = &seen.channels()[channel];
-        let (x_name, y_name) = if seen.kind() == Kind::BounceTimes {
+        let (x_name, y_name) = if seen.kind() == Kind::EventTimes {
             ("bounce, counted from 0".into(), "interval before it".into())
         } else {
             ("time, s".into(), about.name.clone())
@@ -228,7 +228,7 @@ fn column(seen: &Observation, clock: &[f64], values: &[f64], channel: usize) -> 
 
 /// Of bounce times the intervals between bounces that follow each other; of anything else the values as they are.
 pub fn intervals(kind: Kind, all: Points) -> Points {
-    if kind != Kind::BounceTimes {
+    if kind != Kind::EventTimes {
         return all;
     }
     let next =
@@ -246,7 +246,6 @@ pub fn thinned(points: &[(f64, f64)], most: usize) -> Points {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tunenet_core::observation::Channel;
 
     #[test]
     fn an_even_choice_keeps_both_ends() {
@@ -261,7 +260,8 @@ mod tests {
     fn a_missed_bounce_leaves_its_intervals_out() {
         let clock = vec![0.0, 1.0, 3.0, 4.0];
         let seen =
-            Observation::new(Kind::BounceTimes, Channel::bounce_times(), clock, vec![1.0, 1.5, 2.0, 2.25]).unwrap();
+            Observation::new(Kind::EventTimes, tunenet_ball::bounce_time_channels(), clock, vec![1.0, 1.5, 2.0, 2.25])
+                .unwrap();
         assert_eq!(column(&seen, seen.clock(), seen.values(), 0), [(1.0, 0.5), (4.0, 0.25)]);
     }
 }

@@ -46,7 +46,7 @@ pub(in crate::diagnose) fn assemble(
     let (description, remains) = match decision.verdict {
         Verdict::Unknown => {
             let (text, phase) = describe(context, judged.best())?;
-            (Some(text), if judged.events_open() { Some(Phase::Contact) } else { phase })
+            (Some(text), if judged.events_open() { Some(Phase::Event) } else { phase })
         }
         _ => (None, None),
     };
@@ -188,14 +188,14 @@ fn explained(judged: &Judgement, recordings: &[Recording]) -> Result<Vec<Explain
     let one = |set: &Set, before: &[f64], after: &[f64], nuisances: &[f64]| Explained {
         recording: set.recording,
         name: recordings[set.recording].name.clone(),
-        flight: None,
+        segment: None,
         held_out: set.held_out,
         seen: set.prepared.seen.clone(),
         kept: set.keep.clone(),
         before: before.to_vec(),
         after: after.to_vec(),
         noise: set.noise.clone(),
-        contacts: set.contacts.clone(),
+        events: set.events.clone(),
         nuisances: set
             .prepared
             .nuisances

@@ -74,7 +74,7 @@ pub struct NamedEffect {
     /// Why it is plausible.
     pub evidence: Evidence,
     /// Other effects that could be in its place, best first: they explain the recordings as well, or the recordings show a
-    /// single throw, of which the next best is left whatever its distance.
+    /// single motion, of which the next best is left whatever its distance.
     pub alternatives: Vec<&'static str>,
 }
 
@@ -110,11 +110,10 @@ pub struct Change {
 pub enum GapOf {
     /// The recordings as they are.
     Recordings,
-    /// Their flights, cut at the contacts, each with a start of its own: this says nothing of how far a whole recording is
-    /// predicted.
-    Flights,
-    /// Their contacts, the flights straightened: this says nothing of the flights.
-    Contacts,
+    /// Their segments between events, each with a start of its own: this says nothing of how far a whole recording is predicted.
+    Segments,
+    /// Their events, the segments de-trended: this says nothing of the segments.
+    Events,
 }
 
 /// How far simulation and measurement lie apart (root mean square), and what noise alone leaves.
@@ -186,8 +185,8 @@ pub struct Explained {
     pub recording: usize,
     /// Its name.
     pub name: String,
-    /// Which of its flights this is, from 1, where they were cut apart.
-    pub flight: Option<usize>,
+    /// Which of its segments between events this is, from 1, where they were cut apart.
+    pub segment: Option<usize>,
     /// Whether it was kept out of the fit.
     pub held_out: bool,
     /// What was used of it.
@@ -200,8 +199,8 @@ pub struct Explained {
     pub after: Vec<f64>,
     /// Noise of each channel in its unit.
     pub noise: Vec<f64>,
-    /// Contacts as the recording shows them, s.
-    pub contacts: Vec<f64>,
+    /// Events as the recording shows them, s.
+    pub events: Vec<f64>,
     /// Its nuisance parameters with the named effects: name, value, unit.
     pub nuisances: Vec<(String, f64, String)>,
 }
@@ -263,7 +262,7 @@ pub struct Diagnosis {
     pub adequacy: Vec<Test>,
     /// What would separate or show what these recordings cannot.
     pub next_experiment: Option<NextExperiment>,
-    /// How far behind the best an explanation is still left; more of a single throw, less in the place of what has to be
+    /// How far behind the best an explanation is still left; more of a single motion, less in the place of what has to be
     /// there anyhow.
     pub margin: f64,
     /// How much the information criterion has to gain for an effect to be there at all.

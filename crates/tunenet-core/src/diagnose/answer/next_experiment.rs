@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::diagnose::answer::NextExperiment;
-use crate::diagnose::answer::wording::{is_of_balls, words};
+use crate::diagnose::answer::wording::{is_segmented, words};
 use crate::diagnose::columns::{Projector, orthonormal, stack};
 use crate::diagnose::derivatives::{Columns, Which};
 use crate::diagnose::evidence::ar1_prewhitening::Filter;
@@ -54,7 +54,7 @@ pub(in crate::diagnose) fn next(
     let designs = designs(context, best)?;
     let chance = |entry: usize| context.catalogue[entry].chance();
     let gaps = if chance(place.entry) || others.iter().any(|&other| chance(other)) {
-        // Chance turns every bounce anew, whatever the throw: what is steady is not, so the more bounces along a new
+        // Chance draws every event anew, whatever the motion: what is steady is not, so the more events along a new
         // direction the better.
         designs.iter().map(|design| vec![across(design); others.len()]).collect()
     } else {
@@ -73,14 +73,7 @@ pub(in crate::diagnose) fn next(
         settings = nuisances.iter().filter(|p| p.name.starts_with(START)).map(|p| (p.name.clone(), p.value)).collect();
         let value = |key: &str| settings.iter().find(|(name, _)| name.ends_with(key)).map_or(0.0, |(_, v)| *v);
         let (x, y, z) = (value("velocity_x"), value("velocity_y"), value("velocity_z"));
-        let height = value("release.z");
-        let how = if (x, y, z) == (0.0, 0.0, 0.0) {
-            format!("drop it from {height:.2} m")
-        } else {
-            let along = [("x", x), ("y", y)].into_iter().filter(|(_, speed)| *speed != 0.0);
-            let along: Vec<String> = along.map(|(axis, speed)| format!("{speed:.1} m/s along {axis}")).collect();
-            format!("throw it from {height:.2} m with {} and {z:.1} m/s upwards", along.join(", "))
-        };
+        let how = (words(context).start)(value("release.z"), [x, y, z]);
         let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
         text = format!(
             "{how} and add that recording: it distinguishes {} from {} (expected gain {})",
@@ -94,14 +87,14 @@ pub(in crate::diagnose) fn next(
         let known: Vec<&str> =
             std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(words.knowledge).collect();
         let unique = unique(known);
-        // Of anything but a ball nobody here knows what could be recorded.
-        if !is_of_balls(context) {
+        // Of anything that has no start like a body's nobody here knows what could be recorded.
+        if !is_segmented(context) {
             let text = std::iter::once(words.add).chain(unique).collect::<Vec<_>>().join("; or ");
             return Ok(Some(NextExperiment { text, settings }));
         }
-        let also = if text.is_empty() { "no throw tells" } else { "; no throw tells" };
+        let also = if text.is_empty() { "" } else { "; " };
         let rest = twins.join(", ");
-        text = format!("{text}{also} {} from {rest}: {}", name(place.entry), unique.join(", or "));
+        text = format!("{text}{also}{} {} from {rest}: {}", words.inseparable, name(place.entry), unique.join(", or "));
     }
     Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
 }
@@ -154,14 +147,14 @@ fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
             all.push(Set {
                 recording: 0,
                 object: set.object,
-                throw: 0,
+                motion: 0,
                 held_out: false,
                 pull: set.pull.clone(),
                 prepared,
                 noise: set.noise.clone(),
                 keep,
                 filter,
-                contacts: Vec::new(),
+                events: Vec::new(),
                 held_still: false,
             });
         }

@@ -41,7 +41,7 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
 }
 
 /// Says which parameters of `model` the recordings do not determine: those on which they do not depend at all, and those
-/// that they do not depend on near the value found, as friction once the ball grips.
+/// that they do not depend on near the value found, as friction once the body grips.
 fn note_unidentifiable(context: &Context<'_>, model: &Hypothesis, notes: &mut Vec<Note>) {
     let silent = |g: &usize| !model.fit.covariance[(*g, *g)].is_finite();
     for g in (0..model.structure.globals.len()).filter(silent) {

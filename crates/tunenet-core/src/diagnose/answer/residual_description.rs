@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Result;
-use crate::diagnose::answer::wording::is_of_balls;
+use crate::diagnose::answer::wording::{Wording, is_segmented, words};
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::observation::Channel;
@@ -15,10 +15,10 @@ const LEAST_SAMPLES: usize = 10;
 const CLOSE: f64 = 0.7;
 const FEWEST_ARCS: usize = 4;
 
-/// One free flight of one channel: what the residual does in it beyond the model.
+/// One free segment of one channel: what the residual does in it beyond the model.
 struct Arc {
     channel: usize,
-    /// Which flight of its recording, from 0.
+    /// Which segment of its recording, from 0.
     number: usize,
     /// Mean of the residual, in the channel's unit, its slope per s, and its bend per s².
     offset: f64,
@@ -30,7 +30,7 @@ struct Arc {
     bend_square: f64,
     samples: usize,
     middle_s: f64,
-    height: f64,
+    level: f64,
     speed: f64,
 }
 
@@ -47,7 +47,7 @@ pub(in crate::diagnose) fn describe(context: &Context, model: &Hypothesis) -> Re
         .sets()
         .iter()
         .zip(&residuals)
-        .flat_map(|(set, residual)| arcs(set, residual, is_of_balls(context)))
+        .flat_map(|(set, residual)| arcs(set, residual, is_segmented(context)))
         .collect();
     let channels = context.subjects[0].simulator.channels();
     let excess = |channel: usize| -> f64 {
@@ -62,24 +62,30 @@ pub(in crate::diagnose) fn describe(context: &Context, model: &Hypothesis) -> Re
         mine.iter().fold((0.0, 0.0), |(b, l), a| (b + a.bend_square / count, l + a.line_square() / (2.0 * count)));
     let axis = &channels[worst];
     let later = mine.iter().any(|a| a.number > 0);
-    if !is_of_balls(context) {
-        return Ok((of_anything(&mine, axis, bend > 4.0 || line > 4.0), None));
+    let words = words(context);
+    if !is_segmented(context) {
+        return Ok((of_anything(&mine, axis, bend > 4.0 || line > 4.0, words), None));
     }
     let size = root_mean_square(&mine, |a| a.acceleration);
     let (place, phase) = if bend > 4.0 || !later {
-        let text = format!("within the flights, as a bend of about {size:.2e} {}/s² along {}", axis.unit, axis.name);
-        (text, Some(Phase::Flight))
+        let text = format!(
+            "within the {}, as a bend of about {size:.2e} {}/s² along {}",
+            words.segment[1], axis.unit, axis.name
+        );
+        (text, Some(Phase::Segment))
     } else if line > 4.0 {
-        (format!("from one flight to the next, so at the contacts, along {}", axis.name), Some(Phase::Contact))
+        let [one, _] = words.segment;
+        let text = format!("from one {one} to the next, so at the {}, along {}", words.events, axis.name);
+        (text, Some(Phase::Event))
     } else {
-        (format!("faster than a flight, as an oscillation or a jitter along {}", axis.name), None)
+        (format!("faster than a {}, as an oscillation or a jitter along {}", words.segment[0], axis.name), None)
     };
-    let with = with(&mine, |a| a.acceleration, "the height", "the speed");
+    let with = with(&mine, |a| a.acceleration, [words.level, "the speed", words.event_count]);
     Ok((format!("what is left acts {place}; {with}"), phase))
 }
 
-/// The same of what is no ball: whether a whole record is off by a constant, by a drift or by a bend, whichever explains most.
-fn of_anything(arcs: &[&Arc], axis: &Channel, slow: bool) -> String {
+/// The same of what has no segments: whether a whole record is off by a constant, by a drift or by a bend, whichever explains most.
+fn of_anything(arcs: &[&Arc], axis: &Channel, slow: bool, words: &Wording) -> String {
     let sum = |of: fn(&Arc) -> f64| arcs.iter().map(|arc| of(arc)).sum::<f64>();
     let (offset, slope, bend) = (sum(|a| a.offset_square), sum(|a| a.slope_square), sum(|a| a.bend_square));
     let (unit, name) = (&axis.unit, &axis.name);
@@ -108,7 +114,7 @@ fn of_anything(arcs: &[&Arc], axis: &Channel, slow: bool) -> String {
             format!("over the whole of each record, as a bend of about {size:.2e} {unit}/s² of {name}"),
         )
     };
-    format!("what is left acts {shape}; {}", with(arcs, of, "its size", "how fast things change"))
+    format!("what is left acts {shape}; {}", with(arcs, of, ["its size", "how fast things change", words.event_count]))
 }
 
 /// Root mean square of a quantity of the arcs, each weighed by its samples.
@@ -117,12 +123,12 @@ fn root_mean_square(arcs: &[&Arc], of: fn(&Arc) -> f64) -> f64 {
     (arcs.iter().map(|a| a.samples as f64 * of(a).powi(2)).sum::<f64>() / weight.max(1.0)).sqrt()
 }
 
-/// What a quantity of the arcs goes with, in words; `height` and `speed` as they are called.
-fn with(arcs: &[&Arc], of: fn(&Arc) -> f64, height: &'static str, speed: &'static str) -> String {
-    goes_with(arcs, of, height, speed).map_or_else(
+/// What a quantity of the arcs goes with, in words; level, speed and the count of events as they are called.
+fn with(arcs: &[&Arc], of: fn(&Arc) -> f64, names: [&'static str; 3]) -> String {
+    goes_with(arcs, of, names).map_or_else(
         || {
             let bare = |name: &'static str| name.trim_start_matches("the ");
-            format!("it follows neither {}, {} nor time clearly", bare(height), bare(speed))
+            format!("it follows neither {}, {} nor time clearly", bare(names[0]), bare(names[1]))
         },
         |(what, r)| format!("it {} with {what}", if r > 0.0 { "grows" } else { "falls" }),
     )
@@ -132,18 +138,17 @@ fn with(arcs: &[&Arc], of: fn(&Arc) -> f64, height: &'static str, speed: &'stati
 fn goes_with(
     arcs: &[&Arc],
     of: fn(&Arc) -> f64,
-    height: &'static str,
-    speed: &'static str,
+    [level, speed, count]: [&'static str; 3],
 ) -> Option<(&'static str, f64)> {
     if arcs.len() < FEWEST_ARCS {
         return None;
     }
     let sizes: Vec<f64> = arcs.iter().map(|a| of(a)).collect();
     let each: [(&'static str, Vec<f64>); 4] = [
-        (height, arcs.iter().map(|a| a.height).collect()),
+        (level, arcs.iter().map(|a| a.level).collect()),
         (speed, arcs.iter().map(|a| a.speed).collect()),
         ("the time in the record", arcs.iter().map(|a| a.middle_s).collect()),
-        ("the count of bounces", arcs.iter().map(|a| a.number as f64).collect()),
+        (count, arcs.iter().map(|a| a.number as f64).collect()),
     ];
     let best = each.into_iter().map(|(name, values)| (name, correlation(&sizes, &values)));
     best.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|(_, r)| r.abs() > CLOSE)
@@ -157,17 +162,17 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if scale > 0.0 { sum(&|x, y| x * y) / scale } else { 0.0 }
 }
 
-/// The flights between contacts, each channel's residual fitted by a parabola. The height of a ball is its last channel; of
-/// anything else each channel has a size of its own.
-fn arcs(set: &Set, residual: &[f64], ball: bool) -> Vec<Arc> {
+/// The segments between events, each channel's residual fitted by a parabola. The level is the last channel where the motion
+/// has segments; otherwise each channel has a size of its own.
+fn arcs(set: &Set, residual: &[f64], segmented: bool) -> Vec<Arc> {
     let (clock, width) = (set.clock(), set.width());
     let seen = &set.prepared.seen;
     let mut edges = vec![0];
-    edges.extend(set.contacts.iter().map(|t| clock.partition_point(|c| c < t)));
+    edges.extend(set.events.iter().map(|t| clock.partition_point(|c| c < t)));
     edges.push(clock.len());
     let mut all = Vec::new();
     for (number, edge) in edges.windows(2).enumerate() {
-        // The samples beside a contact may belong to either side.
+        // The samples beside an event may belong to either side.
         let (begin, end) = (edge[0] + usize::from(edge[0] > 0), edge[1].saturating_sub(1).max(edge[0]));
         if end < begin + LEAST_SAMPLES {
             continue;
@@ -187,7 +192,7 @@ fn arcs(set: &Set, residual: &[f64], ball: bool) -> Vec<Arc> {
                 1 => x(kept[i]),
                 _ => 1.5 * x(kept[i]).powi(2) - 0.5,
             });
-            let level = if ball { width - 1 } else { channel };
+            let level = if segmented { width - 1 } else { channel };
             let values = DVector::from_iterator(kept.len(), kept.iter().map(|&k| residual[k * width + channel]));
             let Some(inverse) = (basis.transpose() * &basis).try_inverse() else { continue };
             let fit = &inverse * (basis.transpose() * values);
@@ -202,7 +207,7 @@ fn arcs(set: &Set, residual: &[f64], ball: bool) -> Vec<Arc> {
                 bend_square: fit[2].powi(2) / inverse[(2, 2)],
                 samples: kept.len(),
                 middle_s,
-                height: kept.iter().map(|&k| seen.row(k)[level]).sum::<f64>() / kept.len() as f64,
+                level: kept.iter().map(|&k| seen.row(k)[level]).sum::<f64>() / kept.len() as f64,
                 speed: travelled / (2.0 * half),
             });
         }

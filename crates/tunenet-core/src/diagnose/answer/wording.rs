@@ -1,13 +1,14 @@
-//! Words for what is diagnosed: a ball is thrown and bounces before a camera; anything else starts, is driven, and is seen by a
-//! sensor.
+//! Words for what is diagnosed: what a person calls a motion, its segments and its events, and what a person can find out.
 
 use crate::diagnose::hypothesis::context::Context;
 use crate::observation::Kind;
 use crate::simulator::{Phase, Simulator};
 
-/// What a text says where it depends on the thing.
-pub(in crate::diagnose) struct Words {
-    /// What a recording shows, where several show the same.
+/// What the texts of a diagnosis say where they depend on the thing that moves. [`GENERAL`] fits anything;
+/// [`Settings`](crate::diagnose::Settings) takes another for things whose motion has segments between events.
+#[derive(Debug)]
+pub struct Wording {
+    /// What a recording shows, where several show the same: "motion".
     pub motion: &'static str,
     /// Why one motion names nothing.
     pub single: &'static str,
@@ -17,36 +18,54 @@ pub(in crate::diagnose) struct Words {
     pub add: &'static str,
     /// What to do where nothing known explains.
     pub vary: &'static str,
-    /// What tells effects apart that no design separates.
+    /// What is said before effects that no design separates: "no motion tells".
+    pub inseparable: &'static str,
+    /// What separates effects that no design separates, by the name of an effect; `None` of one of which nothing is known.
     pub knowledge: fn(&str) -> Option<&'static str>,
+    /// How to make the recording of a design: the height of its start in m, and its velocity there in m/s.
+    pub start: fn(f64, [f64; 3]) -> String,
+    /// A segment between events, and several of them.
+    pub segment: [&'static str; 2],
+    /// Events.
+    pub events: &'static str,
+    /// How many events came before, as a quantity: "the count of events".
+    pub event_count: &'static str,
+    /// What the last channel shows: "the level".
+    pub level: &'static str,
+    /// Names of the tests on segments that were not fitted: against the residual without effects, and against that of a wrong
+    /// effect.
+    pub hidden_segments: [&'static str; 2],
 }
 
-const BALL: Words = Words {
-    motion: "throw",
-    single: "a single throw does not identify one effect",
-    otherwise: "throw from other heights, in other directions, faster and slower",
-    add: "add recordings of the same ball from other heights and in other directions",
-    vary: "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
-    knowledge: of_ball,
-};
-
-const OTHER: Words = Words {
+/// Words for anything that moves and is recorded.
+pub static GENERAL: Wording = Wording {
     motion: "motion",
     single: "a single motion does not identify one effect",
     otherwise: "record motions that start otherwise or are driven otherwise, slower and faster",
     add: "add recordings that start otherwise or are driven otherwise",
     vary: "vary one thing at a time (start, inputs, parameters, sensor) and see with which of them it changes",
-    knowledge: of_other,
+    inseparable: "no motion tells",
+    knowledge,
+    start,
+    segment: ["segment", "segments"],
+    events: "events",
+    event_count: "the count of events",
+    level: "the level",
+    hidden_segments: [
+        "hidden segments' residual after over before",
+        "hidden segments' residual over that of a wrong effect",
+    ],
 };
 
-/// Whether all that is diagnosed are balls, or anything else that flies and touches.
-pub(in crate::diagnose) fn is_of_balls(context: &Context<'_>) -> bool {
-    context.subjects.iter().all(|s| flies(s.simulator))
+/// Whether the motion of all that is diagnosed may have segments between events: it is seen from outside, or effects act in
+/// segments or at events.
+pub(in crate::diagnose) fn is_segmented(context: &Context<'_>) -> bool {
+    context.subjects.iter().all(|s| may_have_segments(s.simulator))
 }
 
 /// Why an effect is excluded in whose place what is fitted anyhow does the same.
 pub(in crate::diagnose) fn done_already(context: &Context<'_>) -> &'static str {
-    if is_of_balls(context) {
+    if is_segmented(context) {
         "start states and parameters already do all that it could do here"
     } else if context.sets().iter().any(|set| !set.prepared.nuisances.is_empty()) {
         "the parameters, and what is fitted of each recording, already do all that it could do here"
@@ -56,39 +75,17 @@ pub(in crate::diagnose) fn done_already(context: &Context<'_>) -> &'static str {
 }
 
 /// The words for it.
-pub(in crate::diagnose) fn words(context: &Context<'_>) -> &'static Words {
-    if is_of_balls(context) { &BALL } else { &OTHER }
+pub(in crate::diagnose) fn words(context: &Context<'_>) -> &'static Wording {
+    if is_segmented(context) { context.settings.wording } else { &GENERAL }
 }
 
-fn flies(simulator: &dyn Simulator) -> bool {
-    let seen = matches!(simulator.kind(), Kind::Positions | Kind::Pixels | Kind::BounceTimes);
-    seen || simulator.effects().iter().any(|effect| matches!(effect.phase, Phase::Flight | Phase::Contact))
+fn may_have_segments(simulator: &dyn Simulator) -> bool {
+    let seen = matches!(simulator.kind(), Kind::Positions | Kind::Pixels | Kind::EventTimes);
+    seen || simulator.effects().iter().any(|effect| matches!(effect.phase, Phase::Segment | Phase::Event))
 }
 
 /// What a person can find out beside any motion that settles whether an effect is there.
-fn of_ball(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "length_scale" | "aspect_ratio" | "perspective" | "lens_distortion" => {
-            "put objects of known length in view, upright and lying, low and high"
-        }
-        "time_scale" => "film a clock, or look up the true frame rate",
-        "time_offset" => "record the instant of release",
-        "camera_tilt" => "hang a plumb line in view",
-        "surface_tilt" => "lay a spirit level on the surface",
-        "effective_gravity" => "weigh the ball and measure its size, or drop a dense ball before the same camera",
-        "rolling_shutter" | "observation_blur" => "look up the camera's shutter and exposure",
-        "quadratic_drag" | "linear_drag" | "magnus" | "wind" => {
-            "repeat with a heavy ball of the same size before the same camera"
-        }
-        "contact_time" | "speed_dependent_restitution" | "tangential_restitution" | "bounce_friction" => {
-            "repeat on another surface"
-        }
-        _ => return None,
-    })
-}
-
-/// The same of anything else.
-fn of_other(name: &str) -> Option<&'static str> {
+fn knowledge(name: &str) -> Option<&'static str> {
     Some(match name {
         "length_scale" => "measure a known length with the same sensor",
         "time_scale" => "hold the recorder's clock against another",
@@ -96,4 +93,8 @@ fn of_other(name: &str) -> Option<&'static str> {
         "observation_blur" => "look up over what time the sensor averages",
         _ => return None,
     })
+}
+
+fn start(height_m: f64, [x, y, z]: [f64; 3]) -> String {
+    format!("start it at a height of {height_m:.2} m with velocity ({x:.1}, {y:.1}, {z:.1}) m/s")
 }

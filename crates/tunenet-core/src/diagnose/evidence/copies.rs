@@ -2,18 +2,18 @@
 
 use crate::diagnose::evidence::recording::Set;
 
-/// Two motions that differ by less than this share of themselves (root mean squares, noise taken off) are one throw: a person
-/// who repeats one stays below, and one who drops from half as high again goes far beyond.
+/// Two motions that differ by less than this share of themselves (root mean squares, noise taken off) are one motion: a person
+/// who repeats one stays below, and one who starts half as high again goes far beyond.
 const ALIKE: f64 = 0.25;
 /// Recordings that share less than this part of the longer one are not compared.
 const COMMON: f64 = 0.5;
 
-/// Marks recordings of one object that show the same throw as an earlier one with its `throw`.
+/// Marks recordings of one object that show the same motion as an earlier one with its `motion`.
 pub(in crate::diagnose) fn label(sets: &mut [Set]) {
     let mut first: Vec<usize> = Vec::new();
     for i in 0..sets.len() {
         match first.iter().find(|&&known| alike(&sets[known], &sets[i])) {
-            Some(&known) => sets[i].throw = sets[known].throw,
+            Some(&known) => sets[i].motion = sets[known].motion,
             None => first.push(i),
         }
     }
@@ -65,8 +65,8 @@ mod tests {
     use crate::observation::Observation;
     use crate::simulator::Prepared;
 
-    /// A flight from `height` with these speeds along x and z.
-    fn thrown(recording: usize, object: usize, height: f64, along: f64, up: f64) -> Set {
+    /// A fall from `height` with these speeds along x and z.
+    fn falling(recording: usize, object: usize, height: f64, along: f64, up: f64) -> Set {
         let clock: Vec<f64> = (0..60).map(|k| f64::from(k) * 0.01).collect();
         let row = |t: &f64| [along * t, 0.0, height + up * t - 4.905 * t * t];
         let rows: Vec<[f64; 3]> = clock.iter().map(row).collect();
@@ -74,16 +74,16 @@ mod tests {
     }
 
     #[test]
-    fn a_repeated_throw_counts_once_and_a_turned_one_again() {
+    fn a_repeated_motion_counts_once_and_a_turned_one_again() {
         let mut sets = vec![
-            thrown(0, 0, 1.0, 1.0, 0.5),
-            thrown(1, 0, 1.02, 1.02, 0.48),
-            thrown(2, 0, 1.0, -1.0, 0.5),
-            thrown(3, 0, 1.0, 1.0, 2.5),
-            thrown(4, 1, 1.0, 1.0, 0.5),
+            falling(0, 0, 1.0, 1.0, 0.5),
+            falling(1, 0, 1.02, 1.02, 0.48),
+            falling(2, 0, 1.0, -1.0, 0.5),
+            falling(3, 0, 1.0, 1.0, 2.5),
+            falling(4, 1, 1.0, 1.0, 0.5),
         ];
         label(&mut sets);
-        let throws: Vec<usize> = sets.iter().map(|s| s.throw).collect();
-        assert_eq!(throws, [0, 0, 2, 3, 4], "another direction, another speed, another object");
+        let motions: Vec<usize> = sets.iter().map(|s| s.motion).collect();
+        assert_eq!(motions, [0, 0, 2, 3, 4], "another direction, another speed, another object");
     }
 }

@@ -77,12 +77,12 @@ impl Evidence {
 
     /// Whether all that is fitted shows one motion, however often.
     pub fn shows_one_motion(&self) -> bool {
-        self.training.iter().all(|set| set.throw == self.training[0].throw)
+        self.training.iter().all(|set| set.motion == self.training[0].motion)
     }
 
     /// Whether no object shows a second motion, against which the values of its nuisance parameters could be held.
     pub fn shows_one_motion_per_object(&self) -> bool {
-        let one = |a: &Set| self.training.iter().all(|b| a.object != b.object || a.throw == b.throw);
+        let one = |a: &Set| self.training.iter().all(|b| a.object != b.object || a.motion == b.motion);
         self.training.iter().all(one)
     }
 }

@@ -16,32 +16,90 @@ const STILL_SHARE: f64 = 1e-7;
 /// A clock whose steps stray farther than this from their median is uneven.
 const UNEVEN: f64 = 0.2;
 
-/// One recording, ready.
+/// A recording ready to be fitted: what its simulator made of it, its noise, and the samples that count.
 #[derive(Clone)]
-pub(in crate::diagnose) struct Set {
+pub struct PreparedRecording {
     /// Its position among the recordings given.
-    pub recording: usize,
-    pub object: usize,
-    /// The first recording that shows the same throw, often itself.
-    pub throw: usize,
-    pub held_out: bool,
-    pub prepared: Prepared,
+    pub(in crate::diagnose) recording: usize,
+    pub(in crate::diagnose) object: usize,
+    /// The first recording that shows the same motion, often itself.
+    pub(in crate::diagnose) motion: usize,
+    pub(in crate::diagnose) held_out: bool,
+    pub(in crate::diagnose) prepared: Prepared,
     /// How strongly each nuisance parameter is drawn to its guess: a standard deviation.
-    pub pull: Vec<f64>,
+    pub(in crate::diagnose) pull: Vec<f64>,
     /// Standard deviation of each channel.
-    pub noise: Vec<f64>,
+    pub(in crate::diagnose) noise: Vec<f64>,
     /// Whether a value counts, shape `[sample · channel]`.
-    pub keep: Vec<bool>,
+    pub(in crate::diagnose) keep: Vec<bool>,
     /// From plain residuals to white ones in units of the noise.
-    pub filter: Filter,
-    /// When contacts are seen, s.
-    pub contacts: Vec<f64>,
+    pub(in crate::diagnose) filter: Filter,
+    /// When events are seen, s.
+    pub(in crate::diagnose) events: Vec<f64>,
     /// Whether channels that stand still weigh, too.
-    pub held_still: bool,
+    pub(in crate::diagnose) held_still: bool,
 }
 
-impl Set {
-    pub fn new(recording: usize, object: usize, held_out: bool, mut prepared: Prepared) -> Self {
+pub(in crate::diagnose) type Set = PreparedRecording;
+
+/// What a [strategy](crate::diagnose::Strategy) sees of a recording, and what it makes of it.
+impl PreparedRecording {
+    /// Its position among the recordings given.
+    #[must_use]
+    pub fn recording(&self) -> usize {
+        self.recording
+    }
+
+    /// The position of its object among the subjects.
+    #[must_use]
+    pub fn object(&self) -> usize {
+        self.object
+    }
+
+    /// Whether it is only to judge by, not to fit to.
+    #[must_use]
+    pub fn held_out(&self) -> bool {
+        self.held_out
+    }
+
+    /// What its simulator made of it.
+    #[must_use]
+    pub fn prepared(&self) -> &Prepared {
+        &self.prepared
+    }
+
+    /// When events are seen, in s on the clock of the recording; empty where its simulator knows none.
+    #[must_use]
+    pub fn events(&self) -> &[f64] {
+        &self.events
+    }
+
+    /// Another preparation of the same recording: a part of it, or what it would have been otherwise. It belongs to the same
+    /// object and motion, and is held out where this one is; noise and events are those of `prepared`.
+    #[must_use]
+    pub fn remade(&self, prepared: Prepared) -> Self {
+        Self { motion: self.motion, ..Self::new(self.recording, self.object, self.held_out, prepared) }
+    }
+
+    /// The same with these instants of its events, s.
+    #[must_use]
+    pub fn with_events(self, events: Vec<f64>) -> Self {
+        Self { events, ..self }
+    }
+
+    /// The same with this white noise: the standard deviation of each channel in its unit, where it is greater than 0.
+    #[must_use]
+    pub fn with_noise(mut self, noise: &[f64]) -> Self {
+        for (sd, known) in self.noise.iter_mut().zip(noise) {
+            *sd = if *known > 0.0 { *known } else { *sd };
+        }
+        self.colour(0.0);
+        self
+    }
+}
+
+impl PreparedRecording {
+    pub(in crate::diagnose) fn new(recording: usize, object: usize, held_out: bool, mut prepared: Prepared) -> Self {
         let segmentation = prepared.segmentation.clone();
         if let Some(known) = &segmentation
             && let Ok(moving) = prepared.seen.slice(0..known.moving(&prepared.seen, &noise(&prepared.seen)))
@@ -55,39 +113,39 @@ impl Set {
         let noise: Vec<f64> = noise(seen).iter().map(|sd| sd.max(PRACTICAL_SHARE * widest)).collect();
         let keep: Vec<bool> =
             (0..seen.values().len()).map(|i| ranges[i % width] > STILL_SHARE * widest || width == 1).collect();
-        let contacts = segmentation.map_or_else(Vec::new, |known| known.events(seen));
+        let events = segmentation.map_or_else(Vec::new, |known| known.events(seen));
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
         let pull = prepared.nuisances.iter().map(Parameter::span).collect();
         Self {
             recording,
             object,
-            throw: recording,
+            motion: recording,
             held_out,
             prepared,
             pull,
             noise,
             keep,
             filter,
-            contacts,
+            events,
             held_still: false,
         }
     }
 
     /// A piece of this recording as one of its own, with what is known of its noise.
-    pub fn piece(&self, range: Range<usize>, prepared: Prepared) -> Self {
+    pub(in crate::diagnose) fn piece(&self, range: Range<usize>, prepared: Prepared) -> Self {
         let width = self.width();
         let keep = self.keep[range.start * width..range.end * width].to_vec();
         let filter = Filter::new(prepared.seen.clock(), &self.noise, &keep, 0.0);
         let pull = prepared.nuisances.iter().map(Parameter::span).collect();
-        let (noise, contacts) = (self.noise.clone(), Vec::new());
-        let mut piece = Self { prepared, pull, noise, keep, filter, contacts, ..*self };
+        let (noise, events) = (self.noise.clone(), Vec::new());
+        let mut piece = Self { prepared, pull, noise, keep, filter, events, ..*self };
         piece.hold_still();
         piece
     }
 
     /// Lets channels that stand still speak against whatever would move them; as they do not vary, their values are no
     /// evidence for anything else, and do not count.
-    pub fn hold_still(&mut self) {
+    pub(in crate::diagnose) fn hold_still(&mut self) {
         self.held_still = true;
         self.colour(0.0);
     }
@@ -100,21 +158,21 @@ impl Set {
         self.keep.iter().enumerate().map(|(i, keep)| *keep || still[i % width]).collect()
     }
 
-    pub fn width(&self) -> usize {
+    pub(in crate::diagnose) fn width(&self) -> usize {
         self.noise.len()
     }
 
-    pub fn clock(&self) -> &[f64] {
+    pub(in crate::diagnose) fn clock(&self) -> &[f64] {
         self.prepared.seen.clock()
     }
 
     /// How many values count.
-    pub fn count(&self) -> usize {
+    pub(in crate::diagnose) fn count(&self) -> usize {
         self.keep.iter().filter(|keep| **keep).count()
     }
 
     /// Takes this lag-one correlation of the noise for given.
-    pub fn colour(&mut self, rho: f64) {
+    pub(in crate::diagnose) fn colour(&mut self, rho: f64) {
         self.filter = Filter::new(self.prepared.seen.clock(), &self.noise, &self.weighed(), rho);
     }
 }
@@ -126,7 +184,7 @@ fn noise(seen: &Observation) -> Vec<f64> {
     let steps: Vec<f64> = clock.windows(2).map(|w| w[1] - w[0]).collect();
     let usual = median(steps.iter().copied()).unwrap_or(0.0);
     let uneven = steps.iter().any(|step| (step / usual - 1.0).abs() > UNEVEN);
-    if seen.kind() == Kind::BounceTimes || !uneven || seen.len() < 8 {
+    if seen.kind() == Kind::EventTimes || !uneven || seen.len() < 8 {
         return plain;
     }
     let spread = |channel: usize| {

@@ -1,37 +1,45 @@
 //! Noise of a segment, robust about a cubic (Huber 1964): what no smooth force leaves.
 //!
 //! A tracker's errors last for some samples, so the differences of neighbours show less of them than there is. But no force
-//! moves a body fast: over one flight any of them leaves a path that a cubic follows. What strays from the best cubic is
+//! moves a body fast: over one segment any of them leaves a path that a cubic follows. What strays from the best cubic is
 //! noise, and no name is asked to explain it.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::recording::PreparedRecording;
 use crate::statistics::mad_sd;
 
 /// Numbers of a cubic.
 const TERMS: usize = 4;
-/// A flight has to have so many samples for each of them.
+/// A segment has to have so many samples for each of them.
 const SAMPLES_EACH: usize = 4;
 /// Rounds of the robust fit, and where its loss changes over, in robust standard deviations.
 const ROUNDS: usize = 8;
 const CHANGES_OVER: f64 = 1.5;
 
-/// Raises the noise of each channel of `flight` to what strays from its best cubic.
-pub(in crate::diagnose) fn raise_noise(flight: &mut Set) {
-    let clock = flight.clock();
+impl PreparedRecording {
+    /// This segment with the noise of each channel raised to what strays from its best cubic.
+    #[must_use]
+    pub fn with_raised_noise(mut self) -> Self {
+        raise_noise(&mut self);
+        self
+    }
+}
+
+fn raise_noise(segment: &mut PreparedRecording) {
+    let clock = segment.clock();
     let (begin, end) = (clock[0], clock[clock.len() - 1]);
     let scaled: Vec<f64> = clock.iter().map(|t| (2.0 * t - begin - end) / (end - begin)).collect();
-    let width = flight.width();
+    let width = segment.width();
     for channel in 0..width {
-        let kept: Vec<usize> = (0..scaled.len()).filter(|k| flight.keep[k * width + channel]).collect();
-        let values: Vec<f64> = kept.iter().map(|&k| flight.prepared.seen.row(k)[channel]).collect();
+        let kept: Vec<usize> = (0..scaled.len()).filter(|k| segment.keep[k * width + channel]).collect();
+        let values: Vec<f64> = kept.iter().map(|&k| segment.prepared.seen.row(k)[channel]).collect();
         let places: Vec<f64> = kept.iter().map(|&k| scaled[k]).collect();
         if let Some(sd) = astray(&places, &values) {
-            flight.noise[channel] = flight.noise[channel].max(sd);
+            segment.noise[channel] = segment.noise[channel].max(sd);
         }
     }
-    flight.colour(0.0);
+    segment.colour(0.0);
 }
 
 /// The standard deviation of `values` from their best cubic in `places`, robust to wild ones; `None` for too few.

@@ -1,6 +1,6 @@
 //! Sign-ambiguous nuisance parameters: they turn a motion out of the measured plane, to either side alike.
 //!
-//! Of a ball seen along x and z alone, spin about an axis within the picture pushes it across, and then pushes what has become
+//! Of a body seen along x and z alone, spin about an axis within the picture pushes it across, and then pushes what has become
 //! of that back along x: a braking of second order, which drag would have to share with a spin that nobody saw. To first
 //! order nothing is known of such an unknown, and it stays at its guess.
 

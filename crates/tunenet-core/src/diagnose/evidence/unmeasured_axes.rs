@@ -68,7 +68,7 @@ fn observable(context: &Context<'_>, entry: usize, base: &Hypothesis) -> Result<
 
 impl Set {
     /// Channels of which nothing counts.
-    pub fn unmeasured(&self) -> Vec<usize> {
+    pub(in crate::diagnose) fn unmeasured(&self) -> Vec<usize> {
         let width = self.width();
         (0..width).filter(|c| !self.keep.iter().skip(*c).step_by(width).any(|keep| *keep)).collect()
     }
@@ -86,7 +86,7 @@ impl Set {
     }
 
     /// Holds nuisance parameter `i` at its guess.
-    pub fn hold(&mut self, i: usize) {
+    pub(in crate::diagnose) fn hold(&mut self, i: usize) {
         self.pull[i] = HELD_SHARE * self.prepared.nuisances[i].span();
     }
 }

@@ -24,7 +24,7 @@ impl Entry {
 
     /// Whether it is chance, which no coefficient rolls out.
     pub fn chance(&self) -> bool {
-        self.name == SCATTER
+        self.of[0].random
     }
 }
 
@@ -46,9 +46,6 @@ impl<'a> Deref for Carrier<'a> {
         }
     }
 }
-
-/// The effect that is chance; see [`scatter`](crate::diagnose::judge::random_effect).
-pub(in crate::diagnose) const SCATTER: &str = "bounce_scatter";
 
 /// The effects that all subjects know, and those of how they were seen.
 pub(in crate::diagnose) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {

@@ -9,7 +9,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::ar1_correlation;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::fit::Effort;
-use crate::diagnose::hypothesis::catalogue::{Entry, SCATTER};
+use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::information_criterion::{bic_gain, likelihood_gain};
 use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
 use crate::diagnose::joint::{Joint, Outcome, Point, spread};
@@ -22,9 +22,9 @@ pub(in crate::diagnose) const FULL: Effort = Effort { steps: 12, tolerance: 0.02
 /// A change of the noise's lag-1 correlation below this is left.
 const CORRELATION_CHANGE: f64 = 0.05;
 
-/// Of a single throw, explanations are left up to this many times the usual margin. It is not named alone, since what
-/// is in no catalogue looks like one of its entries in one throw, by any margin; unless the effect has to be there, as drag
-/// of a ball of known mass and size.
+/// Of a single motion, explanations are left up to this many times the usual margin. It is not named alone, since what
+/// is in no catalogue looks like one of its entries in one motion, by any margin; unless the effect has to be there, as
+/// drag of a body of known mass and size.
 pub(in crate::diagnose) const SINGLE_MOTION_MARGIN: f64 = 10.0;
 
 /// The random effect of contacts: every contact tilted by a draw of its own.
@@ -115,7 +115,7 @@ impl<'a> Context<'a> {
 
     /// Chance at contacts, where every subject knows it.
     pub fn chance_entry(&self) -> Option<&Entry> {
-        self.catalogue.iter().find(|e| e.name == SCATTER)
+        self.catalogue.iter().find(|e| e.chance())
     }
 
     /// How far behind the best an explanation is still left; more where no object shows a second motion, against which the

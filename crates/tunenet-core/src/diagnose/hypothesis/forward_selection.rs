@@ -118,7 +118,7 @@ pub(in crate::diagnose) fn search<'a>(
     Ok(Selection { base, alone, best, places })
 }
 
-/// How many effects a structure like `model` may have. A single throw shows one at most beside what has to be there
+/// How many effects a structure like `model` may have. A single motion shows one at most beside what has to be there
 /// anyhow: more would fit whatever it holds.
 fn most_effects(context: &Context<'_>, model: &Hypothesis) -> usize {
     let certain = model.structure.effects.iter().filter(|&&entry| is_required(context, entry)).count();
@@ -157,7 +157,7 @@ fn accepted<'a>(
     Ok(Some(Hypothesis { structure, fit: model.fit.clone() }))
 }
 
-/// Whether a gain is no chance. One throw in which something is expected leaves a choice at most, for which a clear gain
+/// Whether a gain is no chance. One motion in which something is expected leaves a choice at most, for which a clear gain
 /// of the information criterion does; so few independent values as a slow misfit has would never do for a name.
 fn is_significant(context: &Context<'_>, p_value: f64) -> bool {
     context.required_first || p_value <= context.settings.significance
@@ -179,7 +179,7 @@ fn worth(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -> (f64
 }
 
 /// For each effect: what it is worth, and what explains as much in its place; or a better structure, one swapped or
-/// dropped.
+/// removed.
 fn judge_places<'a>(
     context: &Context<'a>,
     base: &Hypothesis<'a>,

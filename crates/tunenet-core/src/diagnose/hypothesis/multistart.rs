@@ -6,7 +6,7 @@ use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::structure::Structure;
 use crate::diagnose::joint::{Joint, Outcome, Point, spread};
 
-/// Shares of the recordings that are fitted one after the other: the count of bounces stays right on the way.
+/// Shares of the recordings that are fitted one after the other: the count of events stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];
 const EARLY: Effort = Effort { steps: 6, tolerance: 0.5, horizon: 1.0 };
 const MOST_STARTS: usize = 3;

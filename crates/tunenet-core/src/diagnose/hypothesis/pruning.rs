@@ -14,7 +14,7 @@ fn mean_square(context: &Context<'_>, model: &Hypothesis) -> Result<f64> {
     Ok(rmse(context.sets(), &plain, 0.0).powi(2))
 }
 
-/// Drops effects, the least first, as long as what each brought is negligible.
+/// Removes effects, the least first, as long as what each brought is negligible.
 pub(in crate::diagnose) fn prune<'a>(context: &Context<'a>, found: &mut Selection<'a>) -> Result<()> {
     let before = mean_square(context, &found.base)?;
     while let Some(best) = &found.best
@@ -46,7 +46,7 @@ mod tests {
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
 
     #[test]
-    fn an_effect_that_takes_nothing_away_is_dropped() {
+    fn an_effect_that_takes_nothing_away_is_removed() {
         in_swings(&[(FRICTION, 0.2)], 3, 0, |context| {
             let base = fit_without_effects(context).unwrap();
             let effects = ["viscous_friction", "rest_angle"].map(|name| entry(context, name));

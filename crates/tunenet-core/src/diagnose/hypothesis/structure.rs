@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::diagnose::Subject;
 use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::hypothesis::catalogue::{Carrier, Entry, SCATTER, carrier};
+use crate::diagnose::hypothesis::catalogue::{Carrier, Entry, carrier};
 use crate::simulator::{Parameter, Simulator};
 
 /// An effect that stands at known values: no coefficient of it is free.
@@ -59,7 +59,7 @@ impl<'a> Structure<'a> {
         chance: bool,
     ) -> Result<Self> {
         let entries: Vec<&Entry> = effects.iter().map(|&e| &catalogue[e]).collect();
-        let scatter = catalogue.iter().filter(|e| chance && e.name == SCATTER);
+        let scatter = catalogue.iter().filter(|e| chance && e.chance());
         let known = given.iter().map(|g| &g.entry);
         let carried: Vec<&Entry> = entries.iter().copied().chain(scatter).chain(known).collect();
         let simulators = subjects.iter().map(|s| carrier(s, &carried)).collect::<Result<Vec<_>>>()?;

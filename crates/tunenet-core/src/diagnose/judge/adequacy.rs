@@ -74,11 +74,11 @@ fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
     })
 }
 
-/// Of lists of bounces, too short for any test of shape: whether the residual is no larger than the noise of single
+/// Of lists of events, too short for any test of shape: whether the residual is no larger than the noise of single
 /// intervals, by the same limit as in tuning.
 fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
     let heard =
-        context.sets().iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::BounceTimes);
+        context.sets().iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::EventTimes);
     let share = model.structure.globals.len().div_ceil(context.sets().len().max(1));
     let each = heard.map(|(set, residual)| {
         Adequacy::of(&set.prepared.seen, &set.noise, residual, set.prepared.nuisances.len() + share)

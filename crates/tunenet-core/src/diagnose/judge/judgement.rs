@@ -56,7 +56,7 @@ impl<'a> Judgement<'a> {
         tests.extend(worse_on_unseen(before.as_ref(), after.as_ref()));
         // Copies of the motion that was fitted confirm nothing.
         let evidence = &context.evidence;
-        let another = |set: &Set| !evidence.shows_one_motion() || set.throw != evidence.training[0].throw;
+        let another = |set: &Set| !evidence.shows_one_motion() || set.motion != evidence.training[0].motion;
         let confirmed = practical.is_none() || evidence.validation.iter().any(another);
         let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);

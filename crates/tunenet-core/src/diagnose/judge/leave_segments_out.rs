@@ -1,4 +1,4 @@
-//! Flights of a recording that are hidden from the fit and predicted from the others: what confirms an effect where no
+//! Segments of a recording that are hidden from the fit and predicted from the others: what confirms an effect where no
 //! recording of the same object can be set aside.
 
 use crate::Result;
@@ -6,11 +6,11 @@ use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::joint::Joint;
 
-/// Every so many flights one is hidden, the first never: nothing else tells how it began.
+/// Every so many segments one is hidden, the first never: nothing else tells how it began.
 const EVERY: usize = 3;
 
-/// Root mean square, in units of what each channel takes for noise, of what `model`, fitted anew to the other flights, leaves on those hidden, every one but the first
-/// of each recording in its turn. `None` where no recording bounces twice.
+/// Root mean square, in units of what each channel takes for noise, of what `model`, fitted anew to the other
+/// segments, leaves on those hidden, every one but the first of each recording in its turn. `None` where no recording has two events.
 pub(in crate::diagnose) fn leave_segments_out(context: &Context<'_>, model: &Hypothesis) -> Result<Option<f64>> {
     let (mut squares, mut samples) = (0.0, 0.0);
     for turn in 0..EVERY {
@@ -30,13 +30,13 @@ pub(in crate::diagnose) fn leave_segments_out(context: &Context<'_>, model: &Hyp
     Ok((samples > 0.0).then(|| (squares / samples).sqrt()))
 }
 
-/// A recording without the flights of this turn, and with them alone.
+/// A recording without the segments of this turn, and with them alone.
 fn without(set: &Set, turn: usize) -> (Set, Set) {
     let width = set.width();
     let (mut shown, mut judged) = (set.clone(), set.clone());
     for (k, t) in set.clock().iter().enumerate() {
-        let flight = set.contacts.partition_point(|c| c <= t);
-        let hide = flight > 0 && flight % EVERY == turn;
+        let segment = set.events.partition_point(|c| c <= t);
+        let hide = segment > 0 && segment % EVERY == turn;
         for i in k * width..(k + 1) * width {
             shown.keep[i] &= !hide;
             judged.keep[i] &= hide;
@@ -65,7 +65,7 @@ mod tests {
     fn a_segment_left_out_is_predicted_from_the_others() {
         in_swings(&[], 2, 0, |context| {
             let mut evidence = crate::diagnose::evidence::Evidence::clone(&context.evidence);
-            evidence.training.iter_mut().for_each(|set| set.contacts = vec![0.5, 1.0, 1.5]);
+            evidence.training.iter_mut().for_each(|set| set.events = vec![0.5, 1.0, 1.5]);
             let context = context.with_evidence(evidence);
             let base = fit_without_effects(&context).unwrap();
             let left = leave_segments_out(&context, &base).unwrap().unwrap();

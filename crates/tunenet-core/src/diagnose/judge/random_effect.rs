@@ -1,6 +1,6 @@
 //! Random effect of contacts (Laird and Ware 1982): every contact turned by its own small tilt.
 //!
-//! No coefficient rolls it out. A recording brings the tilt of each bounce as nuisance parameters, all drawn from one normal
+//! No coefficient rolls it out. A recording brings the tilt of each contact as nuisance parameters, all drawn from one normal
 //! distribution whose standard deviation is the coefficient (a random effect, Laird and Ware 1982). It can imitate much,
 //! so it is tried last.
 

@@ -62,7 +62,7 @@ pub(in crate::diagnose) fn decide(context: &Context, found: &Selection, tests: &
     let mut near_any = false;
     for place in &found.places {
         let mut near = in_place_of(context, place, widest);
-        // One throw cannot tell what is in the catalogue from what is not, so the next best is left beside the best; where
+        // One motion cannot tell what is in the catalogue from what is not, so the next best is left beside the best; where
         // nothing else explains anything, the best is left alone, and what is in no catalogue beside it.
         let doubtful = doubtful(context, place, confirmed);
         near_any |= !near.is_empty();
@@ -87,9 +87,9 @@ pub(in crate::diagnose) fn decide(context: &Context, found: &Selection, tests: &
     Decision { verdict: if open { Verdict::OneOf } else { Verdict::Named }, alternatives, names, margin, doubt }
 }
 
-/// Whether an effect is not named alone although nothing comes near it: a single throw shows it, or no recording that was not
-/// fitted bears it out. One that has to be there anyhow does where it is distinguished from everything else by far, several throws or
-/// objects showing it; of a single throw, where what it leaves is noise.
+/// Whether an effect is not named alone although nothing comes near it: a single motion shows it, or no recording that was not
+/// fitted bears it out. One that has to be there anyhow does where it is distinguished from everything else by far, several motions or
+/// objects showing it; of a single motion, where what it leaves is noise.
 fn doubtful(context: &Context, place: &SelectedEffect, confirmed: bool) -> bool {
     if !is_required(context, place.entry) {
         return !confirmed || context.evidence.shows_one_motion();

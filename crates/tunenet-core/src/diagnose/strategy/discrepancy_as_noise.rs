@@ -1,7 +1,7 @@
 //! Model discrepancy as noise (variance inflation): with enough real data every statistical test fails, so what is left is
 //! taken for autocorrelated noise, and what then still stands out has to take most of the gap away.
 
-use super::{Attempt, Strategy};
+use super::{Attempt, Refinement};
 use crate::Result;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
@@ -17,7 +17,7 @@ const GREATEST: f64 = 0.97;
 
 pub(super) struct DiscrepancyAsNoise;
 
-impl Strategy for DiscrepancyAsNoise {
+impl Refinement for DiscrepancyAsNoise {
     fn applies(&self, attempt: &Attempt) -> bool {
         attempt.may_inflate_noise()
     }

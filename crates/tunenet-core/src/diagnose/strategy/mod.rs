@@ -1,12 +1,9 @@
-//! Strategies by which recordings are explained, tried in order: each takes the attempt before it, and returns a better one
-//! or the same.
+//! Refinements by which recordings are explained as they are, tried in order: each takes the attempt before it, and returns a
+//! better one or the same.
 
 mod attempt;
 mod by_name;
-pub(in crate::diagnose) mod contacts_only;
-mod detrended_flights;
 mod discrepancy_as_noise;
-pub(in crate::diagnose) mod flights_only;
 pub(in crate::diagnose) mod linear;
 mod random_contacts;
 mod required_effects_first;
@@ -21,7 +18,7 @@ use crate::diagnose::Progress;
 use crate::diagnose::hypothesis::context::Context;
 
 /// A way to explain recordings that those before it leave unexplained.
-trait Strategy {
+trait Refinement {
     /// Whether it is worth trying after `attempt`.
     fn applies(&self, attempt: &Attempt) -> bool;
 
@@ -33,7 +30,7 @@ trait Strategy {
 }
 
 /// In the order in which they are tried.
-const STRATEGIES: [&dyn Strategy; 5] = [
+const REFINEMENTS: [&dyn Refinement; 5] = [
     &segment_wise::SegmentWise,
     &whole_record::WholeRecord,
     &discrepancy_as_noise::DiscrepancyAsNoise,
@@ -41,13 +38,13 @@ const STRATEGIES: [&dyn Strategy; 5] = [
     &random_contacts::RandomContacts,
 ];
 
-/// Tunes the simulation as it is, then tries every strategy that applies.
+/// Tunes the simulation as it is, then tries every refinement that applies.
 pub(super) fn explain<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
     progress(Progress::Tuning);
     let mut attempt = Attempt::tuned(context)?;
-    for strategy in STRATEGIES {
-        if strategy.applies(&attempt) {
-            attempt = strategy.attempt(attempt, progress)?;
+    for refinement in REFINEMENTS {
+        if refinement.applies(&attempt) {
+            attempt = refinement.attempt(attempt, progress)?;
         }
     }
     Ok(attempt)

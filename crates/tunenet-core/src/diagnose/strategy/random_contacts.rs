@@ -1,7 +1,7 @@
 //! Random contacts: every contact with a tilt of its own, drawn from one distribution (a random effect); tried last, since it
 //! can imitate much.
 
-use super::{Attempt, Scope, Strategy};
+use super::{Attempt, Refinement, Scope};
 use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
@@ -18,7 +18,7 @@ use crate::diagnose::judge::random_effect::random_tilts;
 
 pub(super) struct RandomContacts;
 
-impl Strategy for RandomContacts {
+impl Refinement for RandomContacts {
     fn applies(&self, attempt: &Attempt) -> bool {
         attempt.scope == Scope::Whole && attempt.practical.is_none()
     }
@@ -62,7 +62,7 @@ fn by_chance(context: &Context, found: &mut Selection, adequate: bool) -> Result
     }
 }
 
-/// The search again, every bounce with a tilt of its own.
+/// The search again, every event with a tilt of its own.
 fn with_chance<'a>(
     context: &Context<'a>,
     plain: Selection<'a>,

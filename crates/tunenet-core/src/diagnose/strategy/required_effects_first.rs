@@ -1,11 +1,11 @@
 //! Required effects first: of a single motion, what is physically required is part of every hypothesis from the start.
 //!
-//! Air brakes a ball of known mass and size, whether that shows or not. Where something larger is missing as well, as a wrong
-//! scale of the picture, drag alone earns little beside it, and neither of them alone explains the throw. So where one throw
+//! Air brakes a body of known mass and size, whether that shows or not. Where something larger is missing as well, as a wrong
+//! scale of the picture, drag alone earns little beside it, and neither of them alone explains the motion. So where one motion
 //! is not explained otherwise, what has to be there comes first without having to earn its place; the one effect that one
-//! throw may show besides is looked for beside it, and has to earn its own. The answer leaves a choice in any case.
+//! motion may show besides is looked for beside it, and has to earn its own. The answer leaves a choice in any case.
 
-use super::{Attempt, Strategy};
+use super::{Attempt, Refinement};
 use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::evidence::Evidence;
@@ -16,7 +16,7 @@ use crate::diagnose::strategy::discrepancy_as_noise::with_inflated_noise;
 
 pub(super) struct RequiredEffectsFirst;
 
-impl Strategy for RequiredEffectsFirst {
+impl Refinement for RequiredEffectsFirst {
     fn applies(&self, attempt: &Attempt) -> bool {
         attempt.may_inflate_noise()
     }

@@ -1,9 +1,10 @@
 //! Segment-wise: where the tuned simulation is far beyond noise, what lies between events is explained first, then the events.
 
-use super::{Attempt, Scope, Strategy};
+use super::{Attempt, Refinement, Scope};
 use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::Test;
+use crate::diagnose::answer::wording::words;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
@@ -25,7 +26,7 @@ use crate::simulator::Phase;
 
 pub(super) struct SegmentWise;
 
-impl Strategy for SegmentWise {
+impl Refinement for SegmentWise {
     fn applies(&self, attempt: &Attempt) -> bool {
         attempt.scope == Scope::Tuned && is_far_beyond_noise(&attempt.context, &attempt.found.base)
     }
@@ -38,22 +39,22 @@ impl Strategy for SegmentWise {
     }
 }
 
-/// What flights and contacts say.
+/// What segments and events say.
 struct Apart<'a> {
-    /// All effects together, where they stand; `None` where the flights need none and contacts show none.
+    /// All effects together, where they stand; `None` where the segments need none and the events show none.
     pub best: Option<Hypothesis<'a>>,
     pub places: Vec<SelectedEffect>,
-    /// Every candidate as it stood alone, beside flights or beside contacts.
+    /// Every candidate as it stood alone, beside segments or beside events.
     pub alone: Vec<CandidateFit<'a>>,
     pub tests: Vec<Test>,
-    /// Whether contacts leave something that nothing takes away.
+    /// Whether events leave something that nothing takes away.
     pub open: bool,
 }
 
-/// What contacts say, the flights understood.
-struct Contacts {
+/// What events say, the segments understood.
+struct Events {
     point: Point,
-    /// The effects of contact are listed by name.
+    /// The effects that act at events, by name.
     names: Vec<&'static str>,
     /// Free numbers: object, name, value.
     values: Vec<(Option<usize>, String, f64)>,
@@ -71,13 +72,13 @@ fn is_far_beyond_noise(context: &Context<'_>, model: &Hypothesis) -> bool {
     model.deviance(f64::MAX) > HOPELESS * HOPELESS * context.count() as f64
 }
 
-/// Judges flights and contacts apart. `None` where the flights are not understood.
+/// Judges segments and events apart. `None` where the segments are not understood.
 fn apart<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Option<Apart<'a>>> {
     let Some(segments_alone) = segments_alone(context, progress)? else { return Ok(None) };
-    let contacts = contacts(context, &segments_alone.given, progress)?;
+    let events = events(context, &segments_alone.given, progress)?;
     let mut names: Vec<&'static str> = segments_alone.given.iter().map(|g| g.entry.name).collect();
-    if contacts.confirmed {
-        names.extend(&contacts.names);
+    if events.confirmed {
+        names.extend(&events.names);
     }
     let entry = |name: &str| context.catalogue.iter().position(|e| e.name == name);
     let effects: Vec<usize> = names.iter().filter_map(|name| entry(name)).collect();
@@ -87,34 +88,34 @@ fn apart<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Optio
             ..CandidateFit::unfitted(entry(alone.name)?, alone.gain)
         })
     };
-    let mut alone: Vec<CandidateFit> = segments_alone.alone.iter().chain(&contacts.alone).filter_map(trial).collect();
+    let mut alone: Vec<CandidateFit> = segments_alone.alone.iter().chain(&events.alone).filter_map(trial).collect();
     alone.sort_by(|a, b| a.excluded.is_some().cmp(&b.excluded.is_some()).then(b.gain.total_cmp(&a.gain)));
     if effects.is_empty() {
         return Ok(Some(Apart { best: None, places: Vec::new(), alone, tests: Vec::new(), open: true }));
     }
     let structure = context.structure(&effects)?;
     let globals = structure.globals.iter().map(|g| {
-        let found = contacts.values.iter().find(|(object, name, _)| *object == g.object && *name == g.parameter.name);
+        let found = events.values.iter().find(|(object, name, _)| *object == g.object && *name == g.parameter.name);
         found.map(|f| f.2).or_else(|| stands(&segments_alone, g.object, &g.parameter.name)).unwrap_or(g.parameter.value)
     });
-    let point = Point { globals: globals.collect(), nuisances: contacts.point.nuisances };
+    let point = Point { globals: globals.collect(), nuisances: events.point.nuisances };
     let fit = context.joint(&structure).stand(point)?;
-    // What flights alone distinguish is distinguished.
-    let flying = segments_alone.places.into_iter().map(|place| place.within(segments_alone.margin));
-    let mut places: Vec<SelectedEffect> = flying.filter_map(|place| place.place(&context.catalogue)).collect();
+    // What segments alone distinguish is distinguished.
+    let between = segments_alone.places.into_iter().map(|place| place.within(segments_alone.margin));
+    let mut places: Vec<SelectedEffect> = between.filter_map(|place| place.place(&context.catalogue)).collect();
     let mut tests = segments_alone.tests;
-    if contacts.confirmed {
-        tests.extend(contacts.tests);
-        places.extend(contacts.places.iter().filter_map(|place| place.place(&context.catalogue)));
+    if events.confirmed {
+        tests.extend(events.tests);
+        places.extend(events.places.iter().filter_map(|place| place.place(&context.catalogue)));
     }
     let best = Some(Hypothesis { structure, fit });
-    Ok(Some(Apart { best, places, alone, tests, open: !contacts.confirmed }))
+    Ok(Some(Apart { best, places, alone, tests, open: !events.confirmed }))
 }
 
-/// What contacts leave, with what acts on flights held where it was found.
-fn contacts(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress)) -> Result<Contacts> {
+/// What events leave, with what acts in segments held where it was found.
+fn events(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress)) -> Result<Events> {
     let mut catalogue = catalogue(context.subjects);
-    catalogue.retain(|entry| entry.of[0].phase == Phase::Contact);
+    catalogue.retain(|entry| entry.of[0].phase == Phase::Event);
     let mut training = context.sets().to_vec();
     training.iter_mut().for_each(Set::hold_still);
     let given = given.to_vec().into();
@@ -130,7 +131,7 @@ fn contacts(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress
     let globals = best.structure.globals.iter().zip(&best.fit.point.globals);
     let of = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
     let places = best.structure.effects.iter().filter_map(of).map(|place| ByName::of(&context, place));
-    Ok(Contacts {
+    Ok(Events {
         point: best.fit.point.clone(),
         names: best.structure.effects.iter().map(|&e| context.catalogue[e].name).collect(),
         values: globals.map(|(g, value)| (g.object, g.parameter.name.clone(), *value)).collect(),
@@ -141,7 +142,7 @@ fn contacts(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress
     })
 }
 
-/// Whether flights that were hidden from the fit bear out what was found at contacts, and no wrong effect as well.
+/// Whether segments that were hidden from the fit bear out what was found at events, and no wrong effect as well.
 fn confirmed(context: &Context<'_>, found: &Selection) -> Result<(Vec<Test>, bool)> {
     let Some(best) = &found.best else { return Ok((Vec::new(), false)) };
     let (Some(before), Some(after)) = (leave_segments_out(context, &found.base)?, leave_segments_out(context, best)?)
@@ -155,13 +156,12 @@ fn confirmed(context: &Context<'_>, found: &Selection) -> Result<(Vec<Test>, boo
     };
     let (whole, left) = (found.base.deviance(f64::MAX), best.deviance(f64::MAX));
     let test = |name, value, threshold| Test { name, value, threshold, passed: value <= threshold };
+    let [of_none, of_wrong] = words(context).hidden_segments;
     let mut tests = vec![
         test("left over taken away", left / (whole - left).max(f64::MIN_POSITIVE), LEFT_SHARE),
-        test("hidden flights' residual after over before", after / before, CONFIRMED),
+        test(of_none, after / before, CONFIRMED),
     ];
-    tests.extend(
-        control.map(|c| test("hidden flights' residual over that of a wrong effect", after / c, CONTROL.recip())),
-    );
+    tests.extend(control.map(|c| test(of_wrong, after / c, CONTROL.recip())));
     let passed = tests.iter().all(|t| t.passed);
     Ok((tests, passed))
 }
@@ -173,7 +173,7 @@ fn stands(segments_alone: &SegmentFindings, object: Option<usize>, name: &str) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::zoo::{FRICTION, in_context, in_swings};
+    use crate::diagnose::tests::zoo::{AT_EVENTS, BETWEEN, FRICTION, in_context, in_shuttles, in_swings, names};
     use crate::testing::{Exact, Pendulum};
 
     #[test]
@@ -187,5 +187,27 @@ mod tests {
             assert!(same.scope == Scope::Tuned);
         });
         in_swings(&[], 2, 0, |context| assert!(!SegmentWise.applies(&Attempt::tuned(context).unwrap())));
+    }
+
+    #[test]
+    fn segments_are_explained_first_and_then_the_events() {
+        in_shuttles(&[(BETWEEN, 0.6), (AT_EVENTS, 0.3)], |context| {
+            let tuned = Attempt::tuned(context).unwrap();
+            assert!(SegmentWise.applies(&tuned), "a kick of 0.3 m/s is far beyond a noise of 0.2 mm");
+            let found = SegmentWise.attempt(tuned, &|_| {}).unwrap();
+            assert!(found.scope == Scope::Segments { events_open: false });
+            assert_eq!(names(&found.context, &found.last().structure.effects), ["friction", "kick"]);
+            assert!(found.practical.unwrap().iter().all(|test| test.passed));
+        });
+    }
+
+    #[test]
+    fn events_that_need_no_effect_stay_open() {
+        in_shuttles(&[(BETWEEN, 1.5)], |context| {
+            let tuned = Attempt::tuned(context).unwrap();
+            let found = SegmentWise.attempt(tuned, &|_| {}).unwrap();
+            assert!(found.scope == Scope::Segments { events_open: true });
+            assert_eq!(names(&found.context, &found.last().structure.effects), ["friction"]);
+        });
     }
 }

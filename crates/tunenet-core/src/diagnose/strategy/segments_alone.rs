@@ -1,13 +1,12 @@
-//! Segments alone: every flight between two contacts as a recording of its own, whose start is unknown.
+//! Segments alone: every segment between two events as a recording of its own, whose start is unknown.
 //!
-//! A contact that no entry of the catalogue describes corrupts every prediction of what comes after it. Cut apart, flights
-//! know nothing of it: what acts on them, and how they were seen, shows as clearly as if the contact were understood; and
+//! An event that no entry of the catalogue describes corrupts every prediction of what comes after it. Cut apart, segments
+//! do not depend on it: what acts on them, and how they were seen, shows as clearly as if the event were understood; and
 //! one recording brings several of them, so that one can be held out to judge by.
 
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::evidence::segments::free_segments;
 use crate::diagnose::evidence::unmeasured_axes::without_unmeasured;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::catalogue::{Entry, catalogue};
@@ -24,13 +23,13 @@ use crate::diagnose::strategy::discrepancy_as_noise::with_inflated_noise;
 use crate::diagnose::{Progress, Subject, Test};
 use crate::simulator::{Phase, Preparation, Simulator};
 
-/// Of so many flights of an object one is held out: the second, so that others are faster, and others slower.
+/// Of so many segments of an object one is held out: the second, so that others are faster, and others slower.
 const ENOUGH: usize = 3;
 const HELD_OUT: usize = 1;
 /// Less than this share of the noise's variance is nothing to explain.
 const SMALL: f64 = 0.3;
 
-/// What flights say.
+/// What segments say.
 pub(in crate::diagnose) struct SegmentFindings {
     /// The effects that act on them, or on how they were seen, with the values found.
     pub given: Vec<FixedEffect>,
@@ -43,30 +42,30 @@ pub(in crate::diagnose) struct SegmentFindings {
     pub alone: Vec<NamedScore>,
 }
 
-/// A candidate beside flights or contacts alone.
+/// A candidate beside segments or events alone.
 pub(in crate::diagnose) struct NamedScore {
     pub name: &'static str,
     pub gain: f64,
     pub excluded: Option<String>,
 }
 
-/// What the flights of all recordings say; `None` where they are too few, or nothing explains them either.
+/// What the segments of all recordings say; `None` where they are too few, or nothing explains them either.
 pub(in crate::diagnose) fn segments_alone(
     context: &Context<'_>,
     progress: &dyn Fn(Progress),
 ) -> Result<Option<SegmentFindings>> {
     let simulators: Option<Vec<Box<dyn Simulator>>> =
-        context.subjects.iter().map(|s| s.simulator.in_flight()).collect();
+        context.subjects.iter().map(|s| s.simulator.segmented()?.free_segment()).collect();
     let Some(simulators) = simulators else { return Ok(None) };
     let named = context.subjects.iter().zip(&simulators);
     let subjects: Vec<Subject> =
         named.map(|(s, simulator)| Subject { name: s.name.clone(), simulator: simulator.as_ref() }).collect();
-    let evidence = flights(&subjects, context.sets())?;
+    let evidence = evidence_of(&subjects, context.sets())?;
     if evidence.training.len() < ENOUGH {
         return Ok(None);
     }
     let mut catalogue = catalogue(&subjects);
-    catalogue.retain(|entry| entry.of[0].phase != Phase::Contact);
+    catalogue.retain(|entry| entry.of[0].phase != Phase::Event);
     let rollouts = context.rollouts.clone();
     let context = Context { rollouts, ..Context::new(&subjects, evidence, catalogue, context.settings) };
     let Some((context, found, tests)) = understood(context, progress)? else { return Ok(None) };
@@ -90,7 +89,7 @@ fn understood<'a>(
         let tests = if small { Vec::new() } else { tests };
         return Ok(adequate.then_some((context, found, tests)));
     }
-    // The least that takes the large part away, where unseen flights confirm it.
+    // The least that takes the large part away, where unseen segments confirm it.
     if !context.evidence.validation.is_empty() {
         let mut second = with_inflated_noise(&context, &found, noise_floor(context.sets()), progress)?;
         prune(&second.context, &mut second.found)?;
@@ -131,7 +130,7 @@ fn summarised(context: &Context<'_>, found: &Selection, tests: Vec<Test>) -> Seg
     }
 }
 
-/// The coefficients of one object's effect; absent where it has no flight.
+/// The coefficients of one object's effect; absent where it has no segment.
 fn values(model: &Hypothesis, position: usize, entry: &Entry, object: usize) -> Vec<f64> {
     let globals = &model.structure.globals;
     let of = |k: usize| {
@@ -143,17 +142,17 @@ fn values(model: &Hypothesis, position: usize, entry: &Entry, object: usize) -> 
     entry.of[object].coefficients.iter().enumerate().map(|(k, c)| of(k).unwrap_or(c.absent)).collect()
 }
 
-/// Every flight as a recording, one of each object held out where there are enough.
-fn flights(subjects: &[Subject], sets: &[Set]) -> Result<Evidence> {
+/// Every segment as a recording, one of each object held out where there are enough.
+fn evidence_of(subjects: &[Subject], sets: &[Set]) -> Result<Evidence> {
     let mut all: Vec<Set> = Vec::new();
     for set in sets {
-        // What follows the last contact may hold more of them, too small to be found.
-        let flights = free_segments(set.clock(), &set.contacts).into_iter().take(set.contacts.len().max(1));
-        for range in flights.flatten() {
+        // What follows the last event may hold more of them, too small to be found.
+        let segments = set.free_segments().into_iter().take(set.events.len().max(1));
+        for range in segments.flatten() {
             let Ok(seen) = set.prepared.seen.slice(range.clone()) else { continue };
             if let Preparation::Usable(prepared) = subjects[set.object].simulator.prepare(&seen)? {
-                // Flights of one recording differ as throws do: the first are fast, the last are slow.
-                all.push(Set { throw: all.len(), ..set.piece(range, *prepared) });
+                // Segments of one recording differ as motions do: the first are fast, the last are slow.
+                all.push(Set { motion: all.len(), ..set.piece(range, *prepared) });
             }
         }
     }
@@ -164,4 +163,31 @@ fn flights(subjects: &[Subject], sets: &[Set]) -> Result<Evidence> {
         }
     }
     Ok(Evidence::new(all))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{AT_EVENTS, BETWEEN, in_shuttles, in_swings};
+
+    #[test]
+    fn segments_show_what_acts_in_them_whatever_happens_at_events() {
+        in_shuttles(&[(BETWEEN, 0.6), (AT_EVENTS, 0.3)], |context| {
+            let found = segments_alone(context, &|_| {}).unwrap().unwrap();
+            let names: Vec<&str> = found.given.iter().map(|given| given.entry.name).collect();
+            assert_eq!(names, ["friction"]);
+            let rate = found.given[0].value(0, BETWEEN).unwrap();
+            assert!((rate - 0.6).abs() < 0.03, "{rate}");
+            assert!(found.alone.iter().all(|score| !["kick", "slip"].contains(&score.name)), "they act at events");
+        });
+    }
+
+    #[test]
+    fn segments_that_need_nothing_give_nothing_and_what_has_none_is_not_asked() {
+        in_shuttles(&[(AT_EVENTS, 0.3)], |context| {
+            let found = segments_alone(context, &|_| {}).unwrap().unwrap();
+            assert!(found.given.is_empty() && found.places.is_empty());
+        });
+        in_swings(&[], 2, 0, |context| assert!(segments_alone(context, &|_| {}).unwrap().is_none()));
+    }
 }

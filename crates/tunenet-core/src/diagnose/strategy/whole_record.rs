@@ -1,6 +1,6 @@
 //! Whole recordings: learn the noise from the tuned simulation, search, and search again where the effects show another noise.
 
-use super::{Attempt, Scope, Strategy};
+use super::{Attempt, Refinement, Scope};
 use crate::Result;
 use crate::diagnose::Progress;
 use crate::diagnose::evidence::Evidence;
@@ -14,7 +14,7 @@ const TAKEN: f64 = 0.5;
 
 pub(super) struct WholeRecord;
 
-impl Strategy for WholeRecord {
+impl Refinement for WholeRecord {
     fn applies(&self, attempt: &Attempt) -> bool {
         attempt.scope == Scope::Tuned
     }

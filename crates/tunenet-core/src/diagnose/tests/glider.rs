@@ -1,4 +1,4 @@
-//! A thrown glider: a simulator for tests, and its truth in closed form.
+//! A glider: a simulator for tests, and its truth in closed form.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -10,7 +10,7 @@ use crate::{Error, Origin, Result};
 pub const GRAVITY: f64 = 9.81;
 pub const NOISE_M: f64 = 0.002;
 
-/// Thrown in a plane, pushed along x by a parameter; Runge–Kutta from sample to sample.
+/// Starts in a plane, pushed along x by a parameter; Runge–Kutta from sample to sample.
 pub struct Glider {
     parameters: Vec<Parameter>,
     channels: Vec<Channel>,
@@ -27,10 +27,11 @@ impl Glider {
 fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64, plausible: (f64, f64)) -> Effect {
     Effect {
         name,
-        phase: Phase::Flight,
+        phase: Phase::Segment,
         coefficients: vec![Coefficient::new(key, "1", 0.0, range, typical)],
         plausible: vec![plausible],
         sentence: "",
+        random: false,
         mistaken_for: &[],
         unlikely: None,
     }
@@ -105,7 +106,7 @@ impl Simulator for Glider {
     }
 }
 
-/// What is true of a set of throws.
+/// What is true of a set of glides.
 #[derive(Clone, Copy, Default)]
 pub struct Truth {
     pub push: f64,
@@ -115,8 +116,8 @@ pub struct Truth {
     pub sway_m: f64,
 }
 
-/// Throws in closed form, with white noise: x(t) = x + c t + (v − c)(1 − e^(−bt))/b with c = a/b.
-pub fn throws(truth: Truth, count: usize, samples: usize, seed: u64) -> Vec<Observation> {
+/// Glides in closed form, with white noise: x(t) = x + c t + (v − c)(1 − e^(−bt))/b with c = a/b.
+pub fn glides(truth: Truth, count: usize, samples: usize, seed: u64) -> Vec<Observation> {
     let mut draw = ChaCha8Rng::seed_from_u64(seed);
     (0..count)
         .map(|_| {

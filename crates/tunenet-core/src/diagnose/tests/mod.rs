@@ -6,7 +6,7 @@ pub(in crate::diagnose) mod zoo;
 use super::*;
 use crate::findings;
 use crate::observation::Observation;
-use glider::{Glider, Truth, throws};
+use glider::{Glider, Truth, glides};
 
 fn ask(seen: &[&[Observation]], settings: &Settings) -> Diagnosis {
     let gliders: Vec<Glider> = seen.iter().map(|_| Glider::new()).collect();
@@ -17,7 +17,7 @@ fn ask(seen: &[&[Observation]], settings: &Settings) -> Diagnosis {
         .enumerate()
         .flat_map(|(object, all)| {
             all.iter().enumerate().map(move |(i, seen)| Recording {
-                name: format!("throw {object}.{i}"),
+                name: format!("glide {object}.{i}"),
                 object,
                 held_out: false,
                 seen,
@@ -28,7 +28,7 @@ fn ask(seen: &[&[Observation]], settings: &Settings) -> Diagnosis {
 }
 
 fn verdict_of(truth: Truth, count: usize, seed: u64) -> Diagnosis {
-    ask(&[&throws(truth, count, 180, seed)], &Settings::default())
+    ask(&[&glides(truth, count, 180, seed)], &Settings::default())
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn a_glider_without_anything_missing_gets_none() {
 }
 
 #[test]
-fn drag_is_named_with_its_size_and_proven_on_a_throw_set_aside() {
+fn drag_is_named_with_its_size_and_proven_on_a_glide_set_aside() {
     let truth = Truth { push: 0.3, drag: 0.15, ..Truth::default() };
     let found = verdict_of(truth, 5, 1);
     assert_eq!((found.verdict, found.names.as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
@@ -56,14 +56,14 @@ fn drag_is_named_with_its_size_and_proven_on_a_throw_set_aside() {
 }
 
 #[test]
-fn what_no_throw_separates_is_reported_together_with_what_would() {
+fn what_no_glide_separates_is_reported_together_with_what_would() {
     let found = verdict_of(Truth { more_gravity: 0.3, ..Truth::default() }, 3, 2);
     assert_eq!(found.verdict, Verdict::OneOf);
     for twin in ["effective_gravity", "length_scale", "time_scale"] {
         assert!(found.names.contains(&twin), "{twin} in {:?}", found.names);
     }
     let text = found.next_experiment.unwrap().text;
-    assert!(text.contains("weigh the ball") && text.contains("known length"), "{text}");
+    assert!(text.starts_with("no motion tells") && text.contains("known length"), "{text}");
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn what_is_in_no_catalogue_is_unknown_and_described() {
 }
 
 #[test]
-fn a_single_throw_earns_no_lone_name() {
+fn a_single_glide_earns_no_lone_name() {
     let found = verdict_of(Truth { drag: 0.01, ..Truth::default() }, 1, 4);
     assert!(matches!(found.verdict, Verdict::OneOf | Verdict::None), "{:?} {:?}", found.verdict, found.names);
     let found = verdict_of(Truth { drag: 0.02, ..Truth::default() }, 1, 5);
@@ -85,7 +85,7 @@ fn a_single_throw_earns_no_lone_name() {
 
 #[test]
 fn a_handful_of_samples_is_insufficient() {
-    let found = ask(&[&throws(Truth::default(), 1, 6, 6)], &Settings::default());
+    let found = ask(&[&glides(Truth::default(), 1, 6, 6)], &Settings::default());
     assert_eq!(found.verdict, Verdict::Insufficient);
     assert!(found.notes.iter().any(|n| n.kind == findings::RECORDINGS_SHORT));
     assert_eq!(ask(&[&[]], &Settings::default()).verdict, Verdict::Insufficient);
@@ -94,7 +94,7 @@ fn a_handful_of_samples_is_insufficient() {
 #[test]
 fn each_object_has_its_own_size_of_a_shared_effect() {
     let (light, heavy) = (Truth { drag: 0.3, ..Truth::default() }, Truth { drag: 0.05, push: 1.0, ..Truth::default() });
-    let found = ask(&[&throws(light, 3, 180, 7), &throws(heavy, 3, 180, 8)], &Settings::default());
+    let found = ask(&[&glides(light, 3, 180, 7), &glides(heavy, 3, 180, 8)], &Settings::default());
     assert_eq!((found.verdict, found.names.as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
     let values = &found.effects[0].coefficients[0].values;
     assert!((values[0].value - 0.3).abs() < 0.03 && (values[1].value - 0.05).abs() < 0.03, "{values:?}");
@@ -103,7 +103,7 @@ fn each_object_has_its_own_size_of_a_shared_effect() {
 
 #[test]
 fn the_number_of_threads_changes_no_bit() {
-    let seen = throws(Truth { drag: 0.15, ..Truth::default() }, 3, 180, 9);
+    let seen = glides(Truth { drag: 0.15, ..Truth::default() }, 3, 180, 9);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| format!("{:?}", ask(&[&seen], &Settings::default())))
@@ -117,7 +117,7 @@ fn settings_out_of_range_are_refused() {
     let subjects = [Subject { name: "glider".into(), simulator: &glider }];
     let settings = Settings { margin: f64::NAN, ..Settings::default() };
     assert!(diagnose(&subjects, &[], &settings, &|_| {}).is_err());
-    let seen = &throws(Truth::default(), 1, 60, 1)[0];
+    let seen = &glides(Truth::default(), 1, 60, 1)[0];
     let lost = [Recording { name: "a".into(), object: 3, held_out: false, seen }];
     assert!(diagnose(&subjects, &lost, &Settings::default(), &|_| {}).is_err());
 }

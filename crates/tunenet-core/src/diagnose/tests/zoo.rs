@@ -7,13 +7,18 @@ use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::{Settings, Subject};
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};
-use crate::testing::{Exact, Pendulum};
+use crate::testing::{Exact, Pendulum, Shuttle};
 
 /// Standard deviation of the noise of [`swings`].
 pub const NOISE_RAD: f64 = 1e-3;
 /// Names of the coefficients of a pendulum.
 pub const FRICTION: &str = "viscous_friction.rate_1_s";
 pub const REST: &str = "rest_angle.angle_rad";
+/// Standard deviation of the noise of shuttles.
+const SHUTTLE_NOISE_M: f64 = 2e-4;
+/// Names of coefficients of a shuttle: between events, and at them.
+pub const BETWEEN: &str = "friction.rate_1_s";
+pub const AT_EVENTS: &str = "kick.speed_m_s";
 
 /// Swings of a pendulum of 0.8 m with these coefficients, each from another start.
 pub fn swings(truth: &[(&str, f64)], count: u32) -> Vec<Observation> {
@@ -43,6 +48,16 @@ pub fn in_context(simulator: &dyn Simulator, seen: &[Observation], held_out: usi
 /// The same of swings with these coefficients.
 pub fn in_swings(truth: &[(&str, f64)], count: u32, held_out: usize, test: impl FnOnce(&Context)) {
     in_context(&Exact::new(Pendulum), &swings(truth, count), held_out, test);
+}
+
+/// The same of three shuttles that lack these coefficients, each from another start.
+pub fn in_shuttles(truth: &[(&str, f64)], test: impl FnOnce(&Context)) {
+    let shuttle = Exact::new(Shuttle::default());
+    let all: Vec<(&str, f64)> = truth.iter().copied().chain([("returned", 0.8)]).collect();
+    let starts = [[0.0, 1.5], [0.1, -2.0], [0.2, 1.0]];
+    let seen: Vec<Observation> =
+        (0u64..).zip(starts).map(|(k, start)| shuttle.observe(&all, &start, SHUTTLE_NOISE_M, k).unwrap()).collect();
+    in_context(&shuttle, &seen, 0, test);
 }
 
 /// The position of an effect in the catalogue.

@@ -2,6 +2,8 @@
 
 use std::hash::{Hash as _, Hasher as _};
 
+use rand::Rng as _;
+
 use super::*;
 
 #[test]

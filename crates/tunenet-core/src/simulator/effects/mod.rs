@@ -72,6 +72,7 @@ impl MeasurementEffect {
             coefficients: self.coefficients.to_vec(),
             plausible: self.plausible.to_vec(),
             sentence: self.sentence,
+            random: false,
             mistaken_for: self.mistaken_for,
             unlikely: None,
         }

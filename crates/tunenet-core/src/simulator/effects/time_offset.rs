@@ -10,6 +10,6 @@ pub(super) const EFFECT: MeasurementEffect = MeasurementEffect {
     plausible: &[(-0.5, 0.5)],
     sentence: "stamps are late by a constant; only a known instant at which the motion starts shows it",
     mistaken_for: &["rolling_shutter"],
-    kinds: &[Kind::Positions, Kind::Pixels, Kind::BounceTimes, Kind::Other],
+    kinds: &[Kind::Positions, Kind::Pixels, Kind::EventTimes, Kind::Other],
     act: Act::Clock { to_true: |stamp, c| stamp - c[0], to_seen: |instant, c| instant + c[0] },
 };

@@ -10,6 +10,6 @@ pub(super) const EFFECT: MeasurementEffect = MeasurementEffect {
     plausible: &[(0.2, 5.0)],
     sentence: "the clock runs wrongly (frame rate, doubled frames): observed time is factor times the true one",
     mistaken_for: &["effective_gravity", "length_scale", "aspect_ratio"],
-    kinds: &[Kind::Positions, Kind::Pixels, Kind::BounceTimes, Kind::Other],
+    kinds: &[Kind::Positions, Kind::Pixels, Kind::EventTimes, Kind::Other],
     act: Act::Clock { to_true: |stamp, c| stamp / c[0], to_seen: |instant, c| instant * c[0] },
 };

@@ -82,6 +82,7 @@ impl ArmEffect {
             coefficients: self.coefficients.iter().flat_map(|c| std::iter::repeat_n(*c, each)).collect(),
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
             sentence: self.sentence,
+            random: false,
             mistaken_for: self.mistaken_for,
             unlikely: None,
         }

@@ -7,7 +7,7 @@ use super::BallEffect;
 /// Adds to the parameter `friction`; where that is tuned they are one and the same, and this effect is not offered.
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "bounce_friction",
-    phase: Phase::Contact,
+    phase: Phase::Event,
     coefficients: &[Coefficient::new("mu", "1", 0.0, (0.0, 2.0), 0.05)],
     plausible: |_| vec![(0.0, 1.5)],
     sentence: "the surface rubs: bounces slow the ball along it and spin it, by Coulomb's mu beyond `friction`",

@@ -8,7 +8,7 @@ use super::BallEffect;
 /// each of its bounces as nuisance parameters. Their root mean square is the coefficient.
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "bounce_scatter",
-    phase: Phase::Contact,
+    phase: Phase::Event,
     coefficients: &[Coefficient::new("sd_rad", "rad", 0.0, (0.0, 0.5), 0.02)],
     plausible: |_| vec![(0.0, 0.3)],
     sentence: "each bounce turns the ball by chance, as if the surface were tilted anew (a ball that is not round)",

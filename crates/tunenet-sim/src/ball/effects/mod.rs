@@ -129,6 +129,7 @@ impl BallEffect {
             coefficients: self.coefficients.to_vec(),
             plausible: (self.plausible)(body),
             sentence: self.sentence,
+            random: self.name == bounce_scatter::EFFECT.name,
             mistaken_for: self.mistaken_for,
             unlikely: (self.unlikely)(body),
         }

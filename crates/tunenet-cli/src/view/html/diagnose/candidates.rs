@@ -4,6 +4,7 @@
 use maud::{Markup, html};
 use tunenet_core::diagnose::{Candidate, Diagnosis, Verdict};
 use tunenet_core::observation::with_decimals;
+use tunenet_sim::phase;
 
 use super::capital;
 use crate::answers::diagnose::Answer;
@@ -98,7 +99,7 @@ pub fn table(answer: &Answer) -> Markup {
                 @for one in &kept {
                     tr {
                         th scope="row" { code { (one.name) } }
-                        td data-name="acts" { @if let Some(effect) = answer.entry(one.name) { (effect.phase.name()) } }
+                        td data-name="acts" { @if let Some(effect) = answer.entry(one.name) { (phase::name(effect.phase)) } }
                         td.number data-name="gain" { (gain(one)) }
                         td.number data-name="behind the best" { (format!("{:.0}", one.delta)) }
                         td.number data-name="held-out error" { @if let Some(ratio) = ratio(one) { (format!("\u{d7}\u{a0}{}", with_decimals(ratio, 3))) } }

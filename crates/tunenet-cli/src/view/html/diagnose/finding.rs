@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 use tunenet_core::diagnose::{Change, GapOf, Verdict};
 use tunenet_core::simulator::Phase;
+use tunenet_sim::phase;
 
 use super::{capital, plain};
 use crate::answers::diagnose::{Answer, NAMELESS};
@@ -64,7 +65,7 @@ pub fn sentence(answer: &Answer) -> String {
             let each: Vec<_> = diagnosis
                 .effects
                 .iter()
-                .map(|e| format!("{} {}", plain(e.effect.name), e.effect.phase.name()))
+                .map(|e| format!("{} {}", plain(e.effect.name), phase::name(e.effect.phase)))
                 .collect();
             let verb = if each.len() == 1 { "is" } else { "are" };
             format!("{} {verb} missing.", capital(&joined(&each, "and")))
@@ -75,7 +76,7 @@ pub fn sentence(answer: &Answer) -> String {
             let or_nameless =
                 if open.iter().any(|names| names.len() == 1) { format!(", or {NAMELESS}") } else { String::new() };
             let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
-            let place = common_place(answer).map(|p| format!(" {}", p.name())).unwrap_or_default();
+            let place = common_place(answer).map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
             let beside =
                 if firm.is_empty() { String::new() } else { format!(", beside {}", joined(&words(&firm), "and")) };
             let why = diagnosis.doubt.map_or("not distinguishable in these recordings".into(), |doubt| {
@@ -84,7 +85,7 @@ pub fn sentence(answer: &Answer) -> String {
             format!("{}{place}{or_nameless}{beside}: {why}.", capital(&open.join("; and ")))
         }
         Verdict::Unknown => {
-            let place = diagnosis.remains.map(|p| format!(" {}", p.name())).unwrap_or_default();
+            let place = diagnosis.remains.map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
             format!("Something is missing{place}; no known effect explains it.")
         }
         Verdict::Insufficient => "The data are insufficient for an answer.".into(),
@@ -104,8 +105,8 @@ fn gap(answer: &Answer) -> Option<String> {
     let words = |value: f64| quantity(value, &gap.unit);
     let of = match gap.of {
         GapOf::Recordings => "",
-        GapOf::Flights => " of the flights only, cut at the contacts,",
-        GapOf::Contacts => " of the contacts only, with de-trended flights,",
+        GapOf::Segments => " of the flights only, cut at the contacts,",
+        GapOf::Events => " of the contacts only, with de-trended flights,",
     };
     if answer.diagnosis.effects.is_empty() {
         return Some(format!(

@@ -46,7 +46,7 @@ fn channels(one: &Explained) -> Vec<usize> {
 
 /// Its name, and which of its flights it is where they were cut apart.
 pub fn label(one: &Explained) -> String {
-    one.flight.map_or_else(|| one.name.clone(), |flight| format!("{}, flight {flight}", one.name))
+    one.segment.map_or_else(|| one.name.clone(), |flight| format!("{}, flight {flight}", one.name))
 }
 
 fn title(one: &Explained) -> String {
@@ -117,7 +117,7 @@ pub fn residuals(shown: &[&Explained], all: usize, both: bool, dots: &str) -> Ma
                 "Measured \u{2212} simulated in standard deviations \u{3c3} of the noise, every recording on the same scales. "
                 @if both { "Dashed: before. " }
                 "Dots: " (dots) ". The band is \u{b1}2 \u{3c3}"
-                @if shown.iter().any(|one| !one.contacts.is_empty()) { "; ticks on the lower edges mark contacts" }
+                @if shown.iter().any(|one| !one.events.is_empty()) { "; ticks on the lower edges mark contacts" }
                 ". Only noise should be left: 95 of 100 dots in the band, without a pattern."
                 @if all > shown.len() { " The " (shown.len()) " of " (all) " recordings that disagreed most are drawn." }
             }
@@ -144,7 +144,7 @@ fn strips(one: &Explained, limit: f64, span: f64, both: bool) -> Markup {
     let x = Axis::new((begin, begin + span), (left, width - 10.0));
     let height = |i: usize| i as f64 * (STRIP + ABOVE + 6.0);
     let mut svg = Svg::new(width, height(channels.len()) + BELOW);
-    let x_name = if one.seen.kind() == Kind::BounceTimes { "bounce, counted from 0" } else { "time, s" };
+    let x_name = if one.seen.kind() == Kind::EventTimes { "bounce, counted from 0" } else { "time, s" };
     for (i, &channel) in channels.iter().enumerate() {
         let top = height(i) + ABOVE;
         let panel = Panel { x: x.clone(), y: Axis::new((-limit, limit), (top + STRIP, top)) };
@@ -165,7 +165,7 @@ fn strips(one: &Explained, limit: f64, span: f64, both: bool) -> Markup {
             }
         }
         svg.dots("dot small", &points(&one.after));
-        for contact in one.contacts.iter().filter(|t| (begin..=begin + span).contains(*t)) {
+        for contact in one.events.iter().filter(|t| (begin..=begin + span).contains(*t)) {
             let (at, floor) = (panel.x.at(*contact), panel.y.places().0);
             svg.line("event", (at, floor), (at, floor - 9.0));
         }
@@ -185,8 +185,8 @@ pub fn places(all: &[Explained]) -> Vec<(&'static str, Vec<Place>)> {
     let axis = |one: &Explained, i: usize| Some(one.seen.channels()[i % one.noise.len()].name.clone());
     let flight = |one: &Explained, i: usize| {
         let at = one.seen.clock()[i / one.noise.len()];
-        let passed = one.contacts.iter().filter(|t| **t <= at).count();
-        (!one.contacts.is_empty()).then(|| match passed {
+        let passed = one.events.iter().filter(|t| **t <= at).count();
+        (!one.events.is_empty()).then(|| match passed {
             0 => "before the 1st contact".to_string(),
             1 => "after the 1st".into(),
             2 => "after the 2nd".into(),

@@ -13,6 +13,7 @@ use maud::{Markup, html};
 use tunenet_core::Result;
 use tunenet_core::diagnose::{Diagnosis, Explained, GapOf, Verdict};
 use tunenet_core::observation::{Kind, with_decimals};
+use tunenet_sim::phase;
 
 use self::pairs::{Pair, pairs};
 use super::provenance::Provenance;
@@ -92,7 +93,7 @@ fn place(answer: &Answer, both: bool) -> Markup {
         @if !diagnosis.effects.is_empty() {
             ul.plain {
                 @for named in &diagnosis.effects {
-                    li { code { (named.effect.name) } " acts " b { (named.effect.phase.name()) } ": " (named.effect.sentence) "." }
+                    li { code { (named.effect.name) } " acts " b { (phase::name(named.effect.phase)) } ": " (named.effect.sentence) "." }
                 }
             }
         }
@@ -158,8 +159,8 @@ fn evidence(answer: &Answer) -> Markup {
                 }
                 p.how {
                     "Root mean square of measured \u{2212} simulated, all channels as one distance"
-                    @if gap.of == GapOf::Contacts { ", with flights straightened, so that contacts alone count" }
-                    @if gap.of == GapOf::Flights { ", of flights that were cut at the contacts: each has a start and a spin of its own, so this says "
+                    @if gap.of == GapOf::Events { ", with flights straightened, so that contacts alone count" }
+                    @if gap.of == GapOf::Segments { ", of flights that were cut at the contacts: each has a start and a spin of its own, so this says "
                         "nothing of how well a whole recording is predicted" }
                     ". "
                     @if !diagnosis.effects.is_empty() {
@@ -238,7 +239,7 @@ fn apart(answer: &Answer) -> Markup {
             h2 { "Indistinguishable effects" }
             ul.plain {
                 @for name in names {
-                    li { code { (name) } @if let Some(effect) = answer.entry(name) { " \u{b7} " (effect.phase.name()) ": " (effect.sentence) } }
+                    li { code { (name) } @if let Some(effect) = answer.entry(name) { " \u{b7} " (phase::name(effect.phase)) ": " (effect.sentence) } }
                 }
             }
         }

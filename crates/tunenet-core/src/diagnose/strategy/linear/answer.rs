@@ -284,14 +284,14 @@ fn explained(logs: &Logs, base: &Model, last: &Model) -> Result<Vec<Explained>> 
         Ok(Explained {
             recording: run.recording,
             name: logs.names[run.recording].clone(),
-            flight: None,
+            segment: None,
             held_out: run.held_out,
             seen: run.prepared.seen.clone(),
             kept: vec![true; run.prepared.seen.values().len()],
             before: logs.in_noise(run, &base.point)?,
             after: logs.in_noise(run, &last.point)?,
             noise: run.noise.clone(),
-            contacts: Vec::new(),
+            events: Vec::new(),
             nuisances: Vec::new(),
         })
     };

@@ -12,8 +12,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use crate::observation::Observation;
-use crate::statistics::{mean, median};
+use tunenet_core::observation::Observation;
+use tunenet_core::statistics::{mean, median};
 
 /// Samples nearer to a contact, in usual steps, may hold both sides of it.
 const GUARD_STEPS: f64 = 0.5;
@@ -31,7 +31,7 @@ const SHARE: f64 = 0.1;
 const ALOFT_SHARE: f64 = 0.95;
 
 /// A straightened recording.
-pub(in crate::diagnose) struct Straight {
+pub(super) struct Straight {
     /// With noise as large as makes velocities as uncertain as they are.
     pub seen: Observation,
     /// Without, on the same clock.
@@ -57,15 +57,13 @@ struct Flight {
     axes: [Along; 3],
 }
 
-/// Straightens `seen`, positions with z up, between `contacts` under gravity `g` (m/s²). `None` where flights are too few or
+/// Straightens `seen`, positions with z up, between `contacts` under gravity `g` (m/s², downwards). `None` where nothing falls, flights are too few or
 /// too short, or where no contact surely takes speed along the surface. Noise is drawn from `seed`, and `wider` times as large as
 /// the velocities need.
-pub(in crate::diagnose) fn straighten(
-    seen: &Observation,
-    contacts: &[f64],
-    g: f64,
-    (seed, wider): (u64, f64),
-) -> Option<Straight> {
+pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wider): (u64, f64)) -> Option<Straight> {
+    if g <= 0.0 {
+        return None;
+    }
     let flights = flights(seen, contacts);
     // The longest chain of flights one after the other.
     let chains = flights.split(Option::is_none).max_by_key(|chain| chain.len())?;

@@ -1,0 +1,149 @@
+//! Contacts alone: where flights are not understood, as of a video before an unknown camera, the speed that a contact takes
+//! along the surface still shows, right before it and right after it.
+
+use crate::findings;
+use tunenet_core::Result;
+use tunenet_core::diagnose::{
+    Candidate, Diagnosis, Explanation, GapOf, NextExperiment, PreparedRecording, Problem, Settings, Strategy, Verdict,
+};
+use tunenet_core::observation::{Kind, Note};
+use tunenet_core::simulator::{Effect, Phase, Preparation, Simulator, measurement_effects};
+
+use super::detrended_flights::straighten;
+use super::flights_only::crowded;
+use super::variants;
+use crate::wording::WORDING;
+
+/// What turns speed across the surface into speed along it.
+const CAMERA_TILT: &str = "camera_tilt";
+/// Straightening is not exact: what a flight loses changes how the next contact slips. Where what is left does not look like
+/// noise, velocities are taken for so many times less certain, and evidence is so much weaker.
+const WIDER: [f64; 3] = [1.0, 2.0, 3.0];
+/// Fewer recordings leave a choice at most.
+const FEWEST_RECORDINGS: usize = 3;
+
+/// Contacts only, the flights straightened and the spin at the start unknown. Explains nothing where no contact surely takes
+/// speed along the surface, or where what explains that could be the camera's doing as well.
+pub struct ContactsOnly;
+
+impl Strategy for ContactsOnly {
+    /// Where the recordings as they are stay in doubt and their flights named nothing.
+    fn applies(&self, problem: &Problem, so_far: &Explanation) -> bool {
+        let whole = &so_far.diagnosis;
+        let as_recorded = whole.gap.as_ref().is_none_or(|gap| gap.of == GapOf::Recordings);
+        let adequate = whole.adequacy.iter().all(|test| test.passed);
+        as_recorded && (crowded(problem, whole) || whole.verdict == Verdict::Unknown || !adequate)
+    }
+
+    fn attempt(&self, problem: &Problem, so_far: &Explanation) -> Result<Option<Explanation>> {
+        if problem.recordings().iter().any(|recording| recording.prepared().seen.kind() != Kind::Positions) {
+            return Ok(None);
+        }
+        let Some(spinning) = variants(problem, |ball| ball.with_hidden_state_at_events()) else { return Ok(None) };
+        let mut found = None;
+        for wider in WIDER {
+            found = of_contacts(problem, &spinning, wider)?;
+            if found.is_some() {
+                break;
+            }
+        }
+        let Some((mut explained, used)) = found else { return Ok(None) };
+        let answer = &mut explained.diagnosis;
+        keep_kin(answer, problem.settings().margin);
+        if used < FEWEST_RECORDINGS {
+            leave_open(answer);
+        }
+        answer.rollouts += so_far.diagnosis.rollouts;
+        answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Events);
+        answer.notes.push(Note::new(
+            findings::CONTACTS_ALONE,
+            "the recordings as a whole are not explained, but their contacts surely take speed along the surface. They \
+             were judged alone: each flight has a smooth acceleration of its own, and what that is stays open",
+            "record several throws in varied directions to learn more of the flights",
+        ));
+        Ok(Some(explained))
+    }
+}
+
+/// The explanation where flights are straightened with velocities so many times less certain, and how many recordings it
+/// rests on.
+fn of_contacts(problem: &Problem, spinning: &[Box<dyn Simulator>], wider: f64) -> Result<Option<(Explanation, usize)>> {
+    let (mut straight, mut beyond_tilt) = (Vec::new(), 0.0);
+    for recording in problem.recordings() {
+        if let Some((made, beyond)) = straightened(spinning, recording, problem.settings().seed, wider)? {
+            straight.push(made);
+            beyond_tilt += beyond;
+        }
+    }
+    let used = straight.iter().filter(|recording| !recording.held_out()).count();
+    // One of two recordings may not be chosen because it shows what the other does not.
+    if used == 0 || straight.len() < problem.recordings().len() {
+        return Ok(None);
+    }
+    // What contacts change to either side is no tilt's doing.
+    let no_tilt = beyond_tilt > problem.settings().margin;
+    let at_contact = |effect: &Effect| {
+        let tilts = effect.mistaken_for.contains(&CAMERA_TILT);
+        effect.phase == Phase::Event && !effect.random && !(no_tilt && tilts)
+    };
+    let settings = Settings { most_effects: 1, ..problem.settings().clone() };
+    let Ok(explained) = problem.explain(spinning, straight, &settings, &at_contact) else { return Ok(None) };
+    let answer = &explained.diagnosis;
+    let told = matches!(answer.verdict, Verdict::Named | Verdict::OneOf) && !answer.effects.is_empty();
+    let seen_so: Vec<&str> = measurement_effects(Kind::Positions).iter().map(|e| e.name).collect();
+    let by_camera = answer.effects.iter().any(|n| n.effect.mistaken_for.iter().any(|o| seen_so.contains(o)));
+    Ok((told && !by_camera).then_some((explained, used)))
+}
+
+/// A recording whose flights are straightened under the gravity of its scene, where that shows something, and what no tilt
+/// explains of it.
+fn straightened(
+    spinning: &[Box<dyn Simulator>],
+    recording: &PreparedRecording,
+    seed: u64,
+    wider: f64,
+) -> Result<Option<(PreparedRecording, f64)>> {
+    let measured = recording.prepared();
+    let segmentation = measured.segmentation.as_ref();
+    let Some(gravity) = segmentation.and_then(|known| known.free_acceleration()).map(|a| -a) else { return Ok(None) };
+    let Some(straight) = straighten(&measured.seen, recording.events(), gravity, (seed, wider)) else {
+        return Ok(None);
+    };
+    let Preparation::Usable(mut prepared) = spinning[recording.object()].prepare(&straight.ideal)? else {
+        return Ok(None);
+    };
+    // Contacts are known; they are not to be looked for again in what strays.
+    let contacts = prepared.events.clone();
+    let (Some(first), count) = (prepared.seen.clock().first().copied(), prepared.seen.len()) else { return Ok(None) };
+    let begin = straight.seen.clock().partition_point(|t| *t < first - 1e-9);
+    let Ok(seen) = straight.seen.slice(begin..(begin + count).min(straight.seen.len())) else { return Ok(None) };
+    prepared.seen = seen;
+    let made = recording.remade(*prepared).with_events(contacts).with_noise(&straight.noise);
+    Ok(Some((made, straight.beyond_tilt)))
+}
+
+/// One throw leaves whatever lies within ten times the usual margin. Here the alternatives are what acts at contacts alone, so
+/// beyond the usual margin only those are left that the catalogue says can be mistaken for the one named.
+fn keep_kin(answer: &mut Diagnosis, margin: f64) {
+    for place in &mut answer.effects {
+        let near = |name: &str| answer.candidates.iter().any(|c| c.name == name && c.delta < margin);
+        place.alternatives.retain(|name| near(name) || place.effect.mistaken_for.contains(name));
+    }
+    answer.names =
+        answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
+}
+
+/// Leaves another effect of contact that can be mistaken for the only one named.
+fn leave_open(answer: &mut Diagnosis) {
+    for place in answer.effects.iter_mut().filter(|place| place.alternatives.is_empty()) {
+        let kin = |c: &&Candidate| place.effect.mistaken_for.contains(&c.name);
+        place.alternatives.extend(answer.candidates.iter().find(kin).map(|c| c.name));
+    }
+    answer.names =
+        answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
+    answer.verdict = Verdict::OneOf;
+    if answer.next_experiment.is_none() {
+        let text = WORDING.add.into();
+        answer.next_experiment = Some(NextExperiment { text, settings: Vec::new() });
+    }
+}

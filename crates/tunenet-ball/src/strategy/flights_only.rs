@@ -1,0 +1,144 @@
+//! Flights alone: where recordings differ by what no effect explains (the ball spins, a racket hits it), each flight between
+//! contacts still says what acts in flight, from a start and with a spin of its own.
+
+use crate::findings;
+use tunenet_core::Result;
+use tunenet_core::diagnose::{
+    Diagnosis, Explanation, GapOf, NextExperiment, PreparedRecording, Problem, Settings, Strategy, Tuned, Verdict,
+};
+use tunenet_core::observation::{Note, Observation};
+use tunenet_core::simulator::{Preparation, Simulator};
+use tunenet_core::statistics::NORMAL_95;
+
+use super::variants;
+use crate::wording::WORDING;
+
+/// What has to be free for a flight to begin anywhere.
+const START: [&str; 6] =
+    ["release.x", "release.y", "release.z", "release.velocity_x", "release.velocity_y", "release.velocity_z"];
+/// The height of what no flight touches, which its lowest sample is not to pin.
+const SURFACE: &str = "surface.height";
+
+/// Fewer recordings leave a choice at most.
+const FEWEST_RECORDINGS: usize = 3;
+
+/// Flights only. What is missing is named only where it has to be there anyhow, as drag of a ball of known mass and size: with
+/// so much of every flight's own, too many things look alike.
+pub struct FlightsOnly;
+
+impl Strategy for FlightsOnly {
+    /// Where the recordings as they are name nothing, or several effects together that are but a guess, as of one throw with a
+    /// contact: fewer of the flights are better.
+    fn applies(&self, problem: &Problem, so_far: &Explanation) -> bool {
+        let whole = &so_far.diagnosis;
+        whole.verdict == Verdict::Unknown || so_far.events_open || crowded(problem, whole)
+    }
+
+    fn attempt(&self, problem: &Problem, so_far: &Explanation) -> Result<Option<Explanation>> {
+        let Some(spinning) = variants(problem, |ball| ball.with_hidden_state()) else { return Ok(None) };
+        let mut flights = Vec::new();
+        for recording in problem.recordings() {
+            for range in recording.free_segments().into_iter().flatten() {
+                let Ok(seen) = recording.prepared().seen.slice(range) else { continue };
+                flights.extend(flight(&spinning, recording, &seen)?);
+            }
+        }
+        let mut used: Vec<usize> = flights.iter().filter(|f| !f.held_out()).map(PreparedRecording::recording).collect();
+        used.dedup();
+        if used.is_empty() {
+            return Ok(None);
+        }
+        let settings = Settings { most_effects: 1, ..problem.settings().clone() };
+        let Ok(explained) = problem.explain(&spinning, flights, &settings, &|_| true) else { return Ok(None) };
+        Ok(stated(problem, &so_far.diagnosis, explained, used.len()))
+    }
+}
+
+/// Whether an answer leaves several effects together, of recordings with contacts.
+pub(super) fn crowded(problem: &Problem, whole: &Diagnosis) -> bool {
+    let several = whole.verdict == Verdict::OneOf && whole.effects.len() > 1;
+    several && problem.recordings().iter().any(|recording| !recording.events().is_empty())
+}
+
+/// What the flights of so many recordings say of the recordings as they are; `None` where they name nothing that has to be there.
+fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: usize) -> Option<Explanation> {
+    let mut answer = explained.diagnosis;
+    let told = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
+    if !told || !answer.effects.iter().all(|named| named.effect.certain()) {
+        return None;
+    }
+    if used < FEWEST_RECORDINGS && answer.verdict == Verdict::Named {
+        leave_open(problem, &mut answer);
+    }
+    answer.rollouts += whole.rollouts;
+    answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Segments);
+    for i in 0..answer.explained.len() {
+        let recording = answer.explained[i].recording;
+        let before = answer.explained[..i].iter().filter(|other| other.recording == recording).count();
+        answer.explained[i].segment = Some(before + 1);
+    }
+    answer.parameters = whole.parameters.iter().map(|tuned| beside_contacts(tuned, problem)).collect();
+    answer.notes.push(Note::new(
+        findings::FLIGHTS_ALONE,
+        "the recordings as a whole are not explained: they differ from throw to throw, as by spin, or at contacts. \
+         Their flights were judged alone, each with a spin of its own, and parameters of contacts are read off the \
+         samples beside them",
+        "record throws without spin to learn more of the contacts",
+    ));
+    Some(Explanation { diagnosis: answer, ..explained })
+}
+
+/// Makes a lone name one of two, with the candidate that comes next.
+fn leave_open(problem: &Problem, answer: &mut Diagnosis) {
+    let effects = problem.subjects()[0].simulator.effects();
+    let unlikely = |name: &str| effects.iter().any(|e| e.name == name && e.unlikely.is_some());
+    let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !unlikely(c.name)).map(|c| c.name);
+    let next = next.filter(|name| !answer.names.contains(name)).take(1).collect::<Vec<_>>();
+    // A lone name is one effect's.
+    if let Some(named) = answer.effects.first_mut() {
+        named.alternatives.extend(&next);
+    }
+    answer.names.extend(next);
+    answer.verdict = Verdict::OneOf;
+    let text = WORDING.add.into();
+    answer.next_experiment = Some(NextExperiment { text, settings: Vec::new() });
+}
+
+/// One flight as a recording of its own, where it can be used as one.
+fn flight(
+    simulators: &[Box<dyn Simulator>],
+    recording: &PreparedRecording,
+    seen: &Observation,
+) -> Result<Option<PreparedRecording>> {
+    let Preparation::Usable(mut prepared) = simulators[recording.object()].prepare(seen)? else {
+        return Ok(None);
+    };
+    let free = |name: &str| prepared.nuisances.iter().any(|nuisance| nuisance.name == name);
+    if !prepared.events.is_empty() || !START.iter().all(|name| free(name)) {
+        return Ok(None);
+    }
+    for nuisance in prepared.nuisances.iter_mut().filter(|nuisance| nuisance.name == SURFACE) {
+        nuisance.value = 0.5 * (nuisance.min + nuisance.value);
+    }
+    Ok(Some(recording.remade(*prepared).with_raised_noise()))
+}
+
+/// A parameter as the samples beside the contacts alone have it, where they do.
+fn beside_contacts(tuned: &Tuned, problem: &Problem) -> Tuned {
+    let parameters = problem.subjects()[tuned.object].simulator.parameters();
+    let Some(i) = parameters.iter().position(|p| p.name == tuned.name) else { return tuned.clone() };
+    let mine = problem.recordings().iter().filter(|r| r.object() == tuned.object && !r.held_out());
+    let each: Vec<_> = mine.filter_map(|r| r.prepared().local[i]).collect();
+    let weight: f64 = each.iter().map(|l| l.sd.powi(-2)).sum();
+    let value = each.iter().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight;
+    if !value.is_finite() {
+        return tuned.clone();
+    }
+    let squares: f64 = each.iter().map(|l| ((l.value - value) / l.sd).powi(2)).sum();
+    // Where recordings differ by more than they should, the mean is known less well.
+    let spread = (squares / (each.len() as f64 - 1.0).max(1.0)).max(1.0);
+    let reach = NORMAL_95 * (spread / weight).sqrt();
+    let p = &parameters[i];
+    let interval95 = ((value - reach).max(p.min), (value + reach).min(p.max));
+    Tuned { value: value.clamp(p.min, p.max), interval95, ..tuned.clone() }
+}
