@@ -40,7 +40,7 @@ pub use filmed_ball::FilmedBall;
 pub use observed::simulator;
 pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;
-pub use process::ProcessSimulator;
+pub use process::{ProcessSimulator, Session};
 pub use replayed_arm::ReplayedArm;
 pub use simulation_file::SimulationFile;
 
