@@ -5,7 +5,7 @@ use tunenet_ball::BallSegmentation;
 use tunenet_ball::findings as ball_findings;
 use tunenet_ball::preflight::{Expected, Preflight, examine};
 use tunenet_core::Result;
-use tunenet_core::observation::{Check, State};
+use tunenet_core::observation::Check;
 use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Parameter, Phase, Preparation, Prepared, Rejected};
 use tunenet_core::tune::channel_noise;
@@ -93,14 +93,10 @@ impl ObservedBall {
         prepared.nuisances = own.collect::<Result<_>>()?;
         prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);
         prepared.events = arcs.contacts.iter().map(|c| c.time_s).collect();
-        for check in &preflight.checks {
-            // Without a bounce, nothing is known of contacts; that is said where it is asked for.
-            if check.kind == ball_findings::CONTACT_NONE && check.state == State::Noticed {
-                prepared.silent.fill(check.note());
-            } else {
-                prepared.notes.extend(check.note());
-            }
-        }
+        // Without a bounce, nothing is known of contacts; that is said where it is asked for.
+        let (without_contacts, notes) = preflight.notes_apart();
+        prepared.silent.fill(without_contacts);
+        prepared.notes.extend(notes);
         if self.forced {
             prepared.notes.extend(forced(&preflight));
         }
