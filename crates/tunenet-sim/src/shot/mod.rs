@@ -31,7 +31,7 @@ pub use arm::ArmReach;
 pub use belief::Belief;
 pub use flight::Flight;
 pub use pass::Pass;
-pub use plan::{Candidate, Plan, RELEASE, Rule, Settings, plan};
+pub use plan::{Candidate, NoPlan, Plan, Rule, Settings, plan};
 pub use reach::Reach;
 pub use scene::ShotScene;
 pub use task::Task;
