@@ -163,7 +163,7 @@ pub fn simulation(bytes: &[u8]) {
 pub fn task(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(task) = Task::parse(Path::new("a.toml"), text) {
-        assert!(task.heights_m.0 < task.heights_m.1, "heights in the wrong order were accepted");
+        assert!(task.release.heights_m.0 < task.release.heights_m.1, "heights in the wrong order were accepted");
     }
 }
 

@@ -27,6 +27,7 @@ pub mod reach;
 pub mod scene;
 pub mod task;
 
+pub use crate::scene::Task;
 pub use arm::ArmReach;
 pub use belief::Belief;
 pub use flight::Flight;
@@ -34,4 +35,3 @@ pub use pass::Pass;
 pub use plan::{Candidate, NoPlan, Plan, Rule, Settings, plan};
 pub use reach::Reach;
 pub use scene::ShotScene;
-pub use task::Task;

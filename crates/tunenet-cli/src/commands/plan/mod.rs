@@ -76,7 +76,7 @@ fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> 
     };
     let arm = task.arm.as_ref().map(ArmReach::new).transpose()?;
     let reach: &dyn Reach = arm.as_ref().map_or(&Anywhere, |arm| arm);
-    let plan = shot::plan(&scene, &belief, task.heights_m, reach, &settings).map_err(|error| match error {
+    let plan = shot::plan(&scene, &belief, task.release.heights_m, reach, &settings).map_err(|error| match error {
         NoPlan::OutOfReach { .. } => refused(
             error.to_string(),
             "move `arm.base_position_m`, or let `release.heights_m` be heights that it reaches",
@@ -116,7 +116,7 @@ fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
     }
     let at_end = plan.best == 0 || plan.best + 1 == plan.candidates.len();
     if plan.reachable && at_end {
-        let (low, high) = task.heights_m;
+        let (low, high) = task.release.heights_m;
         notes.push(Note::new(
             findings::PLAN_AT_END,
             format!(
