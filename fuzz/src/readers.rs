@@ -15,7 +15,7 @@ use tunenet_formats::pictures::pictures;
 use tunenet_formats::{ReadOptions, contents_with, read};
 use tunenet_formats::{model_from_bytes, model_to_bytes};
 use tunenet_sim::shot::Task;
-use tunenet_sim::{SimulationFile, simulator};
+use tunenet_sim::{Session, SimulationFile, simulator};
 
 /// A file of this process in memory, where the system has such a folder.
 fn file(name: &str, bytes: &[u8]) -> PathBuf {
@@ -151,7 +151,7 @@ pub fn simulation(bytes: &[u8]) {
     SimulationFile::parse(path, &file.text()).expect("what was accepted is accepted again");
     let _ = (file.essence(), file.scene(), file.effects(), file.parameters());
     for kind in [Kind::Positions, Kind::EventTimes] {
-        let Ok(world) = simulator(&file, kind) else { continue };
+        let Ok(world) = simulator(&file, kind, &Session::default()) else { continue };
         let values: Vec<f64> = world.parameters().iter().map(|p| p.value).collect();
         let clock = [0.0, 0.05, 0.1];
         let mut seen = vec![0.0; clock.len() * world.channels().len()];
@@ -163,7 +163,7 @@ pub fn simulation(bytes: &[u8]) {
 pub fn task(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(task) = Task::parse(Path::new("a.toml"), text) {
-        assert!(task.heights_m.0 < task.heights_m.1, "heights in the wrong order were accepted");
+        assert!(task.release.heights_m.0 < task.release.heights_m.1, "heights in the wrong order were accepted");
     }
 }
 

@@ -147,7 +147,7 @@ fn plan_seconds(folder: &Path, rule: Rule) -> Result<f64> {
         let scene = ShotScene::new(&task, radius_m).map_err(anyhow::Error::msg)?;
         let belief = Belief::new(&file, &task)?;
         let arm = ArmReach::new(task.arm.as_ref().context("the ready task has an arm")?)?;
-        std::hint::black_box(plan(&scene, &belief, task.heights_m, &arm, &settings)?);
+        std::hint::black_box(plan(&scene, &belief, task.release.heights_m, &arm, &settings)?);
         Ok(began.elapsed().as_secs_f64())
     };
     Ok(median((0..REPEATS).map(|_| timed()).collect::<Result<_>>()?))

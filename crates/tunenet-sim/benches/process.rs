@@ -8,7 +8,8 @@ use std::path::Path;
 
 use criterion::{Criterion, criterion_group};
 use tunenet_core::simulator::Simulator;
-use tunenet_sim::{ProcessSimulator, SimulationFile};
+use tunenet_sim::process::Permission;
+use tunenet_sim::{ProcessSimulator, Session, SimulationFile};
 
 /// The argument with which this executable is the program.
 const ANSWER: &str = "--answer-lines";
@@ -42,9 +43,8 @@ fn program(command: &[&str]) -> tunenet_core::Result<ProcessSimulator> {
         "kind = \"process\"\n[process]\ncommand = [{}]\nchannels = [\"z_m\"]\n[parameters.k]\nvalue = 1\nmin = 0\nmax = 2\n",
         words.join(", ")
     );
-    let mut file = SimulationFile::parse(Path::new("bench.toml"), &text)?;
-    file.allow_process();
-    ProcessSimulator::start(&file)
+    let file = SimulationFile::parse(Path::new("bench.toml"), &text)?;
+    ProcessSimulator::start(&file, &Session::new(Permission::Granted))
 }
 
 fn rollouts(criterion: &mut Criterion) {

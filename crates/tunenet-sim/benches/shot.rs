@@ -41,7 +41,8 @@ fn plans(criterion: &mut Criterion) {
     for (name, rule, reach) in ways {
         let settings = Settings { rule, ..Settings::default() };
         group.bench_function(name, |bencher| {
-            bencher.iter(|| plan(black_box(&scene), &belief, task.heights_m, reach, &settings).expect("a plan"));
+            bencher
+                .iter(|| plan(black_box(&scene), &belief, task.release.heights_m, reach, &settings).expect("a plan"));
         });
     }
     group.finish();

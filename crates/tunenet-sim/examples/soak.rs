@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use tunenet_core::tune::{Settings, tune};
 use tunenet_formats::{ReadOptions, read};
-use tunenet_sim::{SimulationFile, built_in, simulator};
+use tunenet_sim::{Session, SimulationFile, built_in, simulator};
 
 /// What one run of the tool does: files are read, the simulator and, for drops, the network are made, and it is tuned.
 fn call(number: u32) -> Result<(), Box<dyn std::error::Error>> {
@@ -19,7 +19,7 @@ fn call(number: u32) -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = SimulationFile::read(Path::new("assets/ball.toml"))?;
     scene.set(assignment)?;
     let seen = read(file, &ReadOptions::default())?.observation;
-    let ball = simulator(&scene, seen.kind())?;
+    let ball = simulator(&scene, seen.kind(), &Session::default())?;
     let model = file.ends_with("drop.csv").then(built_in::ball).transpose()?;
     // Every call starts elsewhere.
     let start = 0.1 + 0.8 * f64::from(number % 97) / 97.0;

@@ -14,8 +14,8 @@
 //! | [`phase`] | where effects act, in words |
 //! | [`process`] | a simulator of any language: a program that speaks lines of JSON |
 //! | [`built_in`] | the network that comes with the tool |
-//! | [`filmed`] | drops in front of an uncalibrated camera |
-//! | [`filmed_ball`] | a drop from a known height, tuned to pixels |
+//! | [`video_drops`] | drops in front of an uncalibrated camera |
+//! | [`video_ball`] | a drop from a known height, tuned to pixels |
 //! | [`shot`] | a ball that bounces off a plane through a hoop, and from where to let it go |
 //! | [`drawn`] | recordings of it, drawn at random: what its networks learn from |
 
@@ -23,8 +23,6 @@ pub mod arm;
 pub mod ball;
 pub mod built_in;
 pub mod drawn;
-pub mod filmed;
-pub mod filmed_ball;
 pub mod findings;
 pub mod observed;
 pub mod observed_arm;
@@ -36,15 +34,17 @@ pub mod replayed_arm;
 pub mod scene;
 pub mod shot;
 pub mod simulation_file;
+pub mod video_ball;
+pub mod video_drops;
 
 pub use drawn::Drawn;
-pub use filmed_ball::FilmedBall;
 pub use observed::simulator;
 pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;
-pub use process::ProcessSimulator;
+pub use process::{ProcessSimulator, Session};
 pub use replayed_arm::ReplayedArm;
 pub use simulation_file::SimulationFile;
+pub use video_ball::FilmedBall;
 
 /// The code of the book's page on embedding, compiled and run with the doctests.
 #[cfg(doctest)]

@@ -5,20 +5,23 @@ use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
 use tunenet_core::{Error, Result};
 use tunenet_formats::kind_name;
 
+use crate::process::Session;
 use crate::replayed_arm::{replayed, replays};
 use crate::simulation_file::Domain;
 use crate::{FilmedBall, ObservedArm, ObservedBall, ProcessSimulator, SimulationFile};
 
 /// The simulator that `file` describes, observed as `kind`: its physical effects in the world, its effects of the
-/// measurement around it. Those that this kind of observation cannot show are passed over.
+/// measurement around it. Those that this kind of observation cannot show are passed over. A program of the user's runs within
+/// `session`; for a ball and an arm the default one will do.
 ///
 /// # Errors
-/// [`Error::File`] where what the file describes is not observed so; as [`ObservedBall::new`] and [`ObservedArm::new`].
-pub fn simulator(file: &SimulationFile, kind: Kind) -> Result<Box<dyn Simulator>> {
+/// [`Error::File`] where what the file describes is not observed so; as [`ObservedBall::new`], [`ObservedArm::new`] and
+/// [`ProcessSimulator::start`].
+pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result<Box<dyn Simulator>> {
     match (file.domain(), kind) {
         (Domain::Arm, Kind::Joints) if replays(file) => return replayed(file),
         (Domain::Arm, Kind::Joints) => return Ok(Box::new(ObservedArm::new(file)?)),
-        (Domain::Process, Kind::Other) => return around_program(file, ProcessSimulator::start(file)?),
+        (Domain::Process, Kind::Other) => return around_program(file, ProcessSimulator::start(file, session)?),
         (Domain::Arm | Domain::Process, _) | (Domain::Ball, Kind::Joints | Kind::Other) => {
             let (is, other) = match file.domain() {
                 Domain::Arm => ("joint series of an arm", "give recordings of its joints, or a ball's simulation file"),

@@ -12,6 +12,7 @@ use tunenet_core::tune::{Held, held};
 use crate::SimulationFile;
 use crate::ball::effects::{BallEffect, DRAG};
 use crate::observed::simulator;
+use crate::process::Session;
 use crate::simulation_file::Domain;
 
 /// Strengths that are tried beside none at all, evenly in their logarithm.
@@ -35,7 +36,7 @@ pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> R
     let Some((low, high)) = file.ball()?.body().usual_drag_1_m() else { return Ok(Vec::new()) };
     let physical = sure.iter().copied().filter(|name| BallEffect::find(name).is_some());
     let names: Vec<&str> = physical.chain([DRAG]).collect();
-    let ball = simulator(file, seen[0].kind())?.with_effects(&names)?;
+    let ball = simulator(file, seen[0].kind(), &Session::default())?.with_effects(&names)?;
     let share = |i: usize| i as f64 / (STRENGTHS - 1) as f64;
     let coarse: Vec<f64> =
         std::iter::once(0.0).chain((0..STRENGTHS).map(|i| low * (high / low).powf(share(i)))).collect();

@@ -9,7 +9,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use opencv::core::{CV_8UC3, Mat, Point, Scalar, Size};
 use opencv::imgproc::{FILLED, LINE_AA, circle};
 use opencv::videoio::{VideoWriter, VideoWriterTrait};
-use tunenet_track::scout::scout;
+use tunenet_track::ball_colour::scout;
 use tunenet_track::track::Settings;
 use tunenet_track::tracker::Tracker;
 use tunenet_track::view::View;

@@ -13,17 +13,18 @@
 //! | [`video`] | a file becomes a [`video::Clip`]: how large, how fast, how many frames |
 //! | [`source`], [`frames`] | pictures one after the other, each with the instant at which it was taken |
 //! | [`colour`], [`lookup`] | the window of hue, saturation and value by which a ball is known |
-//! | [`scout`] | ball colour detection: the saturated thing that moves before a static background |
+//! | [`ball_colour`] | ball colour detection: the saturated thing that moves before a static background |
 //! | [`tracker`] | the ball in one frame, to a fraction of a pixel |
 //! | [`track`](mod@track) | the ball in a whole video, and the findings |
 //! | [`scale`] | pixels become metres |
-//! | [`render`], [`rehearsal`] | synthetic videos of a ball with known position |
+//! | [`render`], [`synthetic`] | synthetic videos of a ball with known position |
 //! | [`overlay`] | the track overlaid on its video |
 //!
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 
+pub mod ball_colour;
 mod blob;
-mod bumped;
+mod camera_motion;
 mod changes;
 mod clock;
 pub mod colour;
@@ -32,21 +33,20 @@ mod folder;
 pub mod frames;
 mod log;
 pub mod lookup;
-mod noticed;
 mod outline;
 pub mod overlay;
 mod parabola;
 mod perspective;
-pub mod rehearsal;
 pub mod render;
 mod samples;
 pub mod scale;
-pub mod scout;
 pub mod source;
 mod stillness;
+pub mod synthetic;
 #[cfg(test)]
-mod test_films;
+mod test_videos;
 pub mod track;
+mod track_findings;
 pub mod tracker;
 pub mod video;
 pub mod view;

@@ -1,9 +1,9 @@
 //! Where the ball is, frame after frame: near where it must be by now, or anywhere where it was lost.
 
+use super::ball_colour::{ROUND, Scene};
 use super::blob::{Blob, blobs};
 use super::lookup::Lookup;
 use super::outline::{Edges, outline};
-use super::scout::{ROUND, Scene};
 use super::stillness::MOVED;
 use super::view::View;
 use tunenet_core::statistics::median;

@@ -40,6 +40,27 @@ impl Default for Expected {
     }
 }
 
+/// Which bounces a recording of positions shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bounces {
+    /// At least one, at a known time.
+    Timed,
+    /// One, in too few samples to determine its time: [`Preflight::coarse`].
+    Coarse,
+    /// One at the very end, which no flight follows.
+    TooLate,
+    /// None.
+    None,
+}
+
+impl Bounces {
+    /// Whether the recording says anything about contacts.
+    #[must_use]
+    pub fn can_be_examined(self) -> bool {
+        matches!(self, Self::Timed | Self::Coarse)
+    }
+}
+
 /// A recording that was looked at.
 #[derive(Debug, Clone)]
 pub struct Preflight {
@@ -53,9 +74,18 @@ pub struct Preflight {
     pub coarse: Option<FirstFall>,
     /// How fast free flight falls, where any is long enough.
     pub gravity: Option<ApparentGravity>,
+    /// Which bounces positions show; `None` for other kinds, and where nothing moves.
+    pub bounces: Option<Bounces>,
+    /// Which of the checks is that of the bounces.
+    bounce_check: Option<usize>,
 }
 
 impl Preflight {
+    /// Checks without flights or contacts.
+    fn without_motion(checks: Vec<Check>, kept: Option<Observation>) -> Self {
+        Self { checks, kept, arcs: None, coarse: None, gravity: None, bounces: None, bounce_check: None }
+    }
+
     /// The first check that rejects the recording.
     #[must_use]
     pub fn rejected(&self) -> Option<&Check> {
@@ -66,6 +96,14 @@ impl Preflight {
     #[must_use]
     pub fn notes(&self) -> Vec<Note> {
         self.checks.iter().filter_map(Check::note).collect()
+    }
+
+    /// Why contacts [cannot be examined](Bounces::can_be_examined), and the other [`notes`](Self::notes).
+    #[must_use]
+    pub fn notes_apart(&self) -> (Option<Note>, Vec<Note>) {
+        let unseen = self.bounce_check.filter(|_| self.bounces.is_some_and(|bounces| !bounces.can_be_examined()));
+        let others = self.checks.iter().enumerate().filter(|(i, _)| Some(*i) != unseen);
+        (unseen.and_then(|i| self.checks[i].note()), others.filter_map(|(_, check)| check.note()).collect())
     }
 }
 
@@ -80,18 +118,15 @@ pub fn of(seen: &Observation, expected: &Expected) -> Vec<Check> {
 pub fn examine(seen: &Observation, expected: &Expected) -> Preflight {
     match seen.kind() {
         Kind::Positions => positions(seen, expected),
-        Kind::EventTimes => {
-            let checks = bounces::checks(seen, expected);
-            Preflight { checks, kept: Some(seen.clone()), arcs: None, coarse: None, gravity: None }
-        }
-        _ => Preflight { checks: Vec::new(), kept: Some(seen.clone()), arcs: None, coarse: None, gravity: None },
+        Kind::EventTimes => Preflight::without_motion(bounces::checks(seen, expected), Some(seen.clone())),
+        _ => Preflight::without_motion(Vec::new(), Some(seen.clone())),
     }
 }
 
 fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     let mut checks = vec![motion::moves(seen)];
     if checks[0].state == State::Failed {
-        return Preflight { checks, kept: None, arcs: None, coarse: None, gravity: None };
+        return Preflight::without_motion(checks, None);
     }
     checks.push(clock::irregular(seen.clock()));
     checks.push(clock::gaps(seen.clock()));
@@ -110,7 +145,7 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     checks.push(clock::slow(&kept, expected.gravity_m_s2));
     checks.push(skipped::check(&kept, expected.gravity_m_s2));
     let Some(mut arcs) = Arcs::cut(&kept, expected.gravity_m_s2) else {
-        return Preflight { checks, kept: Some(kept), arcs: None, coarse: None, gravity: None };
+        return Preflight::without_motion(checks, Some(kept));
     };
     let heights: Vec<f64> = kept.column(2).collect();
     // A bounce at the end bends the flight before it.
@@ -126,14 +161,17 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     if let Some(edge) = edge {
         arcs.end_at(edge, kept.clock());
     }
-    checks.extend(motion::cut(&arcs));
+    checks.push(motion::release(&arcs));
+    checks.push(motion::blows(&arcs));
     checks.push(motion::undisturbed(arcs.usable.len(), kept.len()));
     let coarse = FirstFall::find(&kept, expected.gravity_m_s2).filter(|_| arcs.contacts.is_empty());
-    checks.push(surface::bounces(&kept, &arcs, coarse.is_some()));
+    let (bounces, check) = surface::bounces(&kept, &arcs, coarse.is_some());
+    let bounce_check = Some(checks.len());
+    checks.push(check);
     checks.push(left);
     checks.push(surface::view(&kept));
     checks.push(surface::height(level, expected));
     checks.extend(surface::agrees(&arcs, level, expected));
     checks.push(motion::rest(&kept));
-    Preflight { checks, kept: Some(kept), arcs: Some(arcs), coarse, gravity }
+    Preflight { checks, kept: Some(kept), arcs: Some(arcs), coarse, gravity, bounces: Some(bounces), bounce_check }
 }

@@ -3,11 +3,11 @@
 use super::Expected;
 use super::flights::{Flight, Flights};
 use crate::findings;
-use crate::segmentation::Arcs;
 use crate::segmentation::span;
+use crate::segmentation::{Arcs, Blows};
 use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Check;
-use tunenet_core::observation::{FEWEST_SAMPLES, Note, Observation, noise_sd};
+use tunenet_core::observation::{FEWEST_SAMPLES, Observation, noise_sd};
 
 /// A record that spans less than this along every axis, m, shows no motion.
 const LEAST_MOTION_M: f64 = 1e-6;
@@ -15,6 +15,8 @@ const LEAST_MOTION_M: f64 = 1e-6;
 const PLAUSIBLE_GRAVITY: std::ops::Range<f64> = 0.25..2.0;
 /// A flight strays from a parabola by less than this share of its range, air included.
 const WORST_MISFIT_SHARE: f64 = 0.05;
+/// Most blows whose times a sentence lists.
+const BLOWS_SHOWN: usize = 4;
 
 /// Whether anything moves.
 pub(crate) fn moves(seen: &Observation) -> Check {
@@ -60,16 +62,30 @@ pub(crate) fn like(arcs: &Arcs, flights: &Flights, expected: &Expected) -> Check
     Check::failed(KIND, text, remedy)
 }
 
-/// What the cutting into flights noticed: samples before the release, and blows.
-pub(crate) fn cut(arcs: &Arcs) -> [Check; 2] {
-    let of = |kind: FindingKind, passed: &str| match arcs.notes.iter().find(|n| n.kind == kind) {
-        Some(Note { kind, text, remedy }) => Check::noticed(*kind, text.clone(), remedy.clone()),
-        None => Check::passed(kind, passed),
+/// Whether samples before the release are excluded.
+pub(crate) fn release(arcs: &Arcs) -> Check {
+    const KIND: FindingKind = findings::RELEASE_LATE;
+    match arcs.held_s {
+        Some(held) => Check::noticed(KIND, format!("the first {held:.3} s before the release were excluded"), ""),
+        None => Check::passed(KIND, "the record begins in flight or at the release"),
+    }
+}
+
+/// Whether samples are excluded because something other than the surface touches the ball.
+pub(crate) fn blows(arcs: &Arcs) -> Check {
+    const KIND: FindingKind = findings::MOTION_BLOW;
+    let Some(Blows { times_s, used, samples }) = &arcs.blows else {
+        return Check::passed(KIND, "nothing but the surface touches the ball");
     };
-    [
-        of(findings::RELEASE_LATE, "the record begins in flight or at the release"),
-        of(findings::MOTION_BLOW, "nothing but the surface touches the ball"),
-    ]
+    let times: Vec<String> = times_s.iter().take(BLOWS_SHOWN).map(|t| format!("{t:.3} s")).collect();
+    let text = format!(
+        "something other than the surface changes the velocity at {}{}: samples {} to {} of {samples} are used",
+        times.join(", "),
+        if times_s.len() > BLOWS_SHOWN { " and later" } else { "" },
+        used.start + 1,
+        used.end,
+    );
+    Check::noticed(KIND, text, "record without touching the ball; a hand, a racket or a second surface does this")
 }
 
 /// Whether enough undisturbed motion is left.

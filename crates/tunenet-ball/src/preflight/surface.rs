@@ -1,8 +1,8 @@
 //! The surface and the view: whether the ball bounces, leaves the surface or the picture, and whether what the file says of
 //! the surface and the release agrees with what is seen.
 
-use super::Expected;
 use super::flights::{Flight, Flights};
+use super::{Bounces, Expected};
 use crate::findings;
 use crate::segmentation::Arcs;
 use crate::segmentation::polynomial::Polynomial;
@@ -27,11 +27,13 @@ const GAP_FRAMES: f64 = 3.0;
 /// The border lies within this share of the range of heights.
 const BORDER_SHARE: f64 = 0.15;
 
-/// Whether it bounces; `coarse` says that it does, in too few samples to determine when.
-pub(crate) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool) -> Check {
+/// Whether it bounces, and whether its contacts can be examined; `coarse` says that it bounces, in too few samples to determine
+/// when.
+pub(crate) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool) -> (Bounces, Check) {
     const KIND: FindingKind = findings::CONTACT_NONE;
+    const REMEDY: &str = "record until after the first bounce, better the third";
     if coarse {
-        return Check::passed(KIND, "a bounce, with too few samples to determine its time");
+        return (Bounces::Coarse, Check::passed(KIND, "a bounce, with too few samples to determine its time"));
     }
     let duration = seen.clock()[seen.len() - 1] - seen.clock()[0];
     if let Some(low) = arcs.late {
@@ -40,19 +42,19 @@ pub(crate) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool) -> Check {
              its contacts, so the samples from there on are excluded",
             seen.clock()[low]
         );
-        return Check::noticed(KIND, text, "record until after the first bounce, better the third");
+        return (Bounces::TooLate, Check::noticed(KIND, text, REMEDY));
     }
-    match arcs.contacts.len() {
-        0 => Check::noticed(
-            KIND,
-            format!(
+    let text = match arcs.contacts.as_slice() {
+        [] => {
+            let text = format!(
                 "the ball does not bounce within the {duration:.2} s of the record, so its contacts cannot be examined"
-            ),
-            "record until after the first bounce, better the third",
-        ),
-        1 => Check::passed(KIND, format!("one bounce at {:.3} s", arcs.contacts[0].time_s)),
-        n => Check::passed(KIND, format!("{n} bounces, the first at {:.3} s", arcs.contacts[0].time_s)),
-    }
+            );
+            return (Bounces::None, Check::noticed(KIND, text, REMEDY));
+        }
+        [one] => format!("one bounce at {:.3} s", one.time_s),
+        [first, ..] => format!("{} bounces, the first at {:.3} s", arcs.contacts.len(), first.time_s),
+    };
+    (Bounces::Timed, Check::passed(KIND, text))
 }
 
 /// The height of the ball's centre at contact, m, when it is there first, and how sure that is.

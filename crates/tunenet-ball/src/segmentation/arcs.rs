@@ -5,14 +5,13 @@
 
 use std::ops::Range;
 
-use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
+use tunenet_core::observation::{Kind, LocalEstimate, Observation};
 
 use super::contacts::{Contact, contacts};
-use super::kinks::Kinks;
+use super::kinks::{Blows, Kinks};
 use super::polynomial::Polynomial;
 use super::release::release;
 use super::span;
-use crate::findings;
 
 /// Fewer samples say nothing of their acceleration.
 const FEWEST_FOR_GRAVITY: usize = 6;
@@ -32,8 +31,10 @@ pub struct Arcs {
     pub apparent_gravity_m_s2: Option<LocalEstimate>,
     /// How far they stray from that parabola (RMS), as a share of the range of their heights.
     pub misfit_share: Option<f64>,
-    /// What was excluded and why.
-    pub notes: Vec<Note>,
+    /// How long the record shows the ball before its release, s, where it does; these samples are excluded.
+    pub held_s: Option<f64>,
+    /// Blows by something other than the surface, where samples are excluded because of them.
+    pub blows: Option<Blows>,
     /// The lowest sample of a first bounce so near the end that no flight follows it; what is usable ends before it.
     pub(crate) late: Option<usize>,
     /// Every place in the record where the velocity changes at once, impacts or not: the last sample before each.
@@ -48,19 +49,14 @@ impl Arcs {
             return None;
         }
         let axes: [Vec<f64>; 3] = [0, 1, 2].map(|axis| seen.column(axis).collect());
-        let mut notes = Vec::new();
         let mut kinks = Kinks::find(seen.clock(), &axes, gravity_m_s2);
         let late = kinks.take_late(&axes[2]);
-        let mut usable = kinks.usable(&mut notes, seen.clock());
+        let (mut usable, blows) = kinks.usable(seen.clock());
         let inside: Vec<usize> =
             kinks.impacts.iter().copied().filter(|&k| k > usable.start + 1 && k + 1 < usable.end).collect();
         let release = release(seen.clock(), &axes[2], usable.start, *inside.first().unwrap_or(&usable.end));
-        if release > usable.start {
-            let held = seen.clock()[release] - seen.clock()[usable.start];
-            let text = format!("the first {held:.3} s before the release were excluded");
-            notes.push(Note::new(findings::RELEASE_LATE, text, ""));
-            usable.start = release;
-        }
+        let held_s = (release > usable.start).then(|| seen.clock()[release] - seen.clock()[usable.start]);
+        usable.start = usable.start.max(release);
         let contacts = contacts(seen.clock(), &axes[2], &usable, &inside, gravity_m_s2);
         let first_end = contacts.first().map_or(usable.end, |c| seen.clock().partition_point(|t| *t < c.time_s));
         let flight = usable.start..first_end.max(usable.start + 2).min(usable.end);
@@ -91,7 +87,8 @@ impl Arcs {
             start_m_s,
             apparent_gravity_m_s2,
             misfit_share,
-            notes,
+            held_s,
+            blows,
             late,
             kinks: kinks.all(),
         })

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use tunenet_core::observation::{Note, noise_sd};
+use tunenet_core::observation::noise_sd;
 use tunenet_core::statistics::median;
 
 use super::contacts::crossing;
@@ -12,7 +12,6 @@ use super::lasting::lasting;
 use super::parabolas::parabolas;
 use super::polynomial::Polynomial;
 use super::span;
-use crate::findings;
 
 /// A slope difference counts as a kink from this many of its standard deviations on. Noise alone reaches it once in
 /// 10^9 samples; the weakest impact that can be tuned to has far more.
@@ -47,6 +46,17 @@ pub(crate) struct Kinks {
     pub(crate) impacts: Vec<usize>,
     /// Anything else that changes the velocity at once: a hand, a racket, another surface.
     blows: Vec<usize>,
+}
+
+/// Places where something other than the surface changes the velocity, and what of the record is used because of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blows {
+    /// When, s.
+    pub times_s: Vec<f64>,
+    /// The samples that no blow disturbs.
+    pub used: Range<usize>,
+    /// How many samples there are.
+    pub samples: usize,
 }
 
 impl Kinks {
@@ -169,8 +179,8 @@ impl Kinks {
         Some(low)
     }
 
-    /// The longest stretch with the most impacts and no blow inside.
-    pub(crate) fn usable(&self, notes: &mut Vec<Note>, clock: &[f64]) -> Range<usize> {
+    /// The longest stretch with the most impacts and no blow inside, and the blows, where they exclude samples.
+    pub(crate) fn usable(&self, clock: &[f64]) -> (Range<usize>, Option<Blows>) {
         let cuts: Vec<usize> = self.blows.iter().copied().chain([self.samples]).collect();
         let mut best = 0..0;
         let mut best_rank = (0, 0);
@@ -185,23 +195,13 @@ impl Kinks {
             }
             start = cut + 2;
         }
-        if best.len() < self.samples && !self.blows.is_empty() {
-            let times: Vec<String> = self.blows.iter().take(4).map(|&k| format!("{:.3} s", clock[k])).collect();
-            let text = format!(
-                "something other than the surface changes the velocity at {}{}: samples {} to {} of {} are used",
-                times.join(", "),
-                if self.blows.len() > 4 { " and later" } else { "" },
-                best.start + 1,
-                best.end,
-                self.samples
-            );
-            notes.push(Note::new(
-                findings::MOTION_BLOW,
-                text,
-                "record without touching the ball; a hand, a racket or a second surface does this",
-            ));
-        }
-        best
+        let excludes = best.len() < self.samples && !self.blows.is_empty();
+        let blows = excludes.then(|| Blows {
+            times_s: self.blows.iter().map(|&k| clock[k]).collect(),
+            used: best.clone(),
+            samples: self.samples,
+        });
+        (best, blows)
     }
 }
 

@@ -20,6 +20,7 @@ use tunenet_core::statistics::range;
 pub use arcs::Arcs;
 pub use contacts::Contact;
 pub use first_fall::FirstFall;
+pub use kinks::Blows;
 pub use turns::bounces;
 
 use rest::before_rest;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tunenet_core::observation::Kind as Observed;
 use tunenet_core::simulator::rollout;
-use tunenet_sim::{SimulationFile, simulator};
+use tunenet_sim::{Session, SimulationFile, simulator};
 
 use super::blind::{Hidden, Kind, RADIUS_M, Throw, World, seen};
 
@@ -62,7 +62,7 @@ fn both_worlds_agree_on_every_effect() {
         );
         let mut file = SimulationFile::parse(Path::new("agreement.toml"), &text).unwrap();
         file.add_effect(kind.name(), &coefficients(&hidden)).unwrap();
-        let simulator = simulator(&file, Observed::Positions).unwrap();
+        let simulator = simulator(&file, Observed::Positions, &Session::default()).unwrap();
         let parameters: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
         let ours = rollout(simulator.as_ref(), &parameters, &start, &clock).unwrap();
         let theirs = seen(&world, &throw, &clock).concat();

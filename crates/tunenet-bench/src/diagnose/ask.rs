@@ -8,7 +8,7 @@ use tunenet_ball::diagnose;
 use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::Simulator;
-use tunenet_sim::{SimulationFile, simulator};
+use tunenet_sim::{Session, SimulationFile, simulator};
 
 use super::blind::RADIUS_M;
 use super::trial::Answer;
@@ -45,7 +45,7 @@ impl Asked {
     pub fn new() -> Result<Self> {
         let mut file = SimulationFile::parse(Path::new("blind.toml"), &format!("ball.radius_m = {RADIUS_M}\n{SCENE}"))?;
         file.set("world.gravity_m_s2=9.81")?;
-        Ok(Self { simulator: simulator(&file, Kind::Positions)? })
+        Ok(Self { simulator: simulator(&file, Kind::Positions, &Session::default())? })
     }
 
     /// The answer to `seen`, judged by `held_out`, and the throw that it asks for next.

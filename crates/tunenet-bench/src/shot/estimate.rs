@@ -11,7 +11,7 @@ use tunenet_ball::bounces;
 use tunenet_core::diagnose::{self, Recording, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::tune::{self, tune};
-use tunenet_sim::{SimulationFile, simulator};
+use tunenet_sim::{Session, SimulationFile, simulator};
 
 use super::super::tuning::apex;
 use super::drop::clock;
@@ -157,7 +157,7 @@ pub fn tuned(bounces_s: &[f64], fall_m: f64) -> Result<Option<Estimate>> {
 }
 
 fn tuned_to(seen: &[Observation], fall_m: f64) -> Result<Option<Estimate>> {
-    let ball = simulator(&scene(Some(fall_m))?, Kind::EventTimes)?;
+    let ball = simulator(&scene(Some(fall_m))?, Kind::EventTimes, &Session::default())?;
     let outcome = tune(&ball, seen, None, &tune::Settings::default())?;
     let Some(found) = outcome.parameters.iter().find(|p| p.name == "restitution" && p.identified) else {
         return Ok(None);
@@ -190,7 +190,7 @@ impl Several {
         if self.seen.is_empty() {
             return Ok(None);
         }
-        let simulator = simulator(&scene(Some(self.fall_m))?, Kind::EventTimes)?;
+        let simulator = simulator(&scene(Some(self.fall_m))?, Kind::EventTimes, &Session::default())?;
         let subjects = [Subject { name: "ball".into(), simulator: simulator.as_ref() }];
         let recordings: Vec<Recording> = (1..)
             .zip(&self.seen)

@@ -108,7 +108,7 @@ impl Planner {
     fn height_of(&self, estimate: &Estimate, rule: Rule, draws: usize) -> Result<f64> {
         let belief = Belief::new(&estimate.file()?, &self.task)?;
         let settings = Settings { rule, draws, ..Settings::default() };
-        Ok(plan(&self.scene, &belief, self.task.heights_m, &Anywhere, &settings)?.best().height_m)
+        Ok(plan(&self.scene, &belief, self.task.release.heights_m, &Anywhere, &settings)?.best().height_m)
     }
 }
 

@@ -5,7 +5,7 @@ use tunenet_core::diagnose::{self, Diagnosis, NamedEffect, OfObject, Value, Verd
 use tunenet_core::findings;
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
-use tunenet_sim::SimulationFile;
+use tunenet_sim::{Session, SimulationFile};
 
 /// What could be in the place of a lone effect that earns no name.
 pub const NAMELESS: &str = "what is in no catalogue";
@@ -16,6 +16,8 @@ pub const DRAG: &str = "quadratic_drag";
 pub struct Object {
     pub name: String,
     pub file: SimulationFile,
+    /// In which its program runs, where it has one.
+    pub session: Session,
     pub simulator: Box<dyn Simulator>,
     /// What its manifest entries say of the scene.
     pub(crate) scene: Vec<(String, String)>,

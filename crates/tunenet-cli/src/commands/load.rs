@@ -7,9 +7,10 @@ use toml_edit::DocumentMut;
 use tunenet_core::observation::Note;
 use tunenet_core::{Error, Origin};
 use tunenet_formats::{ReadOptions, Recording, read, read_text};
+use tunenet_sim::process::Permission;
 use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{SimulationFile, process};
+use tunenet_sim::{Session, SimulationFile, process};
 
 use super::film;
 use crate::args::{Leave, Reading, Simulation};
@@ -27,17 +28,19 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
     Ok(file)
 }
 
-/// The same, with leave to run the program that it names where that is given; without it such a file is refused before anything
+/// The same, and the session in which the program that it names runs; without permission such a file is refused before anything
 /// else is done.
-pub fn simulation_with(options: &Simulation, leave: Leave) -> Result<SimulationFile> {
-    let mut file = simulation(options)?;
-    if leave.allow_process {
-        file.allow_process();
-    }
+pub fn simulation_with(options: &Simulation, leave: Leave) -> Result<(SimulationFile, Session)> {
+    let (file, session) = (simulation(options)?, session(leave));
     if file.domain() == Domain::Process {
-        process::leave(&file)?;
+        session.require_permission(&file)?;
     }
-    Ok(file)
+    Ok((file, session))
+}
+
+/// A session with the permission that the command line gives.
+pub fn session(leave: Leave) -> Session {
+    Session::new(if leave.allow_process { Permission::Granted } else { Permission::Denied })
 }
 
 /// Refuses a simulation file of another kind than a command needs.

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use tunenet_core::observation::{Check, State};
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_core::text::visible;
-use tunenet_sim::SimulationFile;
+use tunenet_sim::Session;
 
 /// A progress bar on standard error; invisible where that is no terminal.
 pub fn progress(total: u64, what: &'static str) -> ProgressBar {
@@ -26,12 +26,12 @@ pub fn working() -> ProgressBar {
     bar
 }
 
-/// As [`working`], with the rollouts that the program of `file` was asked for.
-pub fn rolling(what: &'static str, file: &SimulationFile) -> ProgressBar {
-    let (bar, file) = (ProgressBar::new_spinner().with_message(what), file.clone());
+/// As [`working`], with the number of rollouts that the programs of `session` were asked for.
+pub fn rolling(what: &'static str, session: &Session) -> ProgressBar {
+    let (bar, session) = (ProgressBar::new_spinner().with_message(what), session.clone());
     let style = ProgressStyle::with_template("{spinner} {msg}, {rollouts} rollouts, {elapsed}");
     let count = move |_: &ProgressState, to: &mut dyn std::fmt::Write| {
-        let _ = write!(to, "{}", file.program_rollouts());
+        let _ = write!(to, "{}", session.rollouts());
     };
     bar.set_style(style.map_or_else(|_| ProgressStyle::default_spinner(), |style| style.with_key("rollouts", count)));
     bar.enable_steady_tick(Duration::from_millis(200));

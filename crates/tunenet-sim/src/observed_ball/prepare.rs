@@ -5,7 +5,7 @@ use tunenet_ball::BallSegmentation;
 use tunenet_ball::findings as ball_findings;
 use tunenet_ball::preflight::{Expected, Preflight, examine};
 use tunenet_core::Result;
-use tunenet_core::observation::{Check, State};
+use tunenet_core::observation::Check;
 use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Parameter, Phase, Preparation, Prepared, Rejected};
 use tunenet_core::tune::channel_noise;
@@ -13,6 +13,7 @@ use tunenet_core::tune::channel_noise;
 use super::{ObservedBall, Unknown};
 use crate::ball::Forces;
 use crate::findings;
+use crate::scene::BallParameters;
 
 /// Bounces whose intervals give the restitution at the speed of the first impacts.
 const LEADING_INTERVALS: usize = 4;
@@ -35,6 +36,11 @@ impl ObservedBall {
             surface_height_m: self.surface_height_m,
             release_height_m: self.release.height_m,
         }
+    }
+
+    /// Which of the parameters is called so.
+    fn place(&self, name: &str) -> usize {
+        self.parameters.iter().position(|p| p.name == name).expect("a ball has restitution and friction")
     }
 
     /// A rejection, unless it is to be used nevertheless.
@@ -93,19 +99,16 @@ impl ObservedBall {
         prepared.nuisances = own.collect::<Result<_>>()?;
         prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);
         prepared.events = arcs.contacts.iter().map(|c| c.time_s).collect();
-        for check in &preflight.checks {
-            // Without a bounce, nothing is known of contacts; that is said where it is asked for.
-            if check.kind == ball_findings::CONTACT_NONE && check.state == State::Noticed {
-                prepared.silent.fill(check.note());
-            } else {
-                prepared.notes.extend(check.note());
-            }
-        }
+        // Without a bounce, nothing is known of contacts; that is said where it is asked for.
+        let (without_contacts, notes) = preflight.notes_apart();
+        prepared.silent.fill(without_contacts);
+        prepared.notes.extend(notes);
         if self.forced {
             prepared.notes.extend(forced(&preflight));
         }
         prepared.checks.clone_from(&preflight.checks);
-        prepared.local[0] = arcs.restitution().map(|l| LocalEstimate { value: l.value.clamp(0.0, 1.0), ..l });
+        prepared.local[self.place(BallParameters::RESTITUTION)] =
+            arcs.restitution().map(|l| LocalEstimate { value: l.value.clamp(0.0, 1.0), ..l });
         let start_s = self.release.time_s.unwrap_or(begin_s);
         prepared.scale = Some(self.scale(&prepared.nuisance_values(), start_s));
         Ok(Preparation::Usable(Box::new(prepared)))
@@ -138,13 +141,13 @@ impl ObservedBall {
         });
         let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
         prepared.nuisances = own.collect::<Result<_>>()?;
-        prepared.local[0] = local;
+        prepared.local[self.place(BallParameters::RESTITUTION)] = local;
         prepared.notes = preflight.notes();
         if self.forced {
             prepared.notes.extend(forced(&preflight));
         }
         prepared.checks = preflight.checks;
-        prepared.silent[1] = Some(Note::new(
+        prepared.silent[self.place(BallParameters::FRICTION)] = Some(Note::new(
             findings::FRICTION_UNSEEN,
             "bounce times do not depend on friction",
             "record positions of a throw along the surface",

@@ -12,10 +12,12 @@
 //! | `child` | one of it that runs |
 //! | `pool` | as many of it as threads ask, which have to agree |
 //! | `known` | what one answered, and has to answer again |
+//! | `session` | permission to run programs, those that run, their failure and their tally |
+//! | `tally` | rollouts that were asked for, refused, or answered unusably |
 //! | `failure` | what could go wrong, in one sentence |
 //!
 //! The program is never trusted with more than its answers: lines have a greatest length, answers a time, and numbers a place.
-//! That it is run at all needs [leave](crate::simulation_file::Permission), which no file can give.
+//! Running it at all needs [permission](Permission), which the caller gives and no file can.
 
 mod child;
 mod failure;
@@ -24,8 +26,10 @@ mod pipes;
 mod pool;
 mod program;
 mod protocol;
+mod session;
+mod tally;
 
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 
 use tunenet_core::observation::{Channel, GREATEST, Kind, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Simulator};
@@ -33,13 +37,13 @@ use tunenet_core::text::visible;
 use tunenet_core::{Error, Origin, Result};
 
 use crate::SimulationFile;
-use crate::simulation_file::{Permission, Settles, Why};
-use failure::Failure;
 use pool::Pool;
 use program::Program;
 use protocol::Answer;
+use tally::Why;
 
 pub use program::{channels, words};
+pub use session::{Permission, Session};
 
 /// The whole command that `file` names, word by word in the quotes that a shell needs, between backquotes and fit for a
 /// terminal.
@@ -48,66 +52,37 @@ pub fn command(file: &SimulationFile) -> String {
     format!("`{}`", visible(&program::line(&program::words(file))))
 }
 
-/// The leave that was given to run the program of `file`.
-///
-/// # Errors
-/// [`Error::Setting`] where none was given.
-pub fn leave(file: &SimulationFile) -> Result<&Permission> {
-    file.permission().ok_or_else(|| {
-        let path = file.path().display();
-        let (beginning, left_out) = failure::beginning(&program::line(&program::words(file)));
-        let named = match left_out {
-            0 => format!("`{beginning}`"),
-            1 => format!("`{beginning}…` (1 more character, which `tunenet inspect {path}` shows)"),
-            more => format!("`{beginning}…` ({more} more characters, which `tunenet inspect {path}` shows)"),
-        };
-        let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
-        let found = "none: give it for files that you trust".into();
-        Error::Setting { origin: Origin::Caller, name: "--allow-process", expected, found }
-    })
-}
-
 /// A program of one's own as a simulator that core can tune and diagnose.
 ///
 /// Rollouts ask one running copy of the program each, of which there are as many as threads ask at a time. The same parameters
 /// give the same bits whichever copy answers: every copy is asked the same first, and has to answer as the others did; and an
-/// early rollout is asked for again now and then, and [in the end](SimulationFile::program_settled).
+/// early rollout is asked for again now and then, and [in the end](Session::settle).
 #[derive(Debug, Clone)]
 pub struct ProcessSimulator {
     parameters: Vec<Parameter>,
     channels: Vec<Channel>,
     pool: Arc<Pool>,
-    permission: Permission,
+    session: Session,
 }
 
 impl ProcessSimulator {
-    /// Starts the program that `file` names, in its [folder](SimulationFile::program_folder).
+    /// Starts the program that `file` names, in its [folder](SimulationFile::program_folder) and within `session`, which counts
+    /// its rollouts and keeps its failure.
     ///
     /// # Errors
-    /// [`Error::Setting`] where no [leave](SimulationFile::allow_process) was given to run it; [`Error::File`] where the file
-    /// describes no program, or its program cannot be started or does not speak as it should.
-    pub fn start(file: &SimulationFile) -> Result<Self> {
+    /// [`Error::Setting`] where `session` has no [permission](Permission) to run it; [`Error::File`] where the file
+    /// describes no program, where a program of the session failed before, or where the program cannot be started or does not
+    /// speak as it should.
+    pub fn start(file: &SimulationFile, session: &Session) -> Result<Self> {
         file.process()?;
-        let permission = leave(file)?;
-        file.program_failed()?;
+        session.require_permission(file)?;
+        session.failed()?;
         let program = Program::of(file)?;
         let (parameters, channels) = (program.parameters.clone(), program.channels.clone());
         let pool = Arc::new(Pool::start(program).map_err(|failure| failure.error(file.path()))?);
-        permission.watch(Arc::downgrade(&pool) as Weak<dyn Settles>);
-        Ok(Self { parameters, channels, pool, permission: permission.clone() })
+        session.watch(&pool);
+        Ok(Self { parameters, channels, pool, session: session.clone() })
     }
-}
-
-impl Settles for Pool {
-    fn settle(&self, permission: &Permission) {
-        if let Err(failure) = Pool::settle(self) {
-            note(permission, &failure);
-        }
-    }
-}
-
-fn note(permission: &Permission, failure: &Failure) {
-    permission.note(&failure.message, &failure.hint, failure.drift);
 }
 
 impl Simulator for ProcessSimulator {
@@ -159,7 +134,7 @@ impl Simulator for ProcessSimulator {
         if !parameters.iter().chain(clock).all(|number| number.is_finite()) {
             return Err("parameters and times have to be finite".into());
         }
-        let tally = self.permission.tally();
+        let tally = self.session.tally();
         let answer = self.pool.ask(parameters, clock);
         if answer.is_ok() {
             tally.asked();
@@ -182,7 +157,7 @@ impl Simulator for ProcessSimulator {
                 Err(message)
             }
             Err(failure) => {
-                note(&self.permission, &failure);
+                self.session.note(self.pool.file(), &failure);
                 Err(failure.message)
             }
         }

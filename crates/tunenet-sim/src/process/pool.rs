@@ -1,5 +1,6 @@
 //! As many copies of a program as threads ask at a time.
 
+use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use rand::{Rng, SeedableRng};
@@ -104,6 +105,11 @@ impl Pool {
         agree(&program, &mut first, &agreed, "asked twice")?;
         let copies = Copies { idle: vec![Running::new(first, 0)], running: 1, early: None, failure: None };
         Ok(Self { program, agreed, copies: Mutex::new(copies), freed: Condvar::new() })
+    }
+
+    /// The simulation file that names the program.
+    pub fn file(&self) -> &Path {
+        &self.program.file
     }
 
     /// One rollout, by whichever copy is free. A copy that has answered many is asked once more for an early one, or for any of

@@ -18,6 +18,8 @@ const PROBED: usize = 4096;
 /// A program, and how to speak with it.
 #[derive(Debug, Clone)]
 pub(super) struct Program {
+    /// The simulation file that names it.
+    pub file: PathBuf,
     /// Its name or path, then its arguments.
     pub command: Vec<String>,
     /// Where it runs.
@@ -54,6 +56,7 @@ impl Program {
             return Err(Error::file(file.path(), message, "remove the effect: it applies only to lengths"));
         }
         Ok(Self {
+            file: file.path().to_path_buf(),
             command: words(file),
             folder,
             timeout: Duration::from_secs_f64(process.timeout_s),

@@ -1,17 +1,19 @@
 //! What a simulation file describes, as values with their units and defaults.
 //!
-//! The file and `--set` fill the same structs. What a value may be stands in the
+//! The file and `--set` fill the same structs; a task file fills [`Task`]. What a value may be stands in the
 //! [lists of keys](crate::simulation_file::schema), which also say what is wrong and where; a test holds both together.
 
 mod arm;
 mod ball;
 mod process;
+mod shot;
 
 use serde::Deserialize;
 
 pub use arm::{ArmBody, ArmScene, ArmWorld, Motion, MotionKind};
 pub use ball::{BallBody, BallParameters, BallScene, BallWorld, Medium, Release, Surface};
 pub use process::{Process, ProcessScene};
+pub use shot::{ArmTask, Plane, Task, TaskHoop, TaskKind, TaskRelease};
 
 /// Gravity on earth, m/s².
 const GRAVITY_M_S2: f64 = 9.81;

@@ -7,9 +7,9 @@ use tunenet_core::{Error, Result};
 use tunenet_formats::JointPoint;
 
 use super::Reach;
-use super::task::ArmTask;
 use crate::arm::reach::{self, Goal, Settings};
 use crate::arm::{Frame, Model, Pose, urdf};
+use crate::scene::ArmTask;
 
 /// Postures that are tried where nothing near is known, and what they are drawn from.
 const STARTS: usize = 24;
@@ -169,7 +169,8 @@ mod tests {
         let (task, arm) = arm();
         let mut before: Option<Vec<f64>> = None;
         for i in 0..=100 {
-            let height = task.heights_m.0 + 0.01 * f64::from(i) * (task.heights_m.1 - task.heights_m.0);
+            let height =
+                task.release.heights_m.0 + 0.01 * f64::from(i) * (task.release.heights_m.1 - task.release.heights_m.0);
             let q = arm.joints([0.0, 0.0, height], before.as_deref()).unwrap();
             let q = q.unwrap_or_else(|| panic!("{height} m is out of reach"));
             assert!((held(&arm, &q) - Vector3::new(0.0, 0.0, height)).norm() <= 2.0 * TOLERANCE);

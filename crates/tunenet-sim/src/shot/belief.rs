@@ -114,7 +114,7 @@ impl Belief {
             base: file.ball()?.simulated(),
             nominal: quantities.clone(),
             alternatives: vec![Alternative { weight: 1.0, quantities }],
-            release_sd: (task.release_position_sd_m, task.release_velocity_sd_m_s),
+            release_sd: (task.release.position_sd_m, task.release.velocity_sd_m_s),
             notes: provenance.notes().into_iter().chain(changed).collect(),
         };
         belief.weigh(&provenance, edited);

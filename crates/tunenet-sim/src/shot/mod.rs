@@ -27,11 +27,11 @@ pub mod reach;
 pub mod scene;
 pub mod task;
 
+pub use crate::scene::Task;
 pub use arm::ArmReach;
 pub use belief::Belief;
 pub use flight::Flight;
 pub use pass::Pass;
-pub use plan::{Candidate, Plan, RELEASE, Rule, Settings, plan};
+pub use plan::{Candidate, NoPlan, Plan, Rule, Settings, plan};
 pub use reach::Reach;
 pub use scene::ShotScene;
-pub use task::Task;

@@ -1,14 +1,35 @@
 //! The height to let go from.
 
 use rayon::prelude::*;
-use tunenet_core::{Error, Origin, Result};
+use tunenet_core::{Error, Origin};
 
 use super::belief::Draw;
 use super::{Belief, Pass, Reach, ShotScene};
 use crate::ball::{Scene, State};
 
-/// Where a plan fails that no arm can hold the ball for: what [`Error::Simulator`] has `at`.
-pub const RELEASE: &str = "the release";
+/// Why there is no plan.
+#[derive(Debug, thiserror::Error)]
+pub enum NoPlan {
+    /// The arm can hold the ball at none of the heights.
+    #[error("the arm reaches none of the heights from {lowest_m} to {highest_m} m")]
+    OutOfReach {
+        /// The lowest of them, m.
+        lowest_m: f64,
+        /// The highest, m.
+        highest_m: f64,
+    },
+    /// The ball of the file, let go at one of the heights, cannot be followed.
+    #[error("a height of {height_m} m: {message}")]
+    NotFollowed {
+        /// The height, m.
+        height_m: f64,
+        /// Why not.
+        message: String,
+    },
+    /// A setting is out of its range, or the robot cannot be used.
+    #[error(transparent)]
+    Other(#[from] Error),
+}
 
 /// How the best height is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,23 +96,19 @@ impl Plan {
 /// Chooses among heights from `lowest` to `highest` (m, the ball's centre above the impact point).
 ///
 /// # Errors
-/// [`Error::Setting`] for fewer than 2 heights or no draw; [`Error::Simulator`] where the ball cannot be followed, or, at
-/// [`RELEASE`], where `reach` reaches none of the heights.
+/// [`NoPlan::OutOfReach`] where `reach` reaches none of the heights; [`NoPlan::NotFollowed`] where the ball cannot be followed;
+/// [`Error::Setting`] for fewer than 2 heights or no draw, and what `reach` refuses.
 pub fn plan(
     scene: &ShotScene,
     belief: &Belief,
     (lowest, highest): (f64, f64),
     reach: &dyn Reach,
     settings: &Settings,
-) -> Result<Plan> {
+) -> Result<Plan, NoPlan> {
     if settings.heights < 2 || settings.draws == 0 {
         let found = format!("{} heights, {} draws", settings.heights, settings.draws);
-        return Err(Error::Setting {
-            origin: Origin::Caller,
-            name: "--heights",
-            expected: "at least 2 heights and 1 draw".into(),
-            found,
-        });
+        let expected = "at least 2 heights and 1 draw".into();
+        return Err(Error::Setting { origin: Origin::Caller, name: "--heights", expected, found }.into());
     }
     let share = |i: usize| i as f64 / (settings.heights - 1) as f64;
     let heights: Vec<f64> = (0..settings.heights).map(|i| lowest + share(i) * (highest - lowest)).collect();
@@ -103,8 +120,7 @@ pub fn plan(
         joints.push(held);
     }
     if joints.iter().all(Option::is_none) {
-        let message = format!("the arm reaches none of the heights from {lowest} to {highest} m");
-        return Err(Error::Simulator { at: RELEASE.into(), message });
+        return Err(NoPlan::OutOfReach { lowest_m: lowest, highest_m: highest });
     }
     let nominal = belief.nominal();
     let mut candidates = heights
@@ -114,7 +130,7 @@ pub fn plan(
             let pass = shot(scene, &nominal, *height, &State::default())?;
             Ok(Candidate { height_m: *height, pass, probability: None, margin_m: pass.margin_m, joints_rad })
         })
-        .collect::<Result<Vec<_>>>()?;
+        .collect::<Result<Vec<_>, NoPlan>>()?;
     let draws = belief.draws(settings.draws, settings.seed);
     if settings.rule == Rule::Probability {
         candidates.par_iter_mut().for_each(|candidate| candidate.weigh(scene, &draws));
@@ -155,11 +171,9 @@ impl Candidate {
     }
 }
 
-fn shot(scene: &ShotScene, ball: &Scene, height_m: f64, offset: &State) -> Result<Pass> {
+fn shot(scene: &ShotScene, ball: &Scene, height_m: f64, offset: &State) -> Result<Pass, NoPlan> {
     let [x, y, z] = offset.position_m;
     let release = State { position_m: [x, y, z + height_m], ..*offset };
-    let flight = scene
-        .fly(ball, &release)
-        .map_err(|message| Error::Simulator { at: format!("a height of {height_m} m"), message })?;
+    let flight = scene.fly(ball, &release).map_err(|message| NoPlan::NotFollowed { height_m, message })?;
     Ok(Pass::judge(&flight, &scene.hoop, scene.radius_m))
 }

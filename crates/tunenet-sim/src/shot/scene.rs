@@ -119,13 +119,13 @@ impl ShotScene {
     /// hoop stands in the way of the fall.
     pub fn new(task: &Task, radius_m: f64) -> Result<Self, Impossible> {
         let refuse = |message: String, remedy: &'static str| Err(Impossible { message, remedy });
-        let tilt_rad = task.plane_tilt_rad;
+        let tilt_rad = task.plane.tilt_rad();
         let plane_normal = normal(tilt_rad);
         let hoop = Hoop {
-            centre_m: task.hoop_centre_m,
-            normal: normal(task.hoop_tilt_rad),
-            radius_m: task.hoop_radius_m,
-            rim_radius_m: task.hoop_rim_radius_m,
+            centre_m: task.hoop.centre_m,
+            normal: normal(task.hoop.tilt_rad()),
+            radius_m: task.hoop.radius_m,
+            rim_radius_m: task.hoop.rim_radius_m,
         };
         let [x, y, _] = hoop.centre_m;
         // A ball that falls straight down is thrown along the slope.

@@ -1,13 +1,15 @@
 //! The task file: where plane, hoop and robot stand, and from which heights a ball may be let go.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use toml_edit::{Document, Item, Table};
+use toml_edit::de::from_document;
+use toml_edit::{Document, Item};
 use tunenet_core::{Error, Result};
 use tunenet_formats::read_text;
 
+use crate::scene::Task;
 use crate::simulation_file::check::{Vocabulary, located, walk};
-use crate::simulation_file::schema::{Key, Shape, item_number, key, number};
+use crate::simulation_file::schema::{Key, Shape, key, lookup};
 
 const FARTHEST_M: f64 = 1e3;
 const STEEPEST_RAD: f64 = 1.5;
@@ -79,46 +81,6 @@ impl Vocabulary for Keys {
     }
 }
 
-/// A bounce shot.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Task {
-    /// Tilt of the plane about x and y, rad.
-    pub plane_tilt_rad: [f64; 2],
-    /// Centre of the hoop, m.
-    pub hoop_centre_m: [f64; 3],
-    /// Tilt of the hoop about x and y, rad; level at 0.
-    pub hoop_tilt_rad: [f64; 2],
-    /// From its centre to the middle of its wire, m.
-    pub hoop_radius_m: f64,
-    /// Half the wire's thickness, m.
-    pub hoop_rim_radius_m: f64,
-    /// Lowest and highest release of the ball's centre, m.
-    pub heights_m: (f64, f64),
-    /// Standard deviation of the place of a release on each axis, m.
-    pub release_position_sd_m: f64,
-    /// Standard deviation of its velocity on each axis, m/s.
-    pub release_velocity_sd_m_s: f64,
-    /// What holds the ball; a hand that reaches everywhere where there is none.
-    pub arm: Option<ArmTask>,
-}
-
-/// A robot that lets the ball go.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ArmTask {
-    /// Its URDF.
-    pub urdf: PathBuf,
-    /// The link that holds the ball; the last one where the file does not say.
-    pub link: Option<String>,
-    /// Where that link holds the ball's centre, in its own frame, m.
-    pub grip_m: [f64; 3],
-    /// Roll, pitch and yaw of that link at the release, rad; any where the file does not say.
-    pub tool_rpy_rad: Option<[f64; 3]>,
-    /// Where the base stands, m.
-    pub base_position_m: [f64; 3],
-    /// Roll, pitch and yaw of the base, rad.
-    pub base_rpy_rad: [f64; 3],
-}
-
 impl Task {
     /// Reads and checks the file at `path`.
     ///
@@ -134,7 +96,7 @@ impl Task {
     /// use std::path::Path;
     /// use tunenet_sim::shot::Task;
     /// let text = "kind = \"shot\"\nrelease.heights_m = [0.3, 1.0]\nhoop = { centre_m = [0.8, 0, -0.3], radius_m = 0.11 }";
-    /// assert_eq!(Task::parse(Path::new("shot.toml"), text)?.heights_m, (0.3, 1.0));
+    /// assert_eq!(Task::parse(Path::new("shot.toml"), text)?.release.heights_m, (0.3, 1.0));
     /// let wrong = Task::parse(Path::new("shot.toml"), &text.replace("radius_m", "radius_cm")).unwrap_err();
     /// assert_eq!(wrong.to_string(), "shot.toml:3:37: expected a key of a task file, found `hoop.radius_cm`");
     /// # Ok::<(), tunenet_core::Error>(())
@@ -153,67 +115,29 @@ impl Task {
             return Err(Error::file(path, message, "is this a task file? assets/shot.toml is one to start from"));
         }
         walk(&Keys, path, text, root, "")?;
-        if let Some(key) = TASK_KEYS.iter().find(|k| k.required && at(root, &k.path).is_none()) {
+        if let Some(key) = TASK_KEYS.iter().find(|k| k.required && lookup(root, &k.path).is_none()) {
             let message = format!("expected `{}` ({}), found none", key.path, key.meaning);
             let (table, name) = key.path.split_once('.').unwrap_or(("", &key.path));
             return Err(Error::file(path, message, format!("add `{name} = …` under [{table}]")));
         }
-        let single = |path: &str| at(root, path).and_then(item_number).unwrap_or(0.0);
-        let tilt = |table: &str| ["x", "y"].map(|axis| single(&format!("{table}.tilt_about_{axis}_rad")));
-        let heights: [f64; 2] = numbers(root, "release.heights_m").unwrap_or_default();
-        if heights[0] >= heights[1] {
-            let span = at(root, "release.heights_m").and_then(Item::span).unwrap_or(0..0);
-            let message = format!(
-                "`release.heights_m`: expected the lowest before the highest, found [{}, {}]",
-                heights[0], heights[1]
-            );
-            return Err(located(path, text, span, message, "write [lowest, highest], in metres"));
+        if root.contains_key("arm") && lookup(root, "arm.urdf").is_none() {
+            let message = "expected `arm.urdf` (robot that lets go), found none";
+            return Err(Error::file(path, message, "add `urdf = \"robot.urdf\"` under [arm], or take [arm] away"));
         }
-        Ok(Self {
-            plane_tilt_rad: tilt("plane"),
-            hoop_centre_m: numbers(root, "hoop.centre_m").unwrap_or_default(),
-            hoop_tilt_rad: tilt("hoop"),
-            hoop_radius_m: single("hoop.radius_m"),
-            hoop_rim_radius_m: single("hoop.rim_radius_m"),
-            heights_m: (heights[0], heights[1]),
-            release_position_sd_m: single("release.position_sd_m"),
-            release_velocity_sd_m_s: single("release.velocity_sd_m_s"),
-            arm: arm(path, root)?,
-        })
+        let heights_span = lookup(root, "release.heights_m").and_then(Item::span).unwrap_or(0..0);
+        let mut task: Self = from_document(document.clone().into_mut())
+            .map_err(|e| Error::file(path, e.message(), "see docs/files.md for the keys and their values"))?;
+        let (lowest, highest) = task.release.heights_m;
+        if lowest >= highest {
+            let message =
+                format!("`release.heights_m`: expected the lowest before the highest, found [{lowest}, {highest}]");
+            return Err(located(path, text, heights_span, message, "write [lowest, highest], in metres"));
+        }
+        if let Some(arm) = &mut task.arm {
+            arm.urdf = path.parent().unwrap_or(Path::new("")).join(&arm.urdf);
+        }
+        Ok(task)
     }
-}
-
-fn arm(path: &Path, root: &Table) -> Result<Option<ArmTask>> {
-    if root.get("arm").is_none() {
-        return Ok(None);
-    }
-    let word = |key: &str| at(root, key).and_then(Item::as_str).map(str::to_owned);
-    let Some(urdf) = word("arm.urdf") else {
-        let message = "expected `arm.urdf` (robot that lets go), found none";
-        return Err(Error::file(path, message, "add `urdf = \"robot.urdf\"` under [arm], or take [arm] away"));
-    };
-    Ok(Some(ArmTask {
-        urdf: path.parent().unwrap_or(Path::new("")).join(urdf),
-        link: word("arm.link"),
-        grip_m: numbers(root, "arm.grip_m").unwrap_or_default(),
-        tool_rpy_rad: numbers(root, "arm.tool_rpy_rad"),
-        base_position_m: numbers(root, "arm.base_position_m").unwrap_or_default(),
-        base_rpy_rad: numbers(root, "arm.base_rpy_rad").unwrap_or_default(),
-    }))
-}
-
-fn numbers<const N: usize>(root: &Table, path: &str) -> Option<[f64; N]> {
-    let values: Vec<f64> = at(root, path)?.as_array()?.iter().filter_map(number).collect();
-    values.try_into().ok()
-}
-
-fn at<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
-    let mut parts = path.split('.');
-    let mut item = root.get(parts.next()?)?;
-    for part in parts {
-        item = item.as_table_like()?.get(part)?;
-    }
-    Some(item)
 }
 
 /// The keys of the table that an unknown path is in; all tables where there is none.
@@ -228,4 +152,41 @@ fn siblings(path: &str) -> Vec<String> {
     let mut heads: Vec<String> = TASK_KEYS.iter().filter_map(|k| Some(k.path.split('.').next()?.to_string())).collect();
     heads.dedup();
     heads
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TASK: &str =
+        "kind = \"shot\"\n[hoop]\ncentre_m = [0.8, 0, -0.3]\nradius_m = 0.11\n[release]\nheights_m = [0.3, 1]\n";
+
+    /// A list of keys and a struct are two descriptions of one file.
+    #[test]
+    fn every_key_is_a_field_of_the_task() {
+        let parse = |text: &str| Task::parse(Path::new("shot.toml"), text).unwrap();
+        let with_arm = format!("{TASK}[arm]\nurdf = \"a.urdf\"\n");
+        let plain = parse(&with_arm);
+        for key in TASK_KEYS.iter().filter(|key| key.path != "kind") {
+            let value: toml_edit::Value = match key.shape {
+                Shape::Number(low, high) => (low + 0.75 * (high - low)).into(),
+                Shape::Numbers(count, ..) => (0..count).map(|i| 1.0 + i as f64).collect(),
+                _ => "word".into(),
+            };
+            let mut document: toml_edit::DocumentMut = with_arm.parse().unwrap();
+            let (table, name) = key.path.split_once('.').unwrap();
+            document[table][name] = toml_edit::value(value);
+            assert_ne!(parse(&document.to_string()), plain, "{} changes no field", key.path);
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_has_its_default_and_the_urdf_is_found_beside_the_file() {
+        let task = Task::parse(Path::new("folder/shot.toml"), &format!("{TASK}[arm]\nurdf = \"a.urdf\"\n")).unwrap();
+        assert_eq!((task.plane.tilt_rad(), task.hoop.rim_radius_m, task.release.position_sd_m), ([0.0; 2], 0.0, 0.0));
+        let arm = task.arm.unwrap();
+        assert_eq!((arm.urdf.as_path(), arm.tool_rpy_rad, arm.grip_m), (Path::new("folder/a.urdf"), None, [0.0; 3]));
+        let refused = Task::parse(Path::new("shot.toml"), &format!("{TASK}[arm]\nlink = \"hand\"\n")).unwrap_err();
+        assert!(refused.to_string().contains("expected `arm.urdf`"), "{refused}");
+    }
 }

@@ -92,7 +92,7 @@ impl SimulationFile {
                 return refuse(format!("{} to {} for `{name}.{}`", c.min, c.max, c.key), value.to_string());
             }
         }
-        let one = table(table(self.document.as_table_mut(), "effects", true), name, false);
+        let one = table(table(self.document.root_mut(), "effects", true), name, false);
         for (c, numbers) in effect.coefficients.iter().zip(values.chunks(count.max(1))) {
             let decor = one.get(c.key).and_then(Item::as_value).map(|v| v.decor().clone());
             one[c.key] = if effect.per_joint {

@@ -66,7 +66,7 @@ impl SimulationFile {
                 return refuse(format!("{} for `{path}`", known.shape.expected()), value.to_string());
             }
         }
-        let one = table(table(self.document.as_table_mut(), "effects", true), name, false);
+        let one = table(table(self.document.root_mut(), "effects", true), name, false);
         for (key, value) in values {
             let decor = one.get(key).and_then(Item::as_value).map(|v| v.decor().clone());
             one[key] = toml_edit::value(*value);

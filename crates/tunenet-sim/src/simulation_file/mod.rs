@@ -4,30 +4,28 @@
 mod arm_effects;
 mod arm_schema;
 pub(crate) mod check;
+mod document;
 mod domain;
 mod effects;
-mod permission;
 pub(crate) mod process_schema;
+mod program_folder;
 pub mod schema;
-mod tally;
 mod template;
 
 use std::path::{Path, PathBuf};
 
 use toml_edit::de::from_document;
-use toml_edit::{Document, DocumentMut, Item, Table, Value};
+use toml_edit::{Item, Table, Value};
 use tunenet_core::simulator::Parameter;
 use tunenet_core::{Error, Origin, Result};
 use tunenet_formats::read_text;
 
 pub use arm_effects::{ARM_EFFECT_KEYS, PresentArmEffect};
 pub use arm_schema::ARM_KEYS;
+use document::{Document, table};
 pub use domain::Domain;
 pub use effects::PresentEffect;
-pub use permission::Permission;
-pub(crate) use permission::Settles;
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
-pub(crate) use tally::{Tally, Why};
 pub use template::template;
 
 use crate::scene::{ArmScene, BallScene, Process, Record, Scene};
@@ -51,14 +49,13 @@ pub enum LeftOpen {
     SurfaceHeight,
 }
 
-/// A simulation file, checked.
-#[derive(Debug, Clone)]
+/// A simulation file, checked. A plain value: two files are equal where path and text are, and nothing runs in it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct SimulationFile {
     path: PathBuf,
-    document: DocumentMut,
+    document: Document,
     /// What the document says, read again after every change of it.
     scene: Scene,
-    permission: Option<Permission>,
 }
 
 impl SimulationFile {
@@ -76,7 +73,7 @@ impl SimulationFile {
     /// # Errors
     /// As [`SimulationFile::read`].
     pub fn parse(path: &Path, text: &str) -> Result<Self> {
-        let document = Document::parse(text).map_err(|e| {
+        let document = toml_edit::Document::parse(text).map_err(|e| {
             let span = e.span().unwrap_or(0..0);
             check::located(
                 path,
@@ -87,10 +84,10 @@ impl SimulationFile {
             )
         })?;
         let domain = check::document(path, text, document.as_table())?;
-        let document = document.into_mut();
+        let document = Document::new(document.into_mut());
         let scene = scene(domain, &document)
             .map_err(|e| Error::file(path, e.message(), "see docs/files.md for the keys and their values"))?;
-        Ok(Self { path: path.to_path_buf(), document, scene, permission: None })
+        Ok(Self { path: path.to_path_buf(), document, scene })
     }
 
     /// Overrides one key, as `--set TABLE.KEY=VALUE` does.
@@ -114,12 +111,12 @@ impl SimulationFile {
             return refuse(format!("{} for `{path}`", key.shape.expected()), format!("`{text}`"));
         }
         if let (Domain::Process, ["parameters", name, ..]) = (self.domain(), &*path.split('.').collect::<Vec<_>>()) {
-            let known = check::names(Domain::Process, self.document.as_table());
+            let known = check::names(Domain::Process, self.document.root());
             if !known.contains(name) {
                 return refuse(format!("a parameter of the file ({})", known.join(", ")), format!("`{name}`"));
             }
         }
-        let mut table = self.document.as_table_mut();
+        let mut table = self.document.root_mut();
         let parts: Vec<&str> = path.split('.').collect();
         for part in &parts[..parts.len() - 1] {
             let item = table.entry(part).or_insert_with(|| Item::Table(Table::new()));
@@ -131,9 +128,9 @@ impl SimulationFile {
         table[parts[parts.len() - 1]] = Item::Value(value);
         if let (Domain::Arm, ["parameters", name, "value"]) = (self.domain(), parts.as_slice()) {
             // Who says a value knows it: what an earlier tuning was sure of it is another value's.
-            self.remove(&format!("provenance.interval95.{name}"));
+            self.document.remove(&format!("provenance.interval95.{name}"));
         }
-        if let Some((path, _, expected, found)) = check::contradiction(self.domain(), self.document.as_table()) {
+        if let Some((path, _, expected, found)) = check::contradiction(self.domain(), self.document.root()) {
             return refuse(format!("{expected} for `{path}`"), found);
         }
         match scene(self.domain(), &self.document) {
@@ -173,19 +170,7 @@ impl SimulationFile {
                     "surface.height_m"
                 }
             };
-            self.remove(path);
-        }
-    }
-
-    /// Removes the key at `path` from the document.
-    fn remove(&mut self, path: &str) {
-        let Some((tables, key)) = path.rsplit_once('.') else { return };
-        let mut item = Some(self.document.as_item_mut());
-        for table in tables.split('.') {
-            item = item.and_then(|item| item.as_table_like_mut()?.get_mut(table));
-        }
-        if let Some(table) = item.and_then(Item::as_table_like_mut) {
-            table.remove(key);
+            self.document.remove(path);
         }
     }
 
@@ -275,7 +260,7 @@ impl SimulationFile {
     }
 
     fn named_parameters(&self) -> Result<Vec<Parameter>> {
-        let each = check::names(Domain::Process, self.document.as_table()).into_iter().map(|name| {
+        let each = check::names(Domain::Process, self.document.root()).into_iter().map(|name| {
             let field = |field: &str| self.item(&format!("parameters.{name}.{field}"));
             let number = |key: &str| field(key).and_then(item_number).unwrap_or(0.0);
             let unit = field("unit").and_then(Item::as_str).unwrap_or("1");
@@ -328,16 +313,12 @@ impl SimulationFile {
     }
 
     pub(crate) fn item(&self, path: &str) -> Option<&Item> {
-        let mut item = self.document.as_item();
-        for part in path.split('.') {
-            item = item.as_table_like()?.get(part)?;
-        }
-        Some(item)
+        self.document.item(path)
     }
 
     /// Writes a parameter's value, everything else kept as it stands.
     pub fn set_value(&mut self, name: &str, value: f64) {
-        let parameters = table(self.document.as_table_mut(), "parameters", true);
+        let parameters = table(self.document.root_mut(), "parameters", true);
         let one = table(parameters, name, false);
         let decor = one.get("value").and_then(Item::as_value).map(|v| v.decor().clone());
         let mut new = Value::from(value);
@@ -356,35 +337,21 @@ impl SimulationFile {
 
     /// Replaces `[provenance]` by these entries, in this order.
     pub fn set_provenance(&mut self, entries: &[(&str, Value)]) {
-        self.document.remove("provenance");
-        let provenance = table(self.document.as_table_mut(), "provenance", false);
+        self.document.root_mut().remove("provenance");
+        let provenance = table(self.document.root_mut(), "provenance", false);
         for (key, value) in entries {
             provenance[key] = Item::Value(value.clone());
         }
     }
 }
 
-fn scene(domain: Domain, document: &DocumentMut) -> std::result::Result<Scene, toml_edit::de::Error> {
-    let document = document.clone();
+fn scene(domain: Domain, document: &Document) -> std::result::Result<Scene, toml_edit::de::Error> {
+    let document = document.to_deserialize();
     Ok(match domain {
         Domain::Ball => Scene::Ball(from_document(document)?),
         Domain::Arm => Scene::Arm(from_document(document)?),
         Domain::Process => Scene::Process(from_document(document)?),
     })
-}
-
-/// The table `name` within `parent`, made where it is missing; an implicit one shows no head of its own.
-fn table<'a>(parent: &'a mut Table, name: &str, implicit: bool) -> &'a mut Table {
-    let item = parent.entry(name).or_insert_with(|| {
-        let mut new = Table::new();
-        new.set_implicit(implicit);
-        Item::Table(new)
-    });
-    if !item.is_table() {
-        // `restitution = { value = … }` becomes a table with a head.
-        *item = std::mem::take(item).into_table().map_or_else(|_| Item::Table(Table::new()), Item::Table);
-    }
-    item.as_table_mut().expect("made a table above")
 }
 
 #[cfg(test)]

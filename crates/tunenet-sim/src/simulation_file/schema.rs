@@ -87,7 +87,7 @@ pub(crate) fn item_number(item: &Item) -> Option<f64> {
 }
 
 /// The item at a path of keys.
-pub(super) fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
+pub(crate) fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
     let mut parts = path.split('.');
     let mut item = root.get(parts.next()?)?;
     for part in parts {

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use tunenet_core::tune::{Settings, Verdict, tune};
 use tunenet_formats::{ReadOptions, read};
-use tunenet_sim::shot::task::Task;
+use tunenet_sim::shot::Task;
 use tunenet_sim::{ObservedBall, SimulationFile};
 
 fn assets() -> PathBuf {

@@ -7,7 +7,7 @@ use crate::independent::World;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Preparation, Simulator, rollout};
 use tunenet_sim::simulation_file::LeftOpen;
-use tunenet_sim::{SimulationFile, simulator};
+use tunenet_sim::{Session, SimulationFile, simulator};
 
 const BALL: &str = "kind = \"ball\"\nworld.gravity_m_s2 = 9.81\nball.radius_m = 0.02\nsurface.height_m = 0.1\n\
     release.position_m = [0.1, -0.2, 1.6]\nrelease.velocity_m_s = [1.1, -0.7, 0.9]\nrelease.spin_rad_s = [-150, 120, 30]\n\
@@ -39,7 +39,7 @@ fn clock() -> Vec<f64> {
 
 /// What the simulator says with this effect in its file, and with it as parameters; both have to be the same.
 fn simulated(file: &SimulationFile, name: &str, values: &[f64], clock: &[f64]) -> Vec<f64> {
-    let base = simulator(file, Kind::Positions).unwrap();
+    let base = simulator(file, Kind::Positions, &Session::default()).unwrap();
     let entry = base.effects().into_iter().find(|e| e.name == name).unwrap();
     let free = base.with_effects(&[name]).unwrap();
     let mut parameters: Vec<f64> = free.parameters().iter().map(|p| p.value).collect();
@@ -50,7 +50,7 @@ fn simulated(file: &SimulationFile, name: &str, values: &[f64], clock: &[f64]) -
     let mut file = file.clone();
     let pairs: Vec<_> = entry.coefficients.iter().map(|c| c.key).zip(values.iter().copied()).collect();
     file.add_effect(name, &pairs).unwrap();
-    let fixed = simulator(&file, Kind::Positions).unwrap();
+    let fixed = simulator(&file, Kind::Positions, &Session::default()).unwrap();
     assert_eq!(fixed.parameters().len(), 2);
     assert_eq!(rollout(&*fixed, &parameters[..2], &[], clock).unwrap(), seen, "a file and a parameter mean the same");
     seen
@@ -60,7 +60,7 @@ fn simulated(file: &SimulationFile, name: &str, values: &[f64], clock: &[f64]) -
 fn agrees(name: &str, values: &[f64], truth: &World, tolerance_m: f64) {
     let clock = clock();
     let seen = simulated(&file(), name, values, &clock);
-    let base = simulator(&file(), Kind::Positions).unwrap();
+    let base = simulator(&file(), Kind::Positions, &Session::default()).unwrap();
     let without = rollout(&*base, &[0.75, 0.05], &[], &clock).unwrap();
     let truth = truth.positions(&clock);
     let worst = seen.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -72,7 +72,7 @@ fn agrees(name: &str, values: &[f64], truth: &World, tolerance_m: f64) {
 
 #[test]
 fn the_independent_world_is_the_base_model() {
-    let base = simulator(&file(), Kind::Positions).unwrap();
+    let base = simulator(&file(), Kind::Positions, &Session::default()).unwrap();
     let seen = rollout(&*base, &[0.75, 0.05], &[], &clock()).unwrap();
     let worst = seen.iter().zip(world().positions(&clock())).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(worst < 1e-9, "{worst:e}");
@@ -150,7 +150,7 @@ fn a_rolling_ball_slows_down_evenly_and_stops() {
 fn bounce_times_hear_what_changes_them() {
     let mut file = file();
     file.leave_open(&[LeftOpen::ReleasePosition, LeftOpen::ReleaseVelocity, LeftOpen::ReleaseSpin]);
-    let base = simulator(&file, Kind::EventTimes).unwrap();
+    let base = simulator(&file, Kind::EventTimes, &Session::default()).unwrap();
     let index: Vec<f64> = (0..6).map(f64::from).collect();
     let fall = 1.3;
     let heard = |name: &str, value: f64| {
@@ -176,7 +176,7 @@ fn bounce_times_hear_what_changes_them() {
     file.add_effect("time_scale", &[("factor", 1.02)]).unwrap();
     file.add_effect("time_offset", &[("offset_s", 0.3)]).unwrap();
     file.add_effect("camera_tilt", &[("about_x_rad", 0.1)]).unwrap();
-    let clocked = simulator(&file, Kind::EventTimes).unwrap();
+    let clocked = simulator(&file, Kind::EventTimes, &Session::default()).unwrap();
     let seen = rollout(&*clocked, &[0.75, 0.0], &[fall, 0.2], &index).unwrap();
     assert!(seen.iter().zip(&truth).all(|(seen, t)| (seen - 1.02 * t - 0.3).abs() < 1e-14));
 }
@@ -191,14 +191,15 @@ fn a_scattered_bounce_meets_a_turned_normal() {
         world().positions(&clock),
     )
     .unwrap();
-    let free = simulator(&file(), Kind::Positions).unwrap().with_effects(&["bounce_scatter"]).unwrap();
+    let free =
+        simulator(&file(), Kind::Positions, &Session::default()).unwrap().with_effects(&["bounce_scatter"]).unwrap();
     assert!(!free.parameters()[2].tune, "chance has no rollout");
     let Preparation::Usable(prepared) = free.prepare(&seen).unwrap() else { panic!("a plain throw") };
     let names: Vec<&str> = prepared.nuisances.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names[..3], ["bounce.1.tilt_about_x", "bounce.1.tilt_about_y", "bounce.2.tilt_about_x"]);
     let mut own = prepared.nuisance_values();
     let parameters = [0.75, 0.05, 0.0];
-    let plain = simulator(&file(), Kind::Positions).unwrap();
+    let plain = simulator(&file(), Kind::Positions, &Session::default()).unwrap();
     assert_eq!(
         rollout(&*free, &parameters, &own, &clock).unwrap(),
         rollout(&*plain, &parameters[..2], &[], &clock).unwrap()
@@ -212,7 +213,7 @@ fn a_scattered_bounce_meets_a_turned_normal() {
 
 #[test]
 fn absent_effects_change_no_bit() {
-    let (base, clock) = (simulator(&file(), Kind::Positions).unwrap(), clock());
+    let (base, clock) = (simulator(&file(), Kind::Positions, &Session::default()).unwrap(), clock());
     let plain = rollout(&*base, &[0.75, 0.05], &[], &clock).unwrap();
     let all: Vec<&str> = base.effects().iter().map(|e| e.name).collect();
     assert_eq!(all.len(), 12);
@@ -221,7 +222,7 @@ fn absent_effects_change_no_bit() {
     assert_eq!(rollout(&*free, &absent, &[], &clock).unwrap(), plain);
     assert!(free.effects().is_empty());
 
-    let base = simulator(&file(), Kind::EventTimes).unwrap();
+    let base = simulator(&file(), Kind::EventTimes, &Session::default()).unwrap();
     let all: Vec<&str> = base.effects().iter().map(|e| e.name).collect();
     let expected =
         ["quadratic_drag", "linear_drag", "effective_gravity", "speed_dependent_restitution", "contact_time"];
@@ -237,7 +238,7 @@ fn absent_effects_change_no_bit() {
 /// absent value, they have to agree.
 #[test]
 fn derivatives_are_smooth() {
-    let (base, clock) = (simulator(&file(), Kind::Positions).unwrap(), clock());
+    let (base, clock) = (simulator(&file(), Kind::Positions, &Session::default()).unwrap(), clock());
     for effect in base.effects().iter().filter(|e| !["bounce_scatter", "rolling_resistance"].contains(&e.name)) {
         let free = base.with_effects(&[effect.name]).unwrap();
         let absent: Vec<f64> = free.parameters().iter().map(|p| p.value).collect();
@@ -283,7 +284,7 @@ fn what_is_out_of_range_is_refused_with_a_sentence() {
     assert!(file.add_effect("contact_time", &[("duration_s", f64::NAN)]).is_err());
     assert_eq!(file.text(), before);
 
-    let base = simulator(&file, Kind::Positions).unwrap();
+    let base = simulator(&file, Kind::Positions, &Session::default()).unwrap();
     let said = base.with_effects(&["tide"]).map(|_| ()).unwrap_err().to_string();
     assert!(said.contains("quadratic_drag") && said.contains("`tide`"), "{said}");
     assert!(base.with_effects(&["wind", "wind"]).is_err());
@@ -298,7 +299,7 @@ fn effects_of_a_file_are_constants_until_they_are_freed() {
     file.add_effect("quadratic_drag", &[("c_1_m", 0.1)]).unwrap();
     file.add_effect("length_scale", &[("factor", 1.1)]).unwrap();
     file.add_effect("quadratic_drag", &[("c_1_m", 0.13)]).unwrap();
-    let base = simulator(&file, Kind::Positions).unwrap();
+    let base = simulator(&file, Kind::Positions, &Session::default()).unwrap();
     assert!(base.effects().iter().all(|e| e.name != "quadratic_drag") && base.parameters().len() == 2);
     let free = base.with_effects(&["length_scale", "quadratic_drag"]).unwrap();
     let values: Vec<f64> = free.parameters().iter().map(|p| p.value).collect();
@@ -313,7 +314,7 @@ fn effects_of_a_file_are_constants_until_they_are_freed() {
 #[test]
 fn mass_and_size_bound_what_is_plausible() {
     let plausible = |file: &SimulationFile, name: &str| {
-        let base = simulator(file, Kind::Positions).unwrap();
+        let base = simulator(file, Kind::Positions, &Session::default()).unwrap();
         base.effects().into_iter().find(|e| e.name == name).unwrap().plausible[0]
     };
     let mut file = file();

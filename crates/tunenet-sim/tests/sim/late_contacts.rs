@@ -6,7 +6,7 @@ use std::path::Path;
 use tunenet_ball::diagnose;
 use tunenet_core::diagnose::{Diagnosis, Recording, Settings, Subject, Verdict};
 use tunenet_core::observation::{Kind, Observation};
-use tunenet_sim::{SimulationFile, simulator};
+use tunenet_sim::{Session, SimulationFile, simulator};
 
 const STEP_S: f64 = 1.0 / 60.0;
 const GRAVITY_M_S2: f64 = 9.81;
@@ -35,7 +35,7 @@ fn drop(height_m: f64, restitution: f64, drag_1_m: f64) -> Observation {
 
 fn diagnosed(drags_1_m: [f64; 3]) -> Diagnosis {
     let file = SimulationFile::parse(Path::new("ball.toml"), SCENE).unwrap();
-    let simulator = simulator(&file, Kind::Positions).unwrap();
+    let simulator = simulator(&file, Kind::Positions, &Session::default()).unwrap();
     let drops = [(4.4, 0.6), (4.9, 0.7), (4.1, 0.65)];
     let seen: Vec<Observation> = drops.iter().zip(drags_1_m).map(|((h, e), c)| drop(*h, *e, c)).collect();
     let subjects: Vec<Subject> =

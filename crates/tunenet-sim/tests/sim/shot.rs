@@ -76,8 +76,8 @@ fn the_clearance_is_the_least_distance_to_the_circle() {
 fn a_shot_with_drag_and_friction_is_the_independent_integrators() {
     let task = task();
     let tilted = Scene {
-        surface_tilt_about_x_rad: task.plane_tilt_rad[0],
-        surface_tilt_about_y_rad: task.plane_tilt_rad[1],
+        surface_tilt_about_x_rad: task.plane.tilt_rad()[0],
+        surface_tilt_about_y_rad: task.plane.tilt_rad()[1],
         ..Scene::default()
     };
     let height = -RADIUS_M / tilted.normal()[2];
@@ -97,7 +97,7 @@ fn a_shot_with_drag_and_friction_is_the_independent_integrators() {
             x: [0.0, 0.0, 0.5],
             quadratic: drag,
             wind: [wind, -wind],
-            tilt: task.plane_tilt_rad,
+            tilt: task.plane.tilt_rad(),
             duration,
             ..World::default()
         };
@@ -139,7 +139,7 @@ fn a_ball_touches_the_capsules_where_its_clearance_is_less_than_its_radius() {
 fn planned(file: &SimulationFile, rule: Rule) -> tunenet_sim::shot::Plan {
     let (task, settings) = (task(), Settings { rule, ..Settings::default() });
     let belief = Belief::new(file, &task).unwrap();
-    plan(&scene(), &belief, task.heights_m, &Anywhere, &settings).unwrap()
+    plan(&scene(), &belief, task.release.heights_m, &Anywhere, &settings).unwrap()
 }
 
 #[test]
@@ -243,10 +243,10 @@ fn what_scatters_lowers_the_chance() {
 #[test]
 fn a_hoop_out_of_reach_is_missed_by_as_much_as_is_said() {
     let mut far = task();
-    far.hoop_centre_m = [4.0, 0.0, -0.3];
+    far.hoop.centre_m = [4.0, 0.0, -0.3];
     let scene = ShotScene::new(&far, RADIUS_M).unwrap();
     let belief = Belief::new(&file(""), &far).unwrap();
-    let found = plan(&scene, &belief, far.heights_m, &Anywhere, &Settings::default()).unwrap();
+    let found = plan(&scene, &belief, far.release.heights_m, &Anywhere, &Settings::default()).unwrap();
     assert!(!found.reachable && found.best().height_m == 1.0 && found.best().probability == Some(0.0));
     let (vx, vz) = thrown(0.7, 1.0);
     let lands = vx * (vz + (vz * vz + 2.0 * G * 0.3).sqrt()) / G;
@@ -257,9 +257,9 @@ fn a_hoop_out_of_reach_is_missed_by_as_much_as_is_said() {
 #[test]
 fn a_release_below_the_plane_is_a_miss() {
     let mut shaky = task();
-    shaky.release_position_sd_m = 0.4;
+    shaky.release.position_sd_m = 0.4;
     let belief = Belief::new(&file(""), &shaky).unwrap();
-    let found = plan(&scene(), &belief, shaky.heights_m, &Anywhere, &Settings::default()).unwrap();
+    let found = plan(&scene(), &belief, shaky.release.heights_m, &Anywhere, &Settings::default()).unwrap();
     assert!((0.0..0.3).contains(&found.best().probability.unwrap()), "{:?}", found.best());
 }
 
@@ -275,7 +275,7 @@ impl Reach for Short {
 #[test]
 fn only_heights_within_reach_are_chosen() {
     let belief = Belief::new(&file(""), &task()).unwrap();
-    let found = plan(&scene(), &belief, task().heights_m, &Short, &Settings::default()).unwrap();
+    let found = plan(&scene(), &belief, task().release.heights_m, &Short, &Settings::default()).unwrap();
     assert!(found.best().height_m < 0.45 && found.best().joints_rad == Some(vec![found.best().height_m]));
     let none = plan(&scene(), &belief, (0.5, 1.0), &Short, &Settings::default()).unwrap_err();
     assert!(none.to_string().contains("the arm reaches none of the heights from 0.5 to 1 m"), "{none}");
@@ -289,10 +289,10 @@ fn scenes_that_make_no_sense_are_refused() {
         let found = ShotScene::new(&task, RADIUS_M).err().map(|e| e.message).unwrap_or_default();
         assert!(found.contains(wanted), "{found}");
     };
-    refused(&|t| t.plane_tilt_rad[1] = -0.5, "the plane faces away from the hoop");
-    refused(&|t| t.plane_tilt_rad[1] = 0.0, "the plane faces away from the hoop");
-    refused(&|t| t.hoop_radius_m = 0.02, "a hoop that the ball fits through");
-    refused(&|t| t.hoop_centre_m = [0.1, 0.0, 0.2], "the hoop stands in the way of the falling ball");
+    refused(&|t| t.plane.tilt_about_y_rad = -0.5, "the plane faces away from the hoop");
+    refused(&|t| t.plane.tilt_about_y_rad = 0.0, "the plane faces away from the hoop");
+    refused(&|t| t.hoop.radius_m = 0.02, "a hoop that the ball fits through");
+    refused(&|t| t.hoop.centre_m = [0.1, 0.0, 0.2], "the hoop stands in the way of the falling ball");
     let dead = "kind = \"ball\"\nball.radius_m = 0.03\n";
     let dead = SimulationFile::parse(Path::new("dead.toml"), dead).unwrap();
     let refusal = Belief::new(&dead, &task()).unwrap_err();

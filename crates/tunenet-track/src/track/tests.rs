@@ -5,7 +5,7 @@ use tunenet_video_protocol::findings;
 
 use super::*;
 use crate::scale::Known;
-use crate::test_films::{Film, disc_film};
+use crate::test_videos::{Film, disc_film};
 use tunenet_ball::preflight::Expected;
 
 fn answer(path: &Path, settings: &Settings) -> Answer {

@@ -10,8 +10,8 @@ use tunenet_core::observation::Observation;
 use tunenet_core::simulator::Prepared;
 use tunenet_core::tune::Point;
 use tunenet_sim::SimulationFile;
-use tunenet_sim::filmed::FilmedDrops;
 use tunenet_sim::simulation_file::LeftOpen;
+use tunenet_sim::video_drops::FilmedDrops;
 
 use super::super::super::tuning::closed_form;
 use tunenet_video_protocol::synthetic::Places;

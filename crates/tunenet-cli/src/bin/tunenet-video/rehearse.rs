@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
-use tunenet_track::rehearsal;
+use tunenet_track::synthetic;
 use tunenet_video_protocol::synthetic::{Order, SyntheticTrack, Take};
 
 /// The tracks of the videos that standard input asks for, in that order.
@@ -10,7 +10,7 @@ pub fn run() -> Result<Vec<SyntheticTrack>> {
     let order: Order = serde_json::from_reader(std::io::stdin().lock()).context("the order")?;
     let one = |(i, take): (usize, &Take)| {
         let seed = order.seed.wrapping_mul(0x9E37_79B9).wrapping_add(i as u64);
-        Ok(rehearsal::rehearse(take, order.radius_m, &order.spoilt, seed)?)
+        Ok(synthetic::rehearse(take, order.radius_m, &order.spoilt, seed)?)
     };
     order.films.par_iter().enumerate().map(one).collect()
 }

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use tunenet_core::camera::Pinhole;
-use tunenet_track::rehearsal;
 use tunenet_track::render::{Look, Renderer};
+use tunenet_track::synthetic;
 use tunenet_track::track::Settings;
 use tunenet_track::tracker::Tracker;
 use tunenet_track::view::View;
-use tunenet_track::{Answer, Source, rehearsal::scene, track};
+use tunenet_track::{Answer, Source, synthetic::scene, track};
 use tunenet_video_protocol::speed::{Film, Render, Track, VideoSpeed};
 use tunenet_video_protocol::synthetic::{Spoilt, Take};
 
@@ -64,7 +64,7 @@ fn render(take: &Take, noise: f64, jpeg_quality: Option<i32>) -> Result<f64> {
     let spoilt = Spoilt { noise, jpeg_quality, ..Spoilt::default() };
     rates(take.heights_m.len(), || {
         if jpeg_quality.is_some() {
-            std::hint::black_box(rehearsal::pictures(take, RADIUS_M, &spoilt, 1)?);
+            std::hint::black_box(synthetic::pictures(take, RADIUS_M, &spoilt, 1)?);
             return Ok(());
         }
         let mut renderer = Renderer::new(take.camera.clone(), RADIUS_M, Look::default(), 1);
@@ -77,7 +77,7 @@ fn render(take: &Take, noise: f64, jpeg_quality: Option<i32>) -> Result<f64> {
 
 /// Frames per second of the tracker on one core, pictures in memory, and its greatest distance from the projection, px.
 fn small(take: &Take) -> Result<(f64, f64)> {
-    let pictures = rehearsal::pictures(take, RADIUS_M, &Spoilt::default(), 1)?;
+    let pictures = synthetic::pictures(take, RADIUS_M, &Spoilt::default(), 1)?;
     let scene = scene(&pictures)?.map_err(|reason| anyhow::anyhow!("{}", reason.word()))?;
     let mut places = Vec::new();
     let rate = rates(pictures.len(), || {
@@ -111,7 +111,7 @@ fn film_rates(path: &Path) -> Result<(f64, f64)> {
 /// A video with a sensor's noise, as a phone takes it.
 fn write(path: &Path, size_px: (usize, usize), frames: usize) -> Result<()> {
     let take = Take { camera: camera(size_px)?, heights_m: heights(frames), across_m: Vec::new() };
-    Ok(rehearsal::write(path, &take, RADIUS_M, 3.0, RATE_HZ)?)
+    Ok(synthetic::write(path, &take, RADIUS_M, 3.0, RATE_HZ)?)
 }
 
 /// The median of several runs of `one`, which handles `frames` frames.

@@ -20,7 +20,7 @@ const MOST_SAMPLES: usize = 4_000;
 
 pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
-    let file = load::simulation_with(&options.simulation, options.leave)?;
+    let (file, _) = load::simulation_with(&options.simulation, options.leave)?;
     for source in sources {
         let name = names::file_name(&source.path);
         // A video's scale goes by what its own entry says of the ball.
@@ -87,8 +87,9 @@ fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Resul
 }
 
 fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
-    let file = in_scene(options, source, &load::simulation_with(&options.simulation, options.leave)?)?;
-    let mut simulator = simulator(&file, kind).with_context(|| names::file_name(&source.path))?;
+    let (file, session) = load::simulation_with(&options.simulation, options.leave)?;
+    let file = in_scene(options, source, &file)?;
+    let mut simulator = simulator(&file, kind, &session).with_context(|| names::file_name(&source.path))?;
     // A coefficient that stands there may be wrong, and is tuned with the parameters; else it looks like something missing.
     let present = file.effects();
     let names = present.iter().map(|e| e.name.as_str());
@@ -96,7 +97,7 @@ fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
     if !shown.is_empty() {
         simulator = simulator.with_effects(&shown)?;
     }
-    Ok(Object { name: source.object.clone(), file, simulator, scene: source.scene.clone() })
+    Ok(Object { name: source.object.clone(), file, session, simulator, scene: source.scene.clone() })
 }
 
 /// A key of the scene; the payload of an arm, where it is known, is a parameter that is not tuned.

@@ -98,7 +98,7 @@ fn ask(loaded: &Loaded, seed: u64) -> Result<Diagnosis> {
     let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| tell::progress(&working, at));
     working.finish_and_clear();
     // A program that is gone says more than that the fit failed.
-    loaded.objects.iter().try_for_each(|object| object.file.program_settled())?;
+    loaded.objects.iter().try_for_each(|object| object.session.settle())?;
     let refusal =
         |error: &tunenet_core::Error| refusal::of_program(&loaded.objects.first()?.file, Asked::Present, error);
     if let Some(refusal) = diagnosis.as_ref().err().and_then(refusal) {
@@ -107,7 +107,7 @@ fn ask(loaded: &Loaded, seed: u64) -> Result<Diagnosis> {
     let mut diagnosis = diagnosis?;
     for object in &loaded.objects {
         let which = if loaded.objects.len() > 1 { format!("{}: ", object.name) } else { String::new() };
-        let notes = object.file.program_notes().into_iter();
+        let notes = object.session.notes().into_iter();
         diagnosis.notes.extend(notes.map(|note| Note { text: format!("{which}{}", note.text), ..note }));
     }
     Ok(diagnosis)

@@ -11,9 +11,9 @@ use tunenet_core::{Error, Origin};
 use tunenet_formats::dataset::{fill_shard, generate_shard};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::drawn::{Drawn, Ranges};
-use tunenet_sim::filmed::FilmedDrops;
 use tunenet_sim::scene::BallParameters;
 use tunenet_sim::simulation_file::LeftOpen;
+use tunenet_sim::video_drops::FilmedDrops;
 
 use super::super::load;
 use super::write::made;

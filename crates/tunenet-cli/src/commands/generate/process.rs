@@ -30,10 +30,8 @@ pub fn run(options: &Gen) -> Result<Exit> {
         file.set(assignment)?;
     }
     load::of_kind(&file, simulation_file::Domain::Process)?;
-    if options.leave.allow_process {
-        file.allow_process();
-    }
-    let program = observed::simulator(&file, tunenet_core::observation::Kind::Other)?;
+    let session = load::session(options.leave);
+    let program = observed::simulator(&file, tunenet_core::observation::Kind::Other, &session)?;
     if !program.parameters().iter().any(|p| p.tune) {
         let message = "expected at least one parameter with `tune = true`, found none";
         return Err(Error::file(path, message, "pairs differ in what is tuned").into());
@@ -65,13 +63,13 @@ pub fn run(options: &Gen) -> Result<Exit> {
     let out = place(options);
     made(options, &header, |report| {
         // Only what the program still stands by in the end gets its name.
-        let mut stands = |done, all| (done < all || file.program_settled().is_ok()) && report(done, all);
+        let mut stands = |done, all| (done < all || session.settle().is_ok()) && report(done, all);
         let generated = generate_shard(&program, &header, options.sharing.shard, &draw, &out, &mut stands);
-        if file.program_drifted() {
+        if session.drifted() {
             DatasetWriter::forget(&out)?;
         }
         // A rollout that fails is not kept; a program that is gone is the reason that is told.
-        file.program_failed()?;
+        session.failed()?;
         generated.map_err(|error| refusal::of_program(&file, Asked::Within, &error).unwrap_or(error))
     })
 }

@@ -19,7 +19,7 @@ pub fn look(path: &Path) -> Result<Value> {
     let document = text.parse::<DocumentMut>().unwrap_or_default();
     if document.get("kind").and_then(|kind| kind.as_str()) == Some("shot") {
         let task = Task::read(path)?;
-        let [low, high] = [task.heights_m.0, task.heights_m.1];
+        let [low, high] = [task.release.heights_m.0, task.release.heights_m.1];
         stage("task", "of a shot");
         stage(
             "usable",

@@ -12,7 +12,7 @@ use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
 use tunenet_sim::shot::reach::Anywhere;
-use tunenet_sim::shot::{self, ArmReach, Belief, Reach, Rule, Settings, ShotScene, Task};
+use tunenet_sim::shot::{self, ArmReach, Belief, NoPlan, Reach, Rule, Settings, ShotScene, Task};
 
 use super::load;
 use crate::answers::plan::Answer;
@@ -76,12 +76,13 @@ fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> 
     };
     let arm = task.arm.as_ref().map(ArmReach::new).transpose()?;
     let reach: &dyn Reach = arm.as_ref().map_or(&Anywhere, |arm| arm);
-    let plan = shot::plan(&scene, &belief, task.heights_m, reach, &settings).map_err(|error| match error {
-        Error::Simulator { at, message } if at == shot::RELEASE => {
-            refused(message, "move `arm.base_position_m`, or let `release.heights_m` be heights that it reaches")
-        }
-        Error::Simulator { at, message } => refused(format!("{at}: {message}"), "correct the task file"),
-        other => other,
+    let plan = shot::plan(&scene, &belief, task.release.heights_m, reach, &settings).map_err(|error| match error {
+        NoPlan::OutOfReach { .. } => refused(
+            error.to_string(),
+            "move `arm.base_position_m`, or let `release.heights_m` be heights that it reaches",
+        ),
+        NoPlan::NotFollowed { .. } => refused(error.to_string(), "correct the task file"),
+        NoPlan::Other(other) => other,
     })?;
     let mut notes = belief.notes().to_vec();
     notes.extend(notice(&plan, task));
@@ -115,7 +116,7 @@ fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
     }
     let at_end = plan.best == 0 || plan.best + 1 == plan.candidates.len();
     if plan.reachable && at_end {
-        let (low, high) = task.heights_m;
+        let (low, high) = task.release.heights_m;
         notes.push(Note::new(
             findings::PLAN_AT_END,
             format!(

@@ -25,7 +25,7 @@ use tunenet_formats::Recording;
 use tunenet_formats::{kind_name, load_model};
 use tunenet_sim::replayed_arm::{replays, suspect};
 use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
+use tunenet_sim::{ObservedBall, Session, SimulationFile, observed, simulator};
 
 use self::model::Chosen;
 use self::told::{as_json, sentence, tell};
@@ -49,11 +49,11 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let urdf = options.simulation.urdf_set();
     let inputs: Vec<&Path> = inputs(options).chain(urdf.as_deref()).collect();
     destination::check(&outputs(options), &inputs, options.writing.overwrite)?;
-    let file = load::simulation_with(&options.simulation, options.leave)?;
+    let (file, session) = load::simulation_with(&options.simulation, options.leave)?;
     start::check(options, &file)?;
     let model = options.model.as_ref().map(load_model).transpose()?;
     if options.each {
-        return each(options, &file, model.as_ref());
+        return each(options, &file, &session, model.as_ref());
     }
     let began = Instant::now();
     hash::refuse_copies(options.observation.iter().map(AsRef::as_ref))?;
@@ -65,7 +65,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
         Err(error) => return film::tell_unseen(error, SCHEMA, options.common.json),
     };
     let (outcome, chosen) =
-        threads.install(|| tune_to(options, &file, model.as_ref(), &recordings, &options.observation))?;
+        threads.install(|| tune_to(options, &file, &session, model.as_ref(), &recordings, &options.observation))?;
     if let Some(out) = &options.out {
         write_tuned(options, &file, &recordings, &outcome, out)?;
     }
@@ -77,8 +77,8 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let exit = exit(outcome.verdict);
     if let Some(report) = &options.report {
         let names = options.observation.iter().map(|path| names::file_name(path)).collect();
-        let working = is_slow(&file, options).then(|| rolling("drawing", &file));
-        let answer = answer(&file, names, recordings, outcome)?;
+        let working = is_slow(&file, options).then(|| rolling("drawing", &session));
+        let answer = answer(&file, &session, names, recordings, outcome)?;
         working.inspect(ProgressBar::finish_and_clear);
         html::tune::together(report, &answer, &provenance(options))?;
         stage("report", &report.display().to_string());
@@ -106,14 +106,20 @@ fn provenance(options: &Tune) -> html::Provenance {
 }
 
 /// An outcome with what a report draws of it.
-fn answer(file: &SimulationFile, names: Vec<String>, recordings: Vec<Recording>, outcome: Outcome) -> Result<Answer> {
+fn answer(
+    file: &SimulationFile,
+    session: &Session,
+    names: Vec<String>,
+    recordings: Vec<Recording>,
+    outcome: Outcome,
+) -> Result<Answer> {
     let seen: Vec<Observation> = recordings.into_iter().map(|r| r.observation).collect();
-    let ball = simulator(file, seen[0].kind())?;
+    let ball = simulator(file, seen[0].kind(), session)?;
     Ok(Answer::new(&ball, names, seen, outcome)?)
 }
 
 /// Each observation on its own.
-fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<Exit> {
+fn each(options: &Tune, file: &SimulationFile, session: &Session, model: Option<&Model>) -> Result<Exit> {
     if options.out.is_some() {
         let (expected, found) = ("no `--out` beside `--each`, which has several answers".into(), "both".into());
         return Err(Error::Setting { origin: Origin::Flag, name: "--out", expected, found }.into());
@@ -135,10 +141,11 @@ fn each(options: &Tune, file: &SimulationFile, model: Option<&Model>) -> Result<
     let (exit, cases) = work.run(&|path, name| {
         let began = Instant::now();
         let recording = read(path, options, file)?;
-        let (outcome, chosen) = tune_to(options, file, model, std::slice::from_ref(&recording), &[path.into()])?;
+        let (outcome, chosen) =
+            tune_to(options, file, session, model, std::slice::from_ref(&recording), &[path.into()])?;
         let object = as_json(&outcome, &chosen, began.elapsed().as_secs_f64());
         let line = sentence(&outcome);
-        let drawn = || answer(file, vec![name.to_owned()], vec![recording], outcome);
+        let drawn = || answer(file, session, vec![name.to_owned()], vec![recording], outcome);
         let case = options.report.is_some().then(drawn).transpose()?;
         Ok(Answered { object, line, case })
     })?;
@@ -179,12 +186,13 @@ fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording>
 fn tune_to(
     options: &Tune,
     file: &SimulationFile,
+    session: &Session,
     model: Option<&Model>,
     recordings: &[Recording],
     paths: &[PathBuf],
 ) -> Result<(Outcome, Chosen)> {
     // With `--each` several may be tuned to at a time.
-    let file = &file.counted_apart();
+    let session = &session.counted_apart();
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
         let found = kind_name(recordings[other].observation.kind());
@@ -215,8 +223,8 @@ fn tune_to(
     let ball = match &bare {
         Some(bare) => observed::around(file, bare.clone())?,
         // What it refuses is the simulation file's or the URDF's, and says so.
-        None if arm || process => simulator(file, kind)?,
-        None => simulator(file, kind).with_context(|| names(paths))?,
+        None if arm || process => simulator(file, kind, session)?,
+        None => simulator(file, kind, session).with_context(|| names(paths))?,
     };
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
@@ -239,14 +247,14 @@ fn tune_to(
         ),
         (None, None) => model::none("none: give one that learned from `gen ball-video` with --model".into()),
     };
-    let working = is_slow(file, options).then(|| rolling("tuning", file));
+    let working = is_slow(file, options).then(|| rolling("tuning", session));
     let tuned = tune(&ball, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.own_choice() && chosen.model.is_some();
     let tuned = if again { tune(&ball, &seen, None, &settings) } else { tuned };
     working.inspect(ProgressBar::finish_and_clear);
     // A fit takes a rollout that fails for bad values; a program that is gone is none of that.
-    file.program_settled()?;
+    session.settle()?;
     if let Some(refusal) = tuned.as_ref().err().and_then(|error| refusal::of_program(file, Asked::Present, error)) {
         return Err(refusal.into());
     }
@@ -269,7 +277,7 @@ fn tune_to(
     });
     outcome.notes.splice(0..0, named);
     outcome.notes.extend(chosen.notes.iter().cloned());
-    outcome.notes.extend(file.program_notes());
+    outcome.notes.extend(session.notes());
     Ok((outcome, chosen))
 }
 

@@ -3,10 +3,10 @@
 use tunenet_video_protocol::track::Unseen;
 use tunenet_video_protocol::{VideoFinding, findings};
 
-use crate::noticed;
 use crate::samples::Samples;
 use crate::stillness::{LIKELY, SURELY, elsewhere};
 use crate::track::answer::{Answer, Track};
+use crate::track_findings;
 
 /// A camera that is displaced in this share of the pictures is why no ball was found.
 const EXPLAINS: f64 = 0.15;
@@ -38,7 +38,7 @@ pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result
     Ok(match answer {
         Answer::Unseen { frames, reason, .. } if share > EXPLAINS && reason != Unseen::CameraMoves => {
             let reason = Unseen::CameraMoves;
-            Answer::Unseen { reason, frames, finding: noticed::unseen(reason, false, "") }
+            Answer::Unseen { reason, frames, finding: track_findings::unseen(reason, false, "") }
         }
         Answer::Tracked(mut track) if count > 0 && share <= MOST => {
             let places: Vec<usize> = placed.iter().map(|(place, _)| *place).collect();
@@ -48,7 +48,7 @@ pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result
                 return Ok(Answer::Unseen {
                     reason,
                     frames: track.frames,
-                    finding: noticed::unseen(reason, false, ""),
+                    finding: track_findings::unseen(reason, false, ""),
                 });
             }
             Answer::Tracked(track)

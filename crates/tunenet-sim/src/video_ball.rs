@@ -118,8 +118,8 @@ impl Simulator for FilmedBall {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filmed::FilmedDrops;
     use crate::simulation_file::LeftOpen;
+    use crate::video_drops::FilmedDrops;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use std::path::Path;

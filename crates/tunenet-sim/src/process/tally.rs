@@ -7,12 +7,12 @@ use tunenet_core::simulator::Parameter;
 
 use crate::findings;
 
-/// Rollouts that a program was asked for, and those of them that cannot be used. A fit then tries other values, and the user has
-/// to hear of it.
+/// Rollouts that a program was asked for, and those of them that cannot be used. A fit then tries other values, so the user has
+/// to be warned.
 ///
 /// Which rollouts are asked for follows from the work alone, and so does what stands here, in whatever order threads ask.
 #[derive(Debug, Default)]
-pub(crate) struct Tally(Mutex<Counted>);
+pub(super) struct Tally(Mutex<Counted>);
 
 #[derive(Debug, Default)]
 struct Counted {
@@ -60,7 +60,7 @@ impl Place {
 
 /// Why a rollout cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Why {
+pub(super) enum Why {
     /// The program said that it cannot simulate these values.
     Refused,
     /// It answered an unusable number.
@@ -131,11 +131,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_told_does_not_depend_on_the_order() {
+    fn notes_do_not_depend_on_the_order_of_rollouts() {
         let parameters = ["a", "b"].map(|name| Parameter::new(name, "m", 1.0, 0.0, 4.0).unwrap());
         // The second and third lie equally far from (1, 1).
         let lacking = [([4.0, 1.0], "far"), ([0.5, 1.0], "left"), ([1.5, 1.0], "right"), ([1.0, 3.0], "far as well")];
-        let told = |order: [usize; 4]| {
+        let notes_in = |order: [usize; 4]| {
             let tally = Tally::default();
             for i in order {
                 tally.asked();
@@ -144,13 +144,13 @@ mod tests {
             tally.asked();
             tally.notes()
         };
-        let first = told([0, 1, 2, 3]);
+        let first = notes_in([0, 1, 2, 3]);
         assert_eq!(first.len(), 1);
         assert_eq!(
             first[0].text,
             "the program refused 4 of 5 rollouts, of these nearest to the file's values a=0.5 b=1: left"
         );
-        assert!([[3, 2, 1, 0], [2, 0, 3, 1], [1, 3, 0, 2]].into_iter().all(|order| told(order) == first));
+        assert!([[3, 2, 1, 0], [2, 0, 3, 1], [1, 3, 0, 2]].into_iter().all(|order| notes_in(order) == first));
         let tally = Tally::default();
         tally.asked();
         assert!(tally.notes().is_empty() && tally.rollouts() == 1);

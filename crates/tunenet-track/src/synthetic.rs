@@ -8,9 +8,9 @@ use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 use tunenet_video_protocol::synthetic::{Places, Spoilt, SyntheticTrack, Take};
 use tunenet_video_protocol::track::Unseen;
 
+use crate::ball_colour::{Scene, scout};
 use crate::render::{Look, Renderer};
 use crate::samples::Samples;
-use crate::scout::{Scene, scout};
 use crate::tracker::{Sighting, Tracker};
 use crate::view::View;
 
