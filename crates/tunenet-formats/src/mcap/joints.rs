@@ -3,8 +3,7 @@
 use super::message::JointMessage;
 use crate::quantity::{Family, Quantity};
 use crate::shown::list;
-use tunenet_core::observation::Channel;
-use tunenet_core::observation::Note;
+use tunenet_core::observation::{Channel, Note};
 
 /// The joints and quantities of a series, from its first message.
 #[derive(Debug)]

@@ -12,7 +12,7 @@ use crate::{Error, Result};
 
 fn dataset(folder: &tempfile::TempDir, pairs: u64, samples: u32) -> PathBuf {
     let out = folder.path().join("pairs.mcap");
-    generate(&Bouncer::new(), &header(pairs, samples), &draw, &out, &mut |_, _| true).unwrap();
+    generate(&Bouncer::new(), &header(pairs, samples), None, &draw, &out, &mut |_, _| true).unwrap();
     out
 }
 
