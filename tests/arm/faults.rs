@@ -1,12 +1,10 @@
 //! What can be wrong with an arm's files: the URDF, the log, its columns, its clock, a manifest, and other commands' files.
 
-use crate::arm::pendulum::{Beside, HEADER, SCENE, URDF, log, plain};
+use crate::arm::pendulum::{self, Beside, HEADER, URDF, log, plain};
 use crate::common::Folder;
 
 fn folder() -> Folder {
-    let folder = Folder::new();
-    folder.write("pendulum.urdf", URDF);
-    folder.write("arm.toml", SCENE);
+    let folder = pendulum::folder();
     folder.write("log.csv", log(Beside::default(), plain));
     folder
 }
@@ -125,7 +123,7 @@ fn a_manifest_says_what_an_arm_holds() {
         (Some("named"), Some("viscous_friction"))
     );
     assert!(answer["parameters"].as_array().unwrap().is_empty(), "the payload is known: {answer}");
-    let improved = String::from_utf8(folder.read("improved.toml")).unwrap();
+    let improved = folder.text("improved.toml");
     assert!(improved.contains("value = 0.8"), "{improved}");
     folder.write("pair.toml", "[[observation]]\nfile = \"other.csv\"\nreference = \"bare.csv\"\n");
     let answer = folder.run("diagnose --sim arm.toml --manifest pair.toml --json --out pair_improved.toml").json();

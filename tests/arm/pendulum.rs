@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::common::Folder;
+
 /// A rod of .5 kg with its centre .2 m below the hinge, which turns about x; 1.2 m below it the tool.
 pub const URDF: &str = r#"<robot name="pendulum">
   <link name="base"/>
@@ -28,6 +30,15 @@ min = -1.0
 max = 1.0
 tune = false
 ";
+
+/// A folder with both, as `pendulum.urdf` and `arm.toml`.
+pub fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("pendulum.urdf", URDF);
+    folder.write("arm.toml", SCENE);
+    folder
+}
+
 pub const HEADER: &str = "t_s,q1_rad,dq1_rad_s,tau1_nm\n";
 
 /// What is added to the torque of a rigid pendulum.

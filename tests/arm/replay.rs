@@ -1,30 +1,14 @@
 //! Logs of arms: a pendulum whose torques follow from a formula, everything that can be wrong with a log, and logs of real arms
 //! where `TUNENET_MEASURED` names a folder that holds them.
 
-use std::path::PathBuf;
-
-use crate::arm::pendulum::{Beside, HEADER, SCENE, URDF, log, plain};
+use crate::arm::pendulum::{Beside, HEADER, SCENE, URDF, folder, log, plain};
+use crate::common::recorded::measured;
 use crate::common::{Folder, Ran};
 use serde_json::Value;
 
-fn call(folder: &Folder, arguments: &[&str]) -> Ran {
-    folder.command().args(arguments).output().unwrap().into()
-}
-
-fn text(folder: &Folder, name: &str) -> String {
-    String::from_utf8(folder.read(name)).unwrap()
-}
-
-fn folder() -> Folder {
-    let folder = Folder::new();
-    folder.write("pendulum.urdf", URDF);
-    folder.write("arm.toml", SCENE);
-    folder
-}
-
 fn tune(folder: &Folder, log: &str, more: &[&str]) -> Ran {
     folder.write("log.csv", log);
-    call(folder, &[&["tune", "--sim", "arm.toml", "--observation", "log.csv", "--json"], more].concat())
+    folder.call(&[&["tune", "--sim", "arm.toml", "--observation", "log.csv", "--json"], more].concat())
 }
 
 #[test]
@@ -35,7 +19,7 @@ fn a_payload_is_found_in_a_log() {
     let mass = &answer["parameters"]["payload_mass"];
     let (low, high) = (mass["interval95"][0].as_f64().unwrap(), mass["interval95"][1].as_f64().unwrap());
     assert!((mass["value"].as_f64().unwrap() - 0.8).abs() < 2e-3 && low < 0.8 && 0.8 < high, "{mass}");
-    assert!(text(&folder, "tuned.toml").contains("payload_mass = ["), "provenance holds the interval");
+    assert!(folder.text("tuned.toml").contains("payload_mass = ["), "provenance holds the interval");
 }
 
 #[test]
@@ -74,7 +58,7 @@ fn friction_is_named_and_written() {
     folder.write("log.csv", log(beside, plain));
     let arguments = "diagnose --sim arm.toml --observation log.csv --json --out improved.toml --out-urdf improved.urdf \
                      --report page.html";
-    let answer = call(&folder, &arguments.split(' ').collect::<Vec<_>>()).ends(0).json();
+    let answer = folder.run(arguments).ends(0).json();
     assert_eq!(
         (answer["verdict"].as_str(), answer["effects"][0]["name"].as_str()),
         (Some("named"), Some("viscous_friction"))
@@ -82,22 +66,22 @@ fn friction_is_named_and_written() {
     let found = &answer["effects"][0]["coefficients"]["nms_rad"];
     assert!((found["value"][0].as_f64().unwrap() - 0.4).abs() < 0.01, "{found}");
     assert!(found["interval95"][0][0].as_f64().unwrap() < 0.4 && 0.4 < found["interval95"][0][1].as_f64().unwrap());
-    assert!(text(&folder, "improved.toml").contains("[effects.viscous_friction]\nnms_rad = ["));
+    assert!(folder.text("improved.toml").contains("[effects.viscous_friction]\nnms_rad = ["));
     assert!(
-        text(&folder, "improved.urdf").contains("<dynamics damping=\"0.4")
-            || text(&folder, "improved.urdf").contains("<dynamics damping=\"0.39")
+        folder.text("improved.urdf").contains("<dynamics damping=\"0.4")
+            || folder.text("improved.urdf").contains("<dynamics damping=\"0.39")
     );
-    assert!(text(&folder, "page.html").contains("viscous_friction"));
+    assert!(folder.text("page.html").contains("viscous_friction"));
     // The improved file leaves nothing to explain.
     let again = "diagnose --sim improved.toml --observation log.csv --json";
-    assert_eq!(call(&folder, &again.split(' ').collect::<Vec<_>>()).ends(0).json()["verdict"], "none");
+    assert_eq!(folder.run(again).ends(0).json()["verdict"], "none");
     // And numbers of effects are tuned where the file asks for it.
     folder.write("asked.toml", format!("{SCENE}[effects.viscous_friction]\nnms_rad = [0.0]\ntune = true\n"));
     let tuned = "tune --sim asked.toml --observation log.csv --json --out tuned.toml";
-    let answer = call(&folder, &tuned.split(' ').collect::<Vec<_>>()).ends(0).json();
+    let answer = folder.run(tuned).ends(0).json();
     let value = answer["parameters"]["viscous_friction.nms_rad.1"]["value"].as_f64().unwrap();
     assert!((value - 0.4).abs() < 0.01 && answer["correlation"]["matrix"][0][1].as_f64().is_some(), "{answer}");
-    assert!(text(&folder, "tuned.toml").contains("nms_rad = [0."));
+    assert!(folder.text("tuned.toml").contains("nms_rad = [0."));
 }
 
 /// What is wrong, the log, the exit status, further arguments, and what has to be said.
@@ -164,16 +148,8 @@ fn joints_of_other_names_are_refused_by_name() {
     folder.write("log.csv", log(Beside::default(), plain));
     let seen = read(folder.path("log.csv"), &ReadOptions::default()).unwrap().observation;
     write_mcap(&seen, folder.path("log.mcap")).unwrap();
-    let ran = call(&folder, &["tune", "--sim", "arm.toml", "--observation", "log.mcap"]).ends(1);
+    let ran = folder.call(&["tune", "--sim", "arm.toml", "--observation", "log.mcap"]).ends(1);
     assert!(ran.stderr.contains("expected the joints of the URDF, found no `hinge` among"), "{}", ran.stderr);
-}
-
-fn measured(folder: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("TUNENET_MEASURED").map(PathBuf::from);
-    if root.is_none() {
-        eprintln!("skipped: TUNENET_MEASURED names no folder with measured recordings");
-    }
-    root.map(|root| root.join(folder))
 }
 
 fn value(answer: &Value, parameter: &str) -> f64 {
@@ -207,7 +183,7 @@ fn a_calibrated_arm_weighs_its_payload() {
         let (loaded, bare) = (run(&format!("{run_name}50secLoad")), run(&format!("{run_name}50sec")));
         let all =
             ["tune", "--sim", sim, "--observation", &loaded, "--reference", &bare, "--columns", &columns, "--json"];
-        call(&folder, &[&all, more].concat())
+        folder.call(&[&all, more].concat())
     };
     let calibrated = tune("ur10e.toml", "14harm", &["--out", "calibrated.toml"]).json();
     assert!((value(&calibrated, "torque_gain") - 1.09).abs() < 0.1);
@@ -237,10 +213,10 @@ fn a_calibrated_arm_weighs_its_payload() {
     let fixed = ["x", "y", "z"].map(|a| format!("parameters.payload_com_{a}.tune=false"));
     let fixed: Vec<&str> = fixed.iter().flat_map(|set| ["--set", set.as_str()]).collect();
     let bare = run("14harm50sec");
-    let answer =
-        call(&folder, &[&all[..], &fixed, &["--observation", &bare, "--columns", &columns, "--json"]].concat())
-            .ends(0)
-            .json();
+    let answer = folder
+        .call(&[&all[..], &fixed, &["--observation", &bare, "--columns", &columns, "--json"]].concat())
+        .ends(0)
+        .json();
     // Both kinds of friction are there, and nothing could stand in their place. What swings to and fro has an acceleration
     // that follows its position, so that a rotor's inertia and a spring cannot be told apart beside them: that is told.
     let effects = answer["effects"].as_array().unwrap();
@@ -276,7 +252,7 @@ fn a_pendulum_shows_what_its_controller_believed_and_its_friction() {
     let columns = "t_s=time,q1_rad=position,dq1_rad_s=velocity,tau1_nm=torque";
     let run = |name: &str| data.join(format!("control_method_{name}_data_measured.csv")).display().to_string();
     let ask = |command: &str, name: &str| {
-        call(&folder, &[command, "--sim", "arm.toml", "--observation", &run(name), "--columns", columns, "--json"])
+        folder.call(&[command, "--sim", "arm.toml", "--observation", &run(name), "--columns", columns, "--json"])
     };
     let found = value(&ask("tune", "gravity_compensation").json(), "payload_mass");
     // Mass times length of the URDF's link, and .5 m below the hinge what is found beyond it.

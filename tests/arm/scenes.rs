@@ -45,7 +45,7 @@ fn a_payload_is_found_from_torques() {
     let simulate = "simulate --sim arm.toml --set parameters.payload_mass.value=0.8 --out";
     folder.run(&format!("{simulate} held.csv")).ends(0);
     folder.run(&format!("{simulate} held.mcap")).ends(0);
-    let held = String::from_utf8(folder.read("held.csv")).unwrap();
+    let held = folder.text("held.csv");
     assert!(held.starts_with("t_s,tau1_nm,tau2_nm,tau3_nm,tau4_nm,tau5_nm,tau6_nm,tau7_nm\n"), "{held}");
     assert_eq!(held.lines().count(), 302);
     for name in ["held.csv", "held.mcap"] {
@@ -61,9 +61,9 @@ fn a_payload_is_found_from_torques() {
     let (low, high) = (interval[0].as_f64().unwrap(), interval[1].as_f64().unwrap());
     // Four times fewer samples than at 240 Hz, where the bound's standard deviation is 0.0031 kg.
     assert!(low < 0.8 && 0.8 < high && high - low < 0.04, "{low} to {high}");
-    let tuned = String::from_utf8(folder.read("tuned.toml")).unwrap();
+    let tuned = folder.text("tuned.toml");
     assert!(tuned.contains("urdf = \"jaco_robotiq.urdf\"") && tuned.contains("[provenance]"), "{tuned}");
-    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    let page = folder.text("page.html");
     for joint in 1..=7 {
         assert!(page.contains(&format!("noisy.csv, tau{joint}")), "the page draws no tau{joint}");
     }
@@ -84,7 +84,7 @@ fn nothing_is_missing_in_what_rounding_leaves() {
 fn four_samples_of_a_circle_are_no_answer() {
     let folder = with_arm();
     folder.run("simulate --sim arm.toml --set parameters.payload_mass.value=0.8 --out held.csv").ends(0);
-    let held = String::from_utf8(folder.read("held.csv")).unwrap();
+    let held = folder.text("held.csv");
     folder.write("four.csv", held.split_inclusive('\n').take(5).collect::<String>());
     let ran = folder.run("tune --sim arm.toml --observation four.csv").ends(3);
     assert!(ran.stderr.contains("\nREJECTED  expected 20 samples or more"), "{}", ran.stderr);
@@ -120,7 +120,7 @@ fn what_does_not_fit_together_is_refused() {
     folder.run("simulate --sim arm.toml --out held.csv").ends(0);
     folder.write("positions.csv", "t_s,q1_rad,q2_rad\n0,1,2\n0.1,1,2\n0.2,1,2\n0.3,1,2\n");
     folder.write("xacro.urdf", "<robot name=\"a\"><xacro:macro/></robot>");
-    let arm = String::from_utf8(folder.read("arm.toml")).unwrap();
+    let arm = folder.text("arm.toml");
     folder.write("mixed.toml", arm.replace("[world]", "[ball]\nradius_m = 0.02\n\n[world]"));
     folder.write("kite.toml", arm.replace("kind = \"arm\"", "kind = \"kite\""));
     let simulate = "simulate --sim arm.toml --out x.csv --set";

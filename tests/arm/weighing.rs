@@ -1,6 +1,6 @@
 //! A payload weighed twice: what a calibration leaves open, runs the wrong way round, and answers that contradict themselves.
 
-use crate::arm::pendulum::{Beside, SCENE, URDF, log, noise, plain};
+use crate::arm::pendulum::{self, Beside, SCENE, log, noise, plain};
 use crate::common::{Folder, Ran};
 use serde_json::Value;
 
@@ -8,8 +8,7 @@ use serde_json::Value;
 const GAIN: f64 = 1.1;
 
 fn folder() -> Folder {
-    let folder = Folder::new();
-    folder.write("pendulum.urdf", URDF);
+    let folder = pendulum::folder();
     folder.write(
         "arm.toml",
         format!("{SCENE}[parameters.torque_gain]\nvalue = 1.0\nmin = 0.1\nmax = 10.0\ntune = false\n"),
@@ -81,7 +80,7 @@ fn the_gain_that_was_calibrated_is_not_taken_as_exact() {
     assert!(said(&answer, "parameter.carried").contains("`torque_gain`"));
     assert!(exact["warnings"].as_array().unwrap().iter().all(|w| w["code"] != "parameter.carried"));
     // A third weighing knows it still; and what the reference was stands beside its hash.
-    let text = String::from_utf8(folder.read("weighed.toml")).unwrap();
+    let text = folder.text("weighed.toml");
     assert!(
         text.contains("torque_gain = [1.") && text.contains("reference = { file = \"bare2.csv\", sha256 = \""),
         "{text}"

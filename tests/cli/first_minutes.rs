@@ -30,7 +30,7 @@ fn a_file_to_start_from_can_be_tuned_with() {
     );
     // What was tuned still has every comment.
     let comments = |name: &str| {
-        let text = String::from_utf8(folder.read(name)).unwrap();
+        let text = folder.text(name);
         text.lines().filter(|line| line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(comments("tuned.toml"), comments("ball.toml"));
@@ -64,7 +64,7 @@ fn a_flag_is_blamed_for_what_it_says() {
         misused(&folder, &format!("{line} {flag}"), wanted);
         assert!(!folder.run(&format!("{line} {flag}")).stderr.contains("drop.csv"), "{flag}");
     }
-    let fixed = String::from_utf8(folder.read("scene.toml")).unwrap() + "tune = false\n";
+    let fixed = folder.text("scene.toml") + "tune = false\n";
     folder.write("scene.toml", fixed);
     refused(
         &folder,

@@ -34,7 +34,7 @@ fn folder() -> Folder {
 }
 
 fn with(folder: &Folder, from: &str, to: &str) {
-    let task = String::from_utf8(folder.read("shot.toml")).unwrap();
+    let task = folder.text("shot.toml");
     assert!(task.contains(from), "{from}");
     folder.write("shot.toml", task.replace(from, to));
 }
@@ -95,7 +95,7 @@ fn the_approach_and_the_page_are_written() {
     let told = found["joint_positions_rad"].as_array().unwrap().iter().map(|q| q.as_f64().unwrap());
     assert!(last.columns[0].iter().zip(told).all(|(q, told)| (q - told).abs() < 1e-12), "it ends at the release");
     moves_as_stated(&way);
-    let page = String::from_utf8(folder.read("shot.html")).unwrap();
+    let page = folder.text("shot.html");
     assert!(page.contains("PLANNED") && page.matches("<svg").count() == 3 && !page.contains("NaN"), "{page}");
     // Asked again, the page may be replaced, and the log may not.
     refused(&folder, &format!("{LINE} --out approach.mcap"), &["approach.mcap", "--overwrite"]);
@@ -235,7 +235,7 @@ fn a_diagnosis_that_cannot_choose_is_planned_with() {
     folder.write("ball.toml", "kind = \"ball\"\nball.radius_m = 0.02\nsurface.height_m = 0.0\n");
     let json = folder.run("diagnose --sim ball.toml --observation throw.csv --out left.toml --json").ends(3).json();
     assert_eq!(json["verdict"], "one_of", "{json:#}");
-    let text = String::from_utf8(folder.read("left.toml")).unwrap();
+    let text = folder.text("left.toml");
     let listed = text.lines().find(|line| line.starts_with("alternatives")).expect(&text);
     for name in json["candidates"].as_array().unwrap() {
         assert!(listed.contains(name.as_str().unwrap()), "{listed}");

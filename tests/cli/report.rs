@@ -109,7 +109,7 @@ fn made_in(folder: &Folder) -> Vec<(&'static str, String)> {
     let made = kinds().into_iter().map(|(name, line, exit, wanted)| {
         let ran = folder.run(&format!("{line} --report {name}.html --json")).ends(exit);
         assert!(ran.json()["schema"].is_string() && ran.stderr.contains(&format!("report   {name}.html")));
-        let page = String::from_utf8(folder.read(&format!("{name}.html"))).unwrap();
+        let page = folder.text(&format!("{name}.html"));
         for text in wanted {
             assert!(page.contains(text), "{name}: no `{text}`");
         }
@@ -208,7 +208,7 @@ fn names_of_people_and_files_are_only_text() {
             command.args(["--observation", "</title><script>alert(3)</script>", "--each"]);
         }
         crate::common::Ran::from(command.output().unwrap()).ends(i32::from(each));
-        let page = String::from_utf8(folder.read("page.html")).unwrap();
+        let page = folder.text("page.html");
         self_contained(&page);
         assert!(page.contains("&lt;img src=x onerror=alert(1)&gt;.csv"));
         assert!(page.contains("&lt;svg/onload=alert(2)&gt;"), "the ignored column is named");
@@ -229,7 +229,7 @@ fn names_in_a_diagnosis_are_only_text() {
         command.args(["diagnose", "--sim", "'\"><b>.toml", "--report", "page.html"]).args(rest);
         let ran = crate::common::Ran::from(command.output().unwrap());
         assert!(ran.code == Some(0) || ran.code == Some(3), "{}", ran.stderr);
-        let page = String::from_utf8(folder.read("page.html")).unwrap();
+        let page = folder.text("page.html");
         self_contained(&page);
         assert!(page.contains("&lt;img src=x onerror=alert(1)&gt;.csv") && page.contains("'&quot;&gt;&lt;b&gt;.toml"));
         assert!(page.contains("&lt;i&gt;red") == (rest[0] == "--manifest"), "the object is named");
@@ -360,7 +360,7 @@ fn nothing_overflows_at_any_width() {
     folder.write(long, Drop::default().csv());
     let ran = folder.run(&format!("tune --sim scene.toml --observation {long} drop.csv --report long.html"));
     assert!(folder.path("long.html").exists(), "{}", ran.stderr);
-    pages.push(("long", String::from_utf8(folder.read("long.html")).unwrap()));
+    pages.push(("long", folder.text("long.html")));
     folder.write("wrapper.html", wrapper(&pages));
     let mut command = Command::new(browser);
     command.args(["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000", "--dump-dom"]);
@@ -403,7 +403,7 @@ fn a_poor_fit_tells_one_value_everywhere() {
     let from = folder.run(&format!("{line} --initial restitution={value}")).json();
     let (before, after) = (from["gap"]["before"].as_f64().unwrap(), json["gap"]["after"].as_f64().unwrap());
     assert!((before / after - 1.0).abs() < 1e-3, "{before} {after}");
-    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    let page = folder.text("page.html");
     let ratio: f64 = warning("fit.poor").split(" times").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
     let shown = page.split("residual / noise").nth(1).unwrap();
     let numbers = shown.split(['>', '<']).filter_map(|text| text.trim().parse::<f64>().ok());

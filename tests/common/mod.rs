@@ -1,7 +1,10 @@
 //! What the process tests share: a folder that goes away, the binary run in it, and a ball's drop from formulas alone.
 
+pub mod recorded;
+
+use std::ffi::OsStr;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
@@ -44,9 +47,36 @@ min = 0.0
 max = 1.0
 ";
 
+/// The scene of the sets of other engines.
+pub const PEERS_BALL: &str = "\
+kind = \"ball\"
+ball.radius_m = 0.5
+surface.height_m = 0.0
+
+[parameters.restitution]
+value = 0.5
+min = 0.0
+max = 1.0
+";
+
+/// A ball's scene without a word about its start.
+pub fn ball(radius_m: f64, mass_kg: Option<f64>) -> String {
+    let mass = mass_kg.map(|m| format!("ball.mass_kg = {m}\n")).unwrap_or_default();
+    format!(
+        "kind = \"ball\"\nball.radius_m = {radius_m}\n{mass}\n[parameters.restitution]\nvalue = 0.8\nmin = 0.0\nmax = 1.0\n"
+    )
+}
+
+/// A manifest in which every file is an object of its own.
+pub fn each_its_own(files: &[PathBuf]) -> String {
+    let one =
+        |(i, path): (usize, &PathBuf)| format!("[[observation]]\nfile = '{}'\nobject = \"ball {i}\"\n", path.display());
+    files.iter().enumerate().map(one).collect()
+}
+
 /// Writes a script that can be run.
 #[cfg(unix)]
-pub fn executable(path: &std::path::Path, script: &str) {
+pub fn executable(path: &Path, script: &str) {
     use std::os::unix::fs::PermissionsExt;
     std::fs::write(path, script).expect("a script");
     std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).expect("permissions");
@@ -90,6 +120,11 @@ impl Ran {
         assert!(value.is_object(), "{value}");
         value
     }
+}
+
+/// The codes of an answer's warnings.
+pub fn codes(json: &Value) -> Vec<&str> {
+    json["warnings"].as_array().unwrap().iter().map(|w| w["code"].as_str().unwrap()).collect()
 }
 
 /// A JSON text without what differs from run to run: how long it took.
@@ -138,6 +173,10 @@ impl Folder {
         std::fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
+    pub fn text(&self, name: &str) -> String {
+        String::from_utf8(self.read(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
     /// Everything in it, sorted.
     pub fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.0.path()).expect("a readable folder");
@@ -158,7 +197,12 @@ impl Folder {
 
     /// Runs the binary with these arguments, split at spaces.
     pub fn run(&self, arguments: &str) -> Ran {
-        self.command().args(arguments.split_whitespace()).output().expect("the binary starts").into()
+        self.call(&arguments.split_whitespace().collect::<Vec<_>>())
+    }
+
+    /// Runs the binary with arguments that may hold spaces.
+    pub fn call(&self, arguments: &[impl AsRef<OsStr>]) -> Ran {
+        self.command().args(arguments).output().expect("the binary starts").into()
     }
 
     /// Runs a line of shell with the binary as `$TUNENET`.

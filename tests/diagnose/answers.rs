@@ -69,7 +69,7 @@ fn a_missing_effect_is_named_and_written_and_proven() {
     assert!(number(&gap["after"]) < 1.05 * number(&gap["noise_floor"]), "{gap}");
 
     // What was written is a simulation like any other, and it has the effect.
-    let text = String::from_utf8(folder.read("improved.toml")).expect("text");
+    let text = folder.text("improved.toml");
     for part in ["[effects.quadratic_drag]\nc_1_m = 0.1", "[provenance]", "command = \"diagnose\"", "held_out_after"] {
         assert!(text.contains(part), "no `{part}` in\n{text}");
     }
@@ -142,7 +142,7 @@ fn objects_of_a_manifest_get_a_file_each() {
     let each = json["effects"][0]["coefficients"]["c_1_m"]["objects"].as_array().expect("one for each object");
     assert_eq!(each.iter().map(|o| o["object"].as_str().unwrap()).collect::<Vec<_>>(), ["a", "b"]);
     for name in ["improved/a.toml", "improved/b.toml"] {
-        let text = String::from_utf8(folder.read(name)).expect("text");
+        let text = folder.text(name);
         assert!(text.contains("[effects.quadratic_drag]"), "{text}");
     }
 }
@@ -183,7 +183,7 @@ fn each_object_of_a_manifest_has_a_verdict_of_its_own() {
     assert_eq!(verdicts, [("light", "named"), ("heavy", "none")], "{json:#}");
     let gain = |i: usize| each[i]["effects"][0]["bic_gain"].as_f64().expect("a gain");
     assert!(gain(0) > 1000.0 && gain(1) < 6.0, "{each:#?}");
-    let page = String::from_utf8(folder.read("page.html")).expect("text");
+    let page = folder.text("page.html");
     assert!(page.contains("The recordings of heavy alone do not need it."), "the page names it");
     // Of a single object the verdict is that of the whole, and the list is empty.
     let one = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv --json").ends(0).json();
@@ -263,7 +263,7 @@ fn recordings_that_cannot_answer_get_an_honest_no() {
 fn rates_may_differ() {
     let folder = with_throws();
     let every = |name: &str, step: usize| {
-        let text = String::from_utf8(folder.read(name)).expect("text");
+        let text = folder.text(name);
         let mut lines = text.lines();
         let head = lines.next().expect("a header").to_owned();
         let rows: Vec<&str> = lines.step_by(step).collect();
@@ -320,7 +320,7 @@ fn a_throw_that_is_repeated_earns_no_lone_name() {
         let left: Vec<&str> = list(&json, "candidates").iter().filter_map(Value::as_str).collect();
         assert!(left.len() > 1 && left.contains(&"wind") && codes(&json).contains(&"recordings.alike"), "{json:#}");
         assert!(json["next_experiment"]["text"].as_str().is_some_and(|text| text.contains("throw")), "{json:#}");
-        let text = String::from_utf8(folder.read("o.toml")).expect("text");
+        let text = folder.text("o.toml");
         assert_eq!(text.matches("[effects.").count(), 1, "{text}");
         assert!(text.contains("chosen = [\"wind\"]"), "{text}");
         // What was written explains them better than what was given.
@@ -355,10 +355,10 @@ fn every_figure_has_one_value() {
     assert_eq!(evidence["bic_gain"], score("quadratic_drag")["bic_gain"]);
     let gap = number(&evidence["runner_up_bic_gap"]);
     assert!((gap - number(&runner_up["behind_best"])).abs() < 1e-6 * gap.abs(), "{evidence} {runner_up}");
-    let text = String::from_utf8(folder.read("o.toml")).expect("text");
+    let text = folder.text("o.toml");
     assert!(text.contains(&format!("bic_gain = {}", number(&evidence["bic_gain"]))), "{text}");
     assert!(text.contains("gap_of = \"recordings\"") && json["gap"]["of"] == "recordings");
-    let page = String::from_utf8(folder.read("o.html")).expect("text");
+    let page = folder.text("o.html");
     for figure in [number(&evidence["bic_gain"]), gap] {
         assert!(page.contains(&format!("{figure:.0}")) && ran.stderr.contains(&format!("{figure:.0}")), "{figure}");
     }
@@ -386,7 +386,7 @@ fn no_throw_is_asked_for_along_an_axis_that_is_not_measured() {
 #[test]
 fn warnings_are_those_of_tune() {
     let folder = with_throws();
-    let text = String::from_utf8(folder.read("1.csv")).expect("text");
+    let text = folder.text("1.csv");
     let gap: Vec<&str> = text.lines().enumerate().filter(|(i, _)| !(60..72).contains(i)).map(|(_, l)| l).collect();
     folder.write("1.csv", gap.join("\n"));
     let warned = |command: &str| -> Vec<String> {
@@ -434,7 +434,7 @@ fn a_wrong_coefficient_in_the_file_is_tuned_anew() {
     let tuned =
         list(&json, "parameters").iter().find(|p| p["name"] == "quadratic_drag.c_1_m").expect("the coefficient");
     assert!((tuned["value"].as_f64().unwrap() - 0.1317).abs() < 0.01 && tuned["given"] == 0.05, "{tuned}");
-    let text = String::from_utf8(folder.read("o.toml")).expect("text");
+    let text = folder.text("o.toml");
     assert!(text.contains("c_1_m = 0.13") && text.contains("# a guess"), "{text}");
 }
 

@@ -1,30 +1,12 @@
 //! Diagnosis of recordings that nobody here made: two other engines, where `TUNENET_PEERS` names a folder that holds them,
 //! and real balls, where `TUNENET_MEASURED` does; skipped without.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
-use crate::common::{Folder, Ran};
+use crate::common::recorded::{self, FALLEN, fallen, fallen_entry, files, measured, metres};
+use crate::common::{Folder, PEERS_BALL, Ran, ball, each_its_own};
 use serde_json::Value;
-
-/// A folder that an environment variable names, and that is there.
-fn folder(variable: &str, inside: &str) -> Option<PathBuf> {
-    let path = std::env::var_os(variable).map(|root| Path::new(&root).join(inside)).filter(|path| path.is_dir());
-    if path.is_none() {
-        eprintln!("skipped: {variable} names no folder with {inside}");
-    }
-    path
-}
-
-/// The files of a folder whose names start and end so, sorted.
-fn files(folder: &Path, start: &str, end: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let mut files: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
-    let name = |path: &Path| path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    files.retain(|path| name(path).starts_with(start) && name(path).ends_with(end));
-    files.sort();
-    files
-}
 
 fn run(command: &mut Command) -> Value {
     let ran = Ran::from(command.arg("--json").output().expect("the binary starts"));
@@ -67,34 +49,13 @@ fn is_named(json: &Value, effect: &str) -> bool {
     json["verdict"] == "named" && names(&json["effects"], "name").contains(&effect.into())
 }
 
-/// A manifest in which every file is an object of its own, with these lines for each.
-fn each_its_own(files: &[PathBuf], extra: &str) -> String {
-    let one = |(i, path): (usize, &PathBuf)| {
-        format!("[[observation]]\nfile = '{}'\nobject = \"ball {i}\"\n{extra}\n", path.display())
-    };
-    files.iter().enumerate().map(one).collect()
-}
-
-const PEERS_BALL: &str = "\
-kind = \"ball\"
-ball.radius_m = 0.5
-surface.height_m = 0.0
-
-[parameters.restitution]
-value = 0.5
-min = 0.0
-max = 1.0
-";
-
 /// A set of another engine, `count` files of it, each its own object. The other engines put the ball's radius at .5 m.
 fn peers(set: &str, count: usize) -> Option<Value> {
-    let from = folder("TUNENET_PEERS", "cross")?.join(set);
-    let mut those = files(&from, "", ".csv");
-    those.retain(|path| !path.ends_with("truth.csv"));
+    let mut those = recorded::peers(set)?;
     those.truncate(count);
     let here = Folder::new();
     here.write("ball.toml", PEERS_BALL);
-    here.write("m.toml", each_its_own(&those, ""));
+    here.write("m.toml", each_its_own(&those));
     eprintln!("{set}:");
     let columns = "t_s=t,x_m=x,y_m=y,z_m=z";
     Some(run(here.command().args(["diagnose", "--sim", "ball.toml", "--manifest", "m.toml", "--columns", columns])))
@@ -155,40 +116,19 @@ fn another_engine_with_nothing_hidden() {
     }
 }
 
-/// The numbers of a foreign table, row by row.
-fn numbers(path: &Path) -> Vec<Vec<f64>> {
-    let text = std::fs::read_to_string(path).expect("a table");
-    let row = |line: &str| line.split(['\t', ',']).map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
-    text.lines().filter_map(row).collect()
-}
-
-/// A ball's scene without a word about its start.
-fn ball(radius_m: f64, mass_kg: Option<f64>) -> String {
-    let mass = mass_kg.map(|m| format!("ball.mass_kg = {m}\n")).unwrap_or_default();
-    format!(
-        "kind = \"ball\"\nball.radius_m = {radius_m}\n{mass}\n[parameters.restitution]\nvalue = 0.8\nmin = 0.0\nmax = 1.0\n"
-    )
-}
-
-/// One of three balls that fell a metre: its table has the columns time, then these.
-fn fallen(name: &str, x: usize, z: usize, until_s: f64, radius_m: f64, mass_kg: f64) -> Option<Value> {
-    let from = folder("TUNENET_MEASURED", "three-balls")?.join(name);
-    let here = Folder::new();
-    let rows = numbers(&from).into_iter().filter(|row| row[0] < until_s);
-    let lines: Vec<String> = rows.map(|row| format!("{},{},{}", row[0], row[x], row[z])).collect();
-    here.write("fall.csv", format!("t_s,x_m,z_m\n{}\n", lines.join("\n")));
-    here.write("ball.toml", ball(radius_m, Some(mass_kg)));
-    eprintln!("{name}:");
-    Some(run(here.command().args(["diagnose", "--sim", "ball.toml", "--observation", "fall.csv"])))
-}
-
 #[test]
 fn foam_needs_air_and_rubber_does_not() {
-    let Some(red) = fallen("red_ball.txt", 1, 2, 0.54, 0.0155, 0.0004) else { return };
+    let Some(from) = measured("three-balls") else { return };
+    let [red, black, white] = FALLEN.map(|one| {
+        let (name, .., radius_m, mass_kg) = one;
+        let here = Folder::new();
+        here.write("fall.csv", fallen(&from, one));
+        here.write("ball.toml", ball(radius_m, Some(mass_kg)));
+        eprintln!("{name}:");
+        run(here.command().args(["diagnose", "--sim", "ball.toml", "--observation", "fall.csv"]))
+    });
     assert!(is_named(&red, "quadratic_drag") && names(&red["effects"], "name").len() == 1, "{}", short(&red));
-    let Some(black) = fallen("black_ball.txt", 2, 1, 9.0, 0.0199, 0.02455) else { return };
     assert!(["none", "insufficient"].contains(&black["verdict"].as_str().unwrap_or_default()), "{}", short(&black));
-    let Some(white) = fallen("white_ball.txt", 2, 1, 9.0, 0.0201, 0.0028) else { return };
     let named = names(&white["effects"], "name");
     assert!(white["verdict"] != "named" || named == ["quadratic_drag"], "{}", short(&white));
 }
@@ -196,23 +136,12 @@ fn foam_needs_air_and_rubber_does_not() {
 /// The same three as one manifest: each has its own size, foam shows the air clearly and rubber does not need it.
 #[test]
 fn three_balls_together_show_drag() {
-    let Some(from) = folder("TUNENET_MEASURED", "three-balls") else { return };
+    let Some(from) = measured("three-balls") else { return };
     let here = Folder::new();
-    let balls = [
-        ("red", 1, 2, 0.54, 0.0155, 0.0004),
-        ("black", 2, 1, 9.0, 0.0199, 0.02455),
-        ("white", 2, 1, 9.0, 0.0201, 0.0028),
-    ];
-    let mut manifest = String::new();
-    for (name, x, z, until_s, radius_m, mass_kg) in balls {
-        let rows = numbers(&from.join(format!("{name}_ball.txt"))).into_iter().filter(|row| row[0] < until_s);
-        let lines: Vec<String> = rows.map(|row| format!("{},{},{}", row[0], row[x], row[z])).collect();
-        here.write(&format!("{name}.csv"), format!("t_s,x_m,z_m\n{}\n", lines.join("\n")));
-        let scene = format!("ball.radius_m = {radius_m}\nball.mass_kg = {mass_kg}");
-        let entry = format!("[[observation]]\nfile = \"{name}.csv\"\nobject = \"{name}\"\n{scene}\n");
-        manifest.push_str(&entry);
+    for one in FALLEN {
+        here.write(&format!("{}.csv", one.0), fallen(&from, one));
     }
-    here.write("m.toml", manifest);
+    here.write("m.toml", FALLEN.map(fallen_entry).concat());
     here.write("ball.toml", ball(0.02, None));
     eprintln!("three balls:");
     let json = run(here.command().args(["diagnose", "--sim", "ball.toml", "--manifest", "m.toml"]));
@@ -226,7 +155,7 @@ fn three_balls_together_show_drag() {
 }
 
 fn flights(count: usize) -> Option<Value> {
-    let from = folder("TUNENET_MEASURED", "tt-flights")?;
+    let from = measured("tt-flights")?;
     let files: Vec<PathBuf> = files(&from, "", ".csv").into_iter().take(count).collect();
     let here = Folder::new();
     here.write("ball.toml", ball(0.02, Some(0.0027)));
@@ -256,7 +185,7 @@ fn table_tennis_flights_show_drag_together() {
 /// One flight alone leaves a choice; what is written of it is one effect, with which tuning fits no worse than without.
 #[test]
 fn one_flight_cannot_tell() {
-    let Some(from) = folder("TUNENET_MEASURED", "tt-flights") else { return };
+    let Some(from) = measured("tt-flights") else { return };
     for file in files(&from, "", ".csv").iter().step_by(17) {
         let here = Folder::new();
         here.write("ball.toml", ball(0.02, Some(0.0027)));
@@ -281,7 +210,7 @@ fn one_flight_cannot_tell() {
 
 #[test]
 fn heard_bounces_leave_two_explanations() {
-    let Some(from) = folder("TUNENET_MEASURED", "bounce-acoustic") else { return };
+    let Some(from) = measured("bounce-acoustic") else { return };
     let files = files(&from, "pingpong_0", ".csv");
     let here = Folder::new();
     here.write("ball.toml", ball(0.02, None));
@@ -293,17 +222,9 @@ fn heard_bounces_leave_two_explanations() {
     assert!(ratio <= 0.5, "{held_out}");
 }
 
-/// Pixels become metres by a length in the picture; `up` turns an axis that points down.
-fn metres(path: &Path, fps: f64, px_m: f64, up: f64) -> String {
-    let rows = numbers(path);
-    let line = |(i, row): (usize, &Vec<f64>)| format!("{},{},{}", i as f64 / fps, row[0] / px_m, up * row[1] / px_m);
-    let lines: Vec<String> = rows.iter().enumerate().map(line).collect();
-    format!("t_s,x_m,z_m\n{}\n", lines.join("\n"))
-}
-
 #[test]
 fn a_basketball_in_a_picture_whose_pixels_are_not_square() {
-    let Some(from) = folder("TUNENET_MEASURED", "basketball-throw") else { return };
+    let Some(from) = measured("basketball-throw") else { return };
     let here = Folder::new();
     here.write("throw.csv", metres(&from.join("OUTPUT.csv"), 60.0, 23.37 / 0.12, 1.0));
     here.write("ball.toml", ball(0.747 / std::f64::consts::TAU, Some(0.5)));
@@ -317,7 +238,7 @@ fn a_basketball_in_a_picture_whose_pixels_are_not_square() {
 #[ignore = "not reached: `unknown`, nearest wind, magnus and perspective. All launches fly the same way, so that wind and a tilted \
             camera do what drag does, and nothing brings the held-out launch's 11.1 mm down to the noise, 2.3 mm"]
 fn spinning_launches_show_drag() {
-    let Some(from) = folder("TUNENET_MEASURED", "pingpong-serve-px") else { return };
+    let Some(from) = measured("pingpong-serve-px") else { return };
     let here = Folder::new();
     let mut names = Vec::new();
     for (i, file) in files(&from, "IMG", ".csv").iter().enumerate() {

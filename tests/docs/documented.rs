@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::docs::page::{Page, Shown, pages, root};
+use crate::docs::page::{Page, Shown, pages, root, text};
 
 /// Commands that are shown but not run: the page or `*`, how they begin, and why. Their flags are parsed all the same.
 const NOT_RUN: [(&str, &str, &str); 7] = [
@@ -186,7 +186,6 @@ fn what_is_not_run_is_parsed_and_every_flag_exists() {
 /// No daemon runs it here: at least what it names has to be there, and be what `make build` asks for.
 #[test]
 fn the_dockerfile_installs_what_this_workspace_needs() {
-    let text = |name: &str| std::fs::read_to_string(root().join(name)).unwrap();
     let (image, makefile) = (text("Dockerfile"), text("Makefile"));
     let packages = makefile.lines().find_map(|line| line.strip_prefix("PACKAGES := ")).unwrap();
     for package in packages.split_whitespace() {
@@ -253,7 +252,7 @@ fn commands_stand_in_blocks_that_are_run_and_reasons_are_needed() {
             .any(|p| (on == "*" || on == p.name) && p.commands().iter().any(|c| c.command.starts_with(start)));
         assert!(used, "nothing is shown that begins with `{start}` on {on}; remove it from the list");
     }
-    let makefile = std::fs::read_to_string(root().join("Makefile")).unwrap();
+    let makefile = text("Makefile");
     for page in &all {
         let commands = page.commands().into_iter().map(|c| c.command).chain(page.spans());
         for command in commands {

@@ -1,6 +1,6 @@
 //! Every link in README and docs leads somewhere: to a file that is there, and to a heading in it.
 
-use crate::docs::page::{Page, pages, root};
+use crate::docs::page::{Page, pages, root, text};
 
 #[test]
 fn every_link_leads_somewhere() {
@@ -57,7 +57,7 @@ fn every_page_is_a_chapter_of_the_book() {
 
 #[test]
 fn the_page_on_embedding_shows_the_example_that_is_tested() {
-    let page = std::fs::read_to_string(root().join("docs/embedding.md")).unwrap();
-    let example = std::fs::read_to_string(root().join("crates/tunenet-core/examples/pendulum.rs")).unwrap();
+    let page = text("docs/embedding.md");
+    let example = text("crates/tunenet-core/examples/pendulum.rs");
     assert!(page.contains(&format!("```rust\n{example}```\n")), "docs/embedding.md shows another pendulum.rs");
 }

@@ -6,6 +6,12 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
 
+/// A file of the repository.
+pub fn text(path: impl AsRef<Path>) -> String {
+    let path = root().join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
 /// A command that a page shows.
 pub struct Shown {
     /// As it is typed, its lines joined.
@@ -32,7 +38,7 @@ pub fn pages() -> Vec<Page> {
         }
     }
     names.sort();
-    names.into_iter().map(|name| Page { text: std::fs::read_to_string(root().join(&name)).unwrap(), name }).collect()
+    names.into_iter().map(|name| Page { text: text(&name), name }).collect()
 }
 
 impl Page {

@@ -1,21 +1,12 @@
 //! The tables of docs/, held against the tool and the sources. Commands are those of `documented.rs`, links of `links.rs`.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use super::page::{root, text};
 use tunenet_sim::shot::task::TASK_KEYS;
 use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
 use tunenet_sim::simulation_file::{ARM_EFFECT_KEYS, ARM_KEYS, PROCESS_EFFECT_KEYS, PROCESS_KEYS};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
-}
-
-fn text(path: impl AsRef<Path>) -> String {
-    let path = root().join(path);
-    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
-}
 
 /// The rows that docs/files.md must hold for these keys.
 fn rows(keys: &[Key]) -> String {

@@ -1,14 +1,6 @@
 //! What the pages show of measured tables is what the checked-in results hold, and these say how they were made.
 
-use std::path::{Path, PathBuf};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-fn text(path: &str) -> String {
-    std::fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path}: {e}"))
-}
+use super::page::{root, text};
 
 /// What stands between the marks of a name on a page.
 fn pasted(page: &str, name: &str) -> String {
@@ -48,7 +40,7 @@ fn pages_show_what_the_results_hold() {
         }
     }
     for figure in ["figure2.svg", "figure3.svg"] {
-        assert_eq!(text(&format!("docs/{figure}")), text(&format!("results/paper/{figure}")), "docs/{figure} is older");
+        assert_eq!(text(format!("docs/{figure}")), text(format!("results/paper/{figure}")), "docs/{figure} is older");
     }
 }
 
@@ -67,12 +59,12 @@ fn pages_show_what_the_other_results_hold() {
         ("docs/grow.md", "grow", "grow/grow.md"),
         ("docs/evidence.md", "preflight", "preflight/told.md"),
     ] {
-        assert_eq!(pasted(page, mark), text(&format!("results/{file}")), "{page}: `results/make.sh`, {mark}");
+        assert_eq!(pasted(page, mark), text(format!("results/{file}")), "{page}: `results/make.sh`, {mark}");
     }
     for (page, mark, file) in
         [("docs/evidence.md", "arm", "arm/told.md"), ("docs/evidence.md", "intervals", "intervals/told.md")]
     {
-        let fenced = format!("```text\n{}\n```\n", text(&format!("results/{file}")).trim_end());
+        let fenced = format!("```text\n{}\n```\n", text(format!("results/{file}")).trim_end());
         assert_eq!(pasted(page, mark), fenced, "{page}: `results/make.sh`, {mark}");
     }
 }
@@ -108,7 +100,7 @@ fn results_say_how_they_were_made() {
         ("docs/grow.md", "grow"),
         ("docs/evidence.md", "speed"),
     ] {
-        let run = text(&format!("results/{name}/run.txt"));
+        let run = text(format!("results/{name}/run.txt"));
         let command = run.lines().find_map(|line| line.strip_prefix("command ")).unwrap();
         assert!(text(page).contains(command), "{page} does not name the command of results/{name}: {command}");
     }

@@ -421,7 +421,7 @@ fn the_page_shows_what_is_tested() {
     assert_eq!(object["rows"][0]["pairs"], 20);
     assert_eq!(object["cluster"]["extrapolated"], true);
     assert_eq!(files(&folder.path("out")), ["grow.json", "grow.md"], "data sets go away");
-    let printed = String::from_utf8(folder.read("out/grow.md")).unwrap();
+    let printed = folder.text("out/grow.md");
     let shape = |text: &str| -> Vec<String> {
         let words = text.lines().filter(|l| l.starts_with('|') || l.starts_with("Extrapolated")).map(|line| {
             let plain: String = line.chars().filter(|c| !c.is_ascii_digit() && !".,".contains(*c)).collect();

@@ -131,7 +131,7 @@ fn a_program_that_fails_later_is_told_by_every_command() {
     let each =
         folder.run("tune --sim a.toml --allow-process --observation a.csv --each --report a.html --json").ends(1);
     assert!(each.json()["observations"][0]["error"].as_str().unwrap().contains("<script>alert"));
-    let page = String::from_utf8(folder.read("a.html")).unwrap();
+    let page = folder.text("a.html");
     assert!(page.contains("&lt;script&gt;alert(1)&lt;/script&gt;") && !page.contains("<script>alert"), "{page}");
     gone(&mark);
 }
@@ -153,7 +153,7 @@ fn hostile_text_stays_text_on_pages() {
         let mut run = folder.command();
         run.args([command, "--sim", "hostile.toml", "--allow-process", "--report", "page.html", "--observation"]);
         Ran::from(run.arg("<img src=x onerror=alert(4)>.csv").output().unwrap()).ends(0);
-        let page = String::from_utf8(folder.read("page.html")).unwrap();
+        let page = folder.text("page.html");
         assert!(page.contains("&lt;script&gt;alert(1)&lt;/script&gt;"), "{command}");
         for raw in ["<script>alert", "<img src=x", "\"onload=\"", "</script><script>"] {
             assert!(!page.contains(raw), "{command}: {raw}");
@@ -209,7 +209,7 @@ fn a_refusal_of_the_files_own_values_is_told_as_that() {
     );
     let text = folder.run("diagnose --sim a.toml --allow-process --report a.html --observation seen.csv").stderr;
     assert!(digits(&text) < 16, "{text}");
-    let page = String::from_utf8(folder.read("a.html")).unwrap();
+    let page = folder.text("a.html");
     let shown: Vec<&str> = page.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text).collect();
     let shown = shown.join(" ");
     assert!(digits(&shown) < 20, "{shown}");
@@ -291,7 +291,7 @@ fn asking_again_costs_little() {
     folder.write("counts.py", program(counts));
     folder.write("a.toml", scene("[\"python3\", \"counts.py\"]").replace("[record]", "workers = 1\n[record]"));
     folder.run("gen process --sim a.toml --allow-process --pairs 300 --out a.mcap").ends(0);
-    let text = String::from_utf8(folder.read("asked.txt")).unwrap();
+    let text = folder.text("asked.txt");
     let asked: Vec<&str> = text.lines().collect();
     let different: std::collections::BTreeSet<&str> = asked.iter().copied().collect();
     let (pairs, again) = (asked.len(), asked.len() - different.len());
@@ -352,7 +352,7 @@ fn much_on_standard_error_holds_up_nobody() {
     let ran = folder.run("simulate --sim a.toml --allow-process --out a.csv").ends(0);
     assert!(!ran.stderr.contains("chatter"), "{}", ran.stderr);
     // Numbers come through to the last bit.
-    let text = String::from_utf8(folder.read("a.csv")).unwrap();
+    let text = folder.text("a.csv");
     for (i, line) in text.lines().skip(1).enumerate() {
         let (t, value) = line.split_once(',').unwrap();
         let [t, value] = [t, value].map(|v| v.parse::<f64>().unwrap());

@@ -49,12 +49,12 @@ fn a_program_is_tuned_to_what_another_integrator_made() {
         refused.stderr
     );
     folder.run("simulate --sim tuned.toml --allow-process --out again.csv").ends(0);
-    assert!(String::from_utf8(folder.read("again.csv")).unwrap().starts_with("t_s,angle_rad\n0.0,0.5\n"));
+    assert!(folder.text("again.csv").starts_with("t_s,angle_rad\n0.0,0.5\n"));
 
     // A file that is written elsewhere still finds its program.
     std::fs::create_dir(folder.path("elsewhere")).unwrap();
     folder.run("tune --sim pendulum.toml --allow-process --observation swing.csv --out elsewhere/tuned.toml").ends(0);
-    let text = String::from_utf8(folder.read("elsewhere/tuned.toml")).unwrap();
+    let text = folder.text("elsewhere/tuned.toml");
     assert!(text.contains("kind = \"process\"") && text.contains("folder = \"..\""), "{text}");
     folder.run("simulate --sim elsewhere/tuned.toml --allow-process --out elsewhere/again.csv").ends(0);
     assert!(folder.read("elsewhere/again.csv") == folder.read("again.csv"));
@@ -106,7 +106,7 @@ fn a_program_is_diagnosed() {
     assert_eq!((named["verdict"].as_str(), named["effects"][0]["name"].as_str()), (Some("named"), Some("time_offset")));
     let offset = &named["effects"][0]["coefficients"]["offset_s"]["value"];
     assert!((offset.as_f64().unwrap() - 0.04).abs() < 2e-3, "{offset}");
-    let improved = String::from_utf8(folder.read("improved/2.toml")).unwrap();
+    let improved = folder.text("improved/2.toml");
     for wanted in ["kind = \"process\"", "[effects.time_offset]", "start_rad = 0.9", "folder = \"..\""] {
         assert!(improved.contains(wanted), "no {wanted} in:\n{improved}");
     }
@@ -137,7 +137,7 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
     let diagnose = |what: &str| {
         let line = "diagnose --sim pendulum.toml --allow-process --report page.html --json --observation";
         let ran = folder.run(&format!("{line} {what}")).ends(3);
-        let page = String::from_utf8(folder.read("page.html")).unwrap();
+        let page = folder.text("page.html");
         // The key of a flight stands in every object.
         let object = ran.stdout.replace("\"flight\": null", "");
         for text in [&ran.stderr, &object, &page] {

@@ -3,8 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{answer, files, folder, line, name, pinned};
+use super::{answer, line, pinned};
 use crate::common::Folder;
+use crate::common::recorded::{files, folder, name};
 
 const VARIABLE: &str = "TUNENET_CASES";
 

@@ -1,26 +1,25 @@
 //! Recordings of real things, where `TUNENET_MEASURED` names a folder that holds them.
 
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::Value;
 
-use super::{answer, ball, each, files, folder, line, name, pinned};
-use crate::common::Folder;
+use super::{answer, each, line, pinned};
+use crate::common::recorded::{FALLEN, fallen, fallen_entry, files, measured, metres, name};
+use crate::common::{Folder, ball};
 
-const VARIABLE: &str = "TUNENET_MEASURED";
 const EACH: &str = "tune --sim scene.toml --each --observation";
 
 #[test]
 fn regress_table_tennis_flights_tuned() {
-    let Some(from) = folder(VARIABLE, "tt-flights") else { return };
+    let Some(from) = measured("tt-flights") else { return };
     pinned::check("flights-tuned", &each(&Folder::with_scene(), EACH, &files(&from, "", ".csv")));
 }
 
 /// One flight in seventeen alone, then the first ones together.
 #[test]
 fn regress_table_tennis_flights_diagnosed() {
-    let Some(from) = folder(VARIABLE, "tt-flights") else { return };
+    let Some(from) = measured("tt-flights") else { return };
     let here = Folder::new();
     here.write("ball.toml", ball(0.02, Some(0.0027)));
     let all = files(&from, "", ".csv");
@@ -34,7 +33,7 @@ fn regress_table_tennis_flights_diagnosed() {
 
 #[test]
 fn regress_bounces_heard() {
-    let Some(from) = folder(VARIABLE, "bounce-acoustic") else { return };
+    let Some(from) = measured("bounce-acoustic") else { return };
     let mut found = each(&Folder::with_scene(), EACH, &files(&from, "", ".csv"));
     let here = Folder::new();
     here.write("ball.toml", ball(0.02, None));
@@ -47,7 +46,7 @@ fn regress_bounces_heard() {
 
 #[test]
 fn regress_cube_tosses_inspected() {
-    let Some(from) = folder(VARIABLE, "cube-tosses") else { return };
+    let Some(from) = measured("cube-tosses") else { return };
     let all = files(&from, "toss_", ".csv");
     let inspected = answer(&Folder::new(), &line("inspect", &all));
     let files = inspected["files"].as_array().expect("one for each").clone();
@@ -56,30 +55,17 @@ fn regress_cube_tosses_inspected() {
     pinned::check("cubes", &found);
 }
 
-/// The numbers of a foreign table, row by row.
-fn numbers(path: &Path) -> Vec<Vec<f64>> {
-    let text = std::fs::read_to_string(path).expect("a table");
-    let row = |line: &str| line.split(['\t', ',']).map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
-    text.lines().filter_map(row).collect()
-}
-
 #[test]
 fn regress_three_balls() {
-    let Some(from) = folder(VARIABLE, "three-balls") else { return };
+    let Some(from) = measured("three-balls") else { return };
     let here = Folder::new();
     let mut manifest = String::new();
     let mut found = Vec::new();
-    for (name, x, z, until_s, radius_m, mass_kg) in [
-        ("red", 1, 2, 0.54, 0.0155, 0.0004),
-        ("black", 2, 1, 9.0, 0.0199, 0.02455),
-        ("white", 2, 1, 9.0, 0.0201, 0.0028),
-    ] {
-        let rows = numbers(&from.join(format!("{name}_ball.txt"))).into_iter().filter(|row| row[0] < until_s);
-        let lines: Vec<String> = rows.map(|row| format!("{},{},{}", row[0], row[x], row[z])).collect();
-        here.write(&format!("{name}.csv"), format!("t_s,x_m,z_m\n{}\n", lines.join("\n")));
+    for one in FALLEN {
+        let (name, .., radius_m, mass_kg) = one;
+        here.write(&format!("{name}.csv"), fallen(&from, one));
         here.write(&format!("{name}.toml"), ball(radius_m, Some(mass_kg)));
-        let scene = format!("ball.radius_m = {radius_m}\nball.mass_kg = {mass_kg}");
-        let _ = writeln!(manifest, "[[observation]]\nfile = \"{name}.csv\"\nobject = \"{name}\"\n{scene}");
+        manifest.push_str(&fallen_entry(one));
         let words = format!("diagnose --sim {name}.toml --observation {name}.csv");
         found.push((name.into(), answer(&here, &line(&words, &[]))));
     }
@@ -89,18 +75,9 @@ fn regress_three_balls() {
     pinned::check("three-balls", &found);
 }
 
-/// Pixels become metres by a length in the picture; `up` turns an axis that points down.
-fn metres(path: &Path, fps: f64, px_m: f64, up: f64) -> String {
-    let rows = numbers(path);
-    let line = |(i, row): (usize, &Vec<f64>)| format!("{},{},{}", i as f64 / fps, row[0] / px_m, up * row[1] / px_m);
-    let lines: Vec<String> = rows.iter().enumerate().map(line).collect();
-    format!("t_s,x_m,z_m\n{}\n", lines.join("\n"))
-}
-
 #[test]
 fn regress_pixels() {
-    let (Some(throw), Some(serves)) = (folder(VARIABLE, "basketball-throw"), folder(VARIABLE, "pingpong-serve-px"))
-    else {
+    let (Some(throw), Some(serves)) = (measured("basketball-throw"), measured("pingpong-serve-px")) else {
         return;
     };
     let here = Folder::new();
@@ -129,7 +106,7 @@ fn free(name: &str, value: f64, min: f64, max: f64) -> String {
 
 #[test]
 fn regress_arm_with_a_payload() {
-    let Some(data) = folder(VARIABLE, "ur10e-payload") else { return };
+    let Some(data) = measured("ur10e-payload") else { return };
     let here = Folder::new();
     let centre: String = ["x", "y", "z"].map(|a| free(&format!("payload_com_{a}"), 0.0, -0.5, 0.5)).concat();
     let scene = |mass: &str, centre: &str, gain: &str| {
@@ -164,7 +141,7 @@ fn regress_arm_with_a_payload() {
 
 #[test]
 fn regress_pendulum() {
-    let Some(data) = folder(VARIABLE, "pendulum-dfki") else { return };
+    let Some(data) = measured("pendulum-dfki") else { return };
     let here = Folder::new();
     let urdf = data.join("dfki_simple_pendulum.urdf");
     let scene =

@@ -10,32 +10,11 @@ mod peers;
 mod pinned;
 
 use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::common::Folder;
+use crate::common::recorded::name;
 use serde_json::{Value, json};
-
-/// A folder that an environment variable names, and that is there.
-fn folder(variable: &str, inside: &str) -> Option<PathBuf> {
-    let path = std::env::var_os(variable).map(|root| Path::new(&root).join(inside)).filter(|path| path.is_dir());
-    if path.is_none() {
-        eprintln!("skipped: {variable} names no folder with {inside}");
-    }
-    path
-}
-
-/// The files of a folder whose names start and end so, sorted.
-fn files(folder: &Path, start: &str, end: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let mut files: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
-    files.retain(|path| name(path).starts_with(start) && name(path).ends_with(end));
-    files.sort();
-    files
-}
-
-fn name(path: &Path) -> String {
-    path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
-}
 
 /// Words of a command line, then paths.
 fn line(words: &str, paths: &[PathBuf]) -> Vec<OsString> {
@@ -62,12 +41,4 @@ fn each(here: &Folder, words: &str, paths: &[PathBuf]) -> Vec<(String, Value)> {
     let answers = found["observations"].as_array().expect("an answer for each");
     assert_eq!(answers.len(), paths.len());
     paths.iter().zip(answers).map(|(path, one)| (name(path), digest::of(one))).collect()
-}
-
-/// A ball's scene without a word about its start.
-fn ball(radius_m: f64, mass_kg: Option<f64>) -> String {
-    let mass = mass_kg.map(|m| format!("ball.mass_kg = {m}\n")).unwrap_or_default();
-    format!(
-        "kind = \"ball\"\nball.radius_m = {radius_m}\n{mass}\n[parameters.restitution]\nvalue = 0.8\nmin = 0.0\nmax = 1.0\n"
-    )
 }

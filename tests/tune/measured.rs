@@ -1,24 +1,14 @@
 //! Recordings of real things, where `TUNENET_MEASURED` names a folder that holds them; skipped without it.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use crate::common::recorded::{self, files};
 use crate::common::{Folder, SCENE};
 use serde_json::Value;
 
-/// The files in a folder of the measured recordings whose names start and end so, sorted; `None` where there are none.
 fn measured(folder: &str, start: &str, end: &str) -> Option<Vec<PathBuf>> {
-    let Some(root) = std::env::var_os("TUNENET_MEASURED") else {
-        eprintln!("skipped: TUNENET_MEASURED names no folder with measured recordings");
-        return None;
-    };
-    let entries = std::fs::read_dir(Path::new(&root).join(folder)).expect("a folder of measured recordings");
-    let mut files: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
-    let name = |path: &Path| path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    files.retain(|path| name(path).starts_with(start) && name(path).ends_with(end));
-    files.sort();
-    assert!(!files.is_empty(), "{folder}/{start}…{end}");
-    Some(files)
+    recorded::measured(folder).map(|folder| files(&folder, start, end))
 }
 
 /// `tune --each` over these files.

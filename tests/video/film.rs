@@ -61,7 +61,7 @@ impl Default for Film {
     }
 }
 
-use crate::common::Noise;
+use crate::common::{Folder, Noise};
 
 const WIDTH: usize = 240;
 const HEIGHT: usize = 200;
@@ -158,6 +158,13 @@ impl Film {
     /// The film as an AVI file.
     pub fn avi(&self) -> Vec<u8> {
         avi(&self.pictures(), self.rates_hz.1)
+    }
+
+    /// A folder with it as `drop.avi`, beside a scene.
+    pub fn folder(&self) -> Folder {
+        let folder = Folder::with_scene();
+        folder.write("drop.avi", self.avi());
+        folder
     }
 
     /// Every frame as a PNG file.

@@ -1,21 +1,12 @@
 //! Films of other kinds, and what they may show beside a ball that bounces.
 
-use crate::common::{Folder, Ran};
+use crate::common::recorded::measured_file;
+use crate::common::{Folder, Ran, codes};
 use crate::video::film::Film;
 use serde_json::Value;
 
-fn with(film: &Film) -> Folder {
-    let folder = Folder::with_scene();
-    folder.write("drop.avi", film.avi());
-    folder
-}
-
-fn codes(json: &Value) -> Vec<&str> {
-    json["warnings"].as_array().unwrap().iter().map(|w| w["code"].as_str().unwrap()).collect()
-}
-
 fn rows(folder: &Folder, name: &str) -> Vec<Vec<f64>> {
-    let text = String::from_utf8(folder.read(name)).unwrap();
+    let text = folder.text(name);
     text.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
 }
 
@@ -32,7 +23,7 @@ fn alike(a: &Value, b: &Value) -> bool {
 #[test]
 fn a_rate_and_a_count_clip_and_resample_from_the_release_on() {
     let film = Film { held_s: 0.5, ..Film::default() };
-    let folder = with(&film);
+    let folder = film.folder();
     folder.run("track drop.avi --pixels --rate 45 --frames 150 --out even.csv").ends(0);
     let even = rows(&folder, "even.csv");
     assert_eq!(even.len(), 150);
@@ -52,7 +43,7 @@ fn a_rate_and_a_count_clip_and_resample_from_the_release_on() {
 #[test]
 fn a_folder_of_frames_is_a_film() {
     let film = Film { frames: 110, ..Film::default() };
-    let folder = with(&film);
+    let folder = film.folder();
     std::fs::create_dir(folder.path("frames")).unwrap();
     for (i, png) in film.pngs().into_iter().enumerate() {
         folder.write(&format!("frames/f{}.png", i + 1), png);
@@ -75,7 +66,7 @@ fn a_folder_of_frames_is_a_film() {
 #[test]
 fn logs_with_pictures_give_what_the_film_gives() {
     let film = Film { frames: 100, ..Film::default() };
-    let folder = with(&film);
+    let folder = film.folder();
     let plain = folder.run("track drop.avi --json").ends(0).json();
     for (name, compressed) in [("raw.mcap", false), ("png.mcap", true)] {
         folder.write(name, film.mcap(compressed));
@@ -89,7 +80,7 @@ fn logs_with_pictures_give_what_the_film_gives() {
 }
 
 fn refused(film: &Film, verdict: &str, words: &str) -> (Folder, Ran) {
-    let folder = with(film);
+    let folder = film.folder();
     let ran = folder.run("track drop.avi --report page.html --json").ends(3);
     assert_eq!(ran.json()["verdict"], verdict, "{}", ran.stderr);
     assert!(ran.stderr.contains(words), "{}", ran.stderr);
@@ -106,7 +97,7 @@ fn a_film_without_a_ball_gets_its_page_too() {
         (Film { square: true, radius_m: 0.06, ..Film::default() }, "not_round", "NOT ROUND"),
     ] {
         let (folder, _) = refused(&film, verdict, words);
-        let page = String::from_utf8(folder.read("page.html")).unwrap();
+        let page = folder.text("page.html");
         assert!(page.contains(words) && page.contains("data:image/jpeg;base64,"), "{verdict}");
     }
 }
@@ -114,7 +105,7 @@ fn a_film_without_a_ball_gets_its_page_too() {
 #[test]
 fn a_ball_that_rolls_is_told_from_one_in_the_wrong_unit() {
     let film = Film { height_m: 0.0, held_s: 0.0, speed_m_s: 0.4, ..Film::default() };
-    let folder = with(&film);
+    let folder = film.folder();
     let json = folder.run("track drop.avi --json").ends(0).json();
     assert!(codes(&json).contains(&"ball.rolls"), "{json}");
     let ran = folder.run("tune --sim scene.toml --observation drop.avi --json").ends(3);
@@ -126,7 +117,7 @@ fn a_ball_that_rolls_is_told_from_one_in_the_wrong_unit() {
 #[test]
 fn a_manifest_says_how_large_each_ball_is() {
     let film = Film { height_m: 0.0, held_s: 0.0, speed_m_s: 0.4, ..Film::default() };
-    let folder = with(&film);
+    let folder = film.folder();
     folder.write("other.avi", Film { restitution: 0.6, ..Film::default() }.avi());
     folder.write("drop.avi", Film::default().avi());
     let entry = |file: &str, radius: f64| {
@@ -142,7 +133,7 @@ fn a_manifest_says_how_large_each_ball_is() {
 
 #[test]
 fn a_film_that_is_cut_off_says_where() {
-    let folder = with(&Film::default());
+    let folder = Film::default().folder();
     let whole = folder.read("drop.avi");
     folder.write("cut.avi", &whole[..whole.len() * 3 / 4]);
     let ran = folder.run("track cut.avi --json").ends(0);
@@ -176,7 +167,7 @@ fn restitution_is_right_whatever_camera_saw_it_and_wherever_it_fell_from() {
             frames: 240,
             ..Film::default()
         };
-        let folder = with(&film);
+        let folder = film.folder();
         let seen = folder.run("track drop.avi --json").ends(0).json();
         let found = seen["restitution"]["value"].as_f64().unwrap();
         assert!((found - restitution).abs() < 0.01, "{eye:?}: {found} for {restitution}");
@@ -190,7 +181,7 @@ fn restitution_is_right_whatever_camera_saw_it_and_wherever_it_fell_from() {
 #[test]
 fn a_ball_without_a_hue_is_found_by_its_brightness() {
     for shade in [[245; 3], [15; 3]] {
-        let folder = with(&Film { balls: vec![shade], ..Film::default() });
+        let folder = Film { balls: vec![shade], ..Film::default() }.folder();
         let json = folder.run("track drop.avi --json").ends(0).json();
         assert!(json["seen"].as_u64().unwrap() > 115, "{json}");
         let restitution = json["restitution"]["value"].as_f64().unwrap();
@@ -203,7 +194,7 @@ fn a_ball_without_a_hue_is_found_by_its_brightness() {
 fn a_bumped_camera_is_told_and_what_it_saw_meanwhile_is_left_out() {
     for (bump, left_out) in [(50..58, 8..24), (70..120, 48..64)] {
         let film = Film { bump: Some((bump.clone(), 9.0)), ..Film::default() };
-        let folder = with(&film);
+        let folder = film.folder();
         let json = folder.run("track drop.avi --out track.csv --pixels --json").ends(0).json();
         assert!(codes(&json).contains(&"camera.bumped"), "{json}");
         let kept = rows(&folder, "track.csv");
@@ -219,17 +210,9 @@ fn a_bumped_camera_is_told_and_what_it_saw_meanwhile_is_left_out() {
 /// Balls thrown across the view lose more than half of their speed along the floor at the first bounce.
 #[test]
 fn films_of_throws_show_that_the_floor_rubs() {
-    let Some(root) = std::env::var_os("TUNENET_MEASURED").map(std::path::PathBuf::from) else {
-        eprintln!("skipped: TUNENET_MEASURED does not name a folder of measured files");
-        return;
-    };
     let folder = Folder::with_scene();
     for name in ["PV_1.mp4", "PV_2.mp4"] {
-        let path = root.join("video-throws").join(name);
-        if !path.exists() {
-            eprintln!("skipped: {} is not there", path.display());
-            continue;
-        }
+        let Some(path) = measured_file(&format!("video-throws/{name}")) else { continue };
         let line = format!("diagnose --sim scene.toml --observation {} --json", path.display());
         let json = folder.run(&line).ends(3).json();
         let names: Vec<&str> = json["candidates"].as_array().unwrap().iter().filter_map(Value::as_str).collect();

@@ -1,25 +1,13 @@
 //! From a film to an answer, as a person meets it: tracks against the truth that was drawn, tuning to a film, and what no
 //! ball can be seen in.
 
-use std::path::{Path, PathBuf};
-
-use crate::common::Folder;
+use crate::common::recorded::measured_file;
+use crate::common::{Folder, codes};
 use crate::video::film::Film;
-use serde_json::Value;
-
-fn with(film: &Film) -> Folder {
-    let folder = Folder::with_scene();
-    folder.write("drop.avi", film.avi());
-    folder
-}
-
-fn codes(json: &Value) -> Vec<&str> {
-    json["warnings"].as_array().unwrap().iter().map(|w| w["code"].as_str().unwrap()).collect()
-}
 
 /// Columns of a CSV by name.
 fn columns(folder: &Folder, name: &str) -> (Vec<String>, Vec<Vec<f64>>) {
-    let text = String::from_utf8(folder.read(name)).unwrap();
+    let text = folder.text(name);
     let mut lines = text.lines();
     let names: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
     let rows: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect();
@@ -30,7 +18,7 @@ fn columns(folder: &Folder, name: &str) -> (Vec<String>, Vec<Vec<f64>>) {
 #[test]
 fn a_drawn_drop_is_tracked_to_a_tenth_of_a_pixel() {
     let film = Film::default();
-    let folder = with(&film);
+    let folder = film.folder();
     let json = folder.run("track drop.avi --pixels --out track.csv --json").ends(0).json();
     assert_eq!((json["schema"].as_str(), json["verdict"].as_str()), (Some("tunenet.track/1"), Some("tracked")));
     assert_eq!((&json["frames"], &json["seen"], &json["duplicates"]), (&120.into(), &120.into(), &0.into()));
@@ -54,7 +42,7 @@ fn a_drawn_drop_is_tracked_to_a_tenth_of_a_pixel() {
 #[test]
 fn metres_come_from_the_fall_from_the_radius_or_from_a_length() {
     let film = Film::default();
-    let folder = with(&film);
+    let folder = film.folder();
     for (flags, by, share) in
         [("", "gravity", 0.02), ("--radius 0.04", "radius", 0.02), ("--length 0.5=100", "length", 1e-9)]
     {
@@ -73,7 +61,7 @@ fn metres_come_from_the_fall_from_the_radius_or_from_a_length() {
 fn tune_takes_a_film_as_it_is() {
     // Without noise, a thousandth of a pixel would be more than chance explains.
     let film = Film { noise: 8.0, ..Film::default() };
-    let folder = with(&film);
+    let folder = film.folder();
     let line =
         "tune --sim scene.toml --set ball.radius_m=0.04 --observation drop.avi --no-cache --json --out tuned.toml";
     let json = folder.run(line).ends(0).json();
@@ -82,7 +70,7 @@ fn tune_takes_a_film_as_it_is() {
     assert!((found["value"].as_f64().unwrap() - film.restitution).abs() < 0.004, "{found}");
     assert!(json["gap"]["after"].as_f64().unwrap() < 2e-3, "{}", json["gap"]);
     assert!(codes(&json).contains(&"release.late"), "{json}");
-    let text = String::from_utf8(folder.read("tuned.toml")).unwrap();
+    let text = folder.text("tuned.toml");
     assert!(text.contains("drop.avi"), "{text}");
 }
 
@@ -90,7 +78,7 @@ fn tune_takes_a_film_as_it_is() {
 #[test]
 fn bounces_are_a_recording_of_their_own() {
     let film = Film { noise: 4.0, ..Film::default() };
-    let folder = with(&film);
+    let folder = film.folder();
     let json = folder.run("track drop.avi --bounces --out bounces.csv --json").ends(0).json();
     let (names, columns) = columns(&folder, "bounces.csv");
     let told: Vec<f64> = json["bounces_s"].as_array().unwrap().iter().map(|t| t.as_f64().unwrap()).collect();
@@ -107,13 +95,13 @@ fn bounces_are_a_recording_of_their_own() {
 fn slow_motion_and_repeated_frames_are_noticed_and_mended() {
     // 240 frames a second, played at 60.
     let slow = Film { rates_hz: (240.0, 60), frames: 360, ..Film::default() };
-    let folder = with(&slow);
+    let folder = slow.folder();
     let json = folder.run("track drop.avi --radius 0.04 --json").ends(0).json();
     assert!(codes(&json).contains(&"scale.disagrees"), "{json}");
     let json = folder.run("track drop.avi --radius 0.04 --camera-rate 240 --json").ends(0).json();
     assert!(!codes(&json).contains(&"scale.disagrees"), "{json}");
     assert!((json["fps"].as_f64().unwrap() - 240.0).abs() < 0.1);
-    let twice = with(&Film { repeat: vec![20, 50], ..Film::default() });
+    let twice = Film { repeat: vec![20, 50], ..Film::default() }.folder();
     let json = twice.run("track drop.avi --json").ends(0).json();
     assert_eq!((&json["duplicates"], codes(&json)), (&2.into(), vec!["film.repeated"]));
 }
@@ -128,13 +116,13 @@ fn what_shows_no_single_ball_is_a_plain_no() {
         (Film::default(), "--color green", "no_ball", "omit `--color`"),
     ];
     for (film, flags, verdict, wanted) in cases {
-        let folder = with(&film);
+        let folder = film.folder();
         let ran = folder.run(&format!("track drop.avi {flags} --out track.csv --json")).ends(3);
         assert_eq!(ran.json()["verdict"], verdict);
         assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
         assert!(!folder.names().iter().any(|n| n == "track.csv"));
     }
-    let folder = with(&Film { balls: Vec::new(), ..Film::default() });
+    let folder = Film { balls: Vec::new(), ..Film::default() }.folder();
     let ran = folder.run("tune --sim scene.toml --observation drop.avi --json").ends(3);
     assert_eq!(ran.json()["verdict"], "rejected");
     assert!(ran.stderr.contains("REJECTED") && ran.stderr.contains("nothing round"), "{}", ran.stderr);
@@ -142,7 +130,7 @@ fn what_shows_no_single_ball_is_a_plain_no() {
 
 #[test]
 fn files_that_are_no_films_say_so() {
-    let folder = with(&Film { frames: 60, ..Film::default() });
+    let folder = Film { frames: 60, ..Film::default() }.folder();
     let whole = folder.read("drop.avi");
     folder.write("words.mp4", "t_s,z_m\n0,1\n");
     folder.write("noise.mp4", vec![0x42u8; 5000]);
@@ -164,7 +152,7 @@ fn files_that_are_no_films_say_so() {
 
 #[test]
 fn flags_are_blamed_for_what_they_say() {
-    let folder = with(&Film { frames: 20, ..Film::default() });
+    let folder = Film { frames: 20, ..Film::default() }.folder();
     for (flags, wanted) in [
         ("--color pinkish", "--color"),
         ("--length 5", "0.5=240"),
@@ -185,13 +173,13 @@ fn flags_are_blamed_for_what_they_say() {
 
 #[test]
 fn a_report_is_complete_in_itself_and_equal_runs_write_equal_bytes() {
-    let folder = with(&Film::default());
+    let folder = Film::default().folder();
     for name in ["a", "b"] {
         folder.run(&format!("track drop.avi --out {name}.csv --report {name}.html --overlay {name}.mp4")).ends(0);
     }
     assert_eq!(folder.read("a.csv"), folder.read("b.csv"));
     assert_eq!(folder.read("a.html"), folder.read("b.html"));
-    let page = String::from_utf8(folder.read("a.html")).unwrap();
+    let page = folder.text("a.html");
     assert_eq!(page.matches("data:image/jpeg;base64,").count(), 12);
     for foreign in ["<script", "http:", "https:", "<link"] {
         assert!(!page.contains(foreign), "{foreign}");
@@ -204,7 +192,7 @@ fn a_report_is_complete_in_itself_and_equal_runs_write_equal_bytes() {
 
 #[test]
 fn without_the_part_that_reads_films_it_is_said() {
-    let folder = with(&Film { frames: 20, ..Film::default() });
+    let folder = Film { frames: 20, ..Film::default() }.folder();
     let alone = folder.path("tunenet");
     std::fs::copy(env!("CARGO_BIN_EXE_tunenet"), &alone).unwrap();
     for line in [&["track", "drop.avi"][..], &["tune", "--sim", "scene.toml", "--observation", "drop.avi"]] {
@@ -222,10 +210,6 @@ fn without_the_part_that_reads_films_it_is_said() {
 /// Films of others, with what was counted by eye and told beside them: frames with a ball, and restitution (centre, slack).
 #[test]
 fn real_films_give_what_was_counted_in_them() {
-    let Some(root) = std::env::var_os("TUNENET_MEASURED").map(PathBuf::from) else {
-        eprintln!("skipped: TUNENET_MEASURED does not name a folder of measured files");
-        return;
-    };
     let folder = Folder::with_scene();
     let (none, throw) = (None, Some((0.725, 0.04)));
     let films = [
@@ -235,11 +219,7 @@ fn real_films_give_what_was_counted_in_them() {
         ("video-tennis-throw/ball.mp4", 27..=27, none),
     ];
     for (name, frames, restitution) in films {
-        let path: &Path = &root.join(name);
-        if !path.exists() {
-            eprintln!("skipped: {} is not there", path.display());
-            continue;
-        }
+        let Some(path) = measured_file(name) else { continue };
         let json = folder.run(&format!("track {} --json", path.display())).ends(0).json();
         assert!(frames.contains(&json["seen"].as_u64().unwrap()), "{name}: {}", json["seen"]);
         if name.ends_with("RedBall.mp4") {

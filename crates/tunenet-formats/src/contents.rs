@@ -5,16 +5,15 @@ use std::path::Path;
 use crate::csv::lines::{Lines, cells, named, separator};
 use crate::csv::own_columns;
 use crate::csv::scan::scan;
-use crate::format::Format;
-use crate::format::format;
+use crate::format::{Format, format};
 use crate::mcap::topics::{Topic, survey};
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::ranges::written_out;
 use crate::recording::ReadOptions;
 use crate::source::unchanged;
 use crate::{Error, Result};
-use tunenet_core::observation::Kind;
-use tunenet_core::observation::Note;
+use tunenet_core::observation::{Kind, Note};
+use tunenet_core::statistics::median;
 
 /// What is in a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,10 +150,9 @@ fn table(path: &Path, options: &ReadOptions) -> Result<Table> {
     table.rows = scan.rows;
     table.samples = times.len();
     table.span_s = times.first().copied().zip(times.last().copied());
-    let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    intervals.sort_unstable_by(f64::total_cmp);
-    table.largest_gap_s = intervals.last().copied();
-    table.median_rate_hz = intervals.get(intervals.len() / 2).map(|median| 1.0 / median);
+    let intervals = times.windows(2).map(|pair| pair[1] - pair[0]);
+    table.largest_gap_s = intervals.clone().max_by(f64::total_cmp);
+    table.median_rate_hz = median(intervals).map(|interval| 1.0 / interval);
     table.notes = scan.notes();
     table.broken_count = scan.broken_count;
     table.broken = scan.broken.into_iter().map(|b| BrokenLine { line: b.line, message: b.message }).collect();

@@ -19,18 +19,15 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String> {
     use std::io::Read as _;
     let path = path.as_ref();
     let file = crate::source::open(path)?;
-    let bytes = file.metadata().map_err(|e| Error::io(path, "reading", e))?.len();
-    let large = |bytes: u64| {
-        let message = format!("expected a text of at most {LARGEST_SMALL_TEXT} bytes, found {bytes}");
-        Err(Error::file(path, message, "is this the right file?"))
-    };
-    if bytes > LARGEST_SMALL_TEXT {
-        return large(bytes);
-    }
+    let failed = |e| Error::io(path, "reading", e);
+    let bytes = file.metadata().map_err(failed)?.len();
     let mut text = Vec::new();
-    file.take(LARGEST_SMALL_TEXT + 1).read_to_end(&mut text).map_err(|e| Error::io(path, "reading", e))?;
-    if text.len() as u64 > LARGEST_SMALL_TEXT {
-        return large(text.len() as u64);
+    file.take(LARGEST_SMALL_TEXT + 1).read_to_end(&mut text).map_err(failed)?;
+    // A file that grows meanwhile is larger than it was.
+    let bytes = bytes.max(text.len() as u64);
+    if bytes > LARGEST_SMALL_TEXT {
+        let message = format!("expected a text of at most {LARGEST_SMALL_TEXT} bytes, found {bytes}");
+        return Err(Error::file(path, message, "is this the right file?"));
     }
     refuse_foreign(path, &text[..text.len().min(512)])?;
     let text = String::from_utf8(text).map_err(|error| {

@@ -11,8 +11,7 @@ use mcap::{Compression, WriteOptions};
 use crate::mcap::ros::{Header, JointState, OdometryStart, Point, PointStamped, Time, encode};
 use crate::mcap::stamps::split;
 use crate::read;
-use crate::recording::ReadOptions;
-use crate::recording::Recording;
+use crate::recording::{ReadOptions, Recording};
 use crate::{Error, Result};
 
 /// A folder that goes away with the test, and a file in it.

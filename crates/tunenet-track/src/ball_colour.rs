@@ -3,6 +3,7 @@
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Size};
 use opencv::imgproc::{COLOR_BGR2HSV, blur_def, cvt_color_def};
 use rayon::prelude::*;
+use tunenet_core::statistics::{median, range};
 use tunenet_video_protocol::track::Unseen;
 
 use super::blob::{Blob, blobs};
@@ -54,16 +55,14 @@ pub struct Scene {
 pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
     // Motion is detected in pictures with less noise; colours are the ball's own.
     let smooth: Vec<Mat> = frames.par_iter().map(smoothed).collect::<opencv::Result<_>>()?;
-    let background = median(frames)?;
-    let behind = median(&smooth)?;
+    let background = median_picture(frames)?;
+    let behind = median_picture(&smooth)?;
     let still = behind.data_bytes()?;
     let hsv: Vec<Mat> = frames.par_iter().map(to_hsv).collect::<opencv::Result<_>>()?;
     let moved: Vec<Vec<u8>> =
         smooth.par_iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
-    let mut shares: Vec<f64> =
-        moved.iter().map(|m| m.iter().filter(|d| **d > MOVED_CLEARLY).count() as f64 / m.len() as f64).collect();
-    shares.sort_unstable_by(f64::total_cmp);
-    if shares[shares.len() / 2] > STILL_SHARE || moves(&smooth)? {
+    let shares = moved.iter().map(|m| m.iter().filter(|d| **d > MOVED_CLEARLY).count() as f64 / m.len() as f64);
+    if median(shares).is_some_and(|share| share > STILL_SHARE) || moves(&smooth)? {
         return Ok(Err(Unseen::CameraMoves));
     }
     let candidates = match window {
@@ -113,7 +112,7 @@ fn smoothed(frame: &Mat) -> opencv::Result<Mat> {
 }
 
 /// The median of each pixel over at most [`BACKGROUND_FRAMES`] frames.
-fn median(frames: &[Mat]) -> opencv::Result<Mat> {
+fn median_picture(frames: &[Mat]) -> opencv::Result<Mat> {
     let count = frames.len().min(BACKGROUND_FRAMES);
     let chosen: Vec<&[u8]> =
         (0..count).map(|i| frames[i * frames.len() / count].data_bytes()).collect::<opencv::Result<_>>()?;
@@ -213,19 +212,10 @@ fn merit(seen: &[Option<Blob>], frames: usize) -> Option<(f64, f64)> {
     if found.len() < 3 {
         return None;
     }
-    let middle = |of: &dyn Fn(&Blob) -> f64| {
-        let mut all: Vec<f64> = found.iter().map(|b| of(b)).collect();
-        all.sort_unstable_by(f64::total_cmp);
-        all[all.len() / 2]
-    };
-    let area = middle(&|b| b.area);
-    let fill = middle(&|b| b.fill());
-    let reach = |of: &dyn Fn(&Blob) -> f64| {
-        let (low, high) =
-            found.iter().map(|b| of(b)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        high - low
-    };
-    let travel = reach(&|b| b.u).hypot(reach(&|b| b.v)) / area.sqrt();
+    let area = median(found.iter().map(|b| b.area))?;
+    let fill = median(found.iter().map(|b| b.fill()))?;
+    let (across, down) = (range(found.iter().map(|b| b.u)), range(found.iter().map(|b| b.v)));
+    let travel = across.hypot(down) / area.sqrt();
     // Sizes that stay alike from frame to frame.
     let alike = found.iter().filter(|b| (0.4..2.5).contains(&(b.area / area))).count() as f64 / found.len() as f64;
     if !ROUND.contains(&fill) || area < 4.0 || travel < 1.0 || alike < 0.5 {
@@ -233,7 +223,6 @@ fn merit(seen: &[Option<Blob>], frames: usize) -> Option<(f64, f64)> {
     }
     let share = found.len() as f64 / frames as f64;
     // What only crosses the picture is a person who walks by, not a ball.
-    let (across, down) = (reach(&|b| b.u), reach(&|b| b.v));
     let falls = (2.0 * down / (across + down)).clamp(LEVEL, 1.0);
     Some((share.sqrt() * alike * area.sqrt() * travel.min(10.0) * falls * (1.0 - (fill - 1.0).abs()), area))
 }

@@ -35,23 +35,14 @@ pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result
     }
     let count = count.min(away.len());
     let share = count as f64 / away.len().max(1) as f64;
+    let reason = Unseen::CameraMoves;
+    let camera = |frames| Answer::Unseen { reason, frames, finding: track_findings::unseen(reason, false, "") };
     Ok(match answer {
-        Answer::Unseen { frames, reason, .. } if share > EXPLAINS && reason != Unseen::CameraMoves => {
-            let reason = Unseen::CameraMoves;
-            Answer::Unseen { reason, frames, finding: track_findings::unseen(reason, false, "") }
-        }
+        Answer::Unseen { frames, reason, .. } if share > EXPLAINS && reason != Unseen::CameraMoves => camera(frames),
         Answer::Tracked(mut track) if count > 0 && share <= MOST => {
             let places: Vec<usize> = placed.iter().map(|(place, _)| *place).collect();
             leave_out(&mut track, &places, &away);
-            if track.sightings.is_empty() {
-                let reason = Unseen::CameraMoves;
-                return Ok(Answer::Unseen {
-                    reason,
-                    frames: track.frames,
-                    finding: track_findings::unseen(reason, false, ""),
-                });
-            }
-            Answer::Tracked(track)
+            if track.sightings.is_empty() { camera(track.frames) } else { Answer::Tracked(track) }
         }
         answer => answer,
     })

@@ -1,5 +1,7 @@
 //! Frames that a camera or a converter wrote twice.
 
+use tunenet_core::statistics::median;
+
 use super::view::View;
 
 /// Points of a frame that are compared, along its longer side.
@@ -39,9 +41,7 @@ impl Changes {
 
     /// The frames that repeat the one before, from 0.
     pub fn repeated(&self) -> Vec<usize> {
-        let mut finite: Vec<f64> = self.change.iter().copied().filter(|c| c.is_finite()).collect();
-        finite.sort_unstable_by(f64::total_cmp);
-        let Some(&usual) = finite.get(finite.len() / 2) else { return Vec::new() };
+        let Some(usual) = median(self.change.iter().copied().filter(|c| c.is_finite())) else { return Vec::new() };
         let same: Vec<bool> = self.change.iter().map(|c| *c < SAME_SHARE * usual).collect();
         let mut repeated = Vec::new();
         let mut i = 0;

@@ -1,6 +1,6 @@
 //! The clock of a video: its step, the frames that are missing, and stamps that a container has rounded.
 
-use tunenet_core::statistics::median;
+use tunenet_core::statistics::{mean, median};
 
 /// Steps below this many medians hold no missing frame.
 const GAP: f64 = 1.5;
@@ -18,7 +18,7 @@ pub(crate) fn step_s(times_s: &[f64]) -> f64 {
     let steps = steps(times_s);
     let middle = median(steps.clone()).unwrap_or(1.0);
     let plain: Vec<f64> = steps.into_iter().filter(|s| *s < GAP * middle).collect();
-    if plain.is_empty() { middle } else { plain.iter().sum::<f64>() / plain.len() as f64 }
+    if plain.is_empty() { middle } else { mean(plain) }
 }
 
 /// How many frames are missing by the clock.
@@ -39,8 +39,7 @@ pub(crate) fn even_out(times_s: &mut [f64]) {
     for i in 1..times_s.len() {
         numbers[i] = numbers[i - 1] + ((times_s[i] - times_s[i - 1]) / step).round().max(1.0);
     }
-    let n = times_s.len() as f64;
-    let (mean_k, mean_t) = (numbers.iter().sum::<f64>() / n, times_s.iter().sum::<f64>() / n);
+    let (mean_k, mean_t) = (mean(numbers.iter().copied()), mean(times_s.iter().copied()));
     let square: f64 = numbers.iter().map(|k| (k - mean_k).powi(2)).sum();
     let step = numbers.iter().zip(times_s.iter()).map(|(k, t)| (k - mean_k) * (t - mean_t)).sum::<f64>() / square;
     let even: Vec<f64> = numbers.iter().map(|k| mean_t + step * (k - mean_k)).collect();

@@ -43,20 +43,14 @@ pub(crate) fn incomplete(path: &Path) -> Option<Error> {
 
 /// Length, its head included, and kind of the box at `at`.
 fn head(file: &mut File, at: u64, size: u64) -> Option<(u64, [u8; 4])> {
-    let mut head = [0u8; 16];
+    let mut head = Vec::with_capacity(16);
     file.seek(SeekFrom::Start(at)).ok()?;
-    let mut read = 0;
-    while read < head.len() {
-        match file.read(&mut head[read..]).ok()? {
-            0 => break,
-            n => read += n,
-        }
-    }
-    let kind = [head[4], head[5], head[6], head[7]];
-    let length = match u32::from_be_bytes([head[0], head[1], head[2], head[3]]) {
+    file.take(16).read_to_end(&mut head).ok()?;
+    let kind = *head[4..].first_chunk()?;
+    let length = match u32::from_be_bytes(*head.first_chunk()?) {
         // To the end of the file.
         0 => size - at,
-        1 if read == head.len() => u64::from_be_bytes(head[8..].try_into().ok()?),
+        1 if head.len() == 16 => u64::from_be_bytes(*head[8..].first_chunk()?),
         length => u64::from(length),
     };
     (8..1 << 60).contains(&length).then_some((length, kind))

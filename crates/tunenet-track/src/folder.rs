@@ -1,6 +1,5 @@
 //! A folder of numbered pictures, as a video.
 
-use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
 use opencv::core::{Mat, MatTraitConst};
@@ -39,7 +38,7 @@ impl Folder {
             let message = format!("expected pictures of a known rate, found {} without one", files.len());
             return Err(Error::file(path, message, "say how many were taken each second, as in `--camera-rate 60`"));
         };
-        files.sort_by(|a, b| by_number(&a.to_string_lossy(), &b.to_string_lossy()));
+        alphanumeric_sort::sort_path_slice(&mut files);
         Ok(Self { files, rate_hz, index: 0 })
     }
 }
@@ -69,42 +68,19 @@ impl Pictures for Folder {
     }
 }
 
-/// Compares names, with runs of digits as the numbers that they are.
-fn by_number(a: &str, b: &str) -> Ordering {
-    let (mut a, mut b) = (a, b);
-    loop {
-        let (Some(first), Some(second)) = (a.chars().next(), b.chars().next()) else { return a.len().cmp(&b.len()) };
-        let order = if first.is_ascii_digit() && second.is_ascii_digit() {
-            let (left, right) = (digits(&mut a), digits(&mut b));
-            // Without leading zeros a longer number is a larger one.
-            left.len().cmp(&right.len()).then(left.cmp(right))
-        } else {
-            (a, b) = (&a[first.len_utf8()..], &b[second.len_utf8()..]);
-            first.cmp(&second)
-        };
-        if order != Ordering::Equal {
-            return order;
-        }
-    }
-}
-
-/// Takes the digits from the start of `text`, and gives them back without leading zeros.
-fn digits<'a>(text: &mut &'a str) -> &'a str {
-    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
-    let (number, rest) = text.split_at(end);
-    *text = rest;
-    number.trim_start_matches('0')
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn names_stand_in_the_order_of_their_numbers() {
-        let mut names = ["f10.png", "f9.png", "f010b.png", "e3.png", "f1.png", "f.png"];
-        names.sort_by(|a, b| by_number(a, b));
-        assert_eq!(names, ["e3.png", "f.png", "f1.png", "f9.png", "f10.png", "f010b.png"]);
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["e3.png", "f.png", "f1.png", "f9.png", "f10.png", "f010b.png"];
+        for name in names.iter().rev() {
+            std::fs::write(folder.path().join(name), [0; 9]).unwrap();
+        }
+        let pictures = Folder::open(folder.path(), Some(60.0)).unwrap();
+        assert_eq!(pictures.files, names.map(|name| folder.path().join(name)));
     }
 
     #[test]

@@ -95,9 +95,7 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), how: 
     // A shadow, a reflection or a hand: the few worst edges go, and the circle is drawn again.
     for _ in 0..4 {
         let away = |p: &(f64, f64)| ((p.0 - found.0).hypot(p.1 - found.1) - found.2).abs();
-        let mut sorted: Vec<f64> = kept.iter().map(away).collect();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let limit = (2.5 * sorted[sorted.len() / 2]).max(OFF.0 * found.2 + OFF.1).max(0.5 * how.smear_px);
+        let limit = (2.5 * median(kept.iter().map(away))?).max(OFF.0 * found.2 + OFF.1).max(0.5 * how.smear_px);
         let better: Vec<(f64, f64)> = kept.iter().filter(|p| away(p) <= limit).copied().collect();
         if better.len() == kept.len() {
             break;

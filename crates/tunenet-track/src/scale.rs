@@ -10,7 +10,7 @@ use tunenet_video_protocol::{VideoFinding, findings};
 use crate::parabola::Parabola;
 use crate::perspective;
 use crate::track::Track;
-use tunenet_core::statistics::median;
+use tunenet_core::statistics::{median, range};
 
 /// Gravity is first read off windows of so many seconds, and at least so many frames.
 const WINDOW: (f64, usize) = (0.12, 5);
@@ -135,8 +135,8 @@ fn by_gravity(track: &Track, gravity: f64) -> Option<f64> {
     let windows: Vec<Parabola> = (0..(times.len() + 1).saturating_sub(width))
         .filter_map(|i| {
             let part = &heights[i..i + width];
-            let (low, high) = part.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-            Parabola::fit(&times[i..i + width], part).filter(|p| high - low > least && p.acceleration > 0.0)
+            let moves = range(part.iter().copied()) > least;
+            Parabola::fit(&times[i..i + width], part).filter(|p| moves && p.acceleration > 0.0)
         })
         .collect();
     let usual = median(windows.iter().map(|p| p.residual))?;

@@ -2,6 +2,7 @@
 
 use opencv::core::Mat;
 use rayon::prelude::*;
+use tunenet_core::statistics::median;
 
 use crate::view::View;
 
@@ -38,15 +39,9 @@ pub(crate) const LIKELY: Doubt = Doubt { edge: 24, moved: 10, tiles: MOVED_TILES
 
 /// Whether the camera moves between these pictures, all of one size.
 pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
-    let mut shares: Vec<f64> = pictures
-        .par_windows(2)
-        .map(|pair| moved_tiles(&pair[0], &pair[1]))
-        .collect::<opencv::Result<Vec<Option<f64>>>>()?
-        .into_iter()
-        .flatten()
-        .collect();
-    shares.sort_unstable_by(f64::total_cmp);
-    Ok(shares.get(shares.len() / 2).is_some_and(|s| *s > MOVED_TILES))
+    let shares: Vec<Option<f64>> =
+        pictures.par_windows(2).map(|pair| moved_tiles(&pair[0], &pair[1])).collect::<opencv::Result<_>>()?;
+    Ok(median(shares.into_iter().flatten()).is_some_and(|share| share > MOVED_TILES))
 }
 
 /// Which of these pictures show the background displaced from `reference`: the camera moved.
@@ -61,30 +56,19 @@ pub(crate) fn elsewhere(pictures: &[(usize, &Mat)], reference: &Mat, doubt: Doub
 /// tile's edges brighter or darker alike; `None` where there are too few.
 fn shifted_tiles(before: &Mat, after: &Mat, doubt: Doubt) -> opencv::Result<Option<f64>> {
     let (before, after) = (View::of(before)?, View::of(after)?);
-    let (columns, rows) = (before.columns(), before.rows());
-    if (after.columns(), after.rows()) != (columns, rows) {
+    if (after.columns(), after.rows()) != (before.columns(), before.rows()) {
         return Ok(None);
     }
     let mut tiles = vec![Vec::<i16>::new(); TILES * TILES];
-    let green = |view: &View<'_>, column: usize, row: usize| view.pixel(column, row)[1];
-    for row in 1..rows - 1 {
-        for column in 1..columns - 1 {
-            let across = green(&before, column - 1, row).abs_diff(green(&before, column + 1, row));
-            let down = green(&before, column, row - 1).abs_diff(green(&before, column, row + 1));
-            if across.max(down) > doubt.edge {
-                let change = i16::from(green(&after, column, row)) - i16::from(green(&before, column, row));
-                tiles[row * TILES / rows * TILES + column * TILES / columns].push(change);
-            }
-        }
-    }
-    let told = tiles.iter_mut().enumerate().filter(|(_, edges)| edges.len() >= FEWEST_EDGES);
-    Ok(share(told.map(|(tile, edges)| (tile, shifted(edges, doubt.moved)))))
+    on_edges(&before, &after, doubt.edge, |tile, change| tiles[tile].push(change));
+    let enough = tiles.iter_mut().enumerate().filter(|(_, edges)| edges.len() >= FEWEST_EDGES);
+    Ok(share(enough.map(|(tile, edges)| (tile, shifted(edges, doubt.moved)))))
 }
 
 /// The share of tiles, each by its number and whether it moved, that did; `None` where they are too few or too near together.
-fn share(told: impl Iterator<Item = (usize, bool)>) -> Option<f64> {
+fn share(tiles: impl Iterator<Item = (usize, bool)>) -> Option<f64> {
     let (mut columns, mut count, mut moving) = ([false; TILES], 0usize, 0usize);
-    for (tile, moved) in told {
+    for (tile, moved) in tiles {
         columns[tile % TILES] = true;
         count += 1;
         moving += usize::from(moved);
@@ -104,23 +88,31 @@ fn shifted(changes: &mut [i16], least: u8) -> bool {
 /// The share of the tiles of `before` whose edges look different in `after`; `None` where there are too few.
 fn moved_tiles(before: &Mat, after: &Mat) -> opencv::Result<Option<f64>> {
     let (before, after) = (View::of(before)?, View::of(after)?);
+    let mut tiles = [(0usize, 0usize); TILES * TILES];
+    on_edges(&before, &after, EDGE, |tile, change| {
+        let (edges, moved) = &mut tiles[tile];
+        *edges += 1;
+        *moved += usize::from(change.unsigned_abs() > u16::from(MOVED));
+    });
+    let enough = tiles.iter().enumerate().filter(|(_, (edges, _))| *edges >= FEWEST_EDGES);
+    Ok(share(enough.map(|(tile, (edges, moved))| (tile, *moved as f64 > MOVED_EDGES * *edges as f64))))
+}
+
+/// Calls `each` for every pixel of `before` that lies on an edge, with the number of its tile and by how much `after` is
+/// brighter there. Green carries most of the brightness; every channel would only say the same again.
+fn on_edges(before: &View<'_>, after: &View<'_>, edge: u8, mut each: impl FnMut(usize, i16)) {
     let (columns, rows) = (before.columns(), before.rows());
-    let mut tiles = [[(0usize, 0usize); TILES]; TILES];
-    // Green carries most of the brightness; every channel would only say the same again.
     let green = |view: &View<'_>, column: usize, row: usize| view.pixel(column, row)[1];
     for row in 1..rows - 1 {
         for column in 1..columns - 1 {
-            let across = green(&before, column - 1, row).abs_diff(green(&before, column + 1, row));
-            let down = green(&before, column, row - 1).abs_diff(green(&before, column, row + 1));
-            if across.max(down) > EDGE {
-                let (edges, moved) = &mut tiles[row * TILES / rows][column * TILES / columns];
-                *edges += 1;
-                *moved += usize::from(green(&before, column, row).abs_diff(green(&after, column, row)) > MOVED);
+            let across = green(before, column - 1, row).abs_diff(green(before, column + 1, row));
+            let down = green(before, column, row - 1).abs_diff(green(before, column, row + 1));
+            if across.max(down) > edge {
+                let change = i16::from(green(after, column, row)) - i16::from(green(before, column, row));
+                each(row * TILES / rows * TILES + column * TILES / columns, change);
             }
         }
     }
-    let told = tiles.iter().flatten().enumerate().filter(|(_, (edges, _))| *edges >= FEWEST_EDGES);
-    Ok(share(told.map(|(tile, (edges, moved))| (tile, *moved as f64 > MOVED_EDGES * *edges as f64))))
 }
 
 #[cfg(test)]

@@ -21,9 +21,6 @@ use crate::view::View;
 pub fn pictures(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> opencv::Result<Vec<Mat>> {
     let look = Look { noise: spoilt.noise, ..Look::default() };
     let mut renderer = Renderer::new(take.camera.clone(), radius_m, look, seed);
-    let (width, height) = take.camera.size_px();
-    let size = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
-    let (columns, rows) = (size(width), size(height));
     let last = take.heights_m.len().saturating_sub(1);
     let all = (0..take.heights_m.len()).map(|i| {
         let (here, next) = (take.place(i), take.place((i + 1).min(last)));
@@ -32,14 +29,27 @@ pub fn pictures(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> openc
         } else {
             renderer.frame(here)
         };
-        let mut mat = Mat::new_rows_cols_with_default(rows, columns, CV_8UC3, Scalar::all(0.0))?;
-        mat.data_bytes_mut()?.copy_from_slice(bytes);
+        let mat = picture(size(take), bytes)?;
         match spoilt.jpeg_quality {
             None => Ok(mat),
             Some(quality) => through_jpeg(&mat, quality),
         }
     });
     all.collect()
+}
+
+/// Columns and rows of a take's pictures.
+fn size(take: &Take) -> Size {
+    let (columns, rows) = take.camera.size_px();
+    let size = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
+    Size::new(size(columns), size(rows))
+}
+
+/// A picture from its pixels: blue, green, red of each, row after row.
+fn picture(size: Size, bytes: &[u8]) -> opencv::Result<Mat> {
+    let mut mat = Mat::new_size_with_default(size, CV_8UC3, Scalar::all(0.0))?;
+    mat.data_bytes_mut()?.copy_from_slice(bytes);
+    Ok(mat)
 }
 
 fn through_jpeg(picture: &Mat, quality: i32) -> opencv::Result<Mat> {
@@ -82,13 +92,11 @@ pub fn tracked(pictures: &[Mat]) -> opencv::Result<Result<Vec<Option<Sighting>>,
 pub fn write(path: &Path, take: &Take, radius_m: f64, noise: f64, rate_hz: f64) -> opencv::Result<()> {
     let look = Look { noise, ..Look::default() };
     let mut renderer = Renderer::new(take.camera.clone(), radius_m, look, 1);
-    let (width, height) = take.camera.size_px();
-    let size = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
     let name = path.to_str().ok_or_else(|| opencv::Error::new(opencv::core::StsBadArg, "a name that is not UTF-8"))?;
     let open = |codec: [char; 4]| {
         let [a, b, c, d] = codec;
         let code = VideoWriter::fourcc(a, b, c, d)?;
-        VideoWriter::new(name, code, rate_hz, Size::new(size(width), size(height)), true)
+        VideoWriter::new(name, code, rate_hz, size(take), true)
     };
     set_log_level(LogLevel::LOG_LEVEL_SILENT)?;
     let mut writer = open(['a', 'v', 'c', '1'])?;
@@ -99,10 +107,7 @@ pub fn write(path: &Path, take: &Take, radius_m: f64, noise: f64, rate_hz: f64) 
         return Err(opencv::Error::new(opencv::core::StsError, "OpenCV writes neither H.264 nor MPEG-4"));
     }
     for z in &take.heights_m {
-        let frame = renderer.frame([0.0, 0.0, *z]);
-        let mut mat = Mat::new_rows_cols_with_default(size(height), size(width), CV_8UC3, Scalar::all(0.0))?;
-        mat.data_bytes_mut()?.copy_from_slice(frame);
-        writer.write(&mat)?;
+        writer.write(&picture(size(take), renderer.frame([0.0, 0.0, *z]))?)?;
     }
     writer.release()
 }
@@ -205,10 +210,7 @@ mod tests {
                 let heights =
                     (lies.min(0)..80 + lies.max(0)).map(|k| if (0..80).contains(&k) { fall(k) } else { radius });
                 for z in heights {
-                    let bytes = renderer.frame([0.0, 0.0, z]);
-                    let mut mat = Mat::new_rows_cols_with_default(240, 320, CV_8UC3, Scalar::all(0.0)).unwrap();
-                    mat.data_bytes_mut().unwrap().copy_from_slice(bytes);
-                    seen.push(mat);
+                    seen.push(picture(Size::new(320, 240), renderer.frame([0.0, 0.0, z])).unwrap());
                 }
                 let found =
                     tracked(&seen).unwrap().unwrap_or_else(|r| panic!("{radius} {lies} {brightness} {noise}: {r:?}"));

@@ -1,5 +1,6 @@
 //! Findings about a video: each with a fixed code, a sentence, and what to try.
 
+use tunenet_core::statistics::{mean, range};
 use tunenet_video_protocol::track::Unseen;
 use tunenet_video_protocol::{VideoFinding, findings};
 
@@ -19,17 +20,12 @@ const LEVEL: f64 = 0.6;
 /// That a ball goes along a line that is no plumb line, and so never flies.
 fn rolls(track: &Track) -> Option<VideoFinding> {
     let places: Vec<(f64, f64)> = track.whole().map(|s| (s.u_px, s.v_px)).collect();
-    let n = places.len() as f64;
-    let (u, v) = (places.iter().map(|p| p.0).sum::<f64>() / n, places.iter().map(|p| p.1).sum::<f64>() / n);
+    let (u, v) = (mean(places.iter().map(|p| p.0)), mean(places.iter().map(|p| p.1)));
     let sum = |of: &dyn Fn(f64, f64) -> f64| places.iter().map(|p| of(p.0 - u, p.1 - v)).sum::<f64>();
     let slope = sum(&|x, y| x * y) / sum(&|x, _| x * x);
-    let off = (sum(&|x, y| (y - slope * x).powi(2)) / n).sqrt();
-    let span = |of: &dyn Fn(&(f64, f64)) -> f64| {
-        let (low, high) =
-            places.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
-        high - low
-    };
-    let (across, down, radius) = (span(&|p| p.0), span(&|p| p.1), track.radius_px());
+    let off = mean(places.iter().map(|p| (p.1 - v - slope * (p.0 - u)).powi(2))).sqrt();
+    let (across, down) = (range(places.iter().map(|p| p.0)), range(places.iter().map(|p| p.1)));
+    let radius = track.radius_px();
     (across > LONG * radius && down < LEVEL * across && off < STRAIGHT * radius).then(|| {
         let text = format!(
             "the ball moves along a straight line, {across:.0} px across and {down:.0} px down: it rolls and never flies"

@@ -1,6 +1,6 @@
 //! Networks trained for a scene, kept for the next run.
 
-use crate::files::{hash, names};
+use crate::files::names;
 use crate::findings;
 use std::path::{Path, PathBuf};
 
@@ -9,8 +9,6 @@ use tunenet_core::network::Model;
 use tunenet_core::observation::Note;
 use tunenet_formats::write_atomically;
 use tunenet_formats::{model_from_bytes, model_to_bytes};
-
-use hash::hex;
 
 /// Names another folder; empty for none.
 const FOLDER: &str = "TUNENET_CACHE";
@@ -42,7 +40,7 @@ impl Cache {
     }
 
     fn path(&self, key: &str) -> Option<PathBuf> {
-        let name = format!("{}.network", hex(&Sha256::digest(key)));
+        let name = format!("{}.network", hex::encode(Sha256::digest(key)));
         self.folder.as_ref().map(|folder| folder.join(name))
     }
 
@@ -92,5 +90,5 @@ fn unusable(path: &Path, why: &str) -> Note {
 }
 
 fn digest(key: &str, bytes: &[u8]) -> String {
-    hex(&Sha256::new().chain_update(key).chain_update(bytes).finalize())
+    hex::encode(Sha256::new().chain_update(key).chain_update(bytes).finalize())
 }

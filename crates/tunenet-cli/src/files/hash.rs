@@ -1,6 +1,5 @@
 //! SHA-256 of files, and what is identified by it.
 
-use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 
@@ -22,7 +21,7 @@ pub fn sha256(path: &Path) -> Result<String> {
     } else {
         digest(path, &mut hasher)?;
     }
-    Ok(hex(&hasher.finalize()))
+    Ok(hex::encode(hasher.finalize()))
 }
 
 /// A file's name and hash, as `[provenance]` names what was read.
@@ -45,15 +44,6 @@ fn digest(path: &Path, hasher: &mut Sha256) -> Result<()> {
         hasher.update(&buffer[..count]);
     }
     Ok(())
-}
-
-/// Bytes in hexadecimal.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
 }
 
 /// Refuses a recording that is given twice, whatever it is called: the same evidence counted twice looks like twice as much.

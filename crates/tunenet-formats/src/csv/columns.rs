@@ -11,8 +11,7 @@ use crate::quantity::{Family, Meaning, Quantity, Scale, kind_name, meaning};
 use crate::ranges::written_out;
 use crate::shown::list;
 use crate::{Error, Origin, Result};
-use tunenet_core::observation::Note;
-use tunenet_core::observation::{Channel, Kind};
+use tunenet_core::observation::{Channel, Kind, Note};
 
 /// Rows that are examined to distinguish a count from a time, and the fewest that suffice.
 const MOST_COUNTED: usize = 64;
@@ -46,6 +45,18 @@ impl Layout {
             Quantity::Own(number) => self.channels[usize::from(number)].header(),
             known => known.header(),
         }
+    }
+
+    /// Adds a note on every column that is read in another unit than its own.
+    pub fn with_conversions(mut self, header: &Header<'_>) -> Self {
+        let cells = header.cells();
+        for source in self.clock.iter().chain(self.values.iter().flatten()).filter(|s| s.scale != Scale::Keep) {
+            let number = (source.column + 1).to_string();
+            let theirs = if header.named { cells[source.column].text } else { &number };
+            let text = format!("column `{theirs}` is converted to `{}`", self.header(source));
+            self.notes.push(Note::new(findings::COLUMNS_CONVERTED, text, ""));
+        }
+        self
     }
 }
 
@@ -81,6 +92,17 @@ impl Header<'_> {
             message,
             hint: hint.into(),
         })
+    }
+
+    /// The column that the user calls `theirs`: by its name, or by its number from 1. `remedy` is what to try where it is neither.
+    pub fn column(&self, theirs: &str, remedy: impl FnOnce() -> String) -> Result<usize> {
+        let cells = self.cells();
+        let by_name = cells.iter().position(|cell| self.named && cell.text == theirs);
+        let by_number = || theirs.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|n| *n < cells.len());
+        match by_name.or_else(by_number) {
+            Some(column) => Ok(column),
+            None => self.refuse(None, format!("`{theirs}` is not a column: found {}", self.found()), remedy()),
+        }
     }
 
     /// What is there, for a person.
@@ -218,15 +240,7 @@ fn mapped(header: &Header<'_>, mapping: &[(String, String)]) -> Result<Found> {
                 found: format!("`{ours}`"),
             });
         };
-        let by_name = cells.iter().position(|cell| header.named && cell.text == theirs);
-        let by_number = || theirs.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|n| *n < cells.len());
-        let Some(column) = by_name.or_else(by_number) else {
-            return header.refuse(
-                None,
-                format!("`{theirs}` is not a column: found {}", header.found()),
-                header.remedy(),
-            );
-        };
+        let column = header.column(theirs, || header.remedy())?;
         if found.insert(quantity, Source { column, scale, quantity }).is_some() {
             return Err(Error::Setting {
                 origin: Origin::Flag,
@@ -308,14 +322,8 @@ fn build(header: &Header<'_>, kind: Kind, found: &Found, mut notes: Vec<Note>) -
         let text = format!("no column {}: taken as 0", list(absent.iter().map(String::as_str), 2));
         notes.push(Note::new(findings::COLUMNS_ABSENT, text, "name them with `--columns` where the file has them"));
     }
-    let cells = header.cells();
-    for source in clock.iter().chain(values.iter().flatten()).filter(|source| source.scale != Scale::Keep) {
-        let theirs = if header.named { cells[source.column].text.to_owned() } else { format!("{}", source.column + 1) };
-        let text = format!("column `{theirs}` is converted to `{}`", source.quantity.header());
-        notes.push(Note::new(findings::COLUMNS_CONVERTED, text, ""));
-    }
     let channels = wanted.iter().map(|quantity| quantity.channel()).collect();
-    Ok(Layout { kind, channels, clock, values, notes })
+    Ok(Layout { kind, channels, clock, values, notes }.with_conversions(header))
 }
 
 /// Every quantity must cover the same joints, from 1 on without a gap.

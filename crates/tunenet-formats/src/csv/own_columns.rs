@@ -8,8 +8,7 @@ use crate::quantity::{Meaning, Quantity, Scale, kind_name, meaning, plain};
 use crate::recording::Recording;
 use crate::shown::list;
 use crate::{Error, Origin, Result};
-use tunenet_core::observation::Note;
-use tunenet_core::observation::{Channel, Kind, Observation};
+use tunenet_core::observation::{Channel, Kind, Note, Observation};
 
 /// How the columns of a table make a series on `channels`. `mapping` holds pairs (ours, theirs) that stand above the header.
 pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels: &[Channel]) -> Result<Layout> {
@@ -21,15 +20,7 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
             let expected = format!("{} before the `=`", names(channels));
             return Err(Error::Setting { origin: Origin::Flag, name: "columns", expected, found: format!("`{ours}`") });
         };
-        let by_name = cells.iter().position(|cell| header.named && cell.text == theirs);
-        let by_number = || theirs.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|n| *n < cells.len());
-        let Some(column) = by_name.or_else(by_number) else {
-            return header.refuse(
-                None,
-                format!("`{theirs}` is not a column: found {}", header.found()),
-                remedy(header, channels),
-            );
-        };
+        let column = header.column(theirs, || remedy(header, channels))?;
         if place(quantity, &mut clock, &mut values).replace(Source { column, scale, quantity }).is_some() {
             let (expected, found) = (format!("`{ours}` once"), "it twice".into());
             return Err(Error::Setting { origin: Origin::Flag, name: "columns", expected, found });
@@ -63,15 +54,7 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
         let expected = format!("expected a column `{absent}` ({} are what the simulation predicts)", names(channels));
         return header.refuse(None, format!("{expected}, found {}", header.found()), remedy(header, channels));
     }
-    for source in clock.iter().chain(values.iter().flatten()).filter(|source| source.scale != Scale::Keep) {
-        let theirs = if header.named { cells[source.column].text.to_owned() } else { format!("{}", source.column + 1) };
-        let ours = match source.quantity {
-            Quantity::Own(i) => channels[usize::from(i)].header(),
-            known => known.header(),
-        };
-        notes.push(Note::new(findings::COLUMNS_CONVERTED, format!("column `{theirs}` is converted to `{ours}`"), ""));
-    }
-    Ok(Layout { kind: Kind::Other, channels: channels.to_vec(), clock, values, notes })
+    Ok(Layout { kind: Kind::Other, channels: channels.to_vec(), clock, values, notes }.with_conversions(header))
 }
 
 /// Where a quantity's source is kept.

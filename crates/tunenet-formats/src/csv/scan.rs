@@ -6,13 +6,10 @@ use super::columns::{Header, Layout, Source, layout};
 use super::lines::{Line, Lines, MOST_IDLE, cells, idle, named, number, separator};
 use super::own_columns;
 use crate::findings;
-use crate::recording::LARGEST;
-use crate::recording::MOST_NUMBERS;
-use crate::recording::ReadOptions;
+use crate::recording::{LARGEST, MOST_NUMBERS, ReadOptions};
 use crate::shown::shortened;
 use crate::{Error, Result};
-use tunenet_core::observation::Kind;
-use tunenet_core::observation::Note;
+use tunenet_core::observation::{Kind, Note};
 
 /// Most broken lines that are kept with their text; the rest are counted.
 const MOST_BROKEN: usize = 10;

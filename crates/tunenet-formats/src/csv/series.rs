@@ -6,11 +6,9 @@ use super::bounces::doubt;
 use super::scan::{Scan, scan};
 use crate::findings;
 use crate::quantity::Quantity;
-use crate::recording::ReadOptions;
-use crate::recording::Recording;
+use crate::recording::{ReadOptions, Recording};
 use crate::{Error, Result};
-use tunenet_core::observation::Note;
-use tunenet_core::observation::{FEWEST_SAMPLES, Kind, Observation};
+use tunenet_core::observation::{FEWEST_SAMPLES, Kind, Note, Observation};
 
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     let scan = scan(path, options)?;
@@ -18,7 +16,8 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     let mut notes = scan.notes();
     let samples = scan.values.len() / scan.layout.channels.len();
     if samples < FEWEST_SAMPLES {
-        return Err(few(path, samples));
+        let message = format!("expected at least {FEWEST_SAMPLES} samples, found {samples}");
+        return Err(Error::file(path, message, "record for longer"));
     }
     if scan.layout.kind == Kind::EventTimes {
         let observation = bounce_times(path, scan, &mut notes)?;
@@ -64,9 +63,4 @@ fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observ
         }
     }
     Observation::event_times(&Quantity::BounceTime.channel().name, values)
-}
-
-fn few(path: &Path, samples: usize) -> Error {
-    let message = format!("expected at least {FEWEST_SAMPLES} samples, found {samples}");
-    Error::file(path, message, "record for longer")
 }

@@ -164,23 +164,12 @@ pub struct DatasetWriter {
 }
 
 impl DatasetWriter {
-    /// Starts `out`, or resumes `out.partial`.
+    /// Starts `out`, or resumes `out.partial`; where `shard` says so, for one share of the pairs.
     ///
     /// # Errors
     /// [`Error::Io`] where a file cannot be written; [`Error::File`] where `out.partial` belongs to another dataset.
-    pub fn open(out: impl Into<PathBuf>, header: DatasetHeader) -> Result<Self> {
-        Self::open_either(out.into(), header, None)
-    }
-
-    /// As [`open`](Self::open), for one share of the pairs.
-    ///
-    /// # Errors
-    /// As [`open`](Self::open).
-    pub fn open_shard(out: impl Into<PathBuf>, header: DatasetHeader, shard: Shard) -> Result<Self> {
-        Self::open_either(out.into(), header, Some(shard))
-    }
-
-    fn open_either(out: PathBuf, header: DatasetHeader, shard: Option<Shard>) -> Result<Self> {
+    pub fn open(out: impl Into<PathBuf>, header: DatasetHeader, shard: Option<Shard>) -> Result<Self> {
+        let out = out.into();
         if out.is_dir() {
             return Err(Error::io(&out, "writing", std::io::ErrorKind::IsADirectory.into()));
         }

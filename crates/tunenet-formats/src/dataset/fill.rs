@@ -13,7 +13,8 @@ use crate::{Error, Result};
 /// Pairs rolled out before they are written. Bounds the memory; many times the number of cores, so that none waits long.
 const BLOCK: u64 = 128;
 
-/// Rolls out the pairs of a dataset into `out`, or those that an interrupted run left over.
+/// Rolls out the pairs of a dataset into `out`, or those that an interrupted run left over; where `shard` says so, one share of
+/// the pairs alone: [`merge`](crate::dataset::merge) puts shares together.
 ///
 /// `draw` is asked for pair 0, 1, … with a generator that depends on the header's seed and the pair's number alone, and
 /// rollouts are spread over the cores: whatever the number of threads and however often the run was interrupted, the
@@ -26,20 +27,6 @@ const BLOCK: u64 = 128;
 pub fn generate(
     simulator: &dyn Simulator,
     header: &DatasetHeader,
-    draw: &Draw<'_>,
-    out: &Path,
-    progress: &mut dyn FnMut(u64, u64) -> bool,
-) -> Result<()> {
-    generate_shard(simulator, header, None, draw, out, progress)
-}
-
-/// As [`generate`], of one share of the pairs alone where `shard` says so: [`merge`](crate::dataset::merge) puts shares together.
-///
-/// # Errors
-/// As [`generate`].
-pub fn generate_shard(
-    simulator: &dyn Simulator,
-    header: &DatasetHeader,
     shard: Option<Shard>,
     draw: &Draw<'_>,
     out: &Path,
@@ -47,7 +34,7 @@ pub fn generate_shard(
 ) -> Result<()> {
     check_learned(simulator, header, draw)?;
     let make = |number: u64, random: &mut ChaCha8Rng| roll_pair(simulator, header, draw(number, random));
-    fill_shard(header, shard, &make, out, progress)
+    fill(header, shard, &make, out, progress)
 }
 
 /// Writes the pairs of a dataset into `out`, or those that an interrupted run left over: `make` is asked for pair 0, 1, …
@@ -57,28 +44,12 @@ pub fn generate_shard(
 /// What `make` refuses, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
 pub fn fill(
     header: &DatasetHeader,
-    make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
-    out: &Path,
-    progress: &mut dyn FnMut(u64, u64) -> bool,
-) -> Result<()> {
-    fill_shard(header, None, make, out, progress)
-}
-
-/// As [`fill`], of one share of the pairs alone where `shard` says so.
-///
-/// # Errors
-/// As [`fill`].
-pub fn fill_shard(
-    header: &DatasetHeader,
     shard: Option<Shard>,
     make: &(dyn Fn(u64, &mut ChaCha8Rng) -> Result<Pair> + Sync),
     out: &Path,
     progress: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<()> {
-    let mut writer = match shard {
-        Some(shard) => DatasetWriter::open_shard(out, header.clone(), shard)?,
-        None => DatasetWriter::open(out, header.clone())?,
-    };
+    let mut writer = DatasetWriter::open(out, header.clone(), shard)?;
     let first = shard.map_or(0, |shard| shard.block(header.pairs).start);
     let all = writer.end() - first;
     while writer.written() < writer.end() {

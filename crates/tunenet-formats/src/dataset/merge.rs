@@ -18,7 +18,7 @@ use crate::{Error, Origin, Result};
 /// otherwise as [`DatasetWriter`].
 pub fn merge(shards: &[PathBuf], out: &Path, progress: &mut dyn FnMut(u64, u64) -> bool) -> Result<DatasetHeader> {
     let (header, ordered) = gather(shards)?;
-    let mut writer = DatasetWriter::open(out, header.clone())?;
+    let mut writer = DatasetWriter::open(out, header.clone(), None)?;
     for (path, shard) in ordered {
         let there = writer.written();
         if shard.block(header.pairs).end <= there {

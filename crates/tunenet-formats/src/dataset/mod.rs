@@ -9,6 +9,6 @@ mod stream;
 mod tests;
 
 pub use file::{DatasetFile, DatasetReader, DatasetWriter};
-pub use fill::{fill, fill_shard, generate, generate_shard};
+pub use fill::{fill, generate};
 pub use merge::{merge, missing};
 pub use message::DATASET_VERSION;

@@ -11,10 +11,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::mcap::records::{Fault, Messages, messages_up_to};
+use crate::mcap::ros::{LITTLE_ENDIAN, encode};
 use crate::{Error, Result};
-
-/// Plain CDR, little-endian, as ROS 2 writes it before every message.
-const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
 /// Longest plausible record; a corrupted length would otherwise allocate all memory.
 const LONGEST_RECORD: usize = 1 << 30;
@@ -50,10 +48,8 @@ impl Output {
 
     /// One message. `number` is its place in the file; there is no clock time, so that equal runs write equal bytes.
     pub(crate) fn write(&mut self, topic: u16, number: u64, message: &impl Serialize) -> Result<()> {
-        let mut bytes = ENCAPSULATION.to_vec();
-        let body = cdr_encoding::to_vec::<_, LittleEndian>(message)
-            .map_err(|e| Error::file(&self.path, format!("a message cannot be written: {e}"), ""))?;
-        bytes.extend(body);
+        let bytes =
+            encode(message).map_err(|e| Error::file(&self.path, format!("a message cannot be written: {e}"), ""))?;
         let header = MessageHeader {
             channel_id: topic,
             sequence: u32::try_from(number).unwrap_or(u32::MAX),
@@ -113,7 +109,7 @@ impl Source {
             let text = format!("expected a message in little-endian CDR on `{topic}`, found {found}");
             Error::file(&self.path, text, "write the dataset again with `tunenet gen`")
         };
-        let Some(body) = body.strip_prefix(&ENCAPSULATION) else {
+        let Some(body) = body.strip_prefix(&LITTLE_ENDIAN) else {
             return Err(wrong("another encapsulation".into()));
         };
         cdr_encoding::from_bytes::<M, LittleEndian>(body).map(|(read, _)| read).map_err(|e| wrong(e.to_string()))

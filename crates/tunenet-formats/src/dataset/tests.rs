@@ -12,7 +12,7 @@ use crate::{Error, Result};
 use tunenet_core::testing::reflected_point::{ReflectedPoint, draw, header, scale};
 
 fn filled(out: &Path, header: &DatasetHeader) -> Result<()> {
-    generate(&ReflectedPoint::new(), header, &draw, out, &mut |_, _| true)
+    generate(&ReflectedPoint::new(), header, None, &draw, out, &mut |_, _| true)
 }
 
 fn folder() -> tempfile::TempDir {
@@ -69,7 +69,7 @@ fn an_interrupted_dataset_goes_on_to_the_same_bytes() {
             from = from.min(done);
             true
         };
-        generate(&ReflectedPoint::new(), &header(70, 40), &draw, &out, &mut progress).unwrap();
+        generate(&ReflectedPoint::new(), &header(70, 40), None, &draw, &out, &mut progress).unwrap();
         assert!(std::fs::read(&out).unwrap() == whole, "cut at byte {cut}");
         assert!(cut < whole.len() / 2 || from >= 16, "cut at byte {cut} of {}: started from {from}", whole.len());
     }
@@ -80,7 +80,7 @@ fn a_stopped_dataset_goes_on() {
     let folder = folder();
     let whole = std::fs::read(dataset(&folder, 300, 10)).unwrap();
     let out = folder.path().join("again.mcap");
-    let stopped = generate(&ReflectedPoint::new(), &header(300, 10), &draw, &out, &mut |done, _| done == 0);
+    let stopped = generate(&ReflectedPoint::new(), &header(300, 10), None, &draw, &out, &mut |done, _| done == 0);
     assert!(matches!(stopped, Err(Error::Stopped)));
     assert!(!out.exists());
     let mut first = None;
@@ -88,7 +88,7 @@ fn a_stopped_dataset_goes_on() {
         first.get_or_insert(done);
         true
     };
-    generate(&ReflectedPoint::new(), &header(300, 10), &draw, &out, &mut progress).unwrap();
+    generate(&ReflectedPoint::new(), &header(300, 10), None, &draw, &out, &mut progress).unwrap();
     assert_eq!(first, Some(128));
     assert!(std::fs::read(&out).unwrap() == whole);
 }
@@ -141,7 +141,7 @@ fn pairs_with_clocks_of_their_own_come_back() {
         let (proposed_parameters, target_parameters) = (proposed, target);
         Ok(Pair { proposed: one, target: two, proposed_parameters, target_parameters, own, scale, clock })
     };
-    super::fill(&header, &make, &out, &mut |_, _| true).unwrap();
+    super::fill(&header, None, &make, &out, &mut |_, _| true).unwrap();
     let pairs: Vec<Pair> = DatasetReader::open(&out).unwrap().collect::<Result<_>>().unwrap();
     assert!(pairs.iter().enumerate().all(|(i, pair)| pair.clock.len() == 30 + i && pair.target.len() == 3 * (30 + i)));
     assert_eq!(pairs[7], make(7, &mut stream(header.seed, 7)).unwrap());
@@ -169,7 +169,7 @@ fn merged_shards_are_the_whole_file() {
 fn shard(folder: &tempfile::TempDir, header: &DatasetHeader, index: u32, count: u32) -> PathBuf {
     let shard = Shard::new(index, count).unwrap();
     let out = folder.path().join(format!("{}-{index}-of-{count}.mcap", header.seed));
-    generate_shard(&ReflectedPoint::new(), header, Some(shard), &draw, &out, &mut |_, _| true).unwrap();
+    generate(&ReflectedPoint::new(), header, Some(shard), &draw, &out, &mut |_, _| true).unwrap();
     out
 }
 

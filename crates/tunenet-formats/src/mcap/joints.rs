@@ -4,8 +4,7 @@ use super::message::JointMessage;
 use crate::findings;
 use crate::quantity::{Family, Quantity};
 use crate::shown::list;
-use tunenet_core::observation::Channel;
-use tunenet_core::observation::Note;
+use tunenet_core::observation::{Channel, Note};
 
 /// The joints and quantities of a series, from its first message.
 #[derive(Debug)]

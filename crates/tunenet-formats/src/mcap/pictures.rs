@@ -3,11 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use byteorder::{BigEndian, LittleEndian};
 use serde::Deserialize;
 
 use super::records::{ChannelInfo, Messages, messages};
-use super::ros::Header;
+use super::ros::{Header, fields};
 use super::stamps::{joined, to_s};
 use crate::{Error, Result};
 
@@ -182,15 +181,8 @@ fn start<T: for<'a> Deserialize<'a>>(
     data: &[u8],
     length: impl Fn(&T) -> u32,
 ) -> std::result::Result<(T, &[u8]), String> {
-    let (mark, body) = data.split_at_checked(4).ok_or_else(|| format!("expected CDR, found {} bytes", data.len()))?;
-    let read = match mark {
-        [0, 0, ..] => cdr_encoding::from_bytes::<T, BigEndian>(body),
-        [0, 1, ..] => cdr_encoding::from_bytes::<T, LittleEndian>(body),
-        _ => return Err(format!("expected plain CDR (00 00 or 00 01), found {:02x} {:02x}", mark[0], mark[1])),
-    };
-    let (fields, used) = read.map_err(|e| format!("{} bytes do not fit its type: {e}", data.len()))?;
+    let (fields, rest) = fields::<T>(data)?;
     let length = length(&fields) as usize;
-    let rest = &body[used..];
     let bytes = rest.get(..length).ok_or_else(|| format!("expected {length} bytes, found {}", rest.len()))?;
     Ok((fields, bytes))
 }

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 use super::message::{Decoded, JointMessage, Sample};
 use super::stamps::joined;
 
+/// The mark of plain CDR, little-endian, as ROS 2 writes it before every message.
+pub(crate) const LITTLE_ENDIAN: [u8; 4] = [0, 1, 0, 0];
+
 /// `builtin_interfaces/msg/Time`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Time {
@@ -78,15 +81,15 @@ impl Type {
 pub(crate) fn decode(kind: Type, data: &[u8]) -> std::result::Result<Decoded, String> {
     let (header, sample) = match kind {
         Type::Point => {
-            let PointStamped { header, point } = fields(data)?;
+            let (PointStamped { header, point }, _) = fields(data)?;
             (header, Sample::Position([point.x, point.y, point.z]))
         }
         Type::Odometry => {
-            let OdometryStart { header, position, .. } = fields(data)?;
+            let (OdometryStart { header, position, .. }, _) = fields(data)?;
             (header, Sample::Position([position.x, position.y, position.z]))
         }
         Type::JointState => {
-            let JointState { header, name, position, velocity, effort } = fields(data)?;
+            let (JointState { header, name, position, velocity, effort }, _) = fields(data)?;
             (header, Sample::Joints(JointMessage { name, position, velocity, effort }))
         }
     };
@@ -94,7 +97,8 @@ pub(crate) fn decode(kind: Type, data: &[u8]) -> std::result::Result<Decoded, St
     Ok(Decoded { stamp_ns: joined(i64::from(sec), i64::from(nanosec)), sample })
 }
 
-fn fields<T: for<'a> Deserialize<'a>>(data: &[u8]) -> std::result::Result<T, String> {
+/// The fields at the start of a message, and the bytes after them.
+pub(crate) fn fields<T: for<'a> Deserialize<'a>>(data: &[u8]) -> std::result::Result<(T, &[u8]), String> {
     let (mark, body) = data.split_at_checked(4).ok_or_else(|| format!("expected CDR, found {} bytes", data.len()))?;
     let read = match mark {
         [0, 0, ..] => cdr_encoding::from_bytes::<T, BigEndian>(body),
@@ -102,13 +106,14 @@ fn fields<T: for<'a> Deserialize<'a>>(data: &[u8]) -> std::result::Result<T, Str
         [high, low, ..] => return Err(format!("expected plain CDR (00 00 or 00 01), found {high:02x} {low:02x}")),
         _ => return Err("expected CDR".into()),
     };
-    read.map(|(message, _)| message).map_err(|e| format!("{} bytes do not fit its type: {e}", data.len()))
+    let (fields, used) = read.map_err(|e| format!("{} bytes do not fit its type: {e}", data.len()))?;
+    Ok((fields, &body[used..]))
 }
 
 /// A message as little-endian CDR, mark included.
 pub(crate) fn encode<T: Serialize>(message: &T) -> std::io::Result<Vec<u8>> {
     let body = cdr_encoding::to_vec::<T, LittleEndian>(message).map_err(std::io::Error::other)?;
-    Ok([&[0, 1, 0, 0], body.as_slice()].concat())
+    Ok([LITTLE_ENDIAN.as_slice(), &body].concat())
 }
 
 #[cfg(test)]

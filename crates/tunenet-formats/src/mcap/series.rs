@@ -11,11 +11,9 @@ use super::topics::{Topic, choose, survey};
 use crate::csv::scan::samples;
 use crate::findings;
 use crate::quantity::{Quantity, kind_name};
-use crate::recording::MOST_NUMBERS;
-use crate::recording::Recording;
+use crate::recording::{MOST_NUMBERS, Recording};
 use crate::{Error, Result};
-use tunenet_core::observation::Note;
-use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Observation};
+use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Note, Observation};
 
 /// Share of messages below which out-of-order stamps and numbers that are not finite are left out; a hiccup of a driver
 /// stays far below, a wrong clock far above.

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
+use mcap::McapError;
 use mcap::records::MessageHeader;
-use mcap::write::NoSeek;
-use mcap::{Compression, McapError, WriteOptions};
 use serde::Serialize;
 
 use super::definitions::{JOINT_STATE, JOINT_TRAJECTORY};
 use super::ros::{Header, JointState, Time, encode};
 use super::stamps::{split, to_ns};
+use super::write::{into_io, log};
 use crate::atomic::write_atomically;
 use crate::{Error, Result};
 
@@ -79,12 +79,7 @@ pub fn write_approach(base: &str, joints: &[String], points: &[JointPoint], path
             _ => return refuse(format!("point {}: expected a rising time from 0 on, found {}", i + 1, point.time_s)),
         }
     }
-    write_atomically(path, |out| {
-        write(base, joints, points, &stamps, out).map_err(|e| match e {
-            McapError::Io(error) => error,
-            other => std::io::Error::other(other),
-        })
-    })
+    write_atomically(path, |out| write(base, joints, points, &stamps, out).map_err(into_io))
 }
 
 fn write(
@@ -94,10 +89,7 @@ fn write(
     stamps: &[(i32, u32, u64)],
     out: &mut dyn Write,
 ) -> std::result::Result<(), McapError> {
-    let mut options = WriteOptions::new().profile("ros2").library("tunenet").compression(Some(Compression::Zstd));
-    // As every log here: the same bytes on every machine, to any writer.
-    options = options.compression_threads(0).disable_seeking(true);
-    let mut writer = options.create(NoSeek::new(out))?;
+    let mut writer = log(out)?;
     let mut channel = |topic: &str, name: &str, definition: &str| {
         let schema = writer.add_schema(name, "ros2msg", definition.as_bytes())?;
         writer.add_channel(schema, topic, "cdr", &BTreeMap::new())

@@ -6,6 +6,7 @@
 
 use std::io::{BufReader, Read, Result};
 
+use byteorder::{ByteOrder, LittleEndian};
 use mcap::records::op;
 
 /// How much is asked of the file at a time, in bytes, whatever a record promises.
@@ -114,7 +115,7 @@ impl Outline {
 fn next(at: At, head: &[u8]) -> (At, u64) {
     match at {
         At::Record => {
-            let bytes = number(&head[1..]);
+            let bytes = LittleEndian::read_u64(&head[1..]);
             if head[0] == op::CHUNK { (At::Chunk { bytes }, 0) } else { (At::Record, bytes) }
         }
         At::Chunk { bytes } => {
@@ -124,12 +125,12 @@ fn next(at: At, head: &[u8]) -> (At, u64) {
             if plain { (At::Size { bytes: left }, 0) } else { (At::Record, left + SIZE as u64) }
         }
         At::Size { bytes } => {
-            let left = number(head);
+            let left = LittleEndian::read_u64(head);
             let Some(behind) = bytes.checked_sub(left) else { return LET_BY };
             inside(left, behind, 0)
         }
         At::Inside { left, behind } => {
-            let body = number(&head[1..]);
+            let body = LittleEndian::read_u64(&head[1..]);
             match left.checked_sub(RECORD_HEAD as u64).and_then(|left| left.checked_sub(body)) {
                 Some(left) => inside(left, behind, body),
                 None => (At::Overrun, 0),
@@ -142,11 +143,6 @@ fn next(at: At, head: &[u8]) -> (At, u64) {
 /// After `body` more bytes: the next record of the chunk, or of the file.
 fn inside(left: u64, behind: u64, body: u64) -> (At, u64) {
     if left == 0 { (At::Record, body + behind) } else { (At::Inside { left, behind }, body) }
-}
-
-/// Eight bytes, the lowest first.
-fn number(bytes: &[u8]) -> u64 {
-    bytes.iter().take(SIZE).rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte))
 }
 
 #[cfg(test)]
@@ -180,7 +176,7 @@ mod tests {
     /// A plain log, where in it its chunk begins, and where the length of the chunk's last record stands.
     fn plain() -> (Vec<u8>, usize, usize) {
         let bytes = bag(None, &[ball(20)]);
-        let body = |at: usize| usize::try_from(number(&bytes[at + 1..])).unwrap();
+        let body = |at: usize| usize::try_from(LittleEndian::read_u64(&bytes[at + 1..])).unwrap();
         let mut chunk = mcap::MAGIC.len();
         while bytes[chunk] != op::CHUNK {
             chunk += RECORD_HEAD + body(chunk);

@@ -93,16 +93,19 @@ fn stamps(observation: &Observation, path: &Path) -> Result<Vec<i64>> {
     Ok(stamps)
 }
 
+/// A log to be written: one thread, so that the bytes do not depend on the machine; and no seeking, so that any writer will do.
+pub(super) fn log(out: &mut dyn Write) -> std::result::Result<Writer<NoSeek<&mut dyn Write>>, McapError> {
+    let options = WriteOptions::new().profile("ros2").library("tunenet").compression(Some(Compression::Zstd));
+    options.compression_threads(0).disable_seeking(true).create(NoSeek::new(out))
+}
+
 fn write(
     observation: &Observation,
     plan: &Plan,
     stamps: &[i64],
     out: &mut dyn Write,
 ) -> std::result::Result<(), McapError> {
-    let mut options = WriteOptions::new().profile("ros2").library("tunenet").compression(Some(Compression::Zstd));
-    // One thread, so that the bytes do not depend on the machine; and no seeking, so that any writer will do.
-    options = options.compression_threads(0).disable_seeking(true);
-    let mut writer = options.create(NoSeek::new(out))?;
+    let mut writer = log(out)?;
     let channel_id = channel(&mut writer, plan)?;
     // Log times cannot be negative: a clock that starts before 0 is logged from 0 on.
     let shift = stamps.first().map_or(0, |first| first.min(&0).unsigned_abs());
@@ -153,7 +156,7 @@ fn message(observation: &Observation, plan: &Plan, sample: usize, stamp: i64) ->
     }
 }
 
-fn into_io(error: McapError) -> std::io::Error {
+pub(super) fn into_io(error: McapError) -> std::io::Error {
     match error {
         McapError::Io(error) => error,
         other => std::io::Error::other(other),

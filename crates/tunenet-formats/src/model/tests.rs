@@ -12,7 +12,7 @@ use tunenet_core::testing::reflected_point::{ReflectedPoint, draw, header};
 
 fn dataset(folder: &tempfile::TempDir, pairs: u64, samples: u32) -> PathBuf {
     let out = folder.path().join("pairs.mcap");
-    generate(&ReflectedPoint::new(), &header(pairs, samples), &draw, &out, &mut |_, _| true).unwrap();
+    generate(&ReflectedPoint::new(), &header(pairs, samples), None, &draw, &out, &mut |_, _| true).unwrap();
     out
 }
 

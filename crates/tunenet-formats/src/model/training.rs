@@ -1,6 +1,5 @@
 //! Training from a file, with a checkpoint beside it.
 
-use std::fmt::Write as _;
 use std::io::BufRead as _;
 use std::path::{Path, PathBuf};
 
@@ -68,11 +67,7 @@ impl Checkpoint for CheckpointFile<'_> {
             file.consume(read);
         }
         hash.update(settings);
-        let mut hex = String::with_capacity(64);
-        for byte in hash.finalize() {
-            let _ = write!(hex, "{byte:02x}");
-        }
-        Ok(hex)
+        Ok(hex::encode(hash.finalize()))
     }
 
     fn load(&self) -> Result<Option<Weights>> {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
+use base64::prelude::*;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use tunenet_ball::preflight::Expected;
@@ -222,7 +223,7 @@ fn sheet(drawn: &[Drawn]) -> Vec<Picture> {
         time_s: d.time_s,
         width: d.size_px.0,
         height: d.size_px.1,
-        jpeg: base64::encode(&d.jpeg),
+        jpeg: BASE64_STANDARD.encode(&d.jpeg),
     };
     drawn.iter().map(one).collect()
 }

@@ -110,7 +110,7 @@ impl Work<'_> {
         if let Some(folder) = &folder {
             write(&folder.join(ALL), &all)?;
             if let Some(shard) = shard {
-                let digest = hash::hex(&Sha256::digest(self.run.to_string()));
+                let digest = hex::encode(Sha256::digest(self.run.to_string()));
                 let job = Job::Each { tool: self.tool.into(), run: digest, recordings: names };
                 Mark::write(folder, shard, job)?;
             }
@@ -153,7 +153,7 @@ impl Work<'_> {
         // What cannot be read has no digest, and is refused by whoever reads it.
         let run = place.and_then(|_| hash::sha256(path).ok()).map(|hash| {
             let all = json!([env!("CARGO_PKG_VERSION"), self.tool, self.run, name, hash]);
-            hash::hex(&Sha256::digest(all.to_string()))
+            hex::encode(Sha256::digest(all.to_string()))
         });
         if let (Some(place), Some(run)) = (place, &run)
             && let Some(kept) = kept(place, run)

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw};
 use tunenet_core::simulator::Simulator;
 use tunenet_core::{Error, Origin};
-use tunenet_formats::dataset::generate_shard;
+use tunenet_formats::dataset::generate;
 use tunenet_sim::{ObservedArm, SimulationFile, simulation_file};
 
 use super::super::load;
@@ -37,7 +37,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         PairDraw { proposed: with(proposed), target: with(target), own: Vec::new(), scale: None }
     };
     let (shard, out) = (options.sharing.shard, place(options));
-    made(options, &header, |report| generate_shard(&arm, &header, shard, &draw, &out, report))
+    made(options, &header, |report| generate(&arm, &header, shard, &draw, &out, report))
 }
 
 /// The payloads that proposed and target are drawn from, kg.

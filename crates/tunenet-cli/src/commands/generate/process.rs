@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw};
 use tunenet_core::simulator::{Parameter, Simulator};
 use tunenet_core::{Error, Origin};
-use tunenet_formats::dataset::{DatasetWriter, generate_shard};
+use tunenet_formats::dataset::{DatasetWriter, generate};
 use tunenet_sim::{SimulationFile, observed, simulation_file};
 
 use super::super::load;
@@ -64,7 +64,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
     made(options, &header, |report| {
         // Only what the program still stands by in the end gets its name.
         let mut stands = |done, all| (done < all || session.settle().is_ok()) && report(done, all);
-        let generated = generate_shard(&program, &header, options.sharing.shard, &draw, &out, &mut stands);
+        let generated = generate(&program, &header, options.sharing.shard, &draw, &out, &mut stands);
         if session.drifted() {
             DatasetWriter::forget(&out)?;
         }
