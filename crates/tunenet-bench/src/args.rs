@@ -319,9 +319,9 @@ pub struct BenchSpeed {
     pub common: Common,
 }
 
-/// A row of `bench tuning`: restitutions .3 to .7 (easy) or 0 to 1 (hard), and the noise on the height.
+/// A row of `bench tuning`: restitutions 0.3 to 0.7 (easy) or 0 to 1 (hard), and the noise on the height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-pub enum Row {
+pub enum TuningRow {
     #[value(name = "easy-0")]
     Easy0,
     #[value(name = "hard-0")]
@@ -334,7 +334,7 @@ pub enum Row {
     Hard5mm,
     #[value(name = "hard-2cm")]
     Hard2cm,
-    /// Drops from .3 to 10 m at 24 to 240 Hz, nothing known but the data: the built-in network
+    /// Drops from 0.3 to 10 m at 24 to 240 Hz, nothing known but the data: the built-in network
     General,
     /// Drops from other engines, in the folder that the environment variable `TUNENET_PEERS` names
     Cross,
@@ -349,7 +349,7 @@ pub struct BenchTuning {
     pub out: PathBuf,
     /// Only these rows
     #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
-    pub only: Vec<Row>,
+    pub only: Vec<TuningRow>,
     /// Targets in each row [default: 1000; 200 with --quick]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub targets: Option<u64>,

@@ -13,32 +13,27 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::statistics::{mean, median};
 use tunenet_core::tune::{Settings, Verdict, tune};
 use tunenet_sim::simulation_file::LeftOpen;
 use tunenet_sim::{ObservedBall, SimulationFile};
 
-use super::resume::Store;
-use super::tuning::closed_form::Drop;
+use super::tuning::closed_form::ClosedFormDrop;
 use crate::args::{BenchIntervals, Measured};
-use crate::resume::program;
+use crate::output::{percent, share};
+use crate::resume::{DRAWS_PER_PIECE, Store, program};
+use crate::scene::{PAPER_BALL, PAPER_RADIUS_M, seeds};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, table};
 
-/// The paper's ball: .5 m, seen at 60 Hz for 400 frames.
-const PAPER_BALL: &str = include_str!("../../../assets/ball_easy.toml");
-const RADIUS_M: f64 = 0.5;
 /// The paper's heights of fall, m.
-const FALL_M: std::ops::Range<f64> = 3.5..4.5;
-/// Added to the seed, so that no other command draws these drops.
-const OWN_SEED: u64 = 0x1A7E_54A1;
+const FALLS_M: std::ops::Range<f64> = 3.5..4.5;
 const RESTITUTIONS: [(f64, f64); 3] = [(0.0, 0.1), (0.1, 0.9), (0.9, 1.0)];
 const NOISES_M: [f64; 3] = [0.005, 0.01, 0.03];
-/// Drops that are kept in one piece.
-const PIECE: u32 = 50;
 
 /// What one cell of the table found.
-struct Cell {
+struct IntervalCell {
     given: bool,
     restitution: (f64, f64),
     noise_m: f64,
@@ -61,7 +56,6 @@ struct Tried {
 
 pub fn run(options: &BenchIntervals) -> Result<Exit> {
     let seed = options.common.seed;
-    // The version alone would not tell a rebuilt program from the one that made a piece.
     let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
     let cells: Vec<(bool, (f64, f64), f64)> = [true, false]
         .into_iter()
@@ -71,8 +65,8 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
     let mut found = Vec::with_capacity(cells.len());
     for (cell, (given, restitution, noise_m)) in cells.into_iter().enumerate() {
         let mut tried: Vec<Tried> = Vec::with_capacity(options.count() as usize);
-        for first in (0..options.count()).step_by(PIECE as usize) {
-            let numbers = first..first.saturating_add(PIECE).min(options.count());
+        for first in (0..options.count()).step_by(DRAWS_PER_PIECE as usize) {
+            let numbers = first..first.saturating_add(DRAWS_PER_PIECE).min(options.count());
             let one = |number| one(seed, number, given, restitution, noise_m);
             let name = format!("intervals-{cell}-from-{first}-to-{}", numbers.end);
             let make = || numbers.clone().into_par_iter().map(one).collect::<Result<Vec<Tried>>>();
@@ -80,7 +74,7 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
             bar.inc(numbers.len() as u64);
         }
         if options.sharing.shard.is_none() {
-            found.push(Cell::of(given, restitution, noise_m, &tried));
+            found.push(IntervalCell::new(given, restitution, noise_m, &tried));
         }
     }
     bar.finish_and_clear();
@@ -90,10 +84,10 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
     let head =
         ["height, surface", "restitution", "noise", "95 % holds", "poor fit", "no answer", "mean error", "median"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
-    rows.extend(found.iter().map(Cell::row));
+    rows.extend(found.iter().map(IntervalCell::row));
     anstream::eprintln!("{}", table(&rows));
     if options.common.json {
-        let cells: Vec<Value> = found.iter().map(Cell::json).collect();
+        let cells: Vec<Value> = found.iter().map(IntervalCell::json).collect();
         print_json(&json!({
             "schema": "tunenet.bench.intervals/1", "drops": options.count(), "seed": options.common.seed, "cells": cells,
             "warnings": [],
@@ -104,10 +98,12 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
 
 /// Draws a drop, tunes to it, and holds what was found against the truth.
 fn one(seed: u64, number: u32, given: bool, restitution: (f64, f64), noise_m: f64) -> Result<Tried> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(OWN_SEED));
+    let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(seeds::INTERVALS));
     random.set_stream(u64::from(number));
-    let drop =
-        Drop { restitution: random.random_range(restitution.0..restitution.1), fall_m: random.random_range(FALL_M) };
+    let drop = ClosedFormDrop {
+        restitution: random.random_range(restitution.0..restitution.1),
+        fall_m: random.random_range(FALLS_M),
+    };
     let mut file = SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?;
     if given {
         file.set(&format!("release.height_m={}", drop.fall_m))?;
@@ -122,7 +118,7 @@ fn one(seed: u64, number: u32, given: bool, restitution: (f64, f64), noise_m: f6
     let clock = file.record().clock();
     let mut noise = || noise_m * random.sample::<f64, _>(StandardNormal);
     let positions: Vec<[f64; 3]> =
-        drop.heights(&clock).into_iter().map(|z| [noise(), noise(), RADIUS_M + z + noise()]).collect();
+        drop.heights(&clock).into_iter().map(|z| [noise(), noise(), PAPER_RADIUS_M + z + noise()]).collect();
     let ball = ObservedBall::new(&file, Kind::Positions)?;
     let seen = Observation::positions(clock, &positions)?;
     let outcome = tune(&ball, &[seen], None, &Settings::default())?;
@@ -134,21 +130,18 @@ fn one(seed: u64, number: u32, given: bool, restitution: (f64, f64), noise_m: f6
     })
 }
 
-impl Cell {
-    fn of(given: bool, restitution: (f64, f64), noise_m: f64, tried: &[Tried]) -> Self {
-        let count = tried.len() as f64;
-        let share = |is: &dyn Fn(&Tried) -> bool| tried.iter().filter(|o| is(o)).count() as f64 / count;
-        let mut errors: Vec<f64> = tried.iter().map(|one| one.error).collect();
-        errors.sort_by(f64::total_cmp);
+impl IntervalCell {
+    fn new(given: bool, restitution: (f64, f64), noise_m: f64, tried: &[Tried]) -> Self {
+        let errors = || tried.iter().map(|one| one.error);
         Self {
             given,
             restitution,
             noise_m,
-            covered: share(&|o| o.holds),
-            called_poor: share(&|o| o.verdict == Verdict::PoorFit),
-            unanswered: share(&|o| matches!(o.verdict, Verdict::Rejected | Verdict::NotIdentifiable)),
-            mean_error: errors.iter().sum::<f64>() / count,
-            median_error: errors[errors.len() / 2],
+            covered: share(tried, |o| o.holds),
+            called_poor: share(tried, |o| o.verdict == Verdict::PoorFit),
+            unanswered: share(tried, |o| matches!(o.verdict, Verdict::Rejected | Verdict::NotIdentifiable)),
+            mean_error: mean(errors()),
+            median_error: median(errors()).unwrap_or(f64::NAN),
         }
     }
 
@@ -157,9 +150,9 @@ impl Cell {
             if self.given { "given".into() } else { "unknown".into() },
             format!("{} to {}", self.restitution.0, self.restitution.1),
             format!("{} cm", self.noise_m * 100.0),
-            format!("{:.1} %", 100.0 * self.covered),
-            format!("{:.1} %", 100.0 * self.called_poor),
-            format!("{:.1} %", 100.0 * self.unanswered),
+            percent(self.covered),
+            percent(self.called_poor),
+            percent(self.unanswered),
             format!("{:.5}", self.mean_error),
             format!("{:.5}", self.median_error),
         ]

@@ -4,19 +4,22 @@
 
 mod args;
 mod diagnose;
-mod film_speed;
+mod goals;
 mod grow;
 mod intervals;
+mod output;
 mod paper;
 mod preflight;
 mod process;
 mod regions;
-mod rehearsal;
 mod resume;
+mod scene;
 mod search;
 mod shot;
 mod speed;
+mod synthetic_video;
 mod tuning;
+mod video_speed;
 
 use std::path::Path;
 use std::process::ExitCode;

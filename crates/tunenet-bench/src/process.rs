@@ -12,7 +12,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(1);
 
 /// What one run cost.
 #[derive(Debug, Clone, Copy)]
-pub struct Cost {
+pub struct ProcessCost {
     /// Wall time, s.
     pub seconds: f64,
     /// Greatest resident memory, bytes; `None` where the system does not report it.
@@ -20,23 +20,23 @@ pub struct Cost {
 }
 
 /// Runs `tunenet` with `arguments`.
-pub fn run(arguments: &[&str]) -> Result<Cost> {
+pub fn run(arguments: &[&str]) -> Result<ProcessCost> {
     run_program(&programs::beside(programs::TUNENET)?, arguments)
 }
 
 /// Runs `tunenet` with `arguments` on so many threads.
-pub fn run_on(threads: usize, arguments: &[&str]) -> Result<Cost> {
+pub fn run_on(threads: usize, arguments: &[&str]) -> Result<ProcessCost> {
     let mut command = Command::new(programs::beside(programs::TUNENET)?);
     command.env("RAYON_NUM_THREADS", threads.to_string());
     run_command(command, arguments)
 }
 
 /// Runs `program` with `arguments`.
-pub fn run_program(program: &Path, arguments: &[&str]) -> Result<Cost> {
+pub fn run_program(program: &Path, arguments: &[&str]) -> Result<ProcessCost> {
     run_command(Command::new(program), arguments)
 }
 
-fn run_command(mut command: Command, arguments: &[&str]) -> Result<Cost> {
+fn run_command(mut command: Command, arguments: &[&str]) -> Result<ProcessCost> {
     let program = std::path::PathBuf::from(command.get_program());
     let began = Instant::now();
     let mut child = command
@@ -65,7 +65,7 @@ fn run_command(mut command: Command, arguments: &[&str]) -> Result<Cost> {
         let name = program.file_stem().unwrap_or_default().to_string_lossy();
         bail!("`{name} {}` failed: {}", arguments.join(" "), text.trim());
     }
-    Ok(Cost { seconds, peak_bytes })
+    Ok(ProcessCost { seconds, peak_bytes })
 }
 
 /// The greatest resident memory of a process so far, from Linux's process table.

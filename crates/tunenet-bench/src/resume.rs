@@ -20,11 +20,13 @@ use tunenet_cli::shard::differing::{differing, sides};
 use tunenet_cli::shard::{self, CELLS, Job, Mark, Share, mark};
 use tunenet_cli::view::text::stage;
 
+/// Draws that one piece holds: some seconds of work, which is what an interrupted run loses at most on each thread.
+pub const DRAWS_PER_PIECE: u32 = 50;
 /// What every run is identified by in addition to its options: the digest of the program.
 const PROGRAM: &str = "program";
 
 /// Refuses the folder of a shard that is finished for another run: what it holds would be made anew, piece by piece. That
-/// another build of the program finished it is only told, since its pieces count for nothing any more.
+/// another build of the program finished it is only reported, since its pieces are made again anyway.
 fn finished_alike(folder: &Path, run: &Value) -> Result<()> {
     if Mark::read(folder).is_err() {
         return Ok(());
@@ -49,7 +51,7 @@ fn finished_alike(folder: &Path, run: &Value) -> Result<()> {
     Err(Error::file(folder, message, "choose another folder with --out, or remove this one").into())
 }
 
-/// This program, as a digest of its bytes: pieces of another build count for nothing.
+/// This program, as a digest of its bytes: the version alone would not tell a rebuilt program from the one that made a piece.
 ///
 /// # Errors
 /// Where it cannot be read.

@@ -13,9 +13,10 @@ use tunenet_sim::SimulationFile;
 use tunenet_sim::ball::{Scene, State, positions};
 use tunenet_sim::shot::{ArmReach, Belief, Rule, Settings, ShotScene, Task, plan};
 
-use super::film_speed::Films;
 use super::process;
+use super::video_speed::VideoFigures;
 use crate::args::BenchSpeed;
+use crate::scene::{PAPER_BALL, SHOT, URDF};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{stage, table};
@@ -27,12 +28,7 @@ const REPEATS: usize = 5;
 /// Pairs whose generation is weighed.
 const MANY_PAIRS: &str = "100000";
 
-/// The simulation that a whole `tune` is timed on: the paper's ball, its height known.
-const SCENE: &str = include_str!("../../../assets/ball_easy.toml");
-
-/// The shot that is planned, its robot, and a ball.
-const TASK: &str = include_str!("../../../assets/shot.toml");
-const ROBOT: &str = include_str!("../../../assets/jaco_robotiq.urdf");
+/// The ball of the shot that is planned.
 const PLANNED: &str = "\
 kind = \"ball\"
 ball.radius_m = 0.03
@@ -71,7 +67,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let (scene, data, model, drop, many) =
         (at("scene.toml"), at("data.mcap"), at("model.safetensors"), at("drop.csv"), at("many.mcap"));
-    std::fs::write(&scene, SCENE)?;
+    std::fs::write(&scene, PAPER_BALL)?;
     process::run(&["gen", "ball", "--preset", "easy", "--pairs", "800", "--out", &data])?;
 
     stage("training", "preset `paper`, 800 pairs, 200 epochs, one thread");
@@ -91,8 +87,8 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
     let many = process::run(&["gen", "ball", "--preset", "easy", "--pairs", MANY_PAIRS, "--out", &many])?;
     let peak = many.peak_bytes.map_or_else(|| "not known here".into(), |b| format!("{:.0} MB", b as f64 / 1e6));
 
-    stage("filming", "160 × 120 px in memory, a film of 1080p, two of 4K");
-    let films = Films::measure(folder.path())?;
+    stage("video", "160 × 120 px in memory, one video of 1080p, two of 4K");
+    let videos = VideoFigures::measure(folder.path())?;
 
     stage("planning", "a shot, 100 heights");
     let [nearest_s, probability_s] = [Rule::Nearest, Rule::Probability].map(|rule| plan_seconds(folder.path(), rule));
@@ -118,7 +114,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row("plan, 100 heights of an arm, the nearest path, all cores", format!("{:.1} ms", nearest_s * 1e3)),
         row("the same by the chance among 256 balls", format!("{:.0} ms", probability_s * 1e3)),
     ]);
-    rows.extend(films.rows());
+    rows.extend(videos.rows());
     anstream::eprintln!("{}", table(&rows));
     if options.common.json {
         print_json(&json!({
@@ -128,7 +124,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
             "tune": { "iterations": 5, "process_seconds": tuning_s, "start_seconds": starting_s },
             "gen": { "pairs": 100_000, "seconds": many.seconds, "peak_bytes": many.peak_bytes },
             "plan": { "heights": Settings::default().heights, "nearest_seconds": nearest_s, "probability_seconds": probability_s },
-            "film": films.as_json(),
+            "film": videos.as_json(),
             "warnings": [],
         }))?;
     }
@@ -137,8 +133,8 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
 
 /// Seconds from read files to a plan, the arm's postures with it: the median of [`REPEATS`].
 fn plan_seconds(folder: &Path, rule: Rule) -> Result<f64> {
-    std::fs::write(folder.join("jaco_robotiq.urdf"), ROBOT)?;
-    let task = Task::parse(&folder.join("shot.toml"), TASK)?;
+    std::fs::write(folder.join("jaco_robotiq.urdf"), URDF)?;
+    let task = Task::parse(&folder.join("shot.toml"), SHOT)?;
     let file = SimulationFile::parse("ball.toml".as_ref(), PLANNED)?;
     let settings = Settings { rule, ..Settings::default() };
     let timed = || -> Result<f64> {
@@ -183,7 +179,7 @@ fn frames_per_second(clock: &[f64], drops: &[(f64, f64)]) -> Result<f64> {
     Ok(median(speeds))
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+/// The median of figures of which there is at least one.
+fn median(values: Vec<f64>) -> f64 {
+    tunenet_core::statistics::median(values).unwrap_or(f64::NAN)
 }

@@ -12,6 +12,7 @@ use tunenet_sim::{Session, SimulationFile, simulator};
 
 use super::blind::RADIUS_M;
 use super::trial::Answer;
+use crate::scene::GRAVITY_M_S2;
 
 /// What a person would know of the scene beforehand: the ball's size. Its mass is left open, as an effect of any size is to
 /// be found.
@@ -31,7 +32,7 @@ tune = false
 ";
 
 /// A throw that was asked for.
-pub struct Throw {
+pub struct RequestedThrow {
     pub position_m: [f64; 3],
     pub velocity_m_s: [f64; 3],
 }
@@ -44,12 +45,12 @@ pub struct Asked {
 impl Asked {
     pub fn new() -> Result<Self> {
         let mut file = SimulationFile::parse(Path::new("blind.toml"), &format!("ball.radius_m = {RADIUS_M}\n{SCENE}"))?;
-        file.set("world.gravity_m_s2=9.81")?;
+        file.set(&format!("world.gravity_m_s2={GRAVITY_M_S2}"))?;
         Ok(Self { simulator: simulator(&file, Kind::Positions, &Session::default())? })
     }
 
     /// The answer to `seen`, judged by `held_out`, and the throw that it asks for next.
-    pub fn ask(&self, seen: &[Observation], held_out: &[Observation]) -> Result<(Answer, Option<Throw>)> {
+    pub fn ask(&self, seen: &[Observation], held_out: &[Observation]) -> Result<(Answer, Option<RequestedThrow>)> {
         let subjects = [Subject { name: "ball".into(), simulator: self.simulator.as_ref() }];
         let one = |(number, seen, held_out)| {
             let kind = if held_out { "held out" } else { "drop" };
@@ -71,12 +72,12 @@ impl Asked {
 
 fn answer(diagnosis: &Diagnosis, seconds: f64) -> Result<Answer> {
     let gap = diagnosis.gap.as_ref();
-    let own = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let owned = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
     let effects: Vec<&str> = diagnosis.effects.iter().map(|e| e.effect.name).collect();
     Ok(Answer {
         verdict: serde_json::to_value(diagnosis.verdict)?.as_str().unwrap_or_default().into(),
-        effects: if diagnosis.verdict == Verdict::Named { own(&effects) } else { vec![] },
-        candidates: if diagnosis.verdict == Verdict::Named { vec![] } else { own(&diagnosis.names) },
+        effects: if diagnosis.verdict == Verdict::Named { owned(&effects) } else { vec![] },
+        candidates: if diagnosis.verdict == Verdict::Named { vec![] } else { owned(&diagnosis.names) },
         held_out_m: gap.and_then(|g| Some(g.held_out?.after)),
         forecast_m: gap.and_then(|g| Some(g.forecast?.after)),
         rollouts: diagnosis.rollouts as u64,
@@ -85,7 +86,7 @@ fn answer(diagnosis: &Diagnosis, seconds: f64) -> Result<Answer> {
 }
 
 /// The start of the throw that is asked for, where it is one; what it leaves unsaid is a drop from a metre.
-fn throw(diagnosis: &Diagnosis) -> Option<Throw> {
+fn throw(diagnosis: &Diagnosis) -> Option<RequestedThrow> {
     let settings = &diagnosis.next_experiment.as_ref()?.settings;
     if settings.is_empty() {
         return None;
@@ -93,7 +94,7 @@ fn throw(diagnosis: &Diagnosis) -> Option<Throw> {
     let number = |name: &str, unsaid: f64| settings.iter().find(|(n, _)| n == name).map_or(unsaid, |(_, v)| *v);
     let axes = ["x", "y", "z"];
     let height = number("release.height", 1.0) + RADIUS_M;
-    Some(Throw {
+    Some(RequestedThrow {
         position_m: axes.map(|axis| number(&format!("release.{axis}"), if axis == "z" { height } else { 0.0 })),
         velocity_m_s: axes.map(|axis| number(&format!("release.velocity_{axis}"), 0.0)),
     })

@@ -1,22 +1,28 @@
 //! A few blind sets that every test run asks about. Their draws are no part of the bench.
 
 use super::ask::Asked;
-use super::blind::{Kind, Noise, Recipe};
-use super::rows::Cell;
-use super::trial::{Mark, Trial};
+use super::blind::{EffectKind, Noise, Recipe};
+use super::rows::DiagnoseCell;
+use super::trial::{BlindTrial, Mark};
 use super::trials;
-use crate::args::DiagnoseRow as Row;
+use crate::args::DiagnoseRow;
 
-fn asked(hidden: &[Kind], noise: Noise, count: u64) -> Vec<Trial> {
+fn asked(hidden: &[EffectKind], noise: Noise, count: u64) -> Vec<BlindTrial> {
     let name = format!("{hidden:?}-{noise:?}");
     let recipe = Recipe { hidden: hidden.to_vec(), ratio: 10.0, drops: 3, held_out: 1, noise };
-    let cell = Cell { row: Row::Ratio10, name, recipe, first: 0, count };
+    let cell = DiagnoseCell { row: DiagnoseRow::Ratio10, name, recipe, first: 0, count };
     trials(&Asked::new().unwrap(), &cell, 5, "test", false).unwrap()
 }
 
 #[test]
 fn what_was_hidden_is_named() {
-    for kind in [Kind::QuadraticDrag, Kind::Wind, Kind::SurfaceTilt, Kind::ContactTime, Kind::Perspective] {
+    for kind in [
+        EffectKind::QuadraticDrag,
+        EffectKind::Wind,
+        EffectKind::SurfaceTilt,
+        EffectKind::ContactTime,
+        EffectKind::Perspective,
+    ] {
         for trial in asked(&[kind], Noise::WHITE, 1) {
             assert_eq!(trial.mark(), Some(Mark::Exact), "{kind:?}: {trial:?}");
             let (answer, (floor, _)) = (trial.answer.unwrap(), trial.floor_m.unwrap());

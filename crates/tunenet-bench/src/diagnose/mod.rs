@@ -18,19 +18,18 @@ mod rows;
 mod trial;
 mod write;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use rayon::prelude::*;
 use serde_json::json;
 
 use self::ask::Asked;
-use self::blind::{Set, stream};
-use self::results::Results;
-use self::rows::{Cell, Counts};
-use self::trial::Trial;
-use super::resume::Store;
-use crate::args::{BenchDiagnose, DiagnoseRow as Row, Measured};
+use self::blind::{BlindSet, stream};
+use self::results::DiagnoseResults;
+use self::rows::{Counts, DiagnoseCell};
+use self::trial::BlindTrial;
+use super::resume::{Store, program};
+use crate::args::{BenchDiagnose, DiagnoseRow, Measured};
 use tunenet_cli::failure::Exit;
-use tunenet_cli::files::hash;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -43,27 +42,26 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     if options.arm {
         return arm::run(options);
     }
-    let rows: Vec<Row> = Row::ALL.into_iter().filter(|r| options.only.is_empty() || options.only.contains(r)).collect();
+    let rows: Vec<DiagnoseRow> =
+        DiagnoseRow::ALL.into_iter().filter(|r| options.only.is_empty() || options.only.contains(r)).collect();
     let counts = if options.quick { Counts::QUICK } else { Counts::WHOLE };
     let seed = options.common.seed;
-    // The version alone would not tell a rebuilt program from the one that made a cell.
-    let program = hash::sha256(&std::env::current_exe().context("this program's own path")?)?;
-    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }), &options.sharing)?;
-    let cells: Vec<Cell> = rows.iter().flat_map(|row| row.cells(counts)).collect();
+    let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
+    let cells: Vec<DiagnoseCell> = rows.iter().flat_map(|row| row.cells(counts)).collect();
     let bar = progress(cells.iter().map(|c| c.count).sum(), "sets");
     let threads = tunenet_cli::pool(options.jobs)?;
     let timed = tunenet_cli::pool(Some(TIMED_THREADS))?;
     let asked = Asked::new()?;
     let mut tables = Vec::new();
     for row in rows {
-        let those: Vec<&Cell> = cells.iter().filter(|c| c.row == row && store.turn()).collect();
-        let keep = |cell: &&Cell, alone: bool| {
+        let those: Vec<&DiagnoseCell> = cells.iter().filter(|c| c.row == row && store.turn()).collect();
+        let keep = |cell: &&DiagnoseCell, alone: bool| {
             let name = format!("{}-from-{}-{}", cell.name, cell.first, cell.count);
             let trials = store.keep(&name, || trials(&asked, cell, seed, PURPOSE, alone));
             bar.inc(cell.count);
             trials
         };
-        let pieces: Vec<Vec<Trial>> = if row == Row::Cost {
+        let pieces: Vec<Vec<BlindTrial>> = if row == DiagnoseRow::Cost {
             timed.install(|| those.iter().map(|cell| keep(cell, true)).collect::<Result<_>>())?
         } else {
             threads.install(|| those.par_iter().map(|cell| keep(cell, false)).collect::<Result<_>>())?
@@ -76,7 +74,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     if let Some(exit) = store.finished(Measured::Diagnose(options.clone()), options.common.json)? {
         return Ok(exit);
     }
-    let results = Results {
+    let results = DiagnoseResults {
         schema: "tunenet.bench.diagnose/1",
         command: command(options),
         version: env!("CARGO_PKG_VERSION"),
@@ -104,20 +102,20 @@ fn command(options: &BenchDiagnose) -> String {
 }
 
 /// The sets of a cell, each asked about; one after the other where they are timed.
-fn trials(asked: &Asked, cell: &Cell, seed: u64, purpose: &str, alone: bool) -> Result<Vec<Trial>> {
+fn trials(asked: &Asked, cell: &DiagnoseCell, seed: u64, purpose: &str, alone: bool) -> Result<Vec<BlindTrial>> {
     let numbers = cell.first..cell.first + cell.count;
     let one = |number| trial(asked, cell, seed, purpose, number);
     if alone { numbers.map(one).collect() } else { numbers.into_par_iter().map(one).collect() }
 }
 
-fn trial(asked: &Asked, cell: &Cell, seed: u64, purpose: &str, number: u64) -> Result<Trial> {
+fn trial(asked: &Asked, cell: &DiagnoseCell, seed: u64, purpose: &str, number: u64) -> Result<BlindTrial> {
     let mut random = stream(purpose, seed, &cell.name, number);
     let truth: Vec<String> = cell.recipe.hidden.iter().map(|kind| kind.name().into()).collect();
-    let mut trial = Trial { truth, drops: cell.recipe.drops, answer: None, floor_m: None, then: None };
-    let Some(set) = Set::draw(&cell.recipe, &mut random)? else { return Ok(trial) };
+    let mut trial = BlindTrial { truth, drops: cell.recipe.drops, answer: None, floor_m: None, then: None };
+    let Some(set) = BlindSet::draw(&cell.recipe, &mut random)? else { return Ok(trial) };
     let (answer, experiment) = asked.ask(&set.seen, &set.held_out)?;
     trial.answer = Some(answer);
-    if cell.row == Row::Experiment {
+    if cell.row == DiagnoseRow::Experiment {
         if let Some(throw) = experiment {
             let mut seen = set.seen.clone();
             seen.push(set.thrown(throw.position_m, throw.velocity_m_s, &mut random)?);

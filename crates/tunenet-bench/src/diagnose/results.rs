@@ -3,32 +3,34 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use tunenet_core::statistics::{median, quantile};
 
-use super::trial::{Answer, Mark, Trial};
-use crate::args::DiagnoseRow as Row;
+use super::trial::{Answer, BlindTrial, Mark};
+use crate::args::DiagnoseRow;
+use crate::goals;
 
 /// One row of the bench.
 #[derive(Debug, Clone, Serialize)]
-pub struct Table {
+pub struct DiagnoseTable {
     pub row: &'static str,
     pub title: &'static str,
     /// What the numbers of a line are; shares are in percent.
     pub columns: Vec<&'static str>,
-    pub lines: Vec<Line>,
-    pub goals: Vec<Held>,
+    pub lines: Vec<DiagnoseLine>,
+    pub goals: Vec<DiagnoseGoalResult>,
     /// Truth, answer, how often.
     pub confusion: Vec<(String, String, u64)>,
 }
 
 #[derive(Debug, Clone, Serialize)]
-pub struct Line {
+pub struct DiagnoseLine {
     pub label: String,
     pub numbers: Vec<f64>,
 }
 
 /// A goal and what became of it.
 #[derive(Debug, Clone, Serialize)]
-pub struct Held {
+pub struct DiagnoseGoalResult {
     pub what: &'static str,
     /// `at least` or `at most`.
     pub relation: &'static str,
@@ -39,63 +41,62 @@ pub struct Held {
 
 /// Everything.
 #[derive(Debug, Clone, Serialize)]
-pub struct Results {
+pub struct DiagnoseResults {
     pub schema: &'static str,
     pub command: String,
     pub version: &'static str,
     pub seed: u64,
     pub quick: bool,
-    pub rows: Vec<Table>,
+    pub rows: Vec<DiagnoseTable>,
 }
 
 /// The table of a row.
-pub fn table(row: Row, trials: &[Trial]) -> Table {
-    let answered: Vec<&Trial> = trials.iter().filter(|t| t.answer.is_some()).collect();
+pub fn table(row: DiagnoseRow, trials: &[BlindTrial]) -> DiagnoseTable {
+    let answered: Vec<&BlindTrial> = trials.iter().filter(|t| t.answer.is_some()).collect();
     let (columns, lines, goals) = match row {
-        Row::Cost => cost(&answered),
-        Row::Experiment => experiment(&answered),
+        DiagnoseRow::Cost => cost(&answered),
+        DiagnoseRow::Experiment => experiment(&answered),
         row if row.is_clean() => clean(&answered),
-        Row::Two => two(&answered),
-        Row::Outside => outside(&answered),
+        DiagnoseRow::Two => two(&answered),
+        DiagnoseRow::Outside => outside(&answered),
         row => single(row, &answered),
     };
-    Table { row: row.name(), title: row.title(), columns, lines, goals, confusion: confusion(&answered) }
+    DiagnoseTable { row: row.name(), title: row.title(), columns, lines, goals, confusion: confusion(&answered) }
 }
 
-type Parts = (Vec<&'static str>, Vec<Line>, Vec<Held>);
+type Parts = (Vec<&'static str>, Vec<DiagnoseLine>, Vec<DiagnoseGoalResult>);
 
-fn at_least(what: &'static str, limit: f64, measured: Option<f64>) -> Option<Held> {
-    measured.map(|measured| Held { what, relation: "at least", limit, measured, met: measured >= limit })
+fn at_least(what: &'static str, limit: f64, measured: Option<f64>) -> Option<DiagnoseGoalResult> {
+    measured.map(|measured| DiagnoseGoalResult { what, relation: "at least", limit, measured, met: measured >= limit })
 }
 
-fn at_most(what: &'static str, limit: f64, measured: Option<f64>) -> Option<Held> {
-    measured.map(|measured| Held { what, relation: "at most", limit, measured, met: measured <= limit })
+fn at_most(what: &'static str, limit: f64, measured: Option<f64>) -> Option<DiagnoseGoalResult> {
+    measured.map(|measured| DiagnoseGoalResult { what, relation: "at most", limit, measured, met: measured <= limit })
 }
 
 /// How many of `trials` have one of these marks, in percent.
-fn share(trials: &[&Trial], marks: &[Mark]) -> Option<f64> {
-    let hits = trials.iter().filter(|t| t.mark().is_some_and(|m| marks.contains(&m))).count();
-    (!trials.is_empty()).then(|| 100.0 * hits as f64 / trials.len() as f64)
+fn share(trials: &[&BlindTrial], marks: &[Mark]) -> Option<f64> {
+    percent(trials, |t| t.mark().is_some_and(|m| marks.contains(&m)))
 }
 
-fn percent(trials: &[&Trial], is: impl Fn(&Trial) -> bool) -> Option<f64> {
+fn percent(trials: &[&BlindTrial], is: impl Fn(&BlindTrial) -> bool) -> Option<f64> {
     let hits = trials.iter().filter(|t| is(t)).count();
     (!trials.is_empty()).then(|| 100.0 * hits as f64 / trials.len() as f64)
 }
 
-fn with_drops<'a>(trials: &[&'a Trial], drops: impl Fn(usize) -> bool) -> Vec<&'a Trial> {
+fn with_drops<'a>(trials: &[&'a BlindTrial], drops: impl Fn(usize) -> bool) -> Vec<&'a BlindTrial> {
     trials.iter().filter(|t| drops(t.drops)).copied().collect()
 }
 
 /// One line for each number of drops.
-fn by_drops(trials: &[&Trial], numbers: impl Fn(&[&Trial]) -> Vec<f64>) -> Vec<Line> {
+fn by_drops(trials: &[&BlindTrial], numbers: impl Fn(&[&BlindTrial]) -> Vec<f64>) -> Vec<DiagnoseLine> {
     let mut drops: Vec<usize> = trials.iter().map(|t| t.drops).collect();
     drops.sort_unstable();
     drops.dedup();
     let line = |d: usize| {
         let those = with_drops(trials, |drops| drops == d);
         let label = if d == 1 { "1 drop".into() } else { format!("{d} drops") };
-        Line { label, numbers: std::iter::once(those.len() as f64).chain(numbers(&those)).collect() }
+        DiagnoseLine { label, numbers: std::iter::once(those.len() as f64).chain(numbers(&those)).collect() }
     };
     drops.into_iter().map(line).collect()
 }
@@ -104,60 +105,76 @@ const MARKS: [Mark; 7] =
     [Mark::Exact, Mark::Set, Mark::Part, Mark::Wrong, Mark::WrongSet, Mark::Unknown, Mark::Nothing];
 const MARK_COLUMNS: [&str; 8] = ["sets", "exact", "in the set", "part", "wrong", "wrong set", "unknown", "none"];
 
-fn marks(trials: &[&Trial]) -> Vec<f64> {
+fn marks(trials: &[&BlindTrial]) -> Vec<f64> {
     MARKS.iter().filter_map(|mark| share(trials, &[*mark])).collect()
 }
 
-fn clean(trials: &[&Trial]) -> Parts {
-    let verdict = |t: &Trial, word: &str| t.answer.as_ref().is_some_and(|a| a.verdict == word);
-    let named = |those: &[&Trial]| percent(those, |t| t.answer.as_ref().is_some_and(Answer::names_something));
+fn clean(trials: &[&BlindTrial]) -> Parts {
+    let verdict = |t: &BlindTrial, word: &str| t.answer.as_ref().is_some_and(|a| a.verdict == word);
+    let named = |those: &[&BlindTrial]| percent(those, |t| t.answer.as_ref().is_some_and(Answer::names_something));
     let lines = by_drops(trials, |those| {
         let of = |word: &str| percent(those, |t| verdict(t, word));
         [of("none"), of("named"), of("one_of"), of("unknown"), of("insufficient")].into_iter().flatten().collect()
     });
-    let goals = at_most("sets in which an effect was named, alone or in a set, %", 1.0, named(trials));
+    let goals = at_most("sets in which an effect was named, alone or in a set, %", goals::FALSE_NAMES, named(trials));
     (vec!["sets", "none", "named", "one_of", "unknown", "insufficient"], lines, goals.into_iter().collect())
 }
 
-fn single(row: Row, trials: &[&Trial]) -> Parts {
+fn single(row: DiagnoseRow, trials: &[&BlindTrial]) -> Parts {
     let many = with_drops(trials, |drops| drops >= 3);
     let mut lines = by_drops(trials, marks);
     let mut goals = Vec::new();
     let wrong = share(&many, &[Mark::Wrong]);
-    if row == Row::Ratio3 {
-        goals.extend(at_least("exact, 3 drops or more, %", 85.0, share(&many, &[Mark::Exact])));
+    if row == DiagnoseRow::Ratio3 {
+        goals.extend(at_least("exact, 3 drops or more, %", goals::EXACT_AT_3, share(&many, &[Mark::Exact])));
         goals.extend(at_least(
             "exact or in the set, 3 drops or more, %",
-            97.0,
+            goals::IN_SET_AT_3,
             share(&many, &[Mark::Exact, Mark::Set]),
         ));
-    } else if row != Row::Ratio1 {
-        goals.extend(at_least("exact, 3 drops or more, %", 95.0, share(&many, &[Mark::Exact])));
+    } else if row != DiagnoseRow::Ratio1 {
+        goals.extend(at_least("exact, 3 drops or more, %", goals::EXACT_ABOVE, share(&many, &[Mark::Exact])));
     }
-    if row != Row::Ratio1 {
-        goals.extend(at_most("wrong lone name, 3 drops or more, %", 1.0, wrong));
-        let twins = |t: &Trial| !super::trial::twins(&t.truth).is_empty();
-        let scales: Vec<&Trial> = many.iter().filter(|t| twins(t)).copied().collect();
-        goals.extend(at_least("exact twins named together, 3 drops or more, %", 100.0, together(&scales)));
+    if row != DiagnoseRow::Ratio1 {
+        goals.extend(at_most("wrong lone name, 3 drops or more, %", goals::WRONG_NAME, wrong));
+        let twins = |t: &BlindTrial| !super::trial::twins(&t.truth).is_empty();
+        let scales: Vec<&BlindTrial> = many.iter().filter(|t| twins(t)).copied().collect();
+        goals.extend(at_least(
+            "exact twins named together, 3 drops or more, %",
+            goals::TWINS_TOGETHER,
+            together(&scales),
+        ));
         let (held_out, forecast) = (ratios(&many, |f| f.0, |a| a.held_out_m), ratios(&many, |f| f.1, |a| a.forecast_m));
-        goals.extend(at_most("held-out residual over the true model's, median", 1.02, quantile(&held_out, 0.5)));
-        goals.extend(at_most("held-out residual over the true model's, 90 %", 1.05, quantile(&held_out, 0.9)));
-        goals.extend(at_most("forecast error over the true model's, median", 1.1, quantile(&forecast, 0.5)));
+        goals.extend(at_most(
+            "held-out residual over the true model's, median",
+            goals::HELD_OUT_MEDIAN,
+            quantile(held_out.iter().copied(), 0.5),
+        ));
+        goals.extend(at_most(
+            "held-out residual over the true model's, 90 %",
+            goals::HELD_OUT_90,
+            quantile(held_out.iter().copied(), 0.9),
+        ));
+        goals.extend(at_most(
+            "forecast error over the true model's, median",
+            goals::FORECAST_MEDIAN,
+            quantile(forecast, 0.5),
+        ));
     }
     let mut effects: Vec<&String> = many.iter().flat_map(|t| &t.truth).collect();
     effects.sort_unstable();
     effects.dedup();
     for effect in effects {
-        let those: Vec<&Trial> = many.iter().filter(|t| t.truth.contains(effect)).copied().collect();
+        let those: Vec<&BlindTrial> = many.iter().filter(|t| t.truth.contains(effect)).copied().collect();
         let numbers = std::iter::once(those.len() as f64).chain(marks(&those)).collect();
-        lines.push(Line { label: format!("{effect}, 3 drops or more"), numbers });
+        lines.push(DiagnoseLine { label: format!("{effect}, 3 drops or more"), numbers });
     }
     (MARK_COLUMNS.to_vec(), lines, goals)
 }
 
 /// Among answers to an effect with twins that named something: how many named the twins together.
-fn together(trials: &[&Trial]) -> Option<f64> {
-    let named: Vec<&Trial> =
+fn together(trials: &[&BlindTrial]) -> Option<f64> {
+    let named: Vec<&BlindTrial> =
         trials.iter().filter(|t| t.answer.as_ref().is_some_and(Answer::names_something)).copied().collect();
     percent(&named, |t| {
         let Some(answer) = &t.answer else { return false };
@@ -167,40 +184,35 @@ fn together(trials: &[&Trial]) -> Option<f64> {
 }
 
 /// What an answer leaves over what the true world leaves. Scatter at bounces is no model that predicts.
-fn ratios(trials: &[&Trial], floor: impl Fn((f64, f64)) -> f64, left: impl Fn(&Answer) -> Option<f64>) -> Vec<f64> {
+fn ratios(
+    trials: &[&BlindTrial],
+    floor: impl Fn((f64, f64)) -> f64,
+    left: impl Fn(&Answer) -> Option<f64>,
+) -> Vec<f64> {
     let predictable = trials.iter().filter(|t| !t.truth.iter().any(|name| name == "bounce_scatter"));
-    let ratio = |t: &&Trial| {
+    let ratio = |t: &&BlindTrial| {
         let answer = t.answer.as_ref().filter(|a| a.names_something())?;
         Some(left(answer)? / floor(t.floor_m?))
     };
     predictable.filter_map(ratio).collect()
 }
 
-/// The value below which this share of them lies.
-fn quantile(values: &[f64], share: f64) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]
-    let place = (share * sorted.len() as f64) as usize;
-    sorted.get(place.min(sorted.len().saturating_sub(1))).copied()
-}
-
-fn two(trials: &[&Trial]) -> Parts {
+fn two(trials: &[&BlindTrial]) -> Parts {
     let goals = [
-        at_least("both named, %", 90.0, share(trials, &[Mark::Exact])),
-        at_most("a wrong name, %", 2.0, share(trials, &[Mark::Wrong])),
+        at_least("both named, %", goals::BOTH_NAMED, share(trials, &[Mark::Exact])),
+        at_most("a wrong name, %", goals::WRONG_OF_TWO, share(trials, &[Mark::Wrong])),
     ];
     (MARK_COLUMNS.to_vec(), by_drops(trials, marks), goals.into_iter().flatten().collect())
 }
 
-fn outside(trials: &[&Trial]) -> Parts {
+fn outside(trials: &[&BlindTrial]) -> Parts {
     let many = with_drops(trials, |drops| drops >= 3);
-    let goals = at_least("unknown, 3 drops or more, %", 90.0, share(&many, &[Mark::Unknown]));
+    let goals = at_least("unknown, 3 drops or more, %", goals::OUTSIDE_UNKNOWN, share(&many, &[Mark::Unknown]));
     (MARK_COLUMNS.to_vec(), by_drops(trials, marks), goals.into_iter().collect())
 }
 
 /// Pairs of the truth and another candidate that is no twin of it, before the experiment and after.
-fn experiment(trials: &[&Trial]) -> Parts {
+fn experiment(trials: &[&BlindTrial]) -> Parts {
     let (mut pairs, mut separated, mut lost) = (0, 0, 0);
     for trial in trials {
         let Some(first) = &trial.answer else { continue };
@@ -222,30 +234,34 @@ fn experiment(trials: &[&Trial]) -> Parts {
     }
     let of = |count: u32| if pairs == 0 { 0.0 } else { 100.0 * f64::from(count) / f64::from(pairs) };
     let numbers = vec![trials.len() as f64, f64::from(pairs), of(separated), of(lost)];
-    let goal = at_least("separable pairs that the experiment separates, %", 90.0, (pairs > 0).then(|| of(separated)));
-    let line = Line { label: "1 drop, then 1 more".into(), numbers };
+    let goal = at_least(
+        "separable pairs that the experiment separates, %",
+        goals::SEPARATED,
+        (pairs > 0).then(|| of(separated)),
+    );
+    let line = DiagnoseLine { label: "1 drop, then 1 more".into(), numbers };
     (vec!["sets", "pairs", "separated", "truth lost"], vec![line], goal.into_iter().collect())
 }
 
-fn cost(trials: &[&Trial]) -> Parts {
+fn cost(trials: &[&BlindTrial]) -> Parts {
     let of = |pick: &dyn Fn(&Answer) -> f64| -> Vec<f64> {
         trials.iter().filter_map(|t| t.answer.as_ref()).map(pick).collect()
     };
     let (rollouts, seconds) = (of(&|a| a.rollouts as f64), of(&|a| a.seconds));
     let goals = [
-        at_most("rollouts, median", 3000.0, quantile(&rollouts, 0.5)),
-        at_most("seconds, median", 2.0, quantile(&seconds, 0.5)),
+        at_most("rollouts, median", goals::ANSWER_ROLLOUTS, median(rollouts.iter().copied())),
+        at_most("seconds, median", goals::ANSWER_S, median(seconds.iter().copied())),
     ];
     let greatest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let line = |label: &str, values: &[f64]| {
-        let numbers = vec![values.len() as f64, quantile(values, 0.5).unwrap_or(0.0), greatest(values)];
-        Line { label: label.into(), numbers }
+        let numbers = vec![values.len() as f64, median(values.iter().copied()).unwrap_or(0.0), greatest(values)];
+        DiagnoseLine { label: label.into(), numbers }
     };
     let lines = vec![line("rollouts", &rollouts), line("seconds", &seconds)];
     (vec!["sets", "median", "greatest"], lines, goals.into_iter().flatten().collect())
 }
 
-fn confusion(trials: &[&Trial]) -> Vec<(String, String, u64)> {
+fn confusion(trials: &[&BlindTrial]) -> Vec<(String, String, u64)> {
     let mut counts: BTreeMap<(String, String), u64> = BTreeMap::new();
     for trial in trials {
         let Some(answer) = &trial.answer else { continue };
@@ -263,7 +279,7 @@ fn drops(count: usize) -> String {
 mod tests {
     use super::*;
 
-    fn trial(truth: &str, verdict: &str, effect: &str, held_out_m: f64) -> Trial {
+    fn trial(truth: &str, verdict: &str, effect: &str, held_out_m: f64) -> BlindTrial {
         let answer = Answer {
             verdict: verdict.into(),
             effects: vec![effect.into()],
@@ -273,14 +289,14 @@ mod tests {
             rollouts: 100,
             seconds: 1.0,
         };
-        Trial { truth: vec![truth.into()], drops: 3, answer: Some(answer), floor_m: Some((1.0, 1.0)), then: None }
+        BlindTrial { truth: vec![truth.into()], drops: 3, answer: Some(answer), floor_m: Some((1.0, 1.0)), then: None }
     }
 
     #[test]
     fn rates_are_held_against_their_goals() {
         let mut trials = vec![trial("wind", "named", "wind", 1.01); 19];
         trials.push(trial("wind", "named", "magnus", 1.5));
-        let table = table(Row::Ratio10, &trials);
+        let table = table(DiagnoseRow::Ratio10, &trials);
         let goal = |start: &str| table.goals.iter().find(|g| g.what.starts_with(start)).unwrap();
         assert!(goal("exact, 3").met && goal("exact, 3").measured == 95.0);
         assert!(!goal("wrong").met && goal("wrong").measured == 5.0);

@@ -1,17 +1,17 @@
 //! What each row measures: which sets are drawn, and how many.
 
-use super::blind::{Kind, Noise, Recipe};
-use crate::args::DiagnoseRow as Row;
+use super::blind::{EffectKind, Noise, Recipe};
+use crate::args::DiagnoseRow;
 
 /// Recordings of each set that are held out.
 const HELD_OUT: usize = 2;
 /// Sets that are kept in one piece.
-const PIECE: u64 = 10;
+const SETS_PER_PIECE: u64 = 10;
 
 /// Sets of one kind.
 #[derive(Debug, Clone)]
-pub struct Cell {
-    pub row: Row,
+pub struct DiagnoseCell {
+    pub row: DiagnoseRow,
     /// Tells it from every other cell; its draws follow from this name.
     pub name: String,
     pub recipe: Recipe,
@@ -42,7 +42,7 @@ impl Counts {
     pub const QUICK: Self = Self { clean: 40, effect: 2, pairs: 12, outside: 2, experiments: 1, timed: 4 };
 }
 
-impl Row {
+impl DiagnoseRow {
     /// Every row, in the order of the tables.
     pub const ALL: [Self; 12] = [
         Self::Clean,
@@ -80,7 +80,7 @@ impl Row {
     pub fn title(self) -> &'static str {
         match self {
             Self::Clean => "nothing hidden, white noise",
-            Self::Coloured => "nothing hidden, AR(1) noise with ρ .3 and .5",
+            Self::Coloured => "nothing hidden, AR(1) noise with ρ 0.3 and 0.5",
             Self::Outliers => "nothing hidden, 1 % of the samples 5 to 30 σ off",
             Self::Dropped => "nothing hidden, 15 % of the frames missing",
             Self::Ratio1 => "one effect of the catalogue, as large as the noise",
@@ -111,7 +111,7 @@ impl Row {
     }
 
     /// The cells of this row.
-    pub fn cells(self, counts: Counts) -> Vec<Cell> {
+    pub fn cells(self, counts: Counts) -> Vec<DiagnoseCell> {
         let mut cells = Cells { row: self, cells: vec![] };
         let white = Noise::WHITE;
         match self {
@@ -130,7 +130,7 @@ impl Row {
             Self::Dropped => cells.add("3", vec![], 0.0, 3, Noise { dropped: 0.15, ..white }, counts.clean),
             Self::Ratio1 | Self::Ratio3 | Self::Ratio10 | Self::Ratio30 => {
                 for drops in [1, 3, 10] {
-                    for kind in Kind::CATALOGUE {
+                    for kind in EffectKind::CATALOGUE {
                         let name = format!("{drops}-{}", kind.name());
                         let ratio = self.ratio().unwrap_or_default();
                         cells.add(&name, vec![kind], ratio, drops, white, counts.effect);
@@ -148,43 +148,43 @@ impl Row {
             }
             Self::Outside => {
                 for drops in [1, 3, 10] {
-                    for kind in Kind::OUTSIDE {
+                    for kind in EffectKind::OUTSIDE {
                         cells.add(&format!("{drops}-{}", kind.name()), vec![kind], 10.0, drops, white, counts.outside);
                     }
                 }
             }
             Self::Experiment => {
-                for kind in Kind::CATALOGUE {
+                for kind in EffectKind::CATALOGUE {
                     cells.add(kind.name(), vec![kind], 10.0, 1, white, counts.experiments);
                 }
             }
-            Self::Cost => cells.add("3", vec![Kind::QuadraticDrag], 10.0, 3, white, counts.timed),
+            Self::Cost => cells.add("3", vec![EffectKind::QuadraticDrag], 10.0, 3, white, counts.timed),
         }
         cells.cells
     }
 }
 
 /// Effects that can be named side by side: neither has a twin, and both can be made large enough.
-fn pairs() -> Vec<(Kind, Kind)> {
-    let single = |kind: &&Kind| kind.twins().is_empty() && **kind != Kind::ObservationBlur;
-    let kinds: Vec<Kind> = Kind::CATALOGUE.iter().filter(single).copied().collect();
-    let with = |(i, a): (usize, &Kind)| kinds[i + 1..].iter().map(|b| (*a, *b)).collect::<Vec<_>>();
+fn pairs() -> Vec<(EffectKind, EffectKind)> {
+    let single = |kind: &&EffectKind| kind.twins().is_empty() && **kind != EffectKind::ObservationBlur;
+    let kinds: Vec<EffectKind> = EffectKind::CATALOGUE.iter().filter(single).copied().collect();
+    let with = |(i, a): (usize, &EffectKind)| kinds[i + 1..].iter().map(|b| (*a, *b)).collect::<Vec<_>>();
     kinds.iter().enumerate().flat_map(with).collect()
 }
 
 struct Cells {
-    row: Row,
-    cells: Vec<Cell>,
+    row: DiagnoseRow,
+    cells: Vec<DiagnoseCell>,
 }
 
 impl Cells {
-    fn add(&mut self, name: &str, hidden: Vec<Kind>, ratio: f64, drops: usize, noise: Noise, count: u64) {
+    fn add(&mut self, name: &str, hidden: Vec<EffectKind>, ratio: f64, drops: usize, noise: Noise, count: u64) {
         let recipe = Recipe { hidden, ratio, drops, held_out: HELD_OUT, noise };
         let mut first = 0;
         while first < count {
-            let piece = PIECE.min(count - first);
+            let piece = SETS_PER_PIECE.min(count - first);
             let name = format!("{}-{name}", self.row.name());
-            self.cells.push(Cell { row: self.row, name, recipe: recipe.clone(), first, count: piece });
+            self.cells.push(DiagnoseCell { row: self.row, name, recipe: recipe.clone(), first, count: piece });
             first += piece;
         }
     }
@@ -198,11 +198,15 @@ mod tests {
 
     #[test]
     fn no_two_cells_share_their_draws() {
-        let all: Vec<Cell> = Row::ALL.into_iter().flat_map(|row| row.cells(Counts::WHOLE)).collect();
+        let all: Vec<DiagnoseCell> = DiagnoseRow::ALL.into_iter().flat_map(|row| row.cells(Counts::WHOLE)).collect();
         let names: HashSet<(String, u64)> = all.iter().map(|c| (c.name.clone(), c.first)).collect();
         assert_eq!(names.len(), all.len());
-        let clean = |row: Row| row.cells(Counts::WHOLE).iter().map(|c| c.count).sum::<u64>();
-        assert!([Row::Clean, Row::Coloured, Row::Outliers, Row::Dropped].into_iter().all(|row| clean(row) >= 300));
+        let clean = |row: DiagnoseRow| row.cells(Counts::WHOLE).iter().map(|c| c.count).sum::<u64>();
+        assert!(
+            [DiagnoseRow::Clean, DiagnoseRow::Coloured, DiagnoseRow::Outliers, DiagnoseRow::Dropped]
+                .into_iter()
+                .all(|row| clean(row) >= 300)
+        );
         assert!(!pairs().is_empty() && !pairs().len().is_multiple_of(37));
     }
 }

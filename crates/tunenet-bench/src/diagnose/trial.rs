@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::blind::Kind;
+use super::blind::EffectKind;
 
 /// What the code under test said of a set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ pub struct Answer {
 
 /// A set and its answer.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Trial {
+pub struct BlindTrial {
     /// Names of what was hidden.
     pub truth: Vec<String>,
     pub drops: usize,
@@ -54,7 +54,7 @@ pub enum Mark {
     Nothing,
 }
 
-impl Trial {
+impl BlindTrial {
     pub fn mark(&self) -> Option<Mark> {
         self.answer.as_ref().map(|answer| answer.mark(&self.truth))
     }
@@ -110,7 +110,7 @@ impl Answer {
 /// The exact twins of a single effect, itself included; empty where it has none.
 pub fn twins(truth: &[String]) -> Vec<&'static str> {
     let [one] = truth else { return vec![] };
-    let kind = Kind::CATALOGUE.into_iter().find(|kind| kind.name() == one);
+    let kind = EffectKind::CATALOGUE.into_iter().find(|kind| kind.name() == one);
     kind.map_or(vec![], |kind| kind.twins().iter().map(|twin| twin.name()).collect())
 }
 
@@ -119,17 +119,17 @@ mod tests {
     use super::*;
 
     fn mark(truth: &[&str], verdict: &str, effects: &[&str], candidates: &[&str]) -> Mark {
-        let own = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let owned = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
         let answer = Answer {
             verdict: verdict.into(),
-            effects: own(effects),
-            candidates: own(candidates),
+            effects: owned(effects),
+            candidates: owned(candidates),
             held_out_m: None,
             forecast_m: None,
             rollouts: 0,
             seconds: 0.0,
         };
-        answer.mark(&own(truth))
+        answer.mark(&owned(truth))
     }
 
     #[test]

@@ -4,28 +4,25 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_formats::write_atomically;
 
-use super::results::{Results, Table};
+use super::results::{DiagnoseResults, DiagnoseTable};
+use crate::goals::met;
+use crate::output::{file_of, write_all};
 
 /// Writes `diagnose.md`, `goals.md`, `diagnose.csv`, `confusion.csv` and `diagnose.json`; none is ever half written.
-pub fn all(folder: &Path, results: &Results) -> Result<()> {
-    let json = format!("{:#}\n", serde_json::to_value(results)?);
+pub fn all(folder: &Path, results: &DiagnoseResults) -> Result<()> {
     let texts = [
         ("diagnose.md", markdown(results)),
         ("goals.md", goals(results)),
         ("diagnose.csv", rates(results)),
         ("confusion.csv", confusion(results)),
-        ("diagnose.json", json),
+        ("diagnose.json", file_of(&serde_json::to_value(results)?)),
     ];
-    for (name, text) in texts {
-        write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
-    Ok(())
+    write_all(folder, texts)
 }
 
 /// The tables. Writing to a string cannot fail, so its results are dropped.
-pub fn markdown(results: &Results) -> String {
+pub fn markdown(results: &DiagnoseResults) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "# Diagnosis of blind sets\n\n    {}\n", results.command);
     let _ = writeln!(
@@ -43,20 +40,20 @@ pub fn markdown(results: &Results) -> String {
 }
 
 /// What is aimed at and what was measured, in one table.
-fn goals(results: &Results) -> String {
+fn goals(results: &DiagnoseResults) -> String {
     let mut out = format!("# Goals of the diagnosis\n\n    {}\n\n", results.command);
     out.push_str("| row | what | aim | measured | |\n|---|---|---|---:|---|\n");
     for table in &results.rows {
         for goal in &table.goals {
-            let met = if goal.met { "met" } else { "**missed**" };
+            let verdict = met(goal.met);
             let (relation, limit, measured) = (goal.relation, goal.limit, number(goal.measured));
-            let _ = writeln!(out, "| `{}` | {} | {relation} {limit} | {measured} | {met} |", table.row, goal.what);
+            let _ = writeln!(out, "| `{}` | {} | {relation} {limit} | {measured} | {verdict} |", table.row, goal.what);
         }
     }
     out
 }
 
-fn one(out: &mut String, table: &Table) {
+fn one(out: &mut String, table: &DiagnoseTable) {
     let _ = writeln!(out, "## {}: {}\n", table.row, table.title);
     let _ = writeln!(out, "| | {} |\n|---|{}", table.columns.join(" | "), "---:|".repeat(table.columns.len()));
     for line in &table.lines {
@@ -65,9 +62,9 @@ fn one(out: &mut String, table: &Table) {
     }
     out.push('\n');
     for goal in &table.goals {
-        let met = if goal.met { "met" } else { "**missed**" };
+        let verdict = met(goal.met);
         let (limit, measured) = (goal.limit, number(goal.measured));
-        let _ = writeln!(out, "- {}: {} {limit}, measured {measured}, {met}", goal.what, goal.relation);
+        let _ = writeln!(out, "- {}: {} {limit}, measured {measured}, {verdict}", goal.what, goal.relation);
     }
     if !table.goals.is_empty() {
         out.push('\n');
@@ -97,7 +94,7 @@ fn number(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-fn rates(results: &Results) -> String {
+fn rates(results: &DiagnoseResults) -> String {
     let mut out = "row,line,column,value\n".to_owned();
     for table in &results.rows {
         for line in &table.lines {
@@ -109,7 +106,7 @@ fn rates(results: &Results) -> String {
     out
 }
 
-fn confusion(results: &Results) -> String {
+fn confusion(results: &DiagnoseResults) -> String {
     let mut out = "row,truth,answer,count\n".to_owned();
     for table in &results.rows {
         for (truth, answer, count) in &table.confusion {

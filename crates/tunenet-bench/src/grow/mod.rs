@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use tunenet_core::{Error, Origin};
-use tunenet_formats::write_atomically;
 
-use self::results::{Cluster, Results, Row, Spent};
+use self::results::{Cluster, GrowResults, SizeCost, Spent};
 use super::process;
 use crate::args::BenchGrow;
+use crate::output::{file_of, write_all};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::files::hash;
 use tunenet_cli::shard;
@@ -44,10 +44,12 @@ pub fn run(options: &BenchGrow) -> Result<Exit> {
     }
     bar.finish_and_clear();
     let cluster = match (options.want, rows.last()) {
-        (Some(want), Some(row)) => Some(Cluster::of(want, options.nodes, options.cores, options.threads, row)),
+        (Some(want), Some(row)) => {
+            Some(Cluster::extrapolated(want, options.nodes, options.cores, options.threads, row))
+        }
         _ => None,
     };
-    let results = Results {
+    let results = GrowResults {
         schema: "tunenet.bench.grow/1",
         command: command(options),
         version: env!("CARGO_PKG_VERSION"),
@@ -61,9 +63,7 @@ pub fn run(options: &BenchGrow) -> Result<Exit> {
     };
     let text = results.markdown();
     let object = serde_json::to_value(&results)?;
-    for (name, text) in [("grow.md", text.clone()), ("grow.json", format!("{object:#}\n"))] {
-        write_atomically(options.out.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
+    write_all(&options.out, [("grow.md", text.clone()), ("grow.json", file_of(&object))])?;
     anstream::eprintln!("{text}");
     stage("wrote", &options.out.join("grow.md").display().to_string());
     if options.common.json {
@@ -83,7 +83,7 @@ fn command(options: &BenchGrow) -> String {
 }
 
 /// One size: a whole set, the same from shards, and a network that learns from it. The files go away again.
-fn measured(options: &BenchGrow, pairs: u64, step: &mut dyn FnMut()) -> Result<Row> {
+fn measured(options: &BenchGrow, pairs: u64, step: &mut dyn FnMut()) -> Result<SizeCost> {
     let place = |name: &str| options.out.join(format!("{name}-{pairs}.mcap"));
     let (whole, merged, model) = (place("whole"), place("merged"), options.out.join("model.safetensors"));
     let parts: Vec<PathBuf> = (0..SHARDS)
@@ -112,7 +112,7 @@ fn measured(options: &BenchGrow, pairs: u64, step: &mut dyn FnMut()) -> Result<R
     let train = spent(&["train", "--data", text(&whole)?, "--preset", "default", "--out", text(&model)?])?;
     step();
     files().try_for_each(|file| clear(file))?;
-    Ok(Row { pairs, bytes, generate, merge, train })
+    Ok(SizeCost { pairs, bytes, generate, merge, train })
 }
 
 fn text(path: &Path) -> Result<&str> {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::process::Cost;
+use crate::process::ProcessCost;
 
 /// What one process took.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -14,15 +14,15 @@ pub struct Spent {
     pub peak_bytes: Option<u64>,
 }
 
-impl From<Cost> for Spent {
-    fn from(cost: Cost) -> Self {
+impl From<ProcessCost> for Spent {
+    fn from(cost: ProcessCost) -> Self {
         Self { seconds: cost.seconds, peak_bytes: cost.peak_bytes }
     }
 }
 
 /// One size.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct SizeCost {
     pub pairs: u64,
     /// Length of the file.
     pub bytes: u64,
@@ -50,7 +50,7 @@ pub struct Cluster {
 
 impl Cluster {
     /// Of `pairs` on `nodes` of so many cores each, all of them busy, from a row measured on `threads`.
-    pub fn of(pairs: u64, nodes: u32, cores: u32, threads: usize, row: &Row) -> Self {
+    pub fn extrapolated(pairs: u64, nodes: u32, cores: u32, threads: usize, row: &SizeCost) -> Self {
         let times = pairs as f64 / row.pairs as f64;
         let at_once = f64::from(nodes) * f64::from(cores) / threads as f64;
         Self {
@@ -69,7 +69,7 @@ impl Cluster {
 
 /// Everything.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Results {
+pub struct GrowResults {
     pub schema: &'static str,
     pub command: String,
     pub version: &'static str,
@@ -77,12 +77,12 @@ pub struct Results {
     pub seed: u64,
     pub threads: usize,
     pub shards: u32,
-    pub rows: Vec<Row>,
+    pub rows: Vec<SizeCost>,
     pub cluster: Option<Cluster>,
     pub warnings: [&'static str; 0],
 }
 
-impl Results {
+impl GrowResults {
     /// The tables. Writing to a string cannot fail, so its results are dropped.
     pub fn markdown(&self) -> String {
         let mut out = format!("    {}\n\n", self.command);
@@ -158,16 +158,17 @@ mod tests {
     }
 
     #[test]
-    fn a_cluster_is_reckoned_in_proportion() {
-        let row = Row { pairs: 1000, bytes: 3_000_000, generate: spent(2.0), merge: spent(1.0), train: spent(9.0) };
-        let cluster = Cluster::of(100_000_000, 10, 20, 2, &row);
+    fn a_cluster_is_computed_in_proportion() {
+        let row =
+            SizeCost { pairs: 1000, bytes: 3_000_000, generate: spent(2.0), merge: spent(1.0), train: spent(9.0) };
+        let cluster = Cluster::extrapolated(100_000_000, 10, 20, 2, &row);
         // 100,000 times as much, 100 processes of two threads at once.
         assert_eq!((cluster.generate_s, cluster.merge_s, cluster.bytes), (2000.0, 100_000.0, 3e11));
         assert_eq!(cluster.peak_bytes_per_process, Some(18_000_000));
     }
 
     #[test]
-    fn figures_are_told_in_words() {
+    fn figures_are_rendered_in_words() {
         assert_eq!(grouped(1_000_000), "1,000,000");
         assert_eq!(grouped(999), "999");
         assert_eq!(duration(2.34), "2.3 s");

@@ -3,25 +3,25 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_formats::write_atomically;
 
 use super::super::resume::Store;
-use super::super::shot::{self, Extent, Results};
+use super::super::shot::{self, Extent, ShotResults};
+use crate::output::{file_of, write_all};
 
 /// `None` where only a shard of it was made.
-pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<Results>> {
+pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<ShotResults>> {
     let results = shot::measure(store, Extent::plain(quick), seed)?;
     Ok((!store.sharded()).then_some(results))
 }
 
 /// The figure as a table for users.
-pub fn markdown(results: &Results) -> String {
+pub fn markdown(results: &ShotResults) -> String {
     let quick = if results.quick { " --quick" } else { "" };
     format!(
         "# Figure 3: how often a ball that was filmed goes through the hoop\n\n    \
          tunenet bench paper --only figure3{quick} --seed {}\n\n\
-         {} shots with each ball, in hidden worlds; ± the standard error. The paper reports .62 of all shots of a real robot, \
-         and .87 without those after drops that went off the table (arXiv 1907.11200). The same shots as `tunenet bench shot`'s, \
+         {} shots with each ball, in hidden worlds; ± the standard error. The paper reports 0.62 of all shots of a real robot, \
+         and 0.87 without those after drops that went off the table (arXiv 1907.11200). The same shots as `tunenet bench shot`'s, \
          which says more of them.\n\n{}\n![Share of shots that go in, ball by ball](figure3.svg)\n",
         results.seed,
         results.trials,
@@ -30,10 +30,13 @@ pub fn markdown(results: &Results) -> String {
 }
 
 /// Writes `figure3.md`, `figure3.json` and `figure3.svg`; none is ever half written.
-pub fn write(folder: &Path, results: &Results) -> Result<()> {
-    let json = format!("{:#}\n", results.as_json());
-    for (name, text) in [("figure3.md", markdown(results)), ("figure3.json", json), ("figure3.svg", results.figure())] {
-        write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
-    Ok(())
+pub fn write(folder: &Path, results: &ShotResults) -> Result<()> {
+    write_all(
+        folder,
+        [
+            ("figure3.md", markdown(results)),
+            ("figure3.json", file_of(&results.as_json())),
+            ("figure3.svg", results.figure()),
+        ],
+    )
 }

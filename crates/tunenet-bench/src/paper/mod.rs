@@ -5,13 +5,12 @@ mod table1;
 mod table2;
 mod table3;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde_json::{Map, json};
 
-use super::resume::Store;
+use super::resume::{Store, program};
 use crate::args::{BenchPaper, Measured, PaperTable};
 use tunenet_cli::failure::Exit;
-use tunenet_cli::files::hash;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::stage;
 
@@ -22,9 +21,7 @@ fn counted_seeds(seeds: u64) -> String {
 
 pub fn run(options: &BenchPaper) -> Result<Exit> {
     let seed = options.common.seed;
-    // The version alone would not tell a rebuilt program from the one that made a cell.
-    let program = hash::sha256(&std::env::current_exe().context("this program's own path")?)?;
-    let key = json!({ "program": program, "seed": seed, "quick": options.quick });
+    let key = json!({ "program": program()?, "seed": seed, "quick": options.quick });
     let store = Store::open(&options.out, key, &options.sharing)?;
     let mut all = Map::from_iter([("schema".into(), json!("tunenet.bench.paper/1"))]);
     for table in if options.only.is_empty() { &PaperTable::ALL[..] } else { &options.only } {

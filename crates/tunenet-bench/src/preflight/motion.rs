@@ -4,7 +4,8 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-pub const GRAVITY_M_S2: f64 = 9.81;
+pub use crate::scene::GRAVITY_M_S2;
+
 /// Steps of Runge and Kutta's fourth-order method; impacts are located within one by bisection.
 const STEP_S: f64 = 1e-3;
 /// A rebound slower than this has come to rest.
@@ -42,7 +43,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// A record without fault: heights .3 to 5 m, 30 to 240 Hz, noise to 1 % of the height, restitution .2 to .95; a third
+    /// A record without fault: heights 0.3 to 5 m, 30 to 240 Hz, noise to 1 % of the height, restitution 0.2 to 0.95; a third
     /// are throws, a third have air.
     pub fn draw(random: &mut ChaCha8Rng) -> Self {
         let fall_m = 0.3 * (5.0f64 / 0.3).powf(random.random());

@@ -12,13 +12,11 @@ use tunenet_core::tune::{Outcome, Settings, Status, Verdict, tune};
 use tunenet_sim::{ObservedBall, SimulationFile};
 
 use super::swing::{self, Swing};
-use super::throw::Throw;
+use super::throw::ClosedFormThrow;
+use crate::scene::{ANY_BALL, seeds};
 
-/// A ball of 40 mm of which nothing but its size is known: the release and the floor come out of the data.
-const BALL: &str = include_str!("../../../../assets/ball.toml");
+/// Radius of that ball, m.
 const RADIUS_M: f64 = 0.02;
-/// Added to the seed, so that no other command draws these recordings.
-const OWN_SEED: u64 = 0x7_0113_4715;
 
 /// What a recording shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,14 +36,14 @@ pub enum Scene {
 
 /// How recordings are drawn.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub struct Cell {
+pub struct RegionCell {
     pub scene: Scene,
     /// Noise of every channel: m, or rad.
     pub noise: f64,
     pub rate_hz: f64,
 }
 
-impl Cell {
+impl RegionCell {
     /// All cells, in the order of the table.
     pub fn all() -> Vec<Self> {
         let throws = [(0.0005, 240.0), (0.002, 120.0), (0.005, 60.0), (0.01, 120.0)];
@@ -80,7 +78,7 @@ impl Cell {
 
     /// Draws recording `number`, tunes to it, and holds what was found against the truth.
     pub fn one(&self, seed: u64, number: u64) -> Result<Found> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(OWN_SEED));
+        let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(seeds::REGIONS));
         random.set_stream(number);
         match self.scene {
             Scene::Pendulum | Scene::PendulumAtBound => self.swing(&mut random),
@@ -90,7 +88,7 @@ impl Cell {
 
     fn throw(&self, random: &mut ChaCha8Rng) -> Result<Found> {
         let (speed, course) = (random.random_range(2.0..6.0), random.random_range(0.0..std::f64::consts::TAU));
-        let mut throw = Throw {
+        let mut throw = ClosedFormThrow {
             restitution: random.random_range(0.3..0.95),
             friction: 0.0,
             radius_m: RADIUS_M,
@@ -107,7 +105,7 @@ impl Cell {
         let mut noise = || self.noise * random.sample::<f64, _>(StandardNormal);
         let seen: Vec<[f64; 3]> =
             throw.positions(&clock, impacts).into_iter().map(|p| p.map(|v| v + noise())).collect();
-        let mut file = SimulationFile::parse(Path::new("ball.toml"), BALL)?;
+        let mut file = SimulationFile::parse(Path::new("ball.toml"), ANY_BALL)?;
         file.set("parameters.friction.tune=true")?;
         let ball = ObservedBall::new(&file, Kind::Positions)?;
         judge(&ball, Observation::positions(clock, &seen)?, &[throw.restitution, throw.friction])

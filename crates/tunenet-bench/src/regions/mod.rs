@@ -12,29 +12,26 @@ mod throw;
 
 use std::fmt::Write;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use tunenet_core::statistics::mean;
 use tunenet_core::tune::Status;
-use tunenet_formats::write_atomically;
 
-use self::cell::{Cell, Found};
-use super::resume::Store;
+use self::cell::{Found, RegionCell};
+use super::resume::{DRAWS_PER_PIECE, Store, program};
 use crate::args::{BenchRegions, Measured};
+use crate::output::{file_of, percent, share, write_all};
 use tunenet_cli::failure::Exit;
-use tunenet_cli::files::hash;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
-/// Recordings that are kept in one piece.
-const PIECE: u32 = 50;
-
 /// What one cell found: shares of its recordings.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Row {
+struct RegionRow {
     #[serde(flatten)]
-    cell: Cell,
+    cell: RegionCell,
     /// For each parameter, how often its interval holds the truth, and how often it is determined.
     parameters: Vec<Interval>,
     /// Of those with a region: how often it holds the truth, by the likelihood and as it is drawn.
@@ -59,16 +56,14 @@ struct Interval {
 
 pub fn run(options: &BenchRegions) -> Result<Exit> {
     let seed = options.common.seed;
-    // The version alone would not tell a rebuilt program from the one that made a cell.
-    let program = hash::sha256(&std::env::current_exe().context("this program's own path")?)?;
-    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }), &options.sharing)?;
-    let cells = Cell::all();
+    let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
+    let cells = RegionCell::all();
     let bar = progress(cells.len() as u64 * u64::from(options.count()), "recordings");
     let mut rows = Vec::with_capacity(cells.len());
     for (number, cell) in cells.into_iter().enumerate() {
         let mut found: Vec<Found> = Vec::with_capacity(options.count() as usize);
-        for first in (0..options.count()).step_by(PIECE as usize) {
-            let draws = first..first.saturating_add(PIECE).min(options.count());
+        for first in (0..options.count()).step_by(DRAWS_PER_PIECE as usize) {
+            let draws = first..first.saturating_add(DRAWS_PER_PIECE).min(options.count());
             let one = |draw: u32| cell.one(seed, ((number as u64) << 32) + u64::from(draw));
             let make = || draws.clone().into_par_iter().map(one).collect::<Result<Vec<_>>>();
             let name = format!("region-{number}-from-{first}-to-{}", draws.end);
@@ -76,7 +71,7 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
             bar.inc(draws.len() as u64);
         }
         if options.sharing.shard.is_none() {
-            rows.push(Row::of(cell, &found));
+            rows.push(RegionRow::new(cell, &found));
         }
     }
     bar.finish_and_clear();
@@ -88,9 +83,7 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
     let object: Value = json!({
         "schema": "tunenet.bench.regions/1", "draws": options.count(), "seed": seed, "cells": rows, "warnings": [],
     });
-    for (name, text) in [("regions.md", text.clone()), ("regions.json", format!("{object:#}\n"))] {
-        write_atomically(options.out.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
+    write_all(&options.out, [("regions.md", text.clone()), ("regions.json", file_of(&object))])?;
     anstream::eprintln!("{text}");
     stage("wrote", &options.out.join("regions.md").display().to_string());
     if options.common.json {
@@ -99,10 +92,9 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-impl Row {
-    fn of(cell: Cell, found: &[Found]) -> Self {
+impl RegionRow {
+    fn new(cell: RegionCell, found: &[Found]) -> Self {
         let count = found.len() as f64;
-        let share = |is: &dyn Fn(&Found) -> bool| found.iter().filter(|f| is(f)).count() as f64 / count;
         let names: Vec<String> = found
             .iter()
             .map(|f| &f.parameters)
@@ -112,29 +104,28 @@ impl Row {
             .map(|p| p.0.clone())
             .collect();
         let interval = |(i, name): (usize, String)| {
-            let is = |what: &dyn Fn(&(String, bool, Status)) -> bool| share(&|f| f.parameters.get(i).is_some_and(what));
+            let is = |what: &dyn Fn(&(String, bool, Status)) -> bool| {
+                share(found, |f| f.parameters.get(i).is_some_and(what))
+            };
             Interval { name, covered: is(&|p| p.1), determined: is(&|p| p.2.identified()) }
         };
         let regions: Vec<(bool, bool)> = found.iter().filter_map(|f| f.region).collect();
-        let of_regions = |is: fn(&(bool, bool)) -> bool| {
-            regions.iter().filter(|r| is(r)).count() as f64 / (regions.len() as f64).max(1.0)
-        };
         Self {
             cell,
             parameters: names.into_iter().enumerate().map(interval).collect(),
-            joint: of_regions(|r| r.0),
-            drawn: of_regions(|r| r.1),
-            walked: share(&|f| f.walked),
+            joint: share(&regions, |r| r.0),
+            drawn: share(&regions, |r| r.1),
+            walked: share(found, |f| f.walked),
             without: 1.0 - regions.len() as f64 / count,
-            called_poor: share(&|f| f.poor),
-            rollouts: found.iter().map(|f| f.rollouts as f64).sum::<f64>() / count,
+            called_poor: share(found, |f| f.poor),
+            rollouts: mean(found.iter().map(|f| f.rollouts as f64)),
             most_rollouts: found.iter().map(|f| f.rollouts).max().unwrap_or_default(),
         }
     }
 }
 
 /// The table. Writing to a string cannot fail, so its results are dropped.
-fn markdown(command: &str, rows: &[Row]) -> String {
+fn markdown(command: &str, rows: &[RegionRow]) -> String {
     let mut out = format!("# Several parameters: how often 95 % regions hold the truth\n\n    {command}\n\n");
     out.push_str(
         "Recordings come from closed forms, not from the simulator that is tuned. *Joint* is the region by the likelihood \
@@ -142,7 +133,6 @@ fn markdown(command: &str, rows: &[Row]) -> String {
          | recordings | joint | drawn | walked | no region | poor fit | intervals (determined) | rollouts (most) |\n\
          |---|---|---|---|---|---|---|---|\n",
     );
-    let percent = |v: f64| format!("{:.1} %", 100.0 * v);
     for row in rows {
         let each = |p: &Interval| format!("{} {} ({})", p.name, percent(p.covered), percent(p.determined));
         let intervals = row.parameters.iter().map(each).collect::<Vec<_>>().join(", ");

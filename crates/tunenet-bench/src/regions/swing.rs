@@ -5,8 +5,8 @@ use tunenet_core::Result;
 use tunenet_core::observation::Channel;
 use tunenet_core::simulator::{Parameter, Simulator};
 
-/// Gravity, m/s².
-const GRAVITY_M_S2: f64 = 9.81;
+use crate::scene::GRAVITY_M_S2;
+
 /// Longest step of the simulator, s: its error stays far below a microradian.
 const LONGEST_STEP_S: f64 = 5e-3;
 

@@ -8,9 +8,9 @@ const DRAWS: u64 = 120;
 #[test]
 fn joint_regions_hold_the_truth() {
     for number in [1, 8] {
-        let cell = Cell::all()[number];
+        let cell = RegionCell::all()[number];
         let found: Vec<Found> = (0..DRAWS).into_par_iter().map(|d| cell.one(5, d).unwrap()).collect();
-        let row = Row::of(cell, &found);
+        let row = RegionRow::new(cell, &found);
         assert!((0.885..=0.995).contains(&row.joint), "{row:?}");
         assert!((0.885..=0.995).contains(&row.drawn), "{row:?}");
         assert!(row.without < 0.05 && row.called_poor < 0.03, "{row:?}");
@@ -23,7 +23,7 @@ fn joint_regions_hold_the_truth() {
 /// A throw that grips says that friction is great, not how great; the restitution does not suffer.
 #[test]
 fn grip_leaves_friction_open_and_restitution_pinned() {
-    let cell = Cell::all()[4];
+    let cell = RegionCell::all()[4];
     assert_eq!(cell.scene, cell::Scene::ThrowGrips);
     let found: Vec<Found> = (0..40).into_par_iter().map(|d| cell.one(5, d).unwrap()).collect();
     for one in &found {
@@ -38,8 +38,8 @@ fn grip_leaves_friction_open_and_restitution_pinned() {
 /// Fast, hardly rubbing throws, whose friction is a long way from every start: more than one in forty used to end in a wrong
 /// local minimum, after many times the rollouts.
 #[test]
-fn a_throw_that_slips_for_long_ends_in_the_right_valley() {
-    let cell = Cell::all()[0];
+fn a_throw_that_slips_for_long_ends_in_the_right_local_minimum() {
+    let cell = RegionCell::all()[0];
     assert_eq!(cell.scene, cell::Scene::ThrowSlips);
     for draw in [23, 57, 71, 72, 87, 137] {
         let found = cell.one(777, draw).unwrap();

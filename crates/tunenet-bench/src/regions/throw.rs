@@ -4,12 +4,11 @@
 //! An impulse j (per mass) along the floor changes the slip u of the lowest point by −7/2 j û, since the ball's own inertia
 //! is 2/5 r². So 2/7 |u| ends the slip (grip), and Coulomb allows at most μ (1 + e) times the approach speed.
 
-/// Gravity, m/s².
-const GRAVITY_M_S2: f64 = 9.81;
+use crate::scene::GRAVITY_M_S2;
 
 /// A ball thrown over a floor at height 0, without spin.
 #[derive(Debug, Clone, Copy)]
-pub struct Throw {
+pub struct ClosedFormThrow {
     pub restitution: f64,
     pub friction: f64,
     pub radius_m: f64,
@@ -41,7 +40,7 @@ impl Flight {
     }
 }
 
-impl Throw {
+impl ClosedFormThrow {
     /// The flights up to the one after impact number `impacts`.
     fn flights(&self, impacts: usize) -> Vec<Flight> {
         let Self { position_m, velocity_m_s, radius_m, .. } = *self;
@@ -99,7 +98,7 @@ mod tests {
     #[test]
     fn an_impact_by_hand() {
         // Falls 4.905 m in 1 s, arrives at 9.81 m/s, leaves at half of it.
-        let base = Throw {
+        let base = ClosedFormThrow {
             restitution: 0.5,
             friction: 0.1,
             radius_m: 0.1,
@@ -107,7 +106,7 @@ mod tests {
             velocity_m_s: [7.0, 0.0, 0.0],
         };
         // Slips: the floor takes 0.1 · 1.5 · 9.81 = 1.4715 m/s; grips: 2/7 of 7 m/s, which is rolling.
-        let after = |friction| Throw { friction, ..base }.flights(1)[1];
+        let after = |friction| ClosedFormThrow { friction, ..base }.flights(1)[1];
         let (slips, grips) = (after(0.1), after(1.0));
         assert!((slips.velocity_m_s[0] - 5.5285).abs() < 1e-12 && (slips.velocity_m_s[2] - 4.905).abs() < 1e-12);
         assert!((grips.velocity_m_s[0] - 5.0).abs() < 1e-12);

@@ -1,60 +1,61 @@
-//! Brent's bounded search for a minimum.
+//! Brent's bounded search for a minimum (Brent, *Algorithms for Minimization without Derivatives*, 1973), by the crate `argmin`.
 
-use anyhow::Result;
+use std::cell::RefCell;
+
+use anyhow::{Context, Result};
+use argmin::core::{CostFunction, Error, Executor};
+use argmin::solver::brent::BrentOpt;
 
 use super::{Course, Search};
 
-/// Brent's bounded search (1973) on the sum of squares, told the range that the target was drawn from; the best so far.
-pub fn search(target: &Search, most: usize) -> Result<Course> {
-    let cost = |x: f64| -> Result<f64> { Ok(target.squares(&(target.roll)(x)?)) };
-    let golden = 0.5 * (3.0 - 5f64.sqrt());
-    let (mut low, mut high) = target.range;
-    let mut x = low + golden * (high - low);
-    let mut at_x = cost(x)?;
-    let mut course = vec![target.proposed, x];
-    // The second and third best, and the last two steps.
-    let ((mut w, mut at_w), (mut v, mut at_v)) = ((x, at_x), (x, at_x));
-    let (mut step, mut before) = (0.0_f64, 0.0_f64);
-    while course.len() <= most {
-        let middle = 0.5 * (low + high);
-        let tolerance = 1e-8 * x.abs() + 1e-10;
-        let r = (x - w) * (at_x - at_v);
-        let q = (x - v) * (at_x - at_w);
-        let (p, q) = ((x - v) * q - (x - w) * r, 2.0 * (q - r));
-        let (p, q) = if q > 0.0 { (-p, q) } else { (p, -q) };
-        let last = std::mem::replace(&mut before, step);
-        // A parabola through the three best, where it falls inside and shrinks; else a golden section.
-        if p.abs() < (0.5 * q * last).abs() && p > q * (low - x) && p < q * (high - x) {
-            step = p / q;
-        } else {
-            before = if x < middle { high - x } else { low - x };
-            step = golden * before;
+/// Relative tolerance: the square root of the machine's precision, below which a minimum cannot be located by its value.
+const RELATIVE: f64 = 1e-8;
+/// Absolute tolerance, for estimates near 0; far below every error that a table shows.
+const ABSOLUTE: f64 = 1e-10;
+
+/// The sum of squares, and what each rollout of it has found so far.
+struct Squares<'a> {
+    search: &'a Search<'a>,
+    best: RefCell<Best>,
+}
+
+/// The least sum of squares so far, where it lies, and where it lay after every rollout.
+struct Best {
+    squares: f64,
+    at: f64,
+    course: Course,
+}
+
+impl CostFunction for Squares<'_> {
+    type Param = f64;
+    type Output = f64;
+
+    fn cost(&self, at: &f64) -> Result<f64, Error> {
+        let squares = self.search.squares(&(self.search.roll)(*at)?);
+        let mut best = self.best.borrow_mut();
+        if squares <= best.squares {
+            (best.squares, best.at) = (squares, *at);
         }
-        if step.abs() < tolerance {
-            step = tolerance.copysign(middle - x);
-        }
-        let u = (x + step).clamp(low, high);
-        let at_u = cost(u)?;
-        if at_u <= at_x {
-            if u < x {
-                high = x;
-            } else {
-                low = x;
-            }
-            ((v, at_v), (w, at_w), (x, at_x)) = ((w, at_w), (x, at_x), (u, at_u));
-        } else {
-            if u < x {
-                low = u;
-            } else {
-                high = u;
-            }
-            if at_u <= at_w || w == x {
-                ((v, at_v), (w, at_w)) = ((w, at_w), (u, at_u));
-            } else if at_u <= at_v || v == x || v == w {
-                (v, at_v) = (u, at_u);
-            }
-        }
-        course.push(x);
+        let at = best.at;
+        best.course.push(at);
+        Ok(squares)
     }
+}
+
+/// Brent's bounded search on the sum of squares over the range that the target was drawn from; the best so far after every
+/// rollout. What it leaves of its budget once it has converged changes nothing.
+pub fn search(target: &Search, most: usize) -> Result<Course> {
+    let (low, high) = target.range;
+    let start = Best { squares: f64::INFINITY, at: target.proposed, course: vec![target.proposed] };
+    let solver = BrentOpt::new(low, high).set_tolerance(RELATIVE, ABSOLUTE);
+    // The first rollout is no iteration, every other one is.
+    let iterations = u64::try_from(most.saturating_sub(1))?;
+    let found = Executor::new(Squares { search: target, best: RefCell::new(start) }, solver)
+        .configure(|state| state.max_iters(iterations))
+        .timer(false)
+        .run()?;
+    let squares = found.problem.problem.context("argmin gives the problem back")?;
+    let Best { at, mut course, .. } = squares.best.into_inner();
+    course.resize(most + 1, at);
     Ok(course)
 }

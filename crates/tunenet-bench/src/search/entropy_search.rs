@@ -47,8 +47,8 @@ pub fn search(target: &Search, most: usize) -> Result<Course> {
         if n == BINS {
             break;
         }
-        let own = DMatrix::from_fn(BINS, BINS, |i, j| kernel(bins[i], bins[j]) + if i == j { NUGGET } else { 0.0 });
-        let left = own - &across * known.solve(&across.transpose());
+        let prior = DMatrix::from_fn(BINS, BINS, |i, j| kernel(bins[i], bins[j]) + if i == j { NUGGET } else { 0.0 });
+        let left = prior - &across * known.solve(&across.transpose());
         // What was asked is known but for rounding, which may leave it below nothing.
         let spread =
             Cholesky::new(left + DMatrix::identity(BINS, BINS) * NUGGET).context("the process over the bins")?;

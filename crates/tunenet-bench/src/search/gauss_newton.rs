@@ -1,10 +1,15 @@
-//! What anybody would write down first: Gauss and Newton's step with a slope from finite differences.
+//! Gauss and Newton's method with slopes from finite differences.
+//!
+//! Written here because that of the crate `argmin` 0.11 is the weaker rival: it knows no bounds, and where a rollout does not
+//! depend on the number it stops with a step that is no number (drops with restitution 0 to 1 and noise of 2 cm), while this
+//! one stays and keeps its best. On targets where that does not happen both give the same estimates to rounding.
 
 use anyhow::Result;
 
 use super::{Course, Search};
 
-/// How far apart the two rollouts of a slope lie.
+/// How far apart the two rollouts of a slope lie: errors of the forward difference (1e-4 of the curvature) and of rounding
+/// (1e-16/1e-4) are far below the step itself.
 const STEP: f64 = 1e-4;
 
 /// The best estimate so far after every rollout, from the proposed start; two rollouts to a step.

@@ -1,10 +1,10 @@
-//! What else rollouts can be spent on: searches for one number, each told nothing but what was seen and how to roll out.
+//! What else rollouts can be spent on: searches for one number, each gets what was seen and a way to roll out, nothing else.
 //!
 //! | file | search |
 //! |---|---|
-//! | `brent` | Brent's bounded minimum of the squared error |
+//! | `brent` | Brent's bounded minimum of the squared error, by the crate `argmin` |
 //! | `entropy_search` | greedy entropy search, the paper's rival |
-//! | `evolution` | CMA-ES, the paper's other rival |
+//! | `evolution` | CMA-ES by the crate `cmaes`, the paper's other rival |
 //! | `gauss_newton` | Gauss and Newton's step, its slope from finite differences |
 //! | `nearest` | the nearest of stored rollouts, then Gauss–Newton with the slope between rollouts known |
 
@@ -33,7 +33,7 @@ pub struct Search<'a> {
     pub range: (f64, f64),
     /// Least and greatest value that can be simulated.
     pub bounds: (f64, f64),
-    /// Start of every random draw.
+    /// Random seed.
     pub seed: u64,
 }
 

@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 
 /// What a ball of the hidden world is.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ball {
+pub struct ShotBall {
     pub name: &'static str,
     pub restitution: f64,
     /// Coulomb's coefficient.
@@ -21,14 +21,14 @@ pub struct Ball {
     pub spin_rad_s: f64,
 }
 
-const fn ball(name: &'static str, restitution: f64, friction: f64, drag_1_m: f64, scatter_deg: f64) -> Ball {
+const fn ball(name: &'static str, restitution: f64, friction: f64, drag_1_m: f64, scatter_deg: f64) -> ShotBall {
     let scatter_rad = scatter_deg.to_radians();
-    Ball { name, restitution, friction, drag_1_m, scatter_rad, exponent: 0.0, spin_rad_s: 0.0 }
+    ShotBall { name, restitution, friction, drag_1_m, scatter_rad, exponent: 0.0, spin_rad_s: 0.0 }
 }
 
 /// Balls of the size and weight of a table-tennis ball or more, from smooth to lumpy: names are only names. The first
 /// three stay; in place of the others three are drawn.
-pub const FIXED: [Ball; 3] = [
+pub const FIXED: [ShotBall; 3] = [
     ball("gel", 0.79, 0.02, 0.010, 0.5),
     ball("table tennis", 0.83, 0.02, 0.100, 1.0),
     ball("holed", 0.62, 0.03, 0.060, 4.0),
@@ -38,11 +38,11 @@ const DRAWN: [(&str, std::ops::Range<f64>); 3] =
     [("drawn, even", 0.5..1.5), ("drawn, rough", 1.0..2.5), ("drawn, lumpy", 4.0..7.0)];
 const RESTITUTION: std::ops::Range<f64> = 0.60..0.85;
 const FRICTION: std::ops::Range<f64> = 0.02..0.04;
-/// Between the natural logarithms of .01 and .1 1/m.
+/// Between the natural logarithms of 0.01 and 0.1 1/m.
 const LOG_DRAG: std::ops::Range<f64> = -4.605..-2.303;
 
 /// The six balls of a seed.
-pub fn all(random: &mut ChaCha8Rng) -> Vec<Ball> {
+pub fn all(random: &mut ChaCha8Rng) -> Vec<ShotBall> {
     let drawn = DRAWN.map(|(name, scatter)| {
         let (e, mu) = (random.random_range(RESTITUTION), random.random_range(FRICTION));
         ball(name, e, mu, random.random_range(LOG_DRAG).exp(), random.random_range(scatter))
@@ -50,7 +50,7 @@ pub fn all(random: &mut ChaCha8Rng) -> Vec<Ball> {
     FIXED.into_iter().chain(drawn).collect()
 }
 
-impl Ball {
+impl ShotBall {
     /// The same in a richer world: hard hits rebound less, and hands let go with spin.
     pub fn richer(self) -> Self {
         Self { exponent: 0.08, spin_rad_s: 15.0, ..self }

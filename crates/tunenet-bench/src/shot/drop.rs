@@ -6,11 +6,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use tunenet_core::camera::Pinhole;
 
-use super::ball::Ball;
-use super::world::{RADIUS_M, State, Three, drop};
+use super::ball::ShotBall;
+use super::world::{RADIUS_M, ShotState, Three, drop};
 
 /// Fall of the centre, m.
-const FALL_M: std::ops::Range<f64> = 0.5..0.7;
+const DROP_FALL_M: std::ops::Range<f64> = 0.5..0.7;
 /// Standard deviations of where the ball is let go, m, and how it is pushed, m/s, along each level axis.
 const OFFSET_M: f64 = 0.01;
 const PUSH_M_S: f64 = 0.08;
@@ -27,7 +27,7 @@ const MOST_DRAWS: usize = 1000;
 const NOWHERE_M: f64 = -1e6;
 
 /// What a person records of a drop: how high it was, and a video.
-pub struct Filmed {
+pub struct VideoDrop {
     pub fall_m: f64,
     pub camera: Pinhole,
     /// What can be seen of the ball's centre, m.
@@ -45,17 +45,17 @@ pub fn clock() -> Vec<f64> {
 
 /// From how high a person drops the ball, each time of a trial.
 pub fn height(random: &mut ChaCha8Rng) -> f64 {
-    random.random_range(FALL_M)
+    random.random_range(DROP_FALL_M)
 }
 
-impl Filmed {
+impl VideoDrop {
     /// Lets a ball go from `fall_m` above the table, before a camera of its own.
-    pub fn draw(ball: &Ball, fall_m: f64, random: &mut ChaCha8Rng) -> Result<Self> {
+    pub fn draw(ball: &ShotBall, fall_m: f64, random: &mut ChaCha8Rng) -> Result<Self> {
         let camera = camera(fall_m, random)?;
         let mut normal = || random.sample::<f64, _>(StandardNormal);
         let (x, v) = ([normal(), normal()].map(|n| n * OFFSET_M), [normal(), normal()].map(|n| n * PUSH_M_S));
         let w = [normal(), normal()].map(|n| n * ball.spin_rad_s);
-        let start = State { x: [x[0], x[1], fall_m + RADIUS_M], v: [v[0], v[1], 0.0], w: [w[0], w[1], 0.0] };
+        let start = ShotState { x: [x[0], x[1], fall_m + RADIUS_M], v: [v[0], v[1], 0.0], w: [w[0], w[1], 0.0] };
         let dropped = drop(ball, start, &clock(), random);
         // The table's edge hides what falls below its top.
         let hidden = |x: &Three| if x[2] < 0.0 { [0.0, 0.0, NOWHERE_M] } else { *x };

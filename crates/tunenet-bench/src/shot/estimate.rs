@@ -15,7 +15,8 @@ use tunenet_sim::{Session, SimulationFile, simulator};
 
 use super::super::tuning::apex;
 use super::drop::clock;
-use super::world::{GRAVITY_M_S2, RADIUS_M};
+use super::world::RADIUS_M;
+use crate::scene::GRAVITY_M_S2;
 use tunenet_cli::view::toml::alternatives::{fitted, open_to};
 use tunenet_video_protocol::synthetic::Places;
 
@@ -24,7 +25,7 @@ const LAST_FRAMES: usize = 3;
 /// A ball that goes out of sight moves by more than this within its last frames, px; one that lies still is only lost.
 const MOVES_PX: f64 = 2.0;
 /// Between fewer bounces there is no flight to measure, and a drop is to be repeated.
-const FEWEST: usize = 2;
+pub const FEWEST_BOUNCES: usize = 2;
 /// Fewer are no recording to tune to: a release and a restitution always fit two.
 const FEWEST_TUNED: usize = 3;
 /// What is planned with where a video shows nothing.
@@ -38,7 +39,7 @@ type Ranged = (f64, (f64, f64));
 
 /// What is plausible of a ball.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Estimate {
+pub struct BallEstimate {
     pub restitution: Ranged,
     /// Effects with their coefficients.
     pub effects: Vec<(String, Vec<(String, Ranged)>)>,
@@ -50,13 +51,13 @@ pub struct Estimate {
     pub open_drag: String,
 }
 
-impl Estimate {
+impl BallEstimate {
     /// A number that is taken as exact.
     pub fn exact(restitution: f64) -> Self {
-        Self::of((restitution, (restitution, restitution)), String::new())
+        Self::new((restitution, (restitution, restitution)), String::new())
     }
 
-    fn of(restitution: Ranged, verdict: String) -> Self {
+    fn new(restitution: Ranged, verdict: String) -> Self {
         let (alternatives, open_drag) = (NOTHING.into(), NOTHING.into());
         Self { restitution, effects: Vec::new(), verdict, alternatives, open_drag }
     }
@@ -129,7 +130,7 @@ impl Read {
 
     /// Whether this drop is to be repeated: it shows too little. What was seen of a ball before it left is as good as ever.
     pub fn flagged(&self) -> bool {
-        self.bounces_s.len() < FEWEST
+        self.bounces_s.len() < FEWEST_BOUNCES
     }
 
     /// Whether there is enough of it to tune to.
@@ -139,31 +140,31 @@ impl Read {
 
     /// The restitution alone, tuned to this drop. Two bounces are too few for `tune`; between them lies 2 e v / g, where
     /// v is the speed of the known fall.
-    pub fn tuned(&self, fall_m: f64) -> Result<Estimate> {
+    pub fn tuned(&self, fall_m: f64) -> Result<BallEstimate> {
         let two = || match self.bounces_s[..] {
             [first, second] => GRAVITY_M_S2 * (second - first) / (8.0 * GRAVITY_M_S2 * fall_m).sqrt(),
             _ => UNKNOWN,
         };
-        Ok(tuned(&self.bounces_s, fall_m)?.unwrap_or_else(|| Estimate::exact(two().clamp(0.05, 1.0))))
+        Ok(tuned(&self.bounces_s, fall_m)?.unwrap_or_else(|| BallEstimate::exact(two().clamp(0.05, 1.0))))
     }
 }
 
 /// Tuned to a list of bounces; `None` where that is not possible.
-pub fn tuned(bounces_s: &[f64], fall_m: f64) -> Result<Option<Estimate>> {
+pub fn tuned(bounces_s: &[f64], fall_m: f64) -> Result<Option<BallEstimate>> {
     if bounces_s.len() < FEWEST_TUNED {
         return Ok(None);
     }
     tuned_to(&[tunenet_ball::bounce_times(bounces_s.to_vec())?], fall_m)
 }
 
-fn tuned_to(seen: &[Observation], fall_m: f64) -> Result<Option<Estimate>> {
+fn tuned_to(seen: &[Observation], fall_m: f64) -> Result<Option<BallEstimate>> {
     let ball = simulator(&scene(Some(fall_m))?, Kind::EventTimes, &Session::default())?;
     let outcome = tune(&ball, seen, None, &tune::Settings::default())?;
     let Some(found) = outcome.parameters.iter().find(|p| p.name == "restitution" && p.identified) else {
         return Ok(None);
     };
     let verdict = serde_json::to_value(outcome.verdict)?.as_str().unwrap_or_default().to_owned();
-    Ok(Some(Estimate::of((found.value, found.interval95), verdict)))
+    Ok(Some(BallEstimate::new((found.value, found.interval95), verdict)))
 }
 
 /// What several drops of one ball from one height show.
@@ -181,12 +182,12 @@ impl Several {
     }
 
     /// The restitution alone, tuned to all of them; `None` where none can be tuned to.
-    pub fn tuned(&self) -> Result<Option<Estimate>> {
+    pub fn tuned(&self) -> Result<Option<BallEstimate>> {
         if self.seen.is_empty() { Ok(None) } else { tuned_to(&self.seen, self.fall_m) }
     }
 
     /// What a diagnosis of them finds; `None` where it finds nothing to plan with.
-    pub fn diagnosed(&self) -> Result<Option<Estimate>> {
+    pub fn diagnosed(&self) -> Result<Option<BallEstimate>> {
         if self.seen.is_empty() {
             return Ok(None);
         }
@@ -214,19 +215,19 @@ impl Several {
             _ => NOTHING.into(),
         };
         let restitution = (e.value, e.interval95);
-        let estimate = Estimate { restitution, effects, verdict, alternatives, open_drag: NOTHING.into() };
+        let estimate = BallEstimate { restitution, effects, verdict, alternatives, open_drag: NOTHING.into() };
         let closed = matches!(found.verdict, Verdict::None | Verdict::Named);
         Ok(Some(if closed { self.with_open_drag(estimate)? } else { estimate }))
     }
 
     /// An estimate from them with the drag that they leave open beside it, as `tunenet tune` and `tunenet diagnose` write it
     /// into their files.
-    pub fn with_open_drag(&self, estimate: Estimate) -> Result<Estimate> {
+    pub fn with_open_drag(&self, estimate: BallEstimate) -> Result<BallEstimate> {
         let mut tuned = scene(Some(self.fall_m))?;
         estimate.put_into(&mut tuned)?;
         let sure: Vec<&str> = estimate.effects.iter().map(|e| e.0.as_str()).collect();
         let open_drag = open_to(&tuned, &sure, &self.seen)?.to_string();
-        Ok(Estimate { open_drag, ..estimate })
+        Ok(BallEstimate { open_drag, ..estimate })
     }
 }
 
@@ -240,7 +241,7 @@ pub fn apex_on_pixels(track: Option<&Places>, fall_m: f64) -> f64 {
 }
 
 /// All that there is to know of a ball.
-pub fn known(ball: &super::ball::Ball) -> Estimate {
+pub fn known(ball: &super::ball::ShotBall) -> BallEstimate {
     let exact = |v: f64| (v, (v, v));
     let one = |name: &str, key: &str, value: f64| (name.to_owned(), vec![(key.to_owned(), exact(value))]);
     // A normal that is turned by an angle turns a rebound by more, as the way there turns as well.
@@ -253,5 +254,5 @@ pub fn known(ball: &super::ball::Ball) -> Estimate {
     if ball.exponent != 0.0 {
         effects.push(one("speed_dependent_restitution", "exponent", ball.exponent));
     }
-    Estimate { effects, ..Estimate::of(exact(ball.restitution), "named".into()) }
+    BallEstimate { effects, ..BallEstimate::new(exact(ball.restitution), "named".into()) }
 }

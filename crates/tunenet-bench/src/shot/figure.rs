@@ -14,7 +14,7 @@ const FRAME: [f64; 4] = [60.0, 20.0, 800.0, 270.0];
 const COLOURS: [&str; WAYS] = ["#2c6fbb", "#8a4fbf", "#b8860b", "#1a6e5a", "#444444"];
 /// What the paper reports of a real robot (arXiv 1907.11200, experiment 3): all shots, and those after drops that stayed on
 /// the table.
-const PUBLISHED: [(f64, &str); 2] = [(0.62, "paper, all: .62"), (0.87, "paper, without drops off the table: .87")];
+const PUBLISHED: [(f64, &str); 2] = [(0.62, "paper, all: 0.62"), (0.87, "paper, without drops off the table: 0.87")];
 
 /// One ball, or all.
 pub struct Group {

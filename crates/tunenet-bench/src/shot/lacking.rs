@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tunenet_sim::shot::Rule;
 
-use super::ball::Ball;
-use super::estimate::{Estimate, known};
+use super::ball::ShotBall;
+use super::estimate::{BallEstimate, known};
 use super::share::Share;
-use super::trial::{Planner, Target};
+use super::trial::{Planner, ShotTarget};
 use super::world::shoot;
 
-/// Shots of each plan: enough for a standard error below .01.
+/// Shots of each plan: enough for a standard error below 0.01.
 pub const SHOTS: u64 = 2000;
 
 /// What a planner does not know, though it knows all else.
@@ -54,8 +54,8 @@ impl Lacking {
         }
     }
 
-    /// What is plausible of a ball of which an undisturbed drop shows this restitution.
-    fn believed(self, ball: &Ball, shown: f64) -> Estimate {
+    /// Physical bounds of a ball of which an undisturbed drop shows this restitution.
+    fn estimate(self, ball: &ShotBall, shown: f64) -> BallEstimate {
         let mut all = known(ball);
         all.effects.retain(|(name, _)| !self.hides(name));
         if self.hides("quadratic_drag") {
@@ -67,27 +67,31 @@ impl Lacking {
 
 /// A plan, and how often it goes in.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub struct Cost {
+pub struct LackingCost {
     pub lacking: Lacking,
     pub height_m: f64,
     pub goes_in: f64,
 }
 
-impl Cost {
+impl LackingCost {
     pub fn share(self) -> Share {
         Share { value: self.goes_in, count: usize::try_from(SHOTS).unwrap_or(usize::MAX) }
     }
 }
 
 /// Plans and shoots. `chance` draws what happens to a shot of this number, the same for every plan.
-pub fn costs(target: &Target, planner: &Planner, chance: &(dyn Fn(u64) -> ChaCha8Rng + Sync)) -> Result<Vec<Cost>> {
+pub fn costs(
+    target: &ShotTarget,
+    planner: &Planner,
+    chance: &(dyn Fn(u64) -> ChaCha8Rng + Sync),
+) -> Result<Vec<LackingCost>> {
     let ball = &target.ball;
     Lacking::EACH
         .into_iter()
         .map(|lacking| {
             let height_m = match lacking {
                 Lacking::Nothing => target.known_m,
-                _ => planner.height(&lacking.believed(ball, target.shown), Rule::Probability)?,
+                _ => planner.height(&lacking.estimate(ball, target.shown), Rule::Probability)?,
             };
             let one = |n: u64| {
                 let mut random = chance(n);
@@ -95,7 +99,7 @@ pub fn costs(target: &Target, planner: &Planner, chance: &(dyn Fn(u64) -> ChaCha
                 shoot(ball, height_m, spin, &mut random).goes_in
             };
             let hits = (0..SHOTS).into_par_iter().filter(|n| one(*n)).count();
-            Ok(Cost { lacking, height_m, goes_in: hits as f64 / SHOTS as f64 })
+            Ok(LackingCost { lacking, height_m, goes_in: hits as f64 / SHOTS as f64 })
         })
         .collect()
 }
@@ -111,12 +115,13 @@ mod tests {
     #[test]
     fn only_what_is_there_costs() {
         let planner = Planner::new().unwrap();
-        let smooth = Ball { friction: 0.0, drag_1_m: 1e-9, scatter_rad: 0.0, ..super::super::ball::FIXED[0].clone() };
-        let rough = Ball { friction: 0.04, ..smooth.clone() };
+        let smooth =
+            ShotBall { friction: 0.0, drag_1_m: 1e-9, scatter_rad: 0.0, ..super::super::ball::FIXED[0].clone() };
+        let rough = ShotBall { friction: 0.04, ..smooth.clone() };
         let chance = |n: u64| ChaCha8Rng::seed_from_u64(n);
-        let of = |ball: Ball| {
+        let of = |ball: ShotBall| {
             let shown = ball.restitution;
-            costs(&Target::new(ball, shown, &planner).unwrap(), &planner, &chance).unwrap()
+            costs(&ShotTarget::new(ball, shown, &planner).unwrap(), &planner, &chance).unwrap()
         };
         let (smooth, rough) = (of(smooth), of(rough));
         let height = smooth[0].height_m;

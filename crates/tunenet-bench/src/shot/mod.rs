@@ -1,22 +1,22 @@
 //! `tunenet bench shot`: a ball is dropped in front of a camera, and the next time it has to go through a hoop.
 //!
 //! ```text
-//! ball, world (hidden) → drop → film (rendered, tracked) → estimate (tuned, diagnosed) → trial (planned, shot) → results,
+//! ball, world (hidden) → drop → video (rendered, tracked) → estimate (tuned, diagnosed) → trial (planned, shot) → results,
 //! figure
 //! ```
 //!
-//! The hidden world shares nothing with the simulator that is tuned and planned with; all that leaves it is films and the
+//! The hidden world shares nothing with the simulator that is tuned and planned with; all that leaves it is videos and the
 //! height of each fall. Every finished piece is kept by [`resume`](super::resume).
 
 mod ball;
 mod drop;
 mod estimate;
 mod figure;
-mod film;
 mod lacking;
 mod results;
 mod share;
 mod trial;
+mod video;
 mod world;
 
 use anyhow::{Context, Result};
@@ -26,16 +26,15 @@ use rayon::prelude::*;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
-use self::ball::Ball;
-use self::drop::Filmed;
-pub use self::results::Results;
+use self::ball::ShotBall;
+use self::drop::VideoDrop;
 use self::results::Series;
-use self::trial::{Planner, Target, Trial};
-use self::world::{RADIUS_M, State};
-use super::resume::Store;
+pub use self::results::ShotResults;
+use self::trial::{Planner, ShotTarget, ShotTrial};
+use self::world::{RADIUS_M, ShotState};
+use super::resume::{Store, program};
 use crate::args::{BenchShot, Measured};
 use tunenet_cli::failure::Exit;
-use tunenet_cli::files::hash;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -48,15 +47,13 @@ const DROPS: u64 = 3;
 /// Part of a stream: after the drops of a trial, its shots and its height.
 const LACKING: u64 = DROPS + 2;
 /// Trials that are filmed and kept together.
-const PIECE: u64 = 25;
+const TRIALS_PER_PIECE: u64 = 25;
 /// The fall of an undisturbed drop, m.
-const FALL_M: f64 = 0.6;
+const UNDISTURBED_FALL_M: f64 = 0.6;
 
 pub fn run(options: &BenchShot) -> Result<Exit> {
     let seed = options.common.seed;
-    // The version alone would not tell a rebuilt program from the one that made a piece.
-    let program = hash::sha256(&std::env::current_exe().context("this program's own path")?)?;
-    let store = Store::open(&options.out, json!({ "program": program, "seed": seed }), &options.sharing)?;
+    let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
     let results = measure(&store, Extent::new(options.trials, options.quick), seed)?;
     if let Some(exit) = store.finished(Measured::Shot(options.clone()), options.common.json)? {
         return Ok(exit);
@@ -95,7 +92,7 @@ impl Extent {
 }
 
 /// Plays every trial that the store does not hold already. Of a run in shards the results are those of this share.
-pub fn measure(store: &Store, extent: Extent, seed: u64) -> Result<Results> {
+pub fn measure(store: &Store, extent: Extent, seed: u64) -> Result<ShotResults> {
     let Extent { trials, richer, lacking, quick } = extent;
     let planner = Planner::new()?;
     let balls = ball::all(&mut stream(seed, "balls", 0, 0));
@@ -106,9 +103,9 @@ pub fn measure(store: &Store, extent: Extent, seed: u64) -> Result<Results> {
             let ball = if rich { ball.clone().richer() } else { ball.clone() };
             let name = format!("{}{number}", if rich { "richer" } else { "ball" });
             let target = target(ball, &planner)?;
-            let mut all: Vec<Trial> = Vec::new();
-            for first in (0..count).step_by(usize::try_from(PIECE)?) {
-                let numbers = first..(first + PIECE).min(count);
+            let mut all: Vec<ShotTrial> = Vec::new();
+            for first in (0..count).step_by(usize::try_from(TRIALS_PER_PIECE)?) {
+                let numbers = first..(first + TRIALS_PER_PIECE).min(count);
                 let piece = format!("{name}-from-{first}-to-{}", numbers.end);
                 let played = store.piece(&piece, || played(&target, &name, seed, numbers.clone(), &planner))?;
                 all.extend(played.into_iter().flatten());
@@ -123,7 +120,7 @@ pub fn measure(store: &Store, extent: Extent, seed: u64) -> Result<Results> {
         }
     }
     bar.finish_and_clear();
-    Ok(Results { seed, quick, trials, series })
+    Ok(ShotResults { seed, quick, trials, series })
 }
 
 /// Draws that depend on the seed and on what they are for, and on nothing else.
@@ -132,34 +129,36 @@ fn stream(seed: u64, what: &str, trial: u64, part: u64) -> ChaCha8Rng {
 }
 
 /// A ball with what a drop without push and scatter shows of it.
-fn target(ball: Ball, planner: &Planner) -> Result<Target> {
-    let quiet = Ball { scatter_rad: 0.0, ..ball.clone() };
-    let start = State { x: [0.0, 0.0, FALL_M + RADIUS_M], v: [0.0; 3], w: [0.0; 3] };
+fn target(ball: ShotBall, planner: &Planner) -> Result<ShotTarget> {
+    let quiet = ShotBall { scatter_rad: 0.0, ..ball.clone() };
+    let start = ShotState { x: [0.0, 0.0, UNDISTURBED_FALL_M + RADIUS_M], v: [0.0; 3], w: [0.0; 3] };
     let seen = world::drop(&quiet, start, &drop::clock(), &mut stream(0, "quiet", 0, 0));
-    let shown = estimate::tuned(&seen.impacts_s, FALL_M)?.context("an undisturbed drop shows its restitution")?;
-    Target::new(ball, shown.restitution.0, planner)
+    let shown =
+        estimate::tuned(&seen.impacts_s, UNDISTURBED_FALL_M)?.context("an undisturbed drop shows its restitution")?;
+    ShotTarget::new(ball, shown.restitution.0, planner)
 }
 
 /// Trials of one ball: all are filmed at once, then planned and shot.
 fn played(
-    target: &Target,
+    target: &ShotTarget,
     name: &str,
     seed: u64,
     numbers: std::ops::Range<u64>,
     planner: &Planner,
-) -> Result<Vec<Trial>> {
-    let mut films = Vec::new();
+) -> Result<Vec<ShotTrial>> {
+    let mut drops = Vec::new();
     for number in numbers.clone() {
         let fall_m = drop::height(&mut stream(seed, name, number, DROPS + 1));
         for drop in 0..DROPS {
-            films.push(Filmed::draw(&target.ball, fall_m, &mut stream(seed, name, number, drop))?);
+            drops.push(VideoDrop::draw(&target.ball, fall_m, &mut stream(seed, name, number, drop))?);
         }
     }
-    let tracks = film::tracks(&films, seed ^ numbers.start)?;
-    let mut seen = films.into_iter().zip(tracks);
+    let tracks = video::tracks(&drops, seed ^ numbers.start)?;
+    let mut seen = drops.into_iter().zip(tracks);
     let each: Vec<Vec<_>> =
         numbers.clone().map(|_| seen.by_ref().take(usize::try_from(DROPS).unwrap_or(1)).collect()).collect();
     let numbered: Vec<(u64, Vec<_>)> = numbers.zip(each).collect();
-    let one = |(number, films): &(u64, Vec<_>)| Trial::run(target, films, planner, &stream(seed, name, *number, DROPS));
+    let one =
+        |(number, videos): &(u64, Vec<_>)| ShotTrial::run(target, videos, planner, &stream(seed, name, *number, DROPS));
     numbered.par_iter().map(one).collect()
 }

@@ -5,46 +5,39 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Map, Value, json};
-use tunenet_formats::write_atomically;
 
-use super::ball::Ball;
+use super::ball::ShotBall;
+use super::estimate::FEWEST_BOUNCES;
 use super::figure;
-use super::lacking::{Cost, Lacking, SHOTS};
+use super::lacking::{Lacking, LackingCost, SHOTS};
 use super::share::{Difference, Share};
-use super::trial::{Trial, Way};
-
-/// Between fewer impacts there is no flight that shows the restitution.
-const FEWEST: usize = 2;
-/// Goals: over all trials and over accepted drops.
-const GOALS: [(Way, f64, f64); 2] = [(Way::Tuned, 0.86, 0.92), (Way::Diagnosed, 0.88, 0.93)];
-/// ... and of the planner that knows everything.
-const OF_KNOWN: f64 = 0.97;
-/// Least share of corrupted drops that are flagged, greatest of good ones.
-const FLAGS: (f64, f64) = (0.90, 0.03);
+use super::trial::{ShotTrial, Way};
+use crate::goals::{SHOT_DIAGNOSED, SHOT_FLAGS, SHOT_OF_KNOWN, SHOT_TUNED};
+use crate::output::{file_of, write_all};
 
 /// The ways that are drawn.
 const DRAWN: [Way; figure::WAYS] = [Way::Apex, Way::Nearest, Way::Tuned, Way::Diagnosed, Way::Known];
 
 /// All trials of one ball.
 pub struct Series {
-    pub ball: Ball,
+    pub ball: ShotBall,
     pub rich: bool,
-    pub trials: Vec<Trial>,
+    pub trials: Vec<ShotTrial>,
     /// What each thing costs that is not known of it.
-    pub lacking: Vec<Cost>,
+    pub lacking: Vec<LackingCost>,
 }
 
-pub struct Results {
+pub struct ShotResults {
     pub seed: u64,
     pub quick: bool,
     pub trials: u64,
     pub series: Vec<Series>,
 }
 
-impl Trial {
+impl ShotTrial {
     /// Whether the drop corrupts the estimate, by the truth: too little happened, or what is planned from it misses.
     fn spoilt(&self) -> bool {
-        self.impacts < FEWEST || self.misplanned
+        self.impacts < FEWEST_BOUNCES || self.misplanned
     }
 
     fn hit(&self, way: Way, repeated: bool) -> bool {
@@ -61,11 +54,11 @@ struct Success {
 }
 
 impl Success {
-    fn of(way: Way, trials: &[&Trial]) -> Self {
+    fn new(way: Way, trials: &[&ShotTrial]) -> Self {
         Self {
-            all: Share::of(trials.iter().map(|t| t.hit(way, false))),
-            accepted: Share::of(trials.iter().filter(|t| !t.flagged).map(|t| t.hit(way, false))),
-            after_repeat: Share::of(trials.iter().map(|t| t.hit(way, true))),
+            all: Share::from_hits(trials.iter().map(|t| t.hit(way, false))),
+            accepted: Share::from_hits(trials.iter().filter(|t| !t.flagged).map(|t| t.hit(way, false))),
+            after_repeat: Share::from_hits(trials.iter().map(|t| t.hit(way, true))),
         }
     }
 
@@ -77,8 +70,8 @@ impl Success {
     }
 }
 
-impl Results {
-    fn trials(&self, rich: bool) -> Vec<&Trial> {
+impl ShotResults {
+    fn trials(&self, rich: bool) -> Vec<&ShotTrial> {
         self.series.iter().filter(|s| s.rich == rich).flat_map(|s| &s.trials).collect()
     }
 
@@ -86,27 +79,29 @@ impl Results {
     /// drops that are.
     fn flags(&self) -> [Share; 3] {
         let trials = self.trials(false);
-        let flagged = |which: &dyn Fn(&Trial) -> bool| Share::of(trials.iter().filter(|t| which(t)).map(|t| t.flagged));
-        let misled = |t: &Trial| t.impacts >= FEWEST && t.misplanned;
-        [flagged(&Trial::spoilt), flagged(&misled), flagged(&|t| !t.spoilt())]
+        let flagged = |which: &dyn Fn(&ShotTrial) -> bool| {
+            Share::from_hits(trials.iter().filter(|t| which(t)).map(|t| t.flagged))
+        };
+        let misled = |t: &ShotTrial| t.impacts >= FEWEST_BOUNCES && t.misplanned;
+        [flagged(&ShotTrial::spoilt), flagged(&misled), flagged(&|t| !t.spoilt())]
     }
 
     pub fn as_json(&self) -> Value {
         let trials = self.trials(false);
-        let way = |way: &Way| (key(*way), Success::of(*way, &trials).json());
-        let tuned = Success::of(Way::Tuned, &trials);
+        let way = |way: &Way| (key(*way), Success::new(*way, &trials).json());
+        let tuned = Success::new(Way::Tuned, &trials);
         let [rightly, misled, wrongly] = self.flags();
         let ball = |series: &Series| {
-            let own: Vec<&Trial> = series.trials.iter().collect();
+            let trials_of_ball: Vec<&ShotTrial> = series.trials.iter().collect();
             let ways: Map<String, Value> =
-                Way::ALL.iter().map(|way| (key(*way), Success::of(*way, &own).json())).collect();
-            let named: Vec<&String> = own.iter().flat_map(|t| &t.named).collect();
+                Way::ALL.iter().map(|way| (key(*way), Success::new(*way, &trials_of_ball).json())).collect();
+            let named: Vec<&String> = trials_of_ball.iter().flat_map(|t| &t.named).collect();
             json!({
-                "ball": series.ball.name, "richer": series.rich, "trials": own.len(), "ways": ways,
+                "ball": series.ball.name, "richer": series.rich, "trials": trials_of_ball.len(), "ways": ways,
                 "restitution": series.ball.restitution, "friction": series.ball.friction,
                 "drag_1_m": series.ball.drag_1_m, "scatter_rad": series.ball.scatter_rad,
-                "worth_of_naming": difference(&own, Way::Pooled, Way::Diagnosed).json(),
-                "worth_of_diagnosis": difference(&own, Way::Tuned, Way::Diagnosed).json(),
+                "worth_of_naming": difference(&trials_of_ball, Way::Pooled, Way::Diagnosed).json(),
+                "worth_of_diagnosis": difference(&trials_of_ball, Way::Tuned, Way::Diagnosed).json(),
                 "named": counted(&named),
                 "lacking": series.lacking,
             })
@@ -119,7 +114,7 @@ impl Results {
             "flagged_rightly": rightly.json(), "flagged_wrongly": wrongly.json(),
             "spoilt": rightly.count, "misled": misled.count, "left": trials.iter().filter(|t| t.left).count(),
             "success_left": left(&trials).json(),
-            "all_known": Success::of(Way::Known, &trials).json(),
+            "all_known": Success::new(Way::Known, &trials).json(),
             "ways": Way::ALL.iter().map(way).collect::<Map<String, Value>>(),
             "worth_of_naming": difference(&trials, Way::Pooled, Way::Diagnosed).json(),
             "worth_of_diagnosis": difference(&trials, Way::Tuned, Way::Diagnosed).json(),
@@ -145,19 +140,19 @@ impl Results {
         let trials = self.trials(false);
         table(&mut out, &trials);
         let _ = writeln!(out);
-        for (way, all, accepted) in GOALS {
-            let found = Success::of(way, &trials);
+        for (way, (all, accepted)) in [(Way::Tuned, SHOT_TUNED), (Way::Diagnosed, SHOT_DIAGNOSED)] {
+            let found = Success::new(way, &trials);
             goal(&mut out, &format!("{}: all", way.words()), found.all.value, all, true);
             goal(&mut out, &format!("{}: accepted drops", way.words()), found.accepted.value, accepted, true);
         }
-        let ratio = Success::of(Way::Diagnosed, &trials).all.value / Success::of(Way::Known, &trials).all.value;
-        goal(&mut out, "with named effects, of everything known", ratio, OF_KNOWN, true);
+        let ratio = Success::new(Way::Diagnosed, &trials).all.value / Success::new(Way::Known, &trials).all.value;
+        goal(&mut out, "with named effects, of everything known", ratio, SHOT_OF_KNOWN, true);
         let [rightly, misled, wrongly] = self.flags();
-        goal(&mut out, "flagged of drops that spoil the estimate", rightly.value, FLAGS.0, true);
-        goal(&mut out, "flagged of all other drops", wrongly.value, FLAGS.1, false);
+        goal(&mut out, "flagged of drops that spoil the estimate", rightly.value, SHOT_FLAGS.0, true);
+        goal(&mut out, "flagged of all other drops", wrongly.value, SHOT_FLAGS.1, false);
         let _ = writeln!(
             out,
-            "\n{} of {} drops spoil the estimate: {} hit the table less than {FEWEST} times, and of {} more the shot planned with \
+            "\n{} of {} drops spoil the estimate: {} hit the table less than {FEWEST_BOUNCES} times, and of {} more the shot planned with \
              the restitution alone misses even where chance turns no rebound, while that of who knows everything goes in. In {} \
              drops the ball fell off the table while it was filmed; of the shots after these, {} go in with the restitution \
              alone.\n",
@@ -174,9 +169,9 @@ impl Results {
         );
         let _ = writeln!(out, "|---|---|---|---|---|---|---|");
         for series in &self.series {
-            let own: Vec<&Trial> = series.trials.iter().collect();
-            let of = |way: Way| Success::of(way, &own).all;
-            let named: Vec<&String> = own.iter().flat_map(|t| &t.named).collect();
+            let trials_of_ball: Vec<&ShotTrial> = series.trials.iter().collect();
+            let of = |way: Way| Success::new(way, &trials_of_ball).all;
+            let named: Vec<&String> = trials_of_ball.iter().flat_map(|t| &t.named).collect();
             let words: Vec<String> = counted(&named).into_iter().map(|(name, n)| format!("{name} {n}")).collect();
             let _ = writeln!(
                 out,
@@ -186,7 +181,7 @@ impl Results {
                 of(Way::Tuned).words(),
                 of(Way::Pooled).words(),
                 of(Way::Diagnosed).words(),
-                difference(&own, Way::Pooled, Way::Diagnosed).words(),
+                difference(&trials_of_ball, Way::Pooled, Way::Diagnosed).words(),
                 of(Way::Known).words(),
                 if words.is_empty() { "none".into() } else { words.join(", ") }
             );
@@ -195,11 +190,11 @@ impl Results {
             out,
             "| all | {} | {} | {} | {} | {} | |\n\n\
              What three drops are worth without naming: {}; with naming: {}.",
-            Success::of(Way::Tuned, &trials).all.words(),
-            Success::of(Way::Pooled, &trials).all.words(),
-            Success::of(Way::Diagnosed, &trials).all.words(),
+            Success::new(Way::Tuned, &trials).all.words(),
+            Success::new(Way::Pooled, &trials).all.words(),
+            Success::new(Way::Diagnosed, &trials).all.words(),
             difference(&trials, Way::Pooled, Way::Diagnosed).words(),
-            Success::of(Way::Known, &trials).all.words(),
+            Success::new(Way::Known, &trials).all.words(),
             difference(&trials, Way::Tuned, Way::Pooled).words(),
             difference(&trials, Way::Tuned, Way::Diagnosed).words(),
         );
@@ -214,15 +209,18 @@ impl Results {
         out
     }
 
-    /// Success ball by ball, as a drawing of its own.
+    /// Success ball by ball, as an SVG file.
     pub fn figure(&self) -> String {
         let mut groups: Vec<figure::Group> = Vec::new();
         for series in self.series.iter().filter(|s| !s.rich) {
-            let own: Vec<&Trial> = series.trials.iter().collect();
-            groups.push(figure::Group { name: series.ball.name, shares: DRAWN.map(|way| Success::of(way, &own).all) });
+            let trials_of_ball: Vec<&ShotTrial> = series.trials.iter().collect();
+            groups.push(figure::Group {
+                name: series.ball.name,
+                shares: DRAWN.map(|way| Success::new(way, &trials_of_ball).all),
+            });
         }
         let all = self.trials(false);
-        groups.push(figure::Group { name: "all", shares: DRAWN.map(|way| Success::of(way, &all).all) });
+        groups.push(figure::Group { name: "all", shares: DRAWN.map(|way| Success::new(way, &all).all) });
         figure::draw(&groups, &DRAWN.map(Way::words))
     }
 
@@ -231,14 +229,14 @@ impl Results {
         let mut out =
             format!("| ball | {} |\n|---{}|\n", DRAWN.map(Way::words).join(" | "), "|---".repeat(DRAWN.len()));
         for series in self.series.iter().filter(|s| !s.rich) {
-            let own: Vec<&Trial> = series.trials.iter().collect();
-            let cells = DRAWN.map(|way| Success::of(way, &own).all.words());
+            let trials_of_ball: Vec<&ShotTrial> = series.trials.iter().collect();
+            let cells = DRAWN.map(|way| Success::new(way, &trials_of_ball).all.words());
             let _ = writeln!(out, "| {} | {} |", series.ball.name, cells.join(" | "));
         }
         let all = self.trials(false);
         for (name, of) in [("all", 0), ("all, accepted drops", 1)] {
             let cells = DRAWN.map(|way| {
-                let found = Success::of(way, &all);
+                let found = Success::new(way, &all);
                 [found.all, found.accepted][of].words()
             });
             let _ = writeln!(out, "| {name} | {} |", cells.join(" | "));
@@ -247,19 +245,18 @@ impl Results {
     }
 
     pub fn write(&self, folder: &Path) -> Result<()> {
-        let json = format!("{:#}\n", self.as_json());
-        for (name, text) in [("shot.md", self.markdown()), ("shot.json", json), ("shot.svg", self.figure())] {
-            write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
-        }
-        Ok(())
+        write_all(
+            folder,
+            [("shot.md", self.markdown()), ("shot.json", file_of(&self.as_json())), ("shot.svg", self.figure())],
+        )
     }
 }
 
-fn table(out: &mut String, trials: &[&Trial]) {
+fn table(out: &mut String, trials: &[&ShotTrial]) {
     let _ = writeln!(out, "| who plans | all | accepted drops | after one repeat |");
     let _ = writeln!(out, "|---|---|---|---|");
     for way in Way::ALL {
-        let found = Success::of(way, trials);
+        let found = Success::new(way, trials);
         let cells = [found.all, found.accepted, found.after_repeat].map(Share::words);
         let _ = writeln!(out, "| {} | {} |", way.words(), cells.join(" | "));
     }
@@ -275,7 +272,7 @@ fn lacking(out: &mut String, series: &[Series]) {
     let _ = writeln!(out, "| ball | unknown: {} |", Lacking::EACH.map(Lacking::words).join(" | "));
     let _ = writeln!(out, "|---{}|", "|---".repeat(Lacking::EACH.len()));
     for one in series {
-        let cell = |cost: &Cost| format!("{} ({:.2} m)", cost.share().words(), cost.height_m);
+        let cell = |cost: &LackingCost| format!("{} ({:.2} m)", cost.share().words(), cost.height_m);
         let cells: Vec<String> = one.lacking.iter().map(cell).collect();
         let rich = if one.rich { ", richer" } else { "" };
         let _ = writeln!(out, "| {}{rich} | {} |", one.ball.name, cells.join(" | "));
@@ -293,14 +290,14 @@ fn goal(out: &mut String, what: &str, found: f64, goal: f64, least: bool) {
 }
 
 /// How much more often one way goes in than another over the same trials.
-fn difference(trials: &[&Trial], without: Way, with: Way) -> Difference {
-    let hit = |t: &Trial, way: Way| f64::from(u8::from(t.hit(way, false)));
-    Difference::of(&trials.iter().map(|t| hit(t, with) - hit(t, without)).collect::<Vec<_>>())
+fn difference(trials: &[&ShotTrial], without: Way, with: Way) -> Difference {
+    let hit = |t: &ShotTrial, way: Way| f64::from(u8::from(t.hit(way, false)));
+    Difference::from_differences(&trials.iter().map(|t| hit(t, with) - hit(t, without)).collect::<Vec<_>>())
 }
 
 /// Success with the restitution alone after drops in which the ball fell off the table.
-fn left(trials: &[&Trial]) -> Share {
-    Share::of(trials.iter().filter(|t| t.left).map(|t| t.hit(Way::Tuned, false)))
+fn left(trials: &[&ShotTrial]) -> Share {
+    Share::from_hits(trials.iter().filter(|t| t.left).map(|t| t.hit(Way::Tuned, false)))
 }
 
 /// How often each name stands there.
@@ -321,12 +318,12 @@ mod tests {
     use super::super::trial::Shot;
     use super::*;
 
-    fn trial(impacts: usize, misplanned: bool, flagged: bool) -> Trial {
+    fn trial(impacts: usize, misplanned: bool, flagged: bool) -> ShotTrial {
         let shot = |way: Way| Shot { way, height_m: 0.5, miss_m: 0.0, goes_in: way != Way::Tuned || !misplanned };
         let shots: Vec<Shot> = Way::ALL.into_iter().map(shot).collect();
         let repeated = shots.clone();
         let bounces = impacts;
-        Trial { left: true, impacts, bounces, misplanned, off: 0.0, flagged, shots, repeated, named: Vec::new() }
+        ShotTrial { left: true, impacts, bounces, misplanned, off: 0.0, flagged, shots, repeated, named: Vec::new() }
     }
 
     /// One that hit the table once is corrupted whatever is planned; one that left after that only where it misleads.
@@ -339,11 +336,11 @@ mod tests {
             trial(5, false, false),
             trial(5, true, false),
         ];
-        let spoilt: Vec<bool> = trials.iter().map(Trial::spoilt).collect();
+        let spoilt: Vec<bool> = trials.iter().map(ShotTrial::spoilt).collect();
         assert_eq!(spoilt, [true, true, false, false, true]);
         let series =
             vec![Series { ball: super::super::ball::FIXED[0].clone(), rich: false, trials, lacking: Vec::new() }];
-        let results = Results { seed: 0, quick: true, trials: 5, series };
+        let results = ShotResults { seed: 0, quick: true, trials: 5, series };
         let [rightly, misled, wrongly] = results.flags();
         assert_eq!((rightly.value, rightly.count), (1.0 / 3.0, 3));
         assert_eq!((misled.value, misled.count), (0.0, 1));

@@ -10,7 +10,7 @@ pub struct Share {
 }
 
 impl Share {
-    pub fn of(hits: impl Iterator<Item = bool>) -> Self {
+    pub fn from_hits(hits: impl Iterator<Item = bool>) -> Self {
         let (mut count, mut yes) = (0_usize, 0.0);
         for hit in hits {
             count += 1;
@@ -41,7 +41,7 @@ pub struct Difference {
 
 impl Difference {
     /// Of single differences, at least one.
-    pub fn of(each: &[f64]) -> Self {
+    pub fn from_differences(each: &[f64]) -> Self {
         let n = each.len() as f64;
         let mean = each.iter().sum::<f64>() / n;
         let square = each.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / n;

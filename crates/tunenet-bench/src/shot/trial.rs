@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 use tunenet_sim::shot::reach::Anywhere;
 use tunenet_sim::shot::{Belief, Rule, Settings, ShotScene, Task, plan};
 
-use super::ball::Ball;
-use super::drop::Filmed;
-use super::estimate::{Estimate, Read, Several, apex_on_pixels, known};
+use super::ball::ShotBall;
+use super::drop::VideoDrop;
+use super::estimate::{BallEstimate, Read, Several, apex_on_pixels, known};
 use super::world::{RADIUS_M, shoot};
+use crate::scene::SHOT;
 use tunenet_video_protocol::synthetic::Places;
 
-const TASK: &str = include_str!("../../../../assets/shot.toml");
 /// Balls that a plan is weighed by: many for the plan with everything known, which is made once; intervals are narrow.
 const DRAWS: usize = 32;
 const DRAWS_KNOWN: usize = 512;
@@ -24,7 +24,7 @@ const DRAWS_KNOWN: usize = 512;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Way {
-    /// With a restitution of .5.
+    /// With a restitution of 0.5.
     Untuned,
     /// By the apex rule on raw pixels, the nearest path.
     Apex,
@@ -46,7 +46,7 @@ impl Way {
 
     pub fn words(self) -> &'static str {
         match self {
-            Self::Untuned => "untuned, restitution .5",
+            Self::Untuned => "untuned, restitution 0.5",
             Self::Apex => "apex rule on raw pixels, nearest path",
             Self::Nearest => "restitution alone, nearest path (the paper's rule)",
             Self::Tuned => "restitution alone",
@@ -68,7 +68,7 @@ pub struct Shot {
 
 /// A trial from its first drop to its shots.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Trial {
+pub struct ShotTrial {
     /// Whether the ball fell off the table while it was filmed.
     pub left: bool,
     /// How often it hit the table, and how often it was seen to.
@@ -95,17 +95,17 @@ pub struct Planner {
 
 impl Planner {
     pub fn new() -> Result<Self> {
-        let task = Task::parse(Path::new("shot.toml"), TASK)?;
+        let task = Task::parse(Path::new("shot.toml"), SHOT)?;
         let scene = ShotScene::new(&task, RADIUS_M).map_err(anyhow::Error::msg)?;
         Ok(Self { task, scene })
     }
 
-    /// The height that `rule` chooses for a believed ball, m.
-    pub fn height(&self, estimate: &Estimate, rule: Rule) -> Result<f64> {
+    /// The height that `rule` chooses for a ball as estimated, m.
+    pub fn height(&self, estimate: &BallEstimate, rule: Rule) -> Result<f64> {
         self.height_of(estimate, rule, DRAWS)
     }
 
-    fn height_of(&self, estimate: &Estimate, rule: Rule, draws: usize) -> Result<f64> {
+    fn height_of(&self, estimate: &BallEstimate, rule: Rule, draws: usize) -> Result<f64> {
         let belief = Belief::new(&estimate.file()?, &self.task)?;
         let settings = Settings { rule, draws, ..Settings::default() };
         Ok(plan(&self.scene, &belief, self.task.release.heights_m, &Anywhere, &settings)?.best().height_m)
@@ -113,23 +113,23 @@ impl Planner {
 }
 
 /// A shot as it would be if nothing were left to chance.
-fn goes_straight_in(ball: &Ball, height_m: f64, random: &ChaCha8Rng) -> bool {
-    let smooth = Ball { scatter_rad: 0.0, ..ball.clone() };
+fn goes_straight_in(ball: &ShotBall, height_m: f64, random: &ChaCha8Rng) -> bool {
+    let smooth = ShotBall { scatter_rad: 0.0, ..ball.clone() };
     shoot(&smooth, height_m, [0.0; 3], &mut random.clone()).goes_in
 }
 
 /// A ball, what an undisturbed drop shows of it, and the height for who knows it.
-pub struct Target {
-    pub ball: Ball,
+pub struct ShotTarget {
+    pub ball: ShotBall,
     pub shown: f64,
     pub known_m: f64,
     pub untuned_m: f64,
 }
 
-impl Target {
-    pub fn new(ball: Ball, shown: f64, planner: &Planner) -> Result<Self> {
+impl ShotTarget {
+    pub fn new(ball: ShotBall, shown: f64, planner: &Planner) -> Result<Self> {
         let known_m = planner.height_of(&known(&ball), Rule::Probability, DRAWS_KNOWN)?;
-        let untuned_m = planner.height(&Estimate::exact(0.5), Rule::Nearest)?;
+        let untuned_m = planner.height(&BallEstimate::exact(0.5), Rule::Nearest)?;
         Ok(Self { ball, shown, known_m, untuned_m })
     }
 }
@@ -141,22 +141,22 @@ struct Planned {
     restitution: f64,
 }
 
-impl Trial {
+impl ShotTrial {
     /// From the videos of up to three drops. `random` decides what chance does to the shots, the same for all who shoot.
     pub fn run(
-        target: &Target,
-        films: &[(Filmed, Option<Places>)],
+        target: &ShotTarget,
+        videos: &[(VideoDrop, Option<Places>)],
         planner: &Planner,
         random: &ChaCha8Rng,
     ) -> Result<Self> {
-        let reads: Vec<Read> = films.iter().map(|(_, track)| Read::new(track.as_ref())).collect();
+        let reads: Vec<Read> = videos.iter().map(|(_, track)| Read::new(track.as_ref())).collect();
         let flagged = reads[0].flagged();
-        let several = Several::new(&reads, films[0].0.fall_m)?;
+        let several = Several::new(&reads, videos[0].0.fall_m)?;
         // Of drops too short for more, the longest.
         let longest = (0..reads.len()).max_by_key(|i| (reads[*i].bounces_s.len(), Reverse(*i))).unwrap_or(0);
         let pooled = match several.tuned()? {
             Some(found) => found,
-            None => reads[longest].tuned(films[longest].0.fall_m)?,
+            None => reads[longest].tuned(videos[longest].0.fall_m)?,
         };
         // Where diagnosis has nothing to plan with, the drops that it saw still show the restitution, and something of drag.
         let effects = match several.diagnosed()? {
@@ -170,17 +170,17 @@ impl Trial {
             (Way::Known, target.known_m),
         ];
         let planned = |first: usize| -> Result<Planned> {
-            let (film, track) = &films[first];
-            let tuned = reads[first].tuned(film.fall_m)?;
-            let apex = Estimate::exact(apex_on_pixels(track.as_ref(), film.fall_m));
+            let (drop, track) = &videos[first];
+            let tuned = reads[first].tuned(drop.fall_m)?;
+            let apex = BallEstimate::exact(apex_on_pixels(track.as_ref(), drop.fall_m));
             let tuned_m = planner.height(&tuned, Rule::Probability)?;
-            let own = [
+            let of_one_drop = [
                 (Way::Apex, planner.height(&apex, Rule::Nearest)?),
                 (Way::Nearest, planner.height(&tuned, Rule::Nearest)?),
                 (Way::Tuned, tuned_m),
             ];
             Ok(Planned {
-                heights_m: own.into_iter().chain(together).collect(),
+                heights_m: of_one_drop.into_iter().chain(together).collect(),
                 tuned_m,
                 restitution: tuned.restitution.0,
             })
@@ -196,11 +196,11 @@ impl Trial {
         };
         let Planned { heights_m, tuned_m, restitution } = planned(0)?;
         let first = shots(&heights_m);
-        let repeated = if flagged && films.len() > 1 { shots(&planned(1)?.heights_m) } else { first.clone() };
+        let repeated = if flagged && videos.len() > 1 { shots(&planned(1)?.heights_m) } else { first.clone() };
         let straight = |height_m: f64| goes_straight_in(&target.ball, height_m, random);
         Ok(Self {
-            left: films[0].0.left,
-            impacts: films[0].0.impacts,
+            left: videos[0].0.left,
+            impacts: videos[0].0.impacts,
             bounces: reads[0].bounces_s.len(),
             misplanned: straight(target.known_m) && !straight(tuned_m),
             off: restitution - target.shown,

@@ -5,11 +5,11 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::ball::Ball;
+use super::ball::ShotBall;
+use crate::scene::GRAVITY_M_S2;
 
 pub type Three = [f64; 3];
 
-pub const GRAVITY_M_S2: f64 = 9.81;
 pub const RADIUS_M: f64 = 0.03;
 /// Half the side of the square table that drops fall onto, m.
 pub const TABLE_M: f64 = 0.25;
@@ -27,14 +27,14 @@ const REST_M_S: f64 = 0.01;
 const LONGEST_S: f64 = 4.0;
 
 #[derive(Debug, Clone, Copy)]
-pub struct State {
+pub struct ShotState {
     pub x: Three,
     pub v: Three,
     pub w: Three,
 }
 
 /// A drop onto the table, whose top is at 0.
-pub struct Drop {
+pub struct TableDrop {
     /// The centre at every instant, m.
     pub path_m: Vec<Three>,
     /// When it touched the table, s.
@@ -55,11 +55,11 @@ fn cross(a: Three, b: Three) -> Three {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn acceleration(ball: &Ball, v: Three) -> Three {
+fn acceleration(ball: &ShotBall, v: Three) -> Three {
     plus([0.0, 0.0, -GRAVITY_M_S2], v, -ball.drag_1_m * dot(v, v).sqrt())
 }
 
-fn flown(ball: &Ball, state: &State, h: f64) -> State {
+fn flown(ball: &ShotBall, state: &ShotState, h: f64) -> ShotState {
     let slope = |v: Three| acceleration(ball, v);
     let v1 = state.v;
     let a1 = slope(v1);
@@ -70,15 +70,19 @@ fn flown(ball: &Ball, state: &State, h: f64) -> State {
     let v4 = plus(v1, a3, h);
     let a4 = slope(v4);
     let sum = |a: Three, b: Three, c: Three, d: Three| plus(plus(plus(a, b, 2.0), c, 2.0), d, 1.0);
-    State { x: plus(state.x, sum(v1, v2, v3, v4), h / 6.0), v: plus(state.v, sum(a1, a2, a3, a4), h / 6.0), w: state.w }
+    ShotState {
+        x: plus(state.x, sum(v1, v2, v3, v4), h / 6.0),
+        v: plus(state.v, sum(a1, a2, a3, a4), h / 6.0),
+        w: state.w,
+    }
 }
 
 /// After an impact on a plane with this normal, its rebound turned by chance.
-fn bounced(ball: &Ball, before: &State, n: Three, random: &mut ChaCha8Rng) -> State {
+fn bounced(ball: &ShotBall, before: &ShotState, n: Three, random: &mut ChaCha8Rng) -> ShotState {
     let approach = -dot(before.v, n);
     let e = (ball.restitution * (approach / NOMINAL_M_S).powf(-ball.exponent)).clamp(0.0, 1.0);
     let impulse = (1.0 + e) * approach;
-    let mut after = State { v: plus(before.v, n, impulse), ..*before };
+    let mut after = ShotState { v: plus(before.v, n, impulse), ..*before };
     // Stopping the slide of a solid sphere's skin takes 2/7 of it from the centre; Coulomb allows no more than his share.
     let arm = n.map(|c| -c * RADIUS_M);
     let skin = plus(after.v, cross(after.w, arm), 1.0);
@@ -108,7 +112,7 @@ fn turn(v: Three, axis: Three, angle: f64) -> Three {
 }
 
 /// One step, or the part of it before the ball touches: `gap` is the height above what it may touch.
-fn step(ball: &Ball, state: &State, h: f64, gap: impl Fn(Three) -> f64) -> (State, f64, bool) {
+fn step(ball: &ShotBall, state: &ShotState, h: f64, gap: impl Fn(Three) -> f64) -> (ShotState, f64, bool) {
     let next = flown(ball, state, h);
     if gap(next.x) >= 0.0 || gap(state.x) < 0.0 {
         return (next, h, false);
@@ -122,7 +126,7 @@ fn step(ball: &Ball, state: &State, h: f64, gap: impl Fn(Three) -> f64) -> (Stat
 }
 
 /// A ball let go above the table and seen at the instants of `clock`.
-pub fn drop(ball: &Ball, start: State, clock: &[f64], random: &mut ChaCha8Rng) -> Drop {
+pub fn drop(ball: &ShotBall, start: ShotState, clock: &[f64], random: &mut ChaCha8Rng) -> TableDrop {
     let up = [0.0, 0.0, 1.0];
     let (mut state, mut now, mut gone_s, mut lying) = (start, 0.0, None, false);
     let (mut path_m, mut impacts_s) = (Vec::with_capacity(clock.len()), Vec::new());
@@ -148,7 +152,7 @@ pub fn drop(ball: &Ball, start: State, clock: &[f64], random: &mut ChaCha8Rng) -
         }
         path_m.push(state.x);
     }
-    Drop { path_m, impacts_s, gone_s }
+    TableDrop { path_m, impacts_s, gone_s }
 }
 
 /// How a shot ends.
@@ -161,9 +165,9 @@ pub struct Landing {
 }
 
 /// Shoots: a ball let go at rest from this height of its centre above the place of the impact.
-pub fn shoot(ball: &Ball, height_m: f64, spin: Three, random: &mut ChaCha8Rng) -> Landing {
+pub fn shoot(ball: &ShotBall, height_m: f64, spin: Three, random: &mut ChaCha8Rng) -> Landing {
     let n = [TILT_RAD.sin(), 0.0, TILT_RAD.cos()];
-    let mut state = State { x: [0.0, 0.0, height_m], v: [0.0; 3], w: spin };
+    let mut state = ShotState { x: [0.0, 0.0, height_m], v: [0.0; 3], w: spin };
     let (mut now, mut up) = (0.0, false);
     let (mut miss_m, mut rim) = (f64::INFINITY, f64::INFINITY);
     while now < LONGEST_S {
@@ -198,8 +202,8 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
 
-    fn smooth() -> Ball {
-        Ball { friction: 0.0, drag_1_m: 0.0, scatter_rad: 0.0, ..FIXED[0].clone() }
+    fn smooth() -> ShotBall {
+        ShotBall { friction: 0.0, drag_1_m: 0.0, scatter_rad: 0.0, ..FIXED[0].clone() }
     }
 
     fn random() -> ChaCha8Rng {
@@ -209,7 +213,7 @@ mod tests {
     /// Apex heights fall by e² and a shot is a parabola.
     #[test]
     fn without_air_and_friction_it_is_the_closed_form() {
-        let start = State { x: [0.0, 0.0, 0.6 + RADIUS_M], v: [0.0; 3], w: [0.0; 3] };
+        let start = ShotState { x: [0.0, 0.0, 0.6 + RADIUS_M], v: [0.0; 3], w: [0.0; 3] };
         let fall = (1.2 / GRAVITY_M_S2).sqrt();
         let apex = fall * (1.0 + 0.79);
         let seen = drop(&smooth(), start, &[0.1, apex], &mut random());
@@ -224,7 +228,7 @@ mod tests {
 
     #[test]
     fn a_ball_that_is_pushed_goes_over_the_edge() {
-        let start = State { x: [0.0, 0.0, 0.6], v: [0.4, 0.0, 0.0], w: [0.0; 3] };
+        let start = ShotState { x: [0.0, 0.0, 0.6], v: [0.4, 0.0, 0.0], w: [0.0; 3] };
         let clock: Vec<f64> = (0..150).map(|i| f64::from(i) / 60.0).collect();
         let seen = drop(&smooth(), start, &clock, &mut random());
         assert!((seen.gone_s.unwrap() - 0.625).abs() < 0.01 && seen.path_m[149][2] < -1.0);

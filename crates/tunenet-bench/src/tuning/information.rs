@@ -1,17 +1,19 @@
 //! What a drop with unknown height, instant of release and floor allows: Fisher's information from the closed form alone.
 
-use super::closed_form::Drop;
+use nalgebra::{DMatrix, DVector};
 
-/// Steps of the central differences, as shares of each unknown's own size.
+use super::closed_form::ClosedFormDrop;
+
+/// Steps of the central differences, as shares of each unknown's size.
 const STEP: f64 = 1e-6;
 
 /// The Cramér–Rao standard deviation of the restitution under white noise of `noise_m` on the height, where the height of
 /// fall, the instant of release and the floor's height are unknown too; infinite where the data do not determine it.
-pub fn restitution_sd(drop: Drop, clock: &[f64], noise_m: f64) -> f64 {
-    let time_s = (drop.fall_m / super::closed_form::GRAVITY_M_S2).sqrt();
+pub fn restitution_sd(drop: ClosedFormDrop, clock: &[f64], noise_m: f64) -> f64 {
+    let time_s = (drop.fall_m / crate::scene::GRAVITY_M_S2).sqrt();
     let heights = |e: f64, fall_m: f64, late_s: f64| {
         let clock: Vec<f64> = clock.iter().map(|t| t - late_s).collect();
-        Drop { restitution: e, fall_m }.heights(&clock)
+        ClosedFormDrop { restitution: e, fall_m }.heights(&clock)
     };
     let slope = |high: Vec<f64>, low: Vec<f64>, width: f64| -> Vec<f64> {
         high.iter().zip(low).map(|(h, l)| (h - l) / width).collect()
@@ -24,25 +26,10 @@ pub fn restitution_sd(drop: Drop, clock: &[f64], noise_m: f64) -> f64 {
         slope(heights(e, h, STEP * time_s), heights(e, h, -STEP * time_s), 2.0 * STEP * time_s),
         vec![1.0; clock.len()],
     ];
-    // What the other three unknowns cannot imitate of the first column (Gram–Schmidt) is the information on it.
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    let mut left = Vec::new();
-    for column in columns.iter().rev() {
-        left.clone_from(column);
-        // Twice, since once leaves rounding behind.
-        for _ in 0..2 {
-            for unit in &basis {
-                let share = product(&left, unit);
-                left.iter_mut().zip(unit).for_each(|(l, u)| *l -= share * u);
-            }
-        }
-        let length = product(&left, &left).sqrt();
-        if length > 0.0 {
-            basis.push(left.iter().map(|l| l / length).collect());
-        }
-    }
-    noise_m / product(&left, &left).sqrt()
+    // Q R = columns, that of the restitution last: its share in R that the other three cannot imitate is the information on it.
+    let columns = columns.into_iter().rev().map(DVector::from_vec).collect::<Vec<_>>();
+    let imitated_by_none = DMatrix::from_columns(&columns).qr().unpack_r()[(3, 3)].abs();
+    noise_m / imitated_by_none
 }
 
 #[cfg(test)]
@@ -52,7 +39,7 @@ mod tests {
     #[test]
     fn unknowns_cost_information() {
         let clock: Vec<f64> = (0..200).map(|i| f64::from(i) / 60.0).collect();
-        let drop = Drop { fall_m: 2.0, restitution: 0.6 };
+        let drop = ClosedFormDrop { fall_m: 2.0, restitution: 0.6 };
         let known: f64 = drop.samples(clock.iter().copied()).map(|(_, slope)| slope * slope).sum();
         let sd = restitution_sd(drop, &clock, 0.01);
         assert!(sd > 0.01 / known.sqrt() && sd < 0.1, "{sd}");

@@ -1,19 +1,19 @@
 //! How well anything could do: the maximum of the likelihood on the same data, and the Cramér–Rao bound.
 
-use super::closed_form::Drop;
+use super::closed_form::ClosedFormDrop;
 
 /// Restitutions tried before the best local minima are descended: in 6.7 s a ball's heights at two neighbours differ by less
 /// than a tenth of an arc.
 const GRID: u32 = 800;
-/// Valleys descended.
-const VALLEYS: usize = 3;
-/// Golden sections of a local minimum: .618⁶⁰ of 2/800 is 7e-16.
+/// Local minima descended.
+const MINIMA: usize = 3;
+/// Golden sections of a local minimum: 0.618⁶⁰ of 2/800 is 7e-16.
 const SECTIONS: usize = 60;
 
 /// The restitution in `[0, 1]` under which white noise makes these heights likeliest: least squares over all of them.
 pub fn fit(fall_m: f64, clock: &[f64], heights_m: &[f64]) -> f64 {
     let misfit = |restitution: f64| -> f64 {
-        let drop = Drop { fall_m, restitution };
+        let drop = ClosedFormDrop { fall_m, restitution };
         drop.samples(clock.iter().copied()).zip(heights_m).map(|((z, _), seen)| (seen - z).powi(2)).sum()
     };
     let at = |i: u32| f64::from(i) / f64::from(GRID);
@@ -31,7 +31,7 @@ pub fn fit(fall_m: f64, clock: &[f64], heights_m: &[f64]) -> f64 {
             best = found;
         }
         descended.push(i);
-        if descended.len() == VALLEYS {
+        if descended.len() == MINIMA {
             break;
         }
     }
@@ -63,7 +63,7 @@ fn descend(cost: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> (f64, f64)
 /// The mean absolute error that no unbiased estimate can beat on average under normal noise: `√(2/π)` times the
 /// Cramér–Rao standard deviation `σ / ‖∂z/∂e‖`. Infinite where the data say nothing.
 pub fn bound(fall_m: f64, restitution: f64, clock: &[f64], noise_m: f64) -> f64 {
-    let slopes = Drop { fall_m, restitution }.samples(clock.iter().copied());
+    let slopes = ClosedFormDrop { fall_m, restitution }.samples(clock.iter().copied());
     let information: f64 = slopes.map(|(_, slope)| slope * slope).sum();
     (2.0 / std::f64::consts::PI).sqrt() * noise_m / information.sqrt()
 }
@@ -76,7 +76,7 @@ mod tests {
     fn without_noise_the_restitution_comes_back() {
         let clock: Vec<f64> = (0..400).map(|i| f64::from(i) / 60.0).collect();
         for restitution in [0.03, 0.314_159, 0.77, 0.999, 1.0] {
-            let seen = Drop { fall_m: 4.1, restitution }.heights(&clock);
+            let seen = ClosedFormDrop { fall_m: 4.1, restitution }.heights(&clock);
             assert!((fit(4.1, &clock, &seen) - restitution).abs() < 1e-9);
         }
     }

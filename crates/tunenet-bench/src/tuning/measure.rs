@@ -10,7 +10,8 @@ use super::likelihood;
 use super::ours;
 use super::rivals::{self, Stored};
 use super::rows::{BUDGETS, Conditions, MOST};
-use super::targets::{Simulation, Target, mean_distance};
+use super::targets::{DropTarget, Simulation, mean_distance};
+use crate::output::mean_and_median;
 
 /// A way of tuning that has no training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,14 +43,14 @@ impl Rival {
 }
 
 /// Who tunes.
-pub enum Tuner<'a> {
+pub enum BenchTuner<'a> {
     Network(&'a Model),
     Rival(Rival, &'a Stored),
 }
 
 /// Errors after each of [`BUDGETS`] rollouts.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Accuracy {
+pub struct TuningAccuracy {
     pub mean: Vec<f64>,
     pub median: Vec<f64>,
 }
@@ -64,26 +65,26 @@ pub struct Reference {
     pub bound: Option<f64>,
 }
 
-pub fn courses(simulation: &Simulation, tuner: &Tuner, targets: &[Target]) -> Result<Vec<Course>> {
-    let one = |target: &Target| match tuner {
-        Tuner::Network(model) => ours::course(simulation, model, target, MOST),
-        Tuner::Rival(Rival::Apex, _) => rivals::apex_loop(simulation, target, MOST),
-        Tuner::Rival(Rival::Nearest, stored) => {
+pub fn courses(simulation: &Simulation, tuner: &BenchTuner, targets: &[DropTarget]) -> Result<Vec<Course>> {
+    let one = |target: &DropTarget| match tuner {
+        BenchTuner::Network(model) => ours::course(simulation, model, target, MOST),
+        BenchTuner::Rival(Rival::Apex, _) => rivals::apex_loop(simulation, target, MOST),
+        BenchTuner::Rival(Rival::Nearest, stored) => {
             nearest::search(&simulation.search(target, 0), stored.from(target.fall_m, &simulation.clock), MOST)
         }
-        Tuner::Rival(Rival::Brent, _) => brent::search(&simulation.search(target, 0), MOST),
+        BenchTuner::Rival(Rival::Brent, _) => brent::search(&simulation.search(target, 0), MOST),
     };
     targets.par_iter().map(one).collect()
 }
 
 /// Errors of restitution.
-pub fn accuracy(courses: &[Course], targets: &[Target]) -> Accuracy {
+pub fn accuracy(courses: &[Course], targets: &[DropTarget]) -> TuningAccuracy {
     summarise(|k| courses.iter().zip(targets).map(|(c, t)| (c[k] - t.restitution).abs()).collect())
 }
 
 /// Mean distance in height of the tuned simulator, cm.
-pub fn distances_cm(simulation: &Simulation, courses: &[Course], targets: &[Target]) -> Result<Accuracy> {
-    let one = |(course, target): (&Course, &Target)| -> Result<Vec<f64>> {
+pub fn distances_cm(simulation: &Simulation, courses: &[Course], targets: &[DropTarget]) -> Result<TuningAccuracy> {
+    let one = |(course, target): (&Course, &DropTarget)| -> Result<Vec<f64>> {
         let at = |k: &usize| Ok(100.0 * mean_distance(&simulation.roll(target, course[*k])?, &target.heights_m));
         BUDGETS.iter().map(at).collect()
     };
@@ -92,15 +93,15 @@ pub fn distances_cm(simulation: &Simulation, courses: &[Course], targets: &[Targ
     Ok(summarise(|k| all.iter().map(|d| d[place(k)]).collect()))
 }
 
-fn summarise(errors: impl Fn(usize) -> Vec<f64>) -> Accuracy {
+fn summarise(errors: impl Fn(usize) -> Vec<f64>) -> TuningAccuracy {
     let (mean, median) = BUDGETS.iter().map(|&k| mean_and_median(errors(k))).unzip();
-    Accuracy { mean, median }
+    TuningAccuracy { mean, median }
 }
 
 /// The maximum-likelihood fit and the bound, both from the closed form alone.
-pub fn reference(simulation: &Simulation, conditions: Conditions, targets: &[Target]) -> Reference {
+pub fn reference(simulation: &Simulation, conditions: Conditions, targets: &[DropTarget]) -> Reference {
     let clock = &simulation.clock;
-    let one = |t: &Target| {
+    let one = |t: &DropTarget| {
         let error = (likelihood::fit(t.fall_m, clock, &t.heights_m) - t.restitution).abs();
         (error, likelihood::bound(t.fall_m, t.restitution, clock, conditions.noise_m))
     };
@@ -108,13 +109,6 @@ pub fn reference(simulation: &Simulation, conditions: Conditions, targets: &[Tar
     let bound = bounds.iter().sum::<f64>() / bounds.len() as f64;
     let (mean, median) = mean_and_median(errors);
     Reference { mean, median, bound: bound.is_finite().then_some(bound) }
-}
-
-pub fn mean_and_median(mut values: Vec<f64>) -> (f64, f64) {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    let median = if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) };
-    (values.iter().sum::<f64>() / values.len() as f64, median)
 }
 
 /// A number with three digits: `0.000107` is `1.07e-4`.

@@ -22,51 +22,48 @@ mod write;
 
 pub(super) use self::rivals::apex;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::json;
 use tunenet_core::network::{Model, Preset};
 
-use self::measure::{Accuracy, Rival, Tuner};
+use self::measure::{BenchTuner, Rival, TuningAccuracy};
 use self::ours::Seconds;
-use self::results::{Method, Results, Table};
+use self::results::{MethodErrors, TuningResults, TuningTable};
 use self::rivals::Stored;
 use self::rows::{BUDGETS, Goal, Limit, Statistic};
-use self::targets::{Simulation, Target};
-use super::resume::Store;
-use crate::args::{BenchTuning, Measured, Row};
+use self::targets::{DropTarget, Simulation};
+use super::resume::{Store, program};
+use crate::args::{BenchTuning, Measured, TuningRow};
+use crate::goals::MAKING_LIMIT_S;
 use tunenet_cli::failure::Exit;
-use tunenet_cli::files::hash;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
 /// Trainings of each preset.
 const TRAININGS: u64 = 3;
-/// `gen` and `train` of preset `default` together, s.
-const MAKING_LIMIT_S: f64 = 30.0;
 /// Targets of a row, and of a quick one.
 const TARGETS: u64 = 1000;
 const QUICK_TARGETS: u64 = 200;
 
 pub fn run(options: &BenchTuning) -> Result<Exit> {
-    let rows: Vec<Row> = Row::ALL.into_iter().filter(|r| options.only.is_empty() || options.only.contains(r)).collect();
+    let rows: Vec<TuningRow> =
+        TuningRow::ALL.into_iter().filter(|r| options.only.is_empty() || options.only.contains(r)).collect();
     let targets = options.targets.unwrap_or(if options.quick { QUICK_TARGETS } else { TARGETS });
     let seed = options.common.seed;
     let trainings: Vec<u64> = (0..if options.quick { 1 } else { TRAININGS }).map(|i| seed * TRAININGS + i).collect();
-    // The version alone would not tell a rebuilt program from the one that made a cell.
-    let program = hash::sha256(&std::env::current_exe().context("this program's own path")?)?;
-    let key = json!({ "program": program, "seed": seed, "targets": targets, "quick": options.quick });
+    let key = json!({ "program": program()?, "seed": seed, "targets": targets, "quick": options.quick });
     let store = Store::open(&options.out, key, &options.sharing)?;
 
     let per_row = 2 * trainings.len() as u64 + 4;
-    let in_row = |row: &Row| match row {
-        Row::Cross => 4 * per_row,
-        Row::General => general::SETS.len() as u64,
+    let in_row = |row: &TuningRow| match row {
+        TuningRow::Cross => 4 * per_row,
+        TuningRow::General => general::SETS.len() as u64,
         _ => per_row,
     };
     // The built-in network needs no training here.
-    let trained: &[u64] = if rows.iter().all(|r| *r == Row::General) { &[] } else { &trainings };
+    let trained: &[u64] = if rows.iter().all(|r| *r == TuningRow::General) { &[] } else { &trainings };
     let bar = progress(rows.iter().map(in_row).sum::<u64>() + 2 * trained.len() as u64, "tuning");
     let simulation = Simulation::new()?;
     let models = Models::make(&store, trained, options.quick, &bar)?;
@@ -75,7 +72,7 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
 
     let (mut tables, mut general, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     for row in rows {
-        if row == Row::General {
+        if row == TuningRow::General {
             for set in general::SETS {
                 let make = || general::table(set, seed, targets);
                 general.extend(store.piece(&format!("general-{}", set.0), make)?);
@@ -83,7 +80,7 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
             }
             continue;
         }
-        if row != Row::Cross {
+        if row != TuningRow::Cross {
             tables.extend(bench.row(row, seed, targets)?);
             continue;
         }
@@ -96,7 +93,7 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
     if let Some(exit) = store.finished(Measured::Tuning(options.clone()), options.common.json)? {
         return Ok(exit);
     }
-    let results = Results {
+    let results = TuningResults {
         schema: "tunenet.bench.tuning/1",
         command: command(options, targets),
         version: env!("CARGO_PKG_VERSION"),
@@ -139,14 +136,14 @@ struct Models {
 
 impl Models {
     fn make(store: &Store, trainings: &[u64], quick: bool, bar: &ProgressBar) -> Result<Self> {
-        let (own, paper) = (Preset::default(), Preset::paper());
+        let (default, paper) = (Preset::default(), Preset::paper());
         let make = |(name, preset, seed): (&'static str, &Preset, u64)| {
             let (model, seconds) = ours::trained(store, preset, seed, quick)?;
             bar.inc(1);
             Ok(((name, seed, model), seconds))
         };
         let each = |name, preset| trainings.iter().map(move |seed| (name, preset, *seed));
-        let mut jobs: Vec<_> = each("default", &own).chain(each("paper", &paper)).collect();
+        let mut jobs: Vec<_> = each("default", &default).chain(each("paper", &paper)).collect();
         if jobs.is_empty() {
             return Ok(Self { all: Vec::new(), making: None });
         }
@@ -157,7 +154,7 @@ impl Models {
         Ok(Self { all: std::iter::once(first).chain(rest).map(|(model, _)| model).collect(), making })
     }
 
-    fn of<'a>(&'a self, preset: &'static str) -> impl Iterator<Item = (u64, &'a Model)> + 'a {
+    fn with_preset<'a>(&'a self, preset: &'static str) -> impl Iterator<Item = (u64, &'a Model)> + 'a {
         self.all.iter().filter(move |m| m.0 == preset).map(|m| (m.1, &m.2))
     }
 }
@@ -172,10 +169,10 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn row(&self, row: Row, seed: u64, count: u64) -> Result<Option<Table>> {
+    fn row(&self, row: TuningRow, seed: u64, count: u64) -> Result<Option<TuningTable>> {
         let Some(conditions) = row.conditions() else { return Ok(None) };
         let draw = |number| self.simulation.target(conditions, seed, row as u64, number);
-        let targets: Vec<Target> = (0..count).into_par_iter().map(draw).collect::<Result<_>>()?;
+        let targets: Vec<DropTarget> = (0..count).into_par_iter().map(draw).collect::<Result<_>>()?;
         let methods = self.methods(row.name(), |tuner| {
             Ok(measure::accuracy(&measure::courses(self.simulation, tuner, &targets)?, &targets))
         })?;
@@ -186,7 +183,7 @@ impl Bench<'_> {
             return Ok(None);
         }
         let goals = row.goals().iter().filter_map(|g| results::hold(g, &methods, reference.as_ref())).collect();
-        Ok(Some(Table {
+        Ok(Some(TuningTable {
             row: row.name().into(),
             unit: "error of restitution",
             targets: targets.len(),
@@ -198,7 +195,7 @@ impl Bench<'_> {
         }))
     }
 
-    fn cross(&self, folder: &std::path::Path) -> Result<Vec<Table>> {
+    fn cross(&self, folder: &std::path::Path) -> Result<Vec<TuningTable>> {
         let mut tables = Vec::new();
         for (set, range, rival_cm) in cross::SETS {
             let targets = cross::targets(self.simulation, &folder.join(set), range)?;
@@ -215,18 +212,18 @@ impl Bench<'_> {
             let unit = "mean distance in height, cm";
             let note = set.starts_with("pybullet").then_some(cross::OTHER_LAWS);
             let targets = targets.len();
-            tables.push(Table { row: name, unit, targets, noise_m: None, reference: None, methods, goals, note });
+            tables.push(TuningTable { row: name, unit, targets, noise_m: None, reference: None, methods, goals, note });
         }
         Ok(tables)
     }
 
     /// All ways of tuning, `default` first; of a shard what it made of them.
-    fn methods(&self, row: &str, measure: impl Fn(&Tuner) -> Result<Accuracy>) -> Result<Vec<Method>> {
+    fn methods(&self, row: &str, measure: impl Fn(&BenchTuner) -> Result<TuningAccuracy>) -> Result<Vec<MethodErrors>> {
         let mut methods = Vec::new();
         for preset in ["default", "paper"] {
             let mut runs = Vec::new();
-            for (seed, model) in self.models.of(preset) {
-                let run = || measure(&Tuner::Network(model));
+            for (seed, model) in self.models.with_preset(preset) {
+                let run = || measure(&BenchTuner::Network(model));
                 runs.extend(self.store.piece(&format!("{row}-{preset}-{seed}"), run)?);
                 self.bar.inc(1);
             }
@@ -234,12 +231,12 @@ impl Bench<'_> {
                 continue;
             }
             let title = format!("preset `{preset}`, {} trainings", runs.len());
-            methods.push(Method::of(preset, title, &runs));
+            methods.push(MethodErrors::new(preset, title, &runs));
         }
         for rival in Rival::ALL {
-            let run = || measure(&Tuner::Rival(rival, self.stored));
+            let run = || measure(&BenchTuner::Rival(rival, self.stored));
             let accuracy = self.store.piece(&format!("{row}-{}", rival.name()), run)?;
-            methods.extend(accuracy.map(|accuracy| Method::of(rival.name(), rival.title().into(), &[accuracy])));
+            methods.extend(accuracy.map(|accuracy| MethodErrors::new(rival.name(), rival.title().into(), &[accuracy])));
             self.bar.inc(1);
         }
         Ok(methods)

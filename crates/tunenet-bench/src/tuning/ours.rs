@@ -10,7 +10,7 @@ use tunenet_formats::{load_model, save_model, train_file};
 
 use super::super::process;
 use super::super::search::Course;
-use super::targets::{Simulation, Target};
+use super::targets::{DropTarget, Simulation};
 use crate::resume::Store;
 
 /// What making a model took, s.
@@ -72,10 +72,10 @@ pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result
 }
 
 /// The estimate after every rollout; the one that only judges the last iterate moves nothing.
-pub fn course(simulation: &Simulation, model: &Model, target: &Target, most: usize) -> Result<Course> {
+pub fn course(simulation: &Simulation, model: &Model, target: &DropTarget, most: usize) -> Result<Course> {
     // As `tune` asks for the two: the paper's loop is the bare one. Values without a rollout are none, so both are clamped.
-    let own = !of_the_paper(model.preset());
-    let how = Loop { iterations: most, clamp: true, secant: own, best: own, library: own };
+    let whole = !of_the_paper(model.preset());
+    let how = Loop { iterations: most, clamp: true, secant: whole, best: whole, library: whole };
     let walk = walk(&simulation.ball, &target.prepared, model, &simulation.start(target), how)?;
     Ok(walk.answers.iter().map(|answer| answer[0]).collect())
 }

@@ -3,13 +3,14 @@
 use serde::Serialize;
 
 use super::general;
-use super::measure::{Accuracy, Reference};
+use super::measure::{Reference, TuningAccuracy};
 use super::ours::Seconds;
 use super::rows::{BUDGETS, Goal, Limit, Statistic};
+use crate::output::mean_and_sd;
 
 /// One way of tuning in one row. With several trainings, means over them.
 #[derive(Debug, Clone, Serialize)]
-pub struct Method {
+pub struct MethodErrors {
     pub name: &'static str,
     pub title: String,
     pub trainings: usize,
@@ -20,18 +21,14 @@ pub struct Method {
     pub spread: Vec<f64>,
 }
 
-impl Method {
-    pub fn of(name: &'static str, title: String, runs: &[Accuracy]) -> Self {
-        let n = runs.len() as f64;
-        let over = |pick: &dyn Fn(&Accuracy) -> &Vec<f64>| -> Vec<f64> {
-            (0..BUDGETS.len()).map(|b| runs.iter().map(|r| pick(r)[b]).sum::<f64>() / n).collect()
+impl MethodErrors {
+    pub fn new(name: &'static str, title: String, runs: &[TuningAccuracy]) -> Self {
+        let over = |pick: &dyn Fn(&TuningAccuracy) -> &Vec<f64>| -> Vec<(f64, f64)> {
+            (0..BUDGETS.len()).map(|b| mean_and_sd(&runs.iter().map(|r| pick(r)[b]).collect::<Vec<_>>())).collect()
         };
-        let (mean, median) = (over(&|r| &r.mean), over(&|r| &r.median));
-        let spread = |b: usize| {
-            let squares: f64 = runs.iter().map(|r| (r.mean[b] - mean[b]).powi(2)).sum();
-            (squares / (n - 1.0)).sqrt()
-        };
-        let spread = if runs.len() > 1 { (0..BUDGETS.len()).map(spread).collect() } else { vec![] };
+        let (mean, spread): (Vec<f64>, Vec<f64>) = over(&|r| &r.mean).into_iter().unzip();
+        let median = over(&|r| &r.median).into_iter().map(|m| m.0).collect();
+        let spread = if runs.len() > 1 { spread } else { vec![] };
         Self { name, title, trainings: runs.len(), mean, median, spread }
     }
 
@@ -46,7 +43,7 @@ impl Method {
 
 /// One row, or one set of drops from another engine.
 #[derive(Debug, Clone, Serialize)]
-pub struct Table {
+pub struct TuningTable {
     pub row: String,
     /// What the numbers are.
     pub unit: &'static str,
@@ -54,15 +51,15 @@ pub struct Table {
     /// Standard deviation of the noise, m; none where drops were not made here.
     pub noise_m: Option<f64>,
     pub reference: Option<Reference>,
-    pub methods: Vec<Method>,
-    pub goals: Vec<Held>,
+    pub methods: Vec<MethodErrors>,
+    pub goals: Vec<TuningGoalResult>,
     /// What the goals leave unsaid.
     pub note: Option<&'static str>,
 }
 
 /// A goal and what became of it.
 #[derive(Debug, Clone, Serialize)]
-pub struct Held {
+pub struct TuningGoalResult {
     pub rollouts: usize,
     pub statistic: &'static str,
     pub limit: f64,
@@ -73,7 +70,7 @@ pub struct Held {
 }
 
 /// Holds `default`, the first of the methods, against a goal; none where what the goal is measured in is not there.
-pub fn hold(goal: &Goal, methods: &[Method], reference: Option<&Reference>) -> Option<Held> {
+pub fn hold(goal: &Goal, methods: &[MethodErrors], reference: Option<&Reference>) -> Option<TuningGoalResult> {
     let measured = methods.first()?.at(goal.rollouts, goal.statistic)?;
     let (limit, limit_is) = match goal.limit {
         Limit::Absolute(limit) => (limit, String::new()),
@@ -90,12 +87,12 @@ pub fn hold(goal: &Goal, methods: &[Method], reference: Option<&Reference>) -> O
         Statistic::Mean => "mean",
         Statistic::Median => "median",
     };
-    Some(Held { rollouts: goal.rollouts, statistic, limit, limit_is, measured, met: measured <= limit })
+    Some(TuningGoalResult { rollouts: goal.rollouts, statistic, limit, limit_is, measured, met: measured <= limit })
 }
 
 /// Everything.
 #[derive(Debug, Clone, Serialize)]
-pub struct Results {
+pub struct TuningResults {
     pub schema: &'static str,
     pub command: String,
     pub version: &'static str,
@@ -104,8 +101,8 @@ pub struct Results {
     pub quick: bool,
     pub trainings: Vec<u64>,
     pub rollouts: Vec<usize>,
-    pub rows: Vec<Table>,
-    pub general: Vec<general::Table>,
+    pub rows: Vec<TuningTable>,
+    pub general: Vec<general::GeneralTable>,
     /// Making one model of preset `default`, alone on the machine.
     pub making: Option<Seconds>,
     pub making_limit_s: f64,
@@ -118,8 +115,8 @@ mod tests {
 
     #[test]
     fn goals_are_held_against_their_own_measure() {
-        let run = Accuracy { mean: vec![0.3; 5], median: vec![0.1; 5] };
-        let methods = [Method::of("default", String::new(), &[run])];
+        let run = TuningAccuracy { mean: vec![0.3; 5], median: vec![0.1; 5] };
+        let methods = [MethodErrors::new("default", String::new(), &[run])];
         let reference = Reference { mean: 0.2, median: 0.1, bound: Some(0.1) };
         let goal = |limit, statistic| Goal { rollouts: 5, statistic, limit };
         let held = |limit, statistic| hold(&goal(limit, statistic), &methods, Some(&reference)).unwrap().met;

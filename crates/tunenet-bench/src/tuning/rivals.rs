@@ -3,8 +3,8 @@
 use anyhow::Result;
 
 use super::super::search::Course;
-use super::closed_form::GRAVITY_M_S2;
-use super::targets::{Simulation, Target};
+use super::targets::{DropTarget, Simulation};
+use crate::scene::GRAVITY_M_S2;
 
 /// Rollouts stored for [`Stored`], evenly over the restitutions.
 const STORED: u32 = 201;
@@ -13,9 +13,10 @@ const STORED: u32 = 201;
 const STORED_FALL_M: f64 = 4.0;
 const STORED_RATE_HZ: f64 = 1920.0;
 const STORED_FRAMES: u32 = 13_800;
+
 /// The rule `e = √(first rebound / fall)` inside the paper's own loop, `c ← c + rule(target) − rule(rollout(c))`, started
 /// at the rule itself.
-pub fn apex_loop(simulation: &Simulation, target: &Target, most: usize) -> Result<Course> {
+pub fn apex_loop(simulation: &Simulation, target: &DropTarget, most: usize) -> Result<Course> {
     let rule = |heights: &[f64]| apex(target.fall_m, &simulation.clock, heights);
     let wanted = rule(&target.heights_m);
     let mut course = vec![wanted.clamp(0.0, 1.0)];
@@ -130,14 +131,14 @@ pub fn two_parabolas(seen: &[(f64, f64)]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::closed_form::Drop;
+    use super::super::closed_form::ClosedFormDrop;
     use super::*;
 
     #[test]
     fn two_parabolas_are_exact_without_noise() {
         for restitution in [0.2, 0.5, 0.9] {
             let clock: Vec<f64> = (3..200).map(|i| f64::from(i) / 100.0).collect();
-            let heights = Drop { fall_m: 1.3, restitution }.heights(&clock);
+            let heights = ClosedFormDrop { fall_m: 1.3, restitution }.heights(&clock);
             let seen: Vec<(f64, f64)> = clock.into_iter().zip(heights.into_iter().map(|z| z - 7.0)).collect();
             assert!((two_parabolas(&seen) - restitution).abs() < 1e-9, "{}", two_parabolas(&seen));
         }
@@ -147,7 +148,7 @@ mod tests {
     fn the_apex_rule_is_exact_without_noise() {
         let clock: Vec<f64> = (0..400).map(|i| f64::from(i) / 60.0).collect();
         for restitution in [0.1, 0.3, 0.512_3, 0.7, 0.95, 1.0] {
-            let seen = Drop { fall_m: 4.2, restitution }.heights(&clock);
+            let seen = ClosedFormDrop { fall_m: 4.2, restitution }.heights(&clock);
             assert!((apex(4.2, &clock, &seen) - restitution).abs() < 1e-12, "{}", apex(4.2, &clock, &seen));
         }
     }

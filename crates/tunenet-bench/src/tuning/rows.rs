@@ -1,6 +1,7 @@
 //! What each row measures, and what is aimed at.
 
-use crate::args::Row;
+use crate::args::TuningRow;
+use crate::scene::{EASY, HARD};
 
 /// Rollouts after which the estimates are compared.
 pub const BUDGETS: [usize; 5] = [1, 2, 3, 5, 10];
@@ -42,7 +43,7 @@ pub struct Goal {
     pub limit: Limit,
 }
 
-impl Row {
+impl TuningRow {
     /// Every row, in the order of the table.
     pub const ALL: [Self; 8] = [
         Self::Easy0,
@@ -70,14 +71,13 @@ impl Row {
 
     /// How the targets are drawn; `None` where they come from files, or differ in more than this.
     pub fn conditions(self) -> Option<Conditions> {
-        let (easy, hard) = ((0.3, 0.7), (0.0, 1.0));
         let (restitution, noise_m) = match self {
-            Self::Easy0 => (easy, 0.0),
-            Self::Hard0 => (hard, 0.0),
-            Self::Easy5mm => (easy, 0.005),
-            Self::Easy2cm => (easy, 0.02),
-            Self::Hard5mm => (hard, 0.005),
-            Self::Hard2cm => (hard, 0.02),
+            Self::Easy0 => (EASY, 0.0),
+            Self::Hard0 => (HARD, 0.0),
+            Self::Easy5mm => (EASY, 0.005),
+            Self::Easy2cm => (EASY, 0.02),
+            Self::Hard5mm => (HARD, 0.005),
+            Self::Hard2cm => (HARD, 0.02),
             Self::General | Self::Cross => return None,
         };
         Some(Conditions { restitution, noise_m })

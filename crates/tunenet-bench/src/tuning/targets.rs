@@ -14,20 +14,15 @@ use tunenet_sim::simulation_file::LeftOpen;
 use tunenet_sim::{ObservedBall, SimulationFile};
 
 use super::super::search::Search;
-use super::closed_form::Drop;
+use super::closed_form::ClosedFormDrop;
 use super::rows::Conditions;
+use crate::scene::{EASY, PAPER_BALL, PAPER_CENTRE_M, PAPER_RADIUS_M, seeds};
 
-/// What the targets are drawn from, and nothing else in this project: no training, selection or test uses it.
-const TARGETS_SEED: u64 = 0x7a26_e75b_0d1c_93f4;
-/// The paper's ball: its radius, and the heights that its centre falls from, m.
-pub const RADIUS_M: f64 = 0.5;
-const CENTRE_M: std::ops::Range<f64> = 4.0..5.0;
 /// Where the proposed models start: the paper's training range.
-const PROPOSED: std::ops::RangeInclusive<f64> = 0.3..=0.7;
-const PAPER_BALL: &str = include_str!("../../../../assets/ball_easy.toml");
+const PROPOSED: (f64, f64) = EASY;
 
 /// One drop that a simulator is to be tuned to; its height of fall and its floor are known.
-pub struct Target {
+pub struct DropTarget {
     pub fall_m: f64,
     /// What is to be found.
     pub restitution: f64,
@@ -55,13 +50,13 @@ impl Simulation {
     }
 
     /// The drop number `number` of a row; each depends on these numbers alone.
-    pub fn target(&self, conditions: Conditions, seed: u64, row: u64, number: u64) -> Result<Target> {
-        let mut random = ChaCha8Rng::seed_from_u64(TARGETS_SEED ^ seed.rotate_left(32));
+    pub fn target(&self, conditions: Conditions, seed: u64, row: u64, number: u64) -> Result<DropTarget> {
+        let mut random = ChaCha8Rng::seed_from_u64(seeds::TUNING_TARGETS ^ seed.rotate_left(32));
         random.set_stream(row << 32 | number);
-        let fall_m = random.random_range(CENTRE_M) - RADIUS_M;
+        let fall_m = random.random_range(PAPER_CENTRE_M) - PAPER_RADIUS_M;
         let restitution = random.random_range(conditions.restitution.0..=conditions.restitution.1);
-        let proposed = random.random_range(PROPOSED);
-        let mut heights_m = Drop { fall_m, restitution }.heights(&self.clock);
+        let proposed = random.random_range(PROPOSED.0..=PROPOSED.1);
+        let mut heights_m = ClosedFormDrop { fall_m, restitution }.heights(&self.clock);
         for height in &mut heights_m {
             *height += conditions.noise_m * random.sample::<f64, _>(StandardNormal);
         }
@@ -75,29 +70,29 @@ impl Simulation {
         heights_m: Vec<f64>,
         (restitution, proposed): (f64, f64),
         range: (f64, f64),
-    ) -> Result<Target> {
-        let rows: Vec<[f64; 3]> = heights_m.iter().map(|z| [0.0, 0.0, z + RADIUS_M]).collect();
+    ) -> Result<DropTarget> {
+        let rows: Vec<[f64; 3]> = heights_m.iter().map(|z| [0.0, 0.0, z + PAPER_RADIUS_M]).collect();
         let observation = Observation::positions(self.clock.clone(), &rows)?;
-        let own = [0.0, 0.0, fall_m + RADIUS_M];
+        let release = [0.0, 0.0, fall_m + PAPER_RADIUS_M];
         let mut prepared = Prepared::whole(observation, self.ball.parameters().len());
         // Known, so the bounds say nothing; a parameter needs some.
-        let known = own.iter().zip(["x", "y", "z"]);
+        let known = release.iter().zip(["x", "y", "z"]);
         prepared.nuisances = known
             .map(|(v, axis)| Parameter::new(format!("release.{axis}"), "m", *v, v - 1.0, v + 1.0))
             .collect::<tunenet_core::Result<_>>()?;
-        prepared.scale = Some(self.ball.scale(&own, 0.0));
-        Ok(Target { fall_m, restitution, proposed, range, heights_m, prepared })
+        prepared.scale = Some(self.ball.scale(&release, 0.0));
+        Ok(DropTarget { fall_m, restitution, proposed, range, heights_m, prepared })
     }
 
     /// The start of the iterations on a target.
-    pub fn start(&self, target: &Target) -> Point {
+    pub fn start(&self, target: &DropTarget) -> Point {
         let mut point = Point::start(&self.ball, std::slice::from_ref(&target.prepared));
         point.parameters[0] = target.proposed;
         point
     }
 
     /// A target as any search for one number sees it.
-    pub fn search<'a>(&'a self, target: &'a Target, seed: u64) -> Search<'a> {
+    pub fn search<'a>(&'a self, target: &'a DropTarget, seed: u64) -> Search<'a> {
         Search {
             roll: Box::new(|e| self.roll(target, e)),
             seen: &target.heights_m,
@@ -110,7 +105,7 @@ impl Simulation {
     }
 
     /// One rollout from a target's release: heights of the lowest point, m.
-    pub fn roll(&self, target: &Target, restitution: f64) -> Result<Vec<f64>> {
+    pub fn roll(&self, target: &DropTarget, restitution: f64) -> Result<Vec<f64>> {
         self.roll_on(&self.clock, target.fall_m, restitution)
     }
 
@@ -118,8 +113,8 @@ impl Simulation {
     pub fn roll_on(&self, clock: &[f64], fall_m: f64, restitution: f64) -> Result<Vec<f64>> {
         let friction =
             self.ball.parameters().iter().find(|p| p.name == BallParameters::FRICTION).map_or(0.0, |p| p.value);
-        let values = rollout(&self.ball, &[restitution, friction], &[0.0, 0.0, fall_m + RADIUS_M], clock)?;
-        Ok(values.chunks_exact(3).map(|row| row[2] - RADIUS_M).collect())
+        let values = rollout(&self.ball, &[restitution, friction], &[0.0, 0.0, fall_m + PAPER_RADIUS_M], clock)?;
+        Ok(values.chunks_exact(3).map(|row| row[2] - PAPER_RADIUS_M).collect())
     }
 }
 

@@ -4,24 +4,28 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_formats::write_atomically;
 
 use super::general;
 use super::measure::short;
-use super::results::{Method, Results, Table};
+use super::results::{MethodErrors, TuningResults, TuningTable};
 use super::rows::BUDGETS;
+use crate::goals::met;
+use crate::output::{file_of, write_all};
 
 /// Writes `tuning.md`, `tuning.csv` and `tuning.json`; none is ever half written.
-pub fn all(folder: &Path, results: &Results) -> Result<()> {
-    let json = format!("{:#}\n", serde_json::to_value(results)?);
-    for (name, text) in [("tuning.md", markdown(results)), ("tuning.csv", csv(results)), ("tuning.json", json)] {
-        write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
-    Ok(())
+pub fn all(folder: &Path, results: &TuningResults) -> Result<()> {
+    write_all(
+        folder,
+        [
+            ("tuning.md", markdown(results)),
+            ("tuning.csv", csv(results)),
+            ("tuning.json", file_of(&serde_json::to_value(results)?)),
+        ],
+    )
 }
 
 /// The tables. Writing to a string cannot fail, so its results are dropped.
-pub fn markdown(results: &Results) -> String {
+pub fn markdown(results: &TuningResults) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "# Tuning: error after K rollouts\n\n    {}\n", results.command);
     let trainings = results.trainings.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
@@ -43,10 +47,10 @@ pub fn markdown(results: &Results) -> String {
     if let Some(seconds) = results.making {
         let sum = seconds.generate + seconds.train;
         let core = seconds.train_on_core.map_or(String::new(), |s| format!(" (one core, {s:.1} s of it on that core)"));
-        let met = verdict(sum <= results.making_limit_s);
+        let verdict = met(sum <= results.making_limit_s);
         let _ = writeln!(
             out,
-            "## Making a model of preset `default`\n\n`gen` {:.1} s + `train` {:.1} s{core} = {sum:.1} s; goal {} s: {met}\n",
+            "## Making a model of preset `default`\n\n`gen` {:.1} s + `train` {:.1} s{core} = {sum:.1} s; goal {} s: {verdict}\n",
             seconds.generate, seconds.train, results.making_limit_s
         );
     }
@@ -56,7 +60,7 @@ pub fn markdown(results: &Results) -> String {
     out
 }
 
-fn one_table(out: &mut String, table: &Table) {
+fn one_table(out: &mut String, table: &TuningTable) {
     let noise = table.noise_m.map_or(String::new(), |n| format!(", noise {} mm", n * 1e3));
     let _ = writeln!(out, "## {}: {} targets{noise}, {}\n", table.row, table.targets, table.unit);
     if let Some(judge) = &table.reference {
@@ -87,8 +91,8 @@ fn one_table(out: &mut String, table: &Table) {
     for goal in &table.goals {
         let source = if goal.limit_is.is_empty() { String::new() } else { format!(" ({})", goal.limit_is) };
         let (limit, measured) = (short(goal.limit), short(goal.measured));
-        let met = verdict(goal.met);
-        let _ = writeln!(out, "- K={}, {} ≤ {limit}{source}: {measured}, {met}", goal.rollouts, goal.statistic);
+        let verdict = met(goal.met);
+        let _ = writeln!(out, "- K={}, {} ≤ {limit}{source}: {measured}, {verdict}", goal.rollouts, goal.statistic);
     }
     if let Some(note) = &table.note {
         let _ = writeln!(out, "- {note}");
@@ -98,11 +102,7 @@ fn one_table(out: &mut String, table: &Table) {
     }
 }
 
-fn verdict(met: bool) -> &'static str {
-    if met { "met" } else { "**missed**" }
-}
-
-fn cells(method: &Method) -> Vec<String> {
+fn cells(method: &MethodErrors) -> Vec<String> {
     let cell = |b: usize| {
         let spread = method.spread.get(b).map_or(String::new(), |s| format!(" ± {}", short(*s)));
         format!("{}{spread} ({})", short(method.mean[b]), short(method.median[b]))
@@ -110,12 +110,12 @@ fn cells(method: &Method) -> Vec<String> {
     (0..BUDGETS.len()).map(cell).collect()
 }
 
-fn csv(results: &Results) -> String {
+fn csv(results: &TuningResults) -> String {
     let mut out = "row,method,trainings,rollouts,unit,mean,spread,median\n".to_owned();
     for (table, method) in results.rows.iter().flat_map(|t| t.methods.iter().map(move |m| (t, m))) {
         for (b, k) in BUDGETS.iter().enumerate() {
             let spread = method.spread.get(b).map_or(String::new(), f64::to_string);
-            let Method { name, trainings, mean, median, .. } = method;
+            let MethodErrors { name, trainings, mean, median, .. } = method;
             let (row, unit) = (&table.row, table.unit);
             let _ = writeln!(out, "{row},{name},{trainings},{k},{unit},{},{spread},{}", mean[b], median[b]);
         }

@@ -14,11 +14,13 @@ use tunenet_sim::ReplayedArm;
 use tunenet_sim::arm::effects::ALL;
 use tunenet_sim::arm::{Frame, Model, urdf};
 
-use self::set::{Hidden, PAYLOAD_COM_M, draw};
+use self::set::{ArmEffect, PAYLOAD_COM_M, draw};
 use super::blind::stream;
 use crate::args::{BenchDiagnose, Measured};
-use crate::resume::Store;
-use crate::resume::program;
+use crate::goals::{ARM_EXACT, ARM_FALSE_NAMES, ARM_UNKNOWN};
+use crate::output::share;
+use crate::resume::{Store, program};
+use crate::scene::{GRAVITY_M_S2, URDF};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage, table};
@@ -30,16 +32,12 @@ const CLEAN: u64 = 200;
 const OUTSIDE: u64 = 20;
 const QUICK: u64 = 1;
 /// Logs that are kept in one piece.
-const PIECE: usize = 8;
-const RATIOS: [f64; 3] = [0.3, 1.0, 3.0];
-/// Goals: exact names at or above the noise, unknown where it is in no catalogue, any name where nothing is hidden.
-const EXACT: f64 = 0.95;
-const UNKNOWN: f64 = 0.95;
-const FALSE: f64 = 0.01;
+const LOGS_PER_PIECE: usize = 8;
+const NOISE_RATIOS: [f64; 3] = [0.3, 1.0, 3.0];
 
 /// The answer to one log.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Trial {
+struct ArmTrial {
     truth: String,
     ratio: f64,
     outside: bool,
@@ -47,7 +45,7 @@ struct Trial {
     names: Vec<String>,
 }
 
-impl Trial {
+impl ArmTrial {
     fn exact(&self) -> bool {
         self.verdict == Verdict::Named && self.names == [self.truth.as_str()]
     }
@@ -59,7 +57,7 @@ impl Trial {
 
 /// One line of the results.
 #[derive(Debug, Clone, Serialize)]
-struct Line {
+struct ArmLine {
     what: String,
     sets: usize,
     exact: f64,
@@ -68,17 +66,15 @@ struct Line {
     none: f64,
 }
 
-impl Line {
-    fn of(what: String, trials: &[&Trial]) -> Self {
-        let share =
-            |is: &dyn Fn(&Trial) -> bool| trials.iter().filter(|t| is(t)).count() as f64 / trials.len().max(1) as f64;
+impl ArmLine {
+    fn new(what: String, trials: &[&ArmTrial]) -> Self {
         Self {
             what,
             sets: trials.len(),
-            exact: share(&Trial::exact),
-            in_set: share(&Trial::in_set),
-            unknown: share(&|t| t.verdict == Verdict::Unknown),
-            none: share(&|t| t.verdict == Verdict::None),
+            exact: share(trials, |t| t.exact()),
+            in_set: share(trials, |t| t.in_set()),
+            unknown: share(trials, |t| t.verdict == Verdict::Unknown),
+            none: share(trials, |t| t.verdict == Verdict::None),
         }
     }
 
@@ -98,25 +94,24 @@ impl Line {
 pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     let (model, frame) = arm()?;
     let count = |whole: u64| if options.quick { QUICK } else { whole };
-    let mut cells: Vec<(Hidden, f64, u64)> = vec![(Hidden::Nothing, 0.0, count(CLEAN))];
-    for ratio in RATIOS {
-        cells.extend(ALL.iter().map(|e| (Hidden::Effect(e.name), ratio, count(WHOLE))));
+    let mut cells: Vec<(ArmEffect, f64, u64)> = vec![(ArmEffect::Nothing, 0.0, count(CLEAN))];
+    for ratio in NOISE_RATIOS {
+        cells.extend(ALL.iter().map(|e| (ArmEffect::Effect(e.name), ratio, count(WHOLE))));
     }
-    cells.extend([Hidden::Ripple, Hidden::Play, Hidden::Drift].map(|h| (h, 1.0, count(OUTSIDE))));
-    let sets: Vec<(Hidden, f64, u64)> =
+    cells.extend([ArmEffect::Ripple, ArmEffect::Play, ArmEffect::Drift].map(|h| (h, 1.0, count(OUTSIDE))));
+    let sets: Vec<(ArmEffect, f64, u64)> =
         cells.iter().flat_map(|&(h, ratio, n)| (0..n).map(move |i| (h, ratio, i))).collect();
     let bar = progress(sets.len() as u64, "logs");
     let seed = options.common.seed;
-    let one = |&(hidden, ratio, number): &(Hidden, f64, u64)| {
+    let one = |&(hidden, ratio, number): &(ArmEffect, f64, u64)| {
         let trial = trial(&model, &frame, hidden, ratio, seed, number);
         bar.inc(1);
         trial
     };
-    // The version alone would not tell a rebuilt program from the one that made a piece.
     let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
     let threads = tunenet_cli::pool(options.jobs)?;
-    let mut trials: Vec<Trial> = Vec::with_capacity(sets.len());
-    for (number, piece) in sets.chunks(PIECE).enumerate() {
+    let mut trials: Vec<ArmTrial> = Vec::with_capacity(sets.len());
+    for (number, piece) in sets.chunks(LOGS_PER_PIECE).enumerate() {
         let quick = if options.quick { "quick-" } else { "" };
         let make = || threads.install(|| piece.par_iter().map(one).collect::<Result<Vec<_>>>());
         trials.extend(store.piece(&format!("arm-{quick}{number}"), make)?.into_iter().flatten());
@@ -127,20 +122,16 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     }
     let lines = lines(&trials);
     let mut rows = vec![["hidden", "logs", "exact", "in the set", "unknown", "none"].map(String::from).to_vec()];
-    rows.extend(lines.iter().map(Line::cells));
+    rows.extend(lines.iter().map(ArmLine::cells));
     let at_least = |ratio: f64| trials.iter().filter(move |t| !t.outside && t.ratio >= ratio).collect::<Vec<_>>();
-    let (large, outside): (Vec<&Trial>, Vec<&Trial>) = (at_least(1.0), trials.iter().filter(|t| t.outside).collect());
-    let clean: Vec<&Trial> = trials.iter().filter(|t| t.ratio == 0.0).collect();
-    let named = |t: &&&Trial| matches!(t.verdict, Verdict::Named | Verdict::OneOf);
+    let (large, outside): (Vec<&ArmTrial>, Vec<&ArmTrial>) =
+        (at_least(1.0), trials.iter().filter(|t| t.outside).collect());
+    let clean: Vec<&ArmTrial> = trials.iter().filter(|t| t.ratio == 0.0).collect();
+    let named = |t: &&ArmTrial| matches!(t.verdict, Verdict::Named | Verdict::OneOf);
     let measured = [
-        ("exact at the noise or above", "at least", EXACT, Line::of(String::new(), &large).exact),
-        ("unknown where it is in no catalogue", "at least", UNKNOWN, Line::of(String::new(), &outside).unknown),
-        (
-            "any name where nothing is hidden",
-            "at most",
-            FALSE,
-            clean.iter().filter(named).count() as f64 / clean.len() as f64,
-        ),
+        ("exact at the noise or above", "at least", ARM_EXACT, ArmLine::new(String::new(), &large).exact),
+        ("unknown where it is in no catalogue", "at least", ARM_UNKNOWN, ArmLine::new(String::new(), &outside).unknown),
+        ("any name where nothing is hidden", "at most", ARM_FALSE_NAMES, share(&clean, named)),
     ];
     let goals: Vec<_> = measured
         .iter()
@@ -178,13 +169,12 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
 
 /// The arm that comes with the tool.
 fn arm() -> Result<(Model, Frame)> {
-    let text = include_str!("../../../../../assets/jaco_robotiq.urdf");
-    let model = urdf::parse("jaco_robotiq.urdf".as_ref(), text)?.chain_to("grip")?;
+    let model = urdf::parse("jaco_robotiq.urdf".as_ref(), URDF)?.chain_to("grip")?;
     let frame = model.frame("grip")?.clone();
     Ok((model, frame))
 }
 
-fn trial(model: &Model, frame: &Frame, hidden: Hidden, ratio: f64, seed: u64, number: u64) -> Result<Trial> {
+fn trial(model: &Model, frame: &Frame, hidden: ArmEffect, ratio: f64, seed: u64, number: u64) -> Result<ArmTrial> {
     let mut random = stream(PURPOSE, seed, &format!("{} {ratio}", hidden.name()), number);
     let seen = draw(model, frame, hidden, ratio, &mut random);
     let fixed = |name: &str, value: f64| -> Result<Parameter> {
@@ -197,21 +187,21 @@ fn trial(model: &Model, frame: &Frame, hidden: Hidden, ratio: f64, seed: u64, nu
         fixed("payload_com_y", y)?,
         fixed("payload_com_z", z)?,
     ];
-    let arm = ReplayedArm::new(model.clone(), frame.clone(), 9.81, parameters)?;
+    let arm = ReplayedArm::new(model.clone(), frame.clone(), GRAVITY_M_S2, parameters)?;
     let subject = Subject { name: "arm".into(), simulator: &arm };
     let recording = Recording { name: "log".into(), object: 0, held_out: false, seen: &seen };
     let found = diagnose(&[subject], &[recording], &Settings::default(), &|_| {})?;
-    let outside = matches!(hidden, Hidden::Ripple | Hidden::Play | Hidden::Drift);
+    let outside = matches!(hidden, ArmEffect::Ripple | ArmEffect::Play | ArmEffect::Drift);
     let names = if found.verdict == Verdict::OneOf {
         found.names
     } else {
         found.effects.iter().map(|e| e.effect.name).collect()
     };
     let names = names.into_iter().map(str::to_owned).collect();
-    Ok(Trial { truth: hidden.name().into(), ratio, outside, verdict: found.verdict, names })
+    Ok(ArmTrial { truth: hidden.name().into(), ratio, outside, verdict: found.verdict, names })
 }
 
-fn lines(trials: &[Trial]) -> Vec<Line> {
+fn lines(trials: &[ArmTrial]) -> Vec<ArmLine> {
     let mut keys: Vec<(&str, f64)> = Vec::new();
     for trial in trials {
         if !keys.contains(&(trial.truth.as_str(), trial.ratio)) {
@@ -219,8 +209,8 @@ fn lines(trials: &[Trial]) -> Vec<Line> {
         }
     }
     let line = |(truth, ratio): (&str, f64)| {
-        let those: Vec<&Trial> = trials.iter().filter(|t| t.truth == truth && t.ratio == ratio).collect();
-        Line::of(format!("{truth}, {ratio} σ"), &those)
+        let those: Vec<&ArmTrial> = trials.iter().filter(|t| t.truth == truth && t.ratio == ratio).collect();
+        ArmLine::new(format!("{truth}, {ratio} σ"), &those)
     };
     keys.into_iter().map(line).collect()
 }
@@ -234,13 +224,13 @@ mod tests {
     fn hidden_effects_are_named() {
         let (model, frame) = arm().unwrap();
         let ask = |hidden, ratio| trial(&model, &frame, hidden, ratio, 7, 0).unwrap();
-        let clean = ask(Hidden::Nothing, 0.0);
+        let clean = ask(ArmEffect::Nothing, 0.0);
         assert_eq!(clean.verdict, Verdict::None, "{clean:?}");
         for effect in ALL {
-            let found = ask(Hidden::Effect(effect.name), 1.0);
+            let found = ask(ArmEffect::Effect(effect.name), 1.0);
             assert!(found.exact(), "{found:?}");
         }
-        for outside in [Hidden::Ripple, Hidden::Play, Hidden::Drift] {
+        for outside in [ArmEffect::Ripple, ArmEffect::Play, ArmEffect::Drift] {
             let found = ask(outside, 1.0);
             assert_eq!(found.verdict, Verdict::Unknown, "{found:?}");
         }

@@ -5,7 +5,7 @@ use rand_distr::StandardNormal;
 use tunenet_core::observation::{Channel, Kind, Observation};
 use tunenet_sim::arm::{Frame, Model};
 
-use super::world::World;
+use super::world::ArmWorld;
 
 /// Rate and length of a log, and the noise of torques (N·m) and encoders (rad).
 pub(super) const RATE_HZ: f64 = 100.0;
@@ -24,7 +24,7 @@ const CROSSING_RAD_S: f64 = 0.2;
 
 /// What is hidden: an effect of the catalogue, or something that is in none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Hidden {
+pub(super) enum ArmEffect {
     Nothing,
     Effect(&'static str),
     /// A torque that follows the teeth of the gears.
@@ -35,7 +35,7 @@ pub(super) enum Hidden {
     Drift,
 }
 
-impl Hidden {
+impl ArmEffect {
     pub fn name(self) -> &'static str {
         match self {
             Self::Nothing => "nothing",
@@ -55,7 +55,7 @@ struct Path {
 
 impl Path {
     fn draw(random: &mut impl Rng) -> Self {
-        // Joints 2, 4 and 6 of this arm reach from .8 to 5.5 rad, so that all swing about π.
+        // Joints 2, 4 and 6 of this arm reach from 0.8 to 5.5 rad, so that all swing about π.
         let middle = (0..JOINTS).map(|_| std::f64::consts::PI + random.random_range(-0.4..0.4)).collect();
         let mut wave = |k: usize| {
             let hz = 0.08 + 0.13 * k as f64 + random.random_range(0.0..0.1);
@@ -90,19 +90,19 @@ fn shape(signed: bool, random: &mut impl Rng) -> Vec<f64> {
 }
 
 /// The log that an arm with this hidden in it writes, the effect having `ratio` times the torque noise.
-pub(super) fn draw(model: &Model, frame: &Frame, hidden: Hidden, ratio: f64, random: &mut impl Rng) -> Observation {
+pub(super) fn draw(model: &Model, frame: &Frame, hidden: ArmEffect, ratio: f64, random: &mut impl Rng) -> Observation {
     let path = Path::draw(random);
     let signed = matches!(
         hidden,
-        Hidden::Effect(
+        ArmEffect::Effect(
             "torque_bias" | "torque_gain" | "joint_offset" | "joint_spring" | "payload_com_offset" | "base_tilt"
         )
     );
     let shape = shape(signed, random);
     let clock: Vec<f64> = (0..SAMPLES).map(|i| f64::from(i) / RATE_HZ).collect();
-    let plain = run(model, frame, &path, &clock, Hidden::Nothing, &shape, 0.0);
+    let plain = run(model, frame, &path, &clock, ArmEffect::Nothing, &shape, 0.0);
     let mut size = 0.01;
-    if hidden != Hidden::Nothing && ratio > 0.0 {
+    if hidden != ArmEffect::Nothing && ratio > 0.0 {
         // The size that makes the deviation as large as asked: all but proportional, so a few rounds do.
         for _ in 0..4 {
             let there = run(model, frame, &path, &clock, hidden, &shape, size);
@@ -111,7 +111,7 @@ pub(super) fn draw(model: &Model, frame: &Frame, hidden: Hidden, ratio: f64, ran
         }
     }
     let (q, torques) =
-        if hidden == Hidden::Nothing { plain } else { run(model, frame, &path, &clock, hidden, &shape, size) };
+        if hidden == ArmEffect::Nothing { plain } else { run(model, frame, &path, &clock, hidden, &shape, size) };
     let mut values = Vec::with_capacity(clock.len() * 2 * JOINTS);
     for (q, torque) in q.iter().zip(&torques) {
         values.extend(q.iter().map(|q| q + ENCODER_NOISE_RAD * random.sample::<f64, _>(StandardNormal)));
@@ -139,11 +139,11 @@ fn run(
     frame: &Frame,
     path: &Path,
     clock: &[f64],
-    hidden: Hidden,
+    hidden: ArmEffect,
     shape: &[f64],
     size: f64,
 ) -> (Rows, Rows) {
-    let is = |name: &'static str| hidden == Hidden::Effect(name);
+    let is = |name: &'static str| hidden == ArmEffect::Effect(name);
     let mut com = PAYLOAD_COM_M;
     let mut tilt = [0.0; 2];
     if is("payload_com_offset") {
@@ -152,15 +152,15 @@ fn run(
     if is("base_tilt") {
         tilt = [size * shape[0], size * shape[1]];
     }
-    let world = World::new(model, frame, PAYLOAD_KG, com, tilt);
-    let straight = World::new(model, frame, PAYLOAD_KG, com, [0.0; 2]);
+    let world = ArmWorld::new(model, frame, PAYLOAD_KG, com, tilt);
+    let straight = ArmWorld::new(model, frame, PAYLOAD_KG, com, [0.0; 2]);
     let links = |t: f64| -> Vec<f64> {
         let mut q = path.at(t, 0);
         for j in 0..JOINTS {
             let moved = match hidden {
-                Hidden::Effect("joint_offset") => size * shape[j],
+                ArmEffect::Effect("joint_offset") => size * shape[j],
                 // The link lies on the side of the play that it comes from.
-                Hidden::Play => -size * shape[j] * (path.at(t, 1)[j] / CROSSING_RAD_S).tanh(),
+                ArmEffect::Play => -size * shape[j] * (path.at(t, 1)[j] / CROSSING_RAD_S).tanh(),
                 _ => 0.0,
             };
             q[j] += moved;
@@ -183,15 +183,15 @@ fn run(
             let c = size * shape[j];
             let t = &mut torques[j];
             match hidden {
-                Hidden::Effect("viscous_friction") => *t += c * dq[j],
-                Hidden::Effect("coulomb_friction") => *t += c * dq[j].signum(),
-                Hidden::Effect("stribeck_friction") => *t += c * dq[j].signum() * (-(dq[j] / 0.15).powi(2)).exp(),
-                Hidden::Effect("armature") => *t += c * ddq[j],
-                Hidden::Effect("torque_bias") => *t += c,
-                Hidden::Effect("torque_gain") => *t *= 1.0 + c,
-                Hidden::Effect("joint_spring") => *t += c * q[j],
-                Hidden::Ripple => *t += c * (23.0 * q[j] + f64::from(u8::try_from(j).unwrap_or(0))).sin(),
-                Hidden::Drift => *t *= 1.0 + c * (at / SECONDS - 0.5),
+                ArmEffect::Effect("viscous_friction") => *t += c * dq[j],
+                ArmEffect::Effect("coulomb_friction") => *t += c * dq[j].signum(),
+                ArmEffect::Effect("stribeck_friction") => *t += c * dq[j].signum() * (-(dq[j] / 0.15).powi(2)).exp(),
+                ArmEffect::Effect("armature") => *t += c * ddq[j],
+                ArmEffect::Effect("torque_bias") => *t += c,
+                ArmEffect::Effect("torque_gain") => *t *= 1.0 + c,
+                ArmEffect::Effect("joint_spring") => *t += c * q[j],
+                ArmEffect::Ripple => *t += c * (23.0 * q[j] + f64::from(u8::try_from(j).unwrap_or(0))).sin(),
+                ArmEffect::Drift => *t *= 1.0 + c * (at / SECONDS - 0.5),
                 _ => {}
             }
         }

@@ -7,6 +7,8 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
 use tunenet_sim::arm::{Frame, JointKind, Model};
 
+use crate::scene::GRAVITY_M_S2;
+
 /// Distance of the neighbouring instants, s: errors of second differences (h² from the Taylor series, 1e-16/h² from rounding)
 /// are both near 1e-7.
 const H_S: f64 = 3e-4;
@@ -23,7 +25,7 @@ struct Link {
 }
 
 /// The arm, its payload a point among its bodies.
-pub(super) struct World {
+pub(super) struct ArmWorld {
     links: Vec<Link>,
     gravity_m_s2: Vector3<f64>,
     /// The body and the place on it that hold the payload, and its mass.
@@ -39,7 +41,7 @@ struct Pose {
     points: Vec<Point3<f64>>,
 }
 
-impl World {
+impl ArmWorld {
     /// The arm with a point payload at `com_m` of `frame`, its base turned by `tilt_rad` about x, then y.
     pub fn new(model: &Model, frame: &Frame, mass_kg: f64, com_m: [f64; 3], tilt_rad: [f64; 2]) -> Self {
         let placed = |pose: &tunenet_sim::arm::Pose| {
@@ -66,7 +68,7 @@ impl World {
         Self {
             links: links.collect(),
             // Seen from the tilted base, the plumb line leans the other way.
-            gravity_m_s2: turn.transpose() * Vector3::new(0.0, 0.0, -9.81),
+            gravity_m_s2: turn.transpose() * Vector3::new(0.0, 0.0, -GRAVITY_M_S2),
             payload: (frame.body.unwrap_or(0), at, mass_kg),
         }
     }
@@ -135,8 +137,7 @@ mod tests {
     /// Two ways to the same torques, which share nothing but the URDF's figures.
     #[test]
     fn the_bench_and_the_simulator_agree_on_rigid_bodies() {
-        let text = include_str!("../../../../../assets/jaco_robotiq.urdf");
-        let model = urdf::parse("jaco_robotiq.urdf".as_ref(), text).unwrap().chain_to("grip").unwrap();
+        let model = urdf::parse("jaco_robotiq.urdf".as_ref(), crate::scene::URDF).unwrap().chain_to("grip").unwrap();
         let frame = model.frame("grip").unwrap().clone();
         let q = |t: f64| -> Vec<f64> {
             (0..7).map(|j| 1.0 + 0.3 * f64::from(j) + 0.5 * (t * (1.0 + 0.2 * f64::from(j))).sin()).collect()
@@ -148,7 +149,7 @@ mod tests {
         }
         let mut expected = vec![0.0; 7];
         Recursion::new(&model, gravity(9.81)).inverse_dynamics(&q(0.7), &dq, &ddq, &mut expected);
-        let found = World::new(&model, &frame, 0.0, [0.0; 3], [0.0; 2]).torques(&q, 0.7);
+        let found = ArmWorld::new(&model, &frame, 0.0, [0.0; 3], [0.0; 2]).torques(&q, 0.7);
         for (a, b) in found.iter().zip(&expected) {
             assert!((a - b).abs() < 1e-4, "{found:?} beside {expected:?}");
         }

@@ -1,7 +1,7 @@
 //! A ball followed from bounce to bounce: Runge–Kutta steps in the air, impacts found as roots of the height.
 
 use super::vector::{Vector, dot, plus};
-use super::world::{RADIUS_M, State, World};
+use super::world::{BallWorld, BlindState, RADIUS_M};
 
 /// The classical method's error at this step is far below a micrometre.
 const STEP_S: f64 = 1.0 / 480.0;
@@ -12,7 +12,7 @@ const REST_M_S: f64 = 2e-3;
 
 /// How a ball is thrown.
 #[derive(Debug, Clone)]
-pub struct Throw {
+pub struct BlindThrow {
     pub position_m: Vector,
     pub velocity_m_s: Vector,
     /// Standard normal draws for each bounce of a ball that is not round.
@@ -23,8 +23,8 @@ pub struct Throw {
 struct Contact {
     began_s: f64,
     lasts_s: f64,
-    before: State,
-    after: State,
+    before: BlindState,
+    after: BlindState,
 }
 
 impl Contact {
@@ -43,21 +43,21 @@ impl Contact {
 }
 
 /// A thrown ball; it is asked for instants that never fall.
-pub struct Ball<'a> {
-    world: &'a World,
-    throw: &'a Throw,
+pub struct BlindBall<'a> {
+    world: &'a BallWorld,
+    throw: &'a BlindThrow,
     normal: Vector,
     time_s: f64,
-    state: State,
+    state: BlindState,
     bounces: usize,
     /// The contact that it is in.
     contact: Option<Contact>,
     resting: bool,
 }
 
-impl<'a> Ball<'a> {
-    pub fn new(world: &'a World, throw: &'a Throw) -> Self {
-        let state = State { x: throw.position_m, v: throw.velocity_m_s, w: [0.0; 3] };
+impl<'a> BlindBall<'a> {
+    pub fn new(world: &'a BallWorld, throw: &'a BlindThrow) -> Self {
+        let state = BlindState { x: throw.position_m, v: throw.velocity_m_s, w: [0.0; 3] };
         let normal = world.normal();
         Self { world, throw, normal, time_s: 0.0, state, bounces: 0, contact: None, resting: false }
     }
@@ -74,7 +74,7 @@ impl<'a> Ball<'a> {
                 if since < contact.lasts_s {
                     return contact.at(since, self.normal);
                 }
-                self.state = State { x: contact.at(since, self.normal), ..contact.after };
+                self.state = BlindState { x: contact.at(since, self.normal), ..contact.after };
                 self.contact = None;
                 continue;
             }
@@ -104,13 +104,13 @@ impl<'a> Ball<'a> {
     }
 
     /// From the floor to the lowest point, m.
-    fn gap(&self, state: &State) -> f64 {
+    fn gap(&self, state: &BlindState) -> f64 {
         dot(state.x, self.normal) - RADIUS_M
     }
 
     /// The state after flying, or sliding, for `h` seconds.
-    fn flown(&self, h: f64) -> State {
-        let State { x, v, w } = self.state;
+    fn flown(&self, h: f64) -> BlindState {
+        let BlindState { x, v, w } = self.state;
         let slope = |dt: f64, x: Vector, v: Vector| {
             let a = self.world.acceleration(self.time_s + dt, x, v);
             if self.resting { plus(a, self.normal, -dot(a, self.normal)) } else { a }
@@ -126,28 +126,28 @@ impl<'a> Ball<'a> {
         let mean = |one: Vector, two: Vector, three: Vector, four: Vector| -> Vector {
             std::array::from_fn(|i| (one[i] + 2.0 * (two[i] + three[i]) + four[i]) / 6.0)
         };
-        State { x: plus(x, mean(v, v2, v3, v4), h), v: plus(v, mean(a1, a2, a3, a4), h), w }
+        BlindState { x: plus(x, mean(v, v2, v3, v4), h), v: plus(v, mean(a1, a2, a3, a4), h), w }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::hidden::{Hidden, Kind};
+    use super::super::hidden::{EffectKind, HiddenEffect};
     use super::*;
 
-    fn world(kind: Option<Kind>, size: f64) -> World {
-        let hidden = kind.map(|kind| Hidden { kind, size, sign: 1.0, turn: 0.0, lift: 0.0 });
-        World { restitution: 0.8, hidden: hidden.into_iter().collect() }
+    fn world(kind: Option<EffectKind>, size: f64) -> BallWorld {
+        let hidden = kind.map(|kind| HiddenEffect { kind, size, sign: 1.0, turn: 0.0, lift: 0.0 });
+        BallWorld { restitution: 0.8, hidden: hidden.into_iter().collect() }
     }
 
-    fn throw(height: f64, velocity_m_s: Vector) -> Throw {
-        Throw { position_m: [0.0, 0.0, height + RADIUS_M], velocity_m_s, scatter: vec![] }
+    fn throw(height: f64, velocity_m_s: Vector) -> BlindThrow {
+        BlindThrow { position_m: [0.0, 0.0, height + RADIUS_M], velocity_m_s, scatter: vec![] }
     }
 
     #[test]
     fn bounces_follow_the_geometric_series() {
         let (world, throw) = (world(None, 0.0), throw(1.0, [1.0, 0.0, 0.0]));
-        let mut ball = Ball::new(&world, &throw);
+        let mut ball = BlindBall::new(&world, &throw);
         let fall = (2.0_f64 / 9.81).sqrt();
         // The apex after the second bounce lies at e⁴ of the height.
         let x = ball.at(fall * (1.0 + 2.0 * 0.8 + 0.64));
@@ -158,14 +158,14 @@ mod tests {
     #[test]
     fn a_flight_leads_to_the_throw() {
         let (world, throw) = (world(None, 0.0), throw(1.0, [1.0, 0.0, 0.5]));
-        let x = Ball::new(&world, &throw).at(-0.02);
+        let x = BlindBall::new(&world, &throw).at(-0.02);
         assert!((x[0] + 0.02).abs() < 1e-12 && (x[2] - RADIUS_M - 1.0 + 0.01 + 4.905 * 4e-4).abs() < 1e-12, "{x:?}");
     }
 
     #[test]
     fn a_contact_that_lasts_presses_the_ball_in_and_lets_it_go_as_a_short_one() {
-        let (world, throw) = (world(Some(Kind::ContactTime), 0.01), throw(1.0, [1.0, 0.0, 0.0]));
-        let (mut ball, touch) = (Ball::new(&world, &throw), (2.0_f64 / 9.81).sqrt());
+        let (world, throw) = (world(Some(EffectKind::ContactTime), 0.01), throw(1.0, [1.0, 0.0, 0.0]));
+        let (mut ball, touch) = (BlindBall::new(&world, &throw), (2.0_f64 / 9.81).sqrt());
         assert!(ball.at(touch + 0.004)[2] < RADIUS_M - 0.005);
         let x = ball.at(touch + 0.01 + touch * 0.8);
         assert!((x[2] - RADIUS_M - 0.64).abs() < 1e-9 && (x[0] - touch * 1.8 - 0.01).abs() < 1e-9, "{x:?}");
@@ -174,16 +174,16 @@ mod tests {
     #[test]
     fn drag_follows_the_logarithm_of_a_hyperbolic_cosine() {
         let (c, t) = (0.1_f64, 0.5_f64);
-        let (world, throw) = (world(Some(Kind::QuadraticDrag), c), throw(3.0, [0.0; 3]));
-        let fallen = 3.0 + RADIUS_M - Ball::new(&world, &throw).at(t)[2];
+        let (world, throw) = (world(Some(EffectKind::QuadraticDrag), c), throw(3.0, [0.0; 3]));
+        let fallen = 3.0 + RADIUS_M - BlindBall::new(&world, &throw).at(t)[2];
         let expected = ((9.81 * c).sqrt() * t).cosh().ln() / c;
         assert!((fallen - expected).abs() < 1e-10, "{fallen} {expected}");
     }
 
     #[test]
     fn a_sphere_that_grips_keeps_five_sevenths_of_its_slide() {
-        let (world, throw) = (world(Some(Kind::BounceFriction), 0.9), throw(1.0, [0.7, 0.0, 0.0]));
-        let mut ball = Ball::new(&world, &throw);
+        let (world, throw) = (world(Some(EffectKind::BounceFriction), 0.9), throw(1.0, [0.7, 0.0, 0.0]));
+        let mut ball = BlindBall::new(&world, &throw);
         ball.at(0.6);
         assert!((ball.state.v[0] - 0.5).abs() < 1e-12 && (ball.state.w[1] * RADIUS_M - 0.5).abs() < 1e-12);
     }

@@ -4,10 +4,10 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::ball::{Ball, Throw};
-use super::hidden::{Hidden, Kind};
+use super::ball::{BlindBall, BlindThrow};
+use super::hidden::{EffectKind, HiddenEffect};
 use super::vector::{Vector, plus, times};
-use super::world::World;
+use super::world::BallWorld;
 
 /// Instants that a blurred picture is averaged over.
 const WITHIN_EXPOSURE: usize = 24;
@@ -15,24 +15,24 @@ const WITHIN_EXPOSURE: usize = 24;
 const SHAKE_HZ: f64 = 4.0;
 
 /// What a camera reports of `throw` at `clock`, without noise.
-pub fn seen(world: &World, throw: &Throw, clock: &[f64]) -> Vec<Vector> {
-    let of = |kind: Kind| world.hidden.iter().filter(move |h| h.kind == kind);
+pub fn seen(world: &BallWorld, throw: &BlindThrow, clock: &[f64]) -> Vec<Vector> {
+    let of = |kind: EffectKind| world.hidden.iter().filter(move |h| h.kind == kind);
     let mut times_s: Vec<f64> = clock.to_vec();
-    for hidden in of(Kind::TimeScale) {
+    for hidden in of(EffectKind::TimeScale) {
         // The clock in the file runs faster than the true one.
         for t in &mut times_s {
             *t /= 1.0 + hidden.signed();
         }
     }
     let mut positions = at(world, throw, &times_s);
-    for hidden in of(Kind::RollingShutter) {
+    for hidden in of(EffectKind::RollingShutter) {
         // The row on which the ball is found is read later by its height.
         for _ in 0..3 {
             let late: Vec<f64> = times_s.iter().zip(&positions).map(|(t, x)| t + hidden.size * x[2].max(0.0)).collect();
             positions = at(world, throw, &late);
         }
     }
-    for hidden in of(Kind::ObservationBlur) {
+    for hidden in of(EffectKind::ObservationBlur) {
         positions = blurred(world, throw, &times_s, hidden.size);
     }
     for (position, t) in positions.iter_mut().zip(clock) {
@@ -41,14 +41,14 @@ pub fn seen(world: &World, throw: &Throw, clock: &[f64]) -> Vec<Vector> {
     positions
 }
 
-fn at(world: &World, throw: &Throw, clock: &[f64]) -> Vec<Vector> {
-    let mut ball = Ball::new(world, throw);
+fn at(world: &BallWorld, throw: &BlindThrow, clock: &[f64]) -> Vec<Vector> {
+    let mut ball = BlindBall::new(world, throw);
     clock.iter().map(|t| ball.at(*t)).collect()
 }
 
 /// Means over an exposure in whose middle the stamp lies: an exposure that began at its stamp would be late as well, which
 /// is no blur, and which the free start hides.
-fn blurred(world: &World, throw: &Throw, clock: &[f64], exposure_s: f64) -> Vec<Vector> {
+fn blurred(world: &BallWorld, throw: &BlindThrow, clock: &[f64], exposure_s: f64) -> Vec<Vector> {
     let share = |i: usize| exposure_s * ((i as f64 + 0.5) / WITHIN_EXPOSURE as f64 - 0.5);
     let mut sums = vec![[0.0; 3]; clock.len()];
     for i in 0..WITHIN_EXPOSURE {
@@ -61,12 +61,12 @@ fn blurred(world: &World, throw: &Throw, clock: &[f64], exposure_s: f64) -> Vec<
 }
 
 /// Where the picture shows `x`, in the frame that it is measured in: a camera looks along y, with the origin in its middle.
-fn pictured(hidden: &Hidden, [x, y, z]: Vector, t: f64) -> Vector {
+fn pictured(hidden: &HiddenEffect, [x, y, z]: Vector, t: f64) -> Vector {
     let by = hidden.signed();
     match hidden.kind {
-        Kind::LengthScale => times([x, y, z], 1.0 + by),
-        Kind::AspectRatio => [x, y, z * (1.0 + by)],
-        Kind::CameraTilt => {
+        EffectKind::LengthScale => times([x, y, z], 1.0 + by),
+        EffectKind::AspectRatio => [x, y, z * (1.0 + by)],
+        EffectKind::CameraTilt => {
             // A turn about a level axis, by Rodrigues' formula.
             let ([ax, ay], (sin, cos)) = ([hidden.turn.cos(), hidden.turn.sin()], hidden.size.sin_cos());
             let along = (ax * x + ay * y) * (1.0 - cos);
@@ -77,12 +77,12 @@ fn pictured(hidden: &Hidden, [x, y, z]: Vector, t: f64) -> Vector {
             ]
         }
         // It looks up or down at the scene, so what is higher is farther away.
-        Kind::Perspective => times([x, y, z], 1.0 / (1.0 + by * z)),
-        Kind::LensDistortion => {
+        EffectKind::Perspective => times([x, y, z], 1.0 / (1.0 + by * z)),
+        EffectKind::LensDistortion => {
             let stretch = 1.0 + by * (x * x + z * z);
             [x * stretch, y, z * stretch]
         }
-        Kind::CameraShake => {
+        EffectKind::CameraShake => {
             let sway = hidden.size * (std::f64::consts::TAU * SHAKE_HZ * t + hidden.lift).sin();
             [x + sway * hidden.turn.cos(), y, z + sway * hidden.turn.sin()]
         }

@@ -2,7 +2,7 @@
 
 /// An effect, in this generator's own words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum EffectKind {
     QuadraticDrag,
     LinearDrag,
     Wind,
@@ -38,7 +38,7 @@ pub enum Kind {
     LateDrag,
 }
 
-impl Kind {
+impl EffectKind {
     /// Effects that the catalogue names. `time_offset` is left out, as the free start hides it, and `rolling_resistance`,
     /// as a throw that bounces does not roll.
     pub const CATALOGUE: [Self; 19] = [
@@ -125,15 +125,16 @@ impl Kind {
     /// unknown height, without friction, shows one length alone, g t²: whatever scales heights, times or g is the same, and
     /// what happens to lengths along the floor is the start's.
     pub fn twins(self) -> &'static [Self] {
-        const SCALES: &[Kind] = &[Kind::EffectiveGravity, Kind::LengthScale, Kind::AspectRatio, Kind::TimeScale];
+        const SCALES: &[EffectKind] =
+            &[EffectKind::EffectiveGravity, EffectKind::LengthScale, EffectKind::AspectRatio, EffectKind::TimeScale];
         if SCALES.contains(&self) { SCALES } else { &[] }
     }
 }
 
 /// An effect of some size.
 #[derive(Debug, Clone, Copy)]
-pub struct Hidden {
-    pub kind: Kind,
+pub struct HiddenEffect {
+    pub kind: EffectKind,
     /// In the coefficient's unit; of a factor, its distance from 1.
     pub size: f64,
     /// 1 or −1, where a sign makes sense.
@@ -144,7 +145,7 @@ pub struct Hidden {
     pub lift: f64,
 }
 
-impl Hidden {
+impl HiddenEffect {
     /// Its size with its sign.
     pub fn signed(&self) -> f64 {
         self.sign * self.size

@@ -15,15 +15,15 @@ mod vector;
 mod world;
 
 pub use camera::Noise;
-pub use hidden::Kind;
-pub use set::{Recipe, Set, stream};
+pub use hidden::EffectKind;
+pub use set::{BlindSet, Recipe, stream};
 pub use world::RADIUS_M;
 
 #[cfg(test)]
-pub use ball::Throw;
+pub use ball::BlindThrow;
 #[cfg(test)]
 pub use camera::seen;
 #[cfg(test)]
-pub use hidden::Hidden;
+pub use hidden::HiddenEffect;
 #[cfg(test)]
-pub use world::World;
+pub use world::BallWorld;

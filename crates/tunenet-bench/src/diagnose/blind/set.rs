@@ -7,11 +7,11 @@ use rand_distr::StandardNormal;
 use sha2::{Digest, Sha256};
 use tunenet_core::observation::Observation;
 
-use super::ball::Throw;
+use super::ball::BlindThrow;
 use super::camera::{Noise, seen};
-use super::hidden::{Hidden, Kind};
+use super::hidden::{EffectKind, HiddenEffect};
 use super::vector::{Vector, dot, plus};
-use super::world::{RADIUS_M, World};
+use super::world::{BallWorld, RADIUS_M};
 
 /// Frames of a recording, and how fast they come.
 pub const FRAMES: usize = 216;
@@ -25,7 +25,7 @@ const DECADES: f64 = 5.0;
 /// What a set is to hold.
 #[derive(Debug, Clone)]
 pub struct Recipe {
-    pub hidden: Vec<Kind>,
+    pub hidden: Vec<EffectKind>,
     /// RMS deviation that each effect causes over the standard deviation of the noise, per number of the recordings and
     /// before any tuning.
     pub ratio: f64,
@@ -35,15 +35,15 @@ pub struct Recipe {
 }
 
 /// Recordings, and behind them what is true.
-pub struct Set {
+pub struct BlindSet {
     pub seen: Vec<Observation>,
     pub held_out: Vec<Observation>,
     truth: Truth,
 }
 
 struct Truth {
-    world: World,
-    held_out: Vec<Throw>,
+    world: BallWorld,
+    held_out: Vec<BlindThrow>,
     noise: Noise,
 }
 
@@ -60,14 +60,14 @@ pub fn stream(purpose: &str, seed: u64, cell: &str, number: u64) -> ChaCha8Rng {
     ChaCha8Rng::from_seed(Sha256::digest(format!("{purpose}/{seed}/{cell}/{number}")).into())
 }
 
-impl Set {
+impl BlindSet {
     /// Draws a set; `None` where no possible size of an effect reaches the ratio.
     pub fn draw(recipe: &Recipe, random: &mut ChaCha8Rng) -> Result<Option<Self>> {
-        let mut world = World { restitution: random.random_range(0.7..0.9), hidden: vec![] };
-        let throws: Vec<Throw> = (0..recipe.drops + recipe.held_out).map(|_| throw(random)).collect();
+        let mut world = BallWorld { restitution: random.random_range(0.7..0.9), hidden: vec![] };
+        let throws: Vec<BlindThrow> = (0..recipe.drops + recipe.held_out).map(|_| throw(random)).collect();
         let mut hidden = Vec::new();
         for kind in &recipe.hidden {
-            let drawn = Hidden {
+            let drawn = HiddenEffect {
                 kind: *kind,
                 size: 0.0,
                 sign: if random.random() { 1.0 } else { -1.0 },
@@ -77,7 +77,7 @@ impl Set {
             let Some(size) = size(&world, drawn, &throws[..recipe.drops], recipe.ratio * recipe.noise.sd_m) else {
                 return Ok(None);
             };
-            hidden.push(Hidden { size, ..drawn });
+            hidden.push(HiddenEffect { size, ..drawn });
         }
         world.hidden = hidden;
         let mut recordings =
@@ -87,9 +87,9 @@ impl Set {
         Ok(Some(Self { seen: recordings, held_out, truth }))
     }
 
-    /// One more recording of the same world, thrown as told.
+    /// One more recording of the same world, thrown from this position at this velocity.
     pub fn thrown(&self, position_m: Vector, velocity_m_s: Vector, random: &mut ChaCha8Rng) -> Result<Observation> {
-        let throw = Throw { position_m, velocity_m_s, scatter: scatter(random) };
+        let throw = BlindThrow { position_m, velocity_m_s, scatter: scatter(random) };
         recorded(&self.truth.world, &throw, self.truth.noise, random)
     }
 
@@ -99,7 +99,7 @@ impl Set {
         let (mut whole, mut rest) = (Rms::default(), Rms::default());
         for (throw, observation) in pairs {
             let (clock, width) = (observation.clock(), observation.channels().len());
-            let flat = |throw: &Throw| seen(&self.truth.world, throw, clock).concat();
+            let flat = |throw: &BlindThrow| seen(&self.truth.world, throw, clock).concat();
             let error: Vec<f64> =
                 observation.values().iter().zip(flat(throw)).map(|(seen, true_)| seen - true_).collect();
             let columns: Vec<Vec<f64>> = (0..6).map(|i| column(&flat, throw, i)).collect();
@@ -112,12 +112,12 @@ impl Set {
 }
 
 /// A throw like a person's: from about a metre, in any direction.
-fn throw(random: &mut ChaCha8Rng) -> Throw {
+fn throw(random: &mut ChaCha8Rng) -> BlindThrow {
     let turn = random.random_range(0.0..std::f64::consts::TAU);
     let speed = random.random_range(0.4..3.0);
     let at = [random.random_range(-0.3..0.3), random.random_range(-0.3..0.3), random.random_range(0.7..1.8)];
     let velocity_m_s = [speed * turn.cos(), speed * turn.sin(), random.random_range(-0.5..1.5)];
-    Throw { position_m: plus(at, [0.0, 0.0, 1.0], RADIUS_M), velocity_m_s, scatter: scatter(random) }
+    BlindThrow { position_m: plus(at, [0.0, 0.0, 1.0], RADIUS_M), velocity_m_s, scatter: scatter(random) }
 }
 
 fn scatter(random: &mut ChaCha8Rng) -> Vec<[f64; 2]> {
@@ -128,7 +128,7 @@ fn clock() -> Vec<f64> {
     (0..FRAMES).map(|i| i as f64 / RATE_HZ).collect()
 }
 
-fn recorded(world: &World, throw: &Throw, noise: Noise, random: &mut ChaCha8Rng) -> Result<Observation> {
+fn recorded(world: &BallWorld, throw: &BlindThrow, noise: Noise, random: &mut ChaCha8Rng) -> Result<Observation> {
     let clock = clock();
     let mut positions = seen(world, throw, &clock);
     let arrives = noise.spoil(&mut positions, random);
@@ -138,12 +138,12 @@ fn recorded(world: &World, throw: &Throw, noise: Noise, random: &mut ChaCha8Rng)
 }
 
 /// The size at which `hidden` moves the numbers of `throws` by `deviation_m` (RMS).
-fn size(world: &World, hidden: Hidden, throws: &[Throw], deviation_m: f64) -> Option<f64> {
+fn size(world: &BallWorld, hidden: HiddenEffect, throws: &[BlindThrow], deviation_m: f64) -> Option<f64> {
     let clock = clock();
     let plain: Vec<Vec<Vector>> = throws.iter().map(|t| seen(world, t, &clock)).collect();
     let deviation = |size: f64| {
         let mut changed = world.clone();
-        changed.hidden.push(Hidden { size, ..hidden });
+        changed.hidden.push(HiddenEffect { size, ..hidden });
         let mut sum = 0.0;
         for (throw, plain) in throws.iter().zip(&plain) {
             let moved = seen(&changed, throw, &clock);
@@ -168,7 +168,7 @@ fn square(a: Vector) -> f64 {
 }
 
 /// How the picture moves with number `i` of the start (three of position, three of velocity).
-fn column(flat: &dyn Fn(&Throw) -> Vec<f64>, throw: &Throw, i: usize) -> Vec<f64> {
+fn column(flat: &dyn Fn(&BlindThrow) -> Vec<f64>, throw: &BlindThrow, i: usize) -> Vec<f64> {
     const STEP: f64 = 1e-5;
     let moved = |by: f64| {
         let mut throw = throw.clone();
@@ -231,19 +231,19 @@ impl Rms {
 mod tests {
     use super::*;
 
-    fn recipe(hidden: Vec<Kind>, ratio: f64, noise: Noise) -> Recipe {
+    fn recipe(hidden: Vec<EffectKind>, ratio: f64, noise: Noise) -> Recipe {
         Recipe { hidden, ratio, drops: 3, held_out: 2, noise }
     }
 
     #[test]
     fn every_effect_moves_the_recordings_by_the_ratio() {
         let quiet = Noise { sd_m: 1e-12, ..Noise::WHITE };
-        for kind in Kind::CATALOGUE.into_iter().chain(Kind::OUTSIDE) {
+        for kind in EffectKind::CATALOGUE.into_iter().chain(EffectKind::OUTSIDE) {
             let stream = || stream("test", 1, kind.name(), 0);
-            let plain = Set::draw(&recipe(vec![], 0.0, quiet), &mut stream()).unwrap().unwrap();
+            let plain = BlindSet::draw(&recipe(vec![], 0.0, quiet), &mut stream()).unwrap().unwrap();
             let target = Recipe { noise: Noise::WHITE, ..recipe(vec![kind], 3.0, quiet) };
-            let Some(set) = Set::draw(&target, &mut stream()).unwrap() else {
-                assert_eq!(kind, Kind::ObservationBlur, "{kind:?} cannot be made visible");
+            let Some(set) = BlindSet::draw(&target, &mut stream()).unwrap() else {
+                assert_eq!(kind, EffectKind::ObservationBlur, "{kind:?} cannot be made visible");
                 continue;
             };
             // Starts and restitution are drawn first, so they are the same.
@@ -261,7 +261,10 @@ mod tests {
     fn the_true_world_leaves_the_noise() {
         let mut mean = 0.0;
         for number in 0..8 {
-            let set = Set::draw(&recipe(vec![Kind::Wind], 10.0, Noise::WHITE), &mut stream("test", 2, "floor", number));
+            let set = BlindSet::draw(
+                &recipe(vec![EffectKind::Wind], 10.0, Noise::WHITE),
+                &mut stream("test", 2, "floor", number),
+            );
             mean += set.unwrap().unwrap().floor().unwrap().held_out_m / 8.0;
         }
         let expected = 0.002 * (3.0 * (1.0 - 6.0 / (3.0 * FRAMES as f64))).sqrt();
@@ -270,7 +273,8 @@ mod tests {
 
     #[test]
     fn equal_words_draw_equal_sets() {
-        let draw = || Set::draw(&recipe(vec![Kind::Magnus], 3.0, Noise::WHITE), &mut stream("test", 3, "a", 0));
+        let draw =
+            || BlindSet::draw(&recipe(vec![EffectKind::Magnus], 3.0, Noise::WHITE), &mut stream("test", 3, "a", 0));
         assert_eq!(draw().unwrap().unwrap().seen, draw().unwrap().unwrap().seen);
     }
 }

@@ -1,9 +1,9 @@
 //! The true world of a set: what acts on a ball in the air, and what a bounce does to it.
 
-use super::hidden::{Hidden, Kind};
+use super::hidden::{EffectKind, HiddenEffect};
 use super::vector::{Vector, cross, dot, length, plus, times};
+use crate::scene::GRAVITY_M_S2;
 
-pub const GRAVITY_M_S2: f64 = 9.81;
 pub const RADIUS_M: f64 = 0.02;
 /// The approach speed at which a speed-dependent restitution has its nominal value, m/s.
 const NOMINAL_M_S: f64 = 3.0;
@@ -12,24 +12,24 @@ const LATE_S: f64 = 0.7;
 
 /// A ball, a floor, and what is hidden. The floor passes through the origin.
 #[derive(Debug, Clone)]
-pub struct World {
+pub struct BallWorld {
     pub restitution: f64,
-    pub hidden: Vec<Hidden>,
+    pub hidden: Vec<HiddenEffect>,
 }
 
 /// Centre (m), velocity (m/s) and spin (rad/s).
 #[derive(Debug, Clone, Copy)]
-pub struct State {
+pub struct BlindState {
     pub x: Vector,
     pub v: Vector,
     pub w: Vector,
 }
 
-impl World {
+impl BallWorld {
     /// The unit normal of the floor.
     pub fn normal(&self) -> Vector {
         let mut normal = [0.0, 0.0, 1.0];
-        for tilt in self.hidden.iter().filter(|h| h.kind == Kind::SurfaceTilt) {
+        for tilt in self.hidden.iter().filter(|h| h.kind == EffectKind::SurfaceTilt) {
             let (lean, [x, y]) = (tilt.size, [tilt.turn.cos(), tilt.turn.sin()]);
             normal = [x * lean.sin(), y * lean.sin(), lean.cos()];
         }
@@ -42,22 +42,22 @@ impl World {
         for hidden in &self.hidden {
             let size = hidden.size;
             let push = match hidden.kind {
-                Kind::QuadraticDrag => times(v, -size * length(v)),
-                Kind::LateDrag if t > LATE_S => times(v, -size * length(v)),
-                Kind::LinearDrag => times(v, -size),
-                Kind::Wind => [hidden.level()[0], hidden.level()[1], 0.0],
-                Kind::Magnus => {
+                EffectKind::QuadraticDrag => times(v, -size * length(v)),
+                EffectKind::LateDrag if t > LATE_S => times(v, -size * length(v)),
+                EffectKind::LinearDrag => times(v, -size),
+                EffectKind::Wind => [hidden.level()[0], hidden.level()[1], 0.0],
+                EffectKind::Magnus => {
                     let (rise, across) = hidden.lift.sin_cos();
                     let axis = [across * hidden.turn.cos(), across * hidden.turn.sin(), rise];
                     cross(times(axis, size), v)
                 }
-                Kind::EffectiveGravity => [0.0, 0.0, -hidden.signed()],
-                Kind::Fan => {
+                EffectKind::EffectiveGravity => [0.0, 0.0, -hidden.signed()],
+                EffectKind::Fan => {
                     let share = (-((x[2] - 0.5) / 0.2).powi(2)).exp();
                     [share * hidden.level()[0], share * hidden.level()[1], 0.0]
                 }
-                Kind::Magnet => [0.0, 0.0, -size / (1.0 + (x[2] / 0.1).powi(2)).powi(2)],
-                Kind::Updraught => [0.0, 0.0, size * t],
+                EffectKind::Magnet => [0.0, 0.0, -size / (1.0 + (x[2] / 0.1).powi(2)).powi(2)],
+                EffectKind::Updraught => [0.0, 0.0, size * t],
                 _ => continue,
             };
             a = plus(a, push, 1.0);
@@ -67,7 +67,7 @@ impl World {
 
     /// How long a bounce lasts, s.
     pub fn contact_s(&self) -> f64 {
-        self.hidden.iter().filter(|h| h.kind == Kind::ContactTime).map(|h| h.size).sum()
+        self.hidden.iter().filter(|h| h.kind == EffectKind::ContactTime).map(|h| h.size).sum()
     }
 
     /// The restitution of bounce number `bounce` from 0 at `x`, approached at `speed` m/s.
@@ -75,9 +75,9 @@ impl World {
         let mut e = self.restitution;
         for hidden in &self.hidden {
             e *= match hidden.kind {
-                Kind::SpeedDependentRestitution => (speed / NOMINAL_M_S).powf(-hidden.size),
-                Kind::Wear => (1.0 - hidden.size).powi(i32::try_from(bounce).unwrap_or(i32::MAX)),
-                Kind::SoftSpot => {
+                EffectKind::SpeedDependentRestitution => (speed / NOMINAL_M_S).powf(-hidden.size),
+                EffectKind::Wear => (1.0 - hidden.size).powi(i32::try_from(bounce).unwrap_or(i32::MAX)),
+                EffectKind::SoftSpot => {
                     let centre = [0.6 * hidden.turn.cos(), 0.6 * hidden.turn.sin()];
                     let far = (x[0] - centre[0]).hypot(x[1] - centre[1]) / 0.5;
                     1.0 - hidden.size * (-far * far).exp()
@@ -90,8 +90,8 @@ impl World {
 
     /// Velocity and spin after bounce number `bounce` on a floor with this normal: a solid sphere under Coulomb's law,
     /// impulses per mass.
-    pub fn bounce(&self, before: State, normal: Vector, bounce: usize, scatter: [f64; 2]) -> State {
-        let uneven: f64 = self.hidden.iter().filter(|h| h.kind == Kind::BounceScatter).map(|h| h.size).sum();
+    pub fn bounce(&self, before: BlindState, normal: Vector, bounce: usize, scatter: [f64; 2]) -> BlindState {
+        let uneven: f64 = self.hidden.iter().filter(|h| h.kind == EffectKind::BounceScatter).map(|h| h.size).sum();
         let (a, b) = (uneven * scatter[0], uneven * scatter[1]);
         let rough = plus(normal, [a, b, 0.0], 1.0);
         let n = times(rough, 1.0 / length(rough));
@@ -100,7 +100,7 @@ impl World {
             return before;
         }
         let impulse = (1.0 + self.restitution(bounce, before.x, speed)) * speed;
-        let mut after = State { v: plus(before.v, n, impulse), ..before };
+        let mut after = BlindState { v: plus(before.v, n, impulse), ..before };
         for hidden in &self.hidden {
             let arm = times(n, -RADIUS_M);
             let sliding = plus(after.v, cross(after.w, arm), 1.0);
@@ -111,8 +111,8 @@ impl World {
             }
             // Stopping the slide of a sphere's skin takes 2/7 of it from the centre.
             let taken = match hidden.kind {
-                Kind::BounceFriction => (hidden.size * impulse).min(2.0 / 7.0 * fast),
-                Kind::TangentialRestitution => 2.0 / 7.0 * fast * hidden.size,
+                EffectKind::BounceFriction => (hidden.size * impulse).min(2.0 / 7.0 * fast),
+                EffectKind::TangentialRestitution => 2.0 / 7.0 * fast * hidden.size,
                 _ => continue,
             };
             let kick = times(slide, -taken / fast);

@@ -5,23 +5,24 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Map, Value, json};
-use tunenet_formats::write_atomically;
+use tunenet_core::statistics::mean;
 
-use super::sets::{Cost, Set};
-use super::tuners::{Title, Training};
+use crate::goals::{PAYLOAD_BOUNDS, PAYLOAD_RISE_KG, met};
+use crate::output::{file_of, mean_and_sd, write_all};
+
+use super::sets::{DataCost, JudgedSet};
+use super::tuners::{Table1Title, Training};
 use super::{NOISE_NM, ROLLOUTS};
 
 /// Mean absolute value of a normal number with standard deviation 1: √(2/π).
 const MEAN_OF_NORMAL: f64 = 0.797_884_560_802_865_4;
 /// Errors below are rounding, and no better than one another, kg.
 const ROUNDING_KG: f64 = 1e-9;
-/// How much the mean error under noise may exceed the bound's.
-const EFFICIENT: f64 = 1.15;
 
 /// One row on one set.
 #[derive(Debug, Clone)]
-pub struct Cell {
-    pub set: Set,
+pub struct Table1Cell {
+    pub set: JudgedSet,
     pub noise_nm: f64,
     /// Seed after seed, case after case: how far off it is after each rollout, kg.
     pub seeds: Vec<Vec<Vec<f64>>>,
@@ -30,10 +31,10 @@ pub struct Cell {
 /// The mean over cases after each rollout, kg.
 fn by_rollout(cases: &[Vec<f64>]) -> Vec<f64> {
     let count = cases.first().map_or(0, Vec::len);
-    (0..count).map(|k| cases.iter().map(|e| e[k]).sum::<f64>() / cases.len() as f64).collect()
+    (0..count).map(|k| mean(cases.iter().map(|e| e[k]))).collect()
 }
 
-impl Cell {
+impl Table1Cell {
     /// The mean over all cases of all seeds after each rollout, kg.
     fn by_rollout(&self) -> Vec<f64> {
         by_rollout(&self.seeds.concat())
@@ -42,42 +43,40 @@ impl Cell {
     /// The mean after the last rollout and its spread over the seeds, kg.
     fn mae_kg(&self) -> (f64, f64) {
         let last = |each: Vec<f64>| each.last().copied().unwrap_or(f64::NAN);
-        let mean = last(self.by_rollout());
-        let squares: f64 = self.seeds.iter().map(|s| (last(by_rollout(s)) - mean).powi(2)).sum();
-        let n = self.seeds.len() as f64;
-        (mean, if n > 1.0 { (squares / (n - 1.0)).sqrt() } else { 0.0 })
+        // Every seed has as many cases, so that the mean of their means is that of all.
+        mean_and_sd(&self.seeds.iter().map(|s| last(by_rollout(s))).collect::<Vec<_>>())
     }
 }
 
 /// One way of tuning.
 #[derive(Debug, Clone)]
-pub struct Row {
-    pub title: Title,
-    pub cells: Vec<Cell>,
+pub struct Table1Row {
+    pub title: Table1Title,
+    pub cells: Vec<Table1Cell>,
 }
 
-impl Row {
-    pub fn new(title: Title) -> Self {
+impl Table1Row {
+    pub fn new(title: Table1Title) -> Self {
         Self { title, cells: Vec::new() }
     }
 
     /// Adds the errors of one seed.
-    pub fn add(&mut self, set: Set, noise_nm: f64, errors: Vec<Vec<f64>>) {
+    pub fn add(&mut self, set: JudgedSet, noise_nm: f64, errors: Vec<Vec<f64>>) {
         match self.cells.iter_mut().find(|c| c.set == set && c.noise_nm == noise_nm) {
             Some(cell) => cell.seeds.push(errors),
-            None => self.cells.push(Cell { set, noise_nm, seeds: vec![errors] }),
+            None => self.cells.push(Table1Cell { set, noise_nm, seeds: vec![errors] }),
         }
     }
 
-    fn cell(&self, set: Set, noise_nm: f64) -> Option<&Cell> {
+    fn cell(&self, set: JudgedSet, noise_nm: f64) -> Option<&Table1Cell> {
         self.cells.iter().find(|c| c.set == set && c.noise_nm == noise_nm)
     }
 
-    fn mae_kg(&self, set: Set, noise_nm: f64) -> Option<f64> {
+    fn mae_kg(&self, set: JudgedSet, noise_nm: f64) -> Option<f64> {
         self.cell(set, noise_nm).map(|c| c.mae_kg().0)
     }
 
-    fn spread_kg(&self, set: Set, noise_nm: f64) -> Option<f64> {
+    fn spread_kg(&self, set: JudgedSet, noise_nm: f64) -> Option<f64> {
         self.cell(set, noise_nm).map(|c| c.mae_kg().1)
     }
 }
@@ -85,44 +84,44 @@ impl Row {
 /// The least standard deviation that noise allows, over the cases of a set.
 #[derive(Debug, Clone)]
 pub struct Bound {
-    pub set: Set,
+    pub set: JudgedSet,
     /// Of every case, kg.
     pub sd_kg: Vec<f64>,
 }
 
 impl Bound {
-    pub fn new(set: Set) -> Self {
+    pub fn new(set: JudgedSet) -> Self {
         Self { set, sd_kg: Vec::new() }
     }
 
     /// The mean error of a normal estimate that reaches it, kg.
     fn mae_kg(&self) -> f64 {
-        MEAN_OF_NORMAL * self.sd_kg.iter().sum::<f64>() / self.sd_kg.len() as f64
+        MEAN_OF_NORMAL * mean(self.sd_kg.iter().copied())
     }
 }
 
 /// The whole table.
 #[derive(Debug, Clone)]
-pub struct Results {
+pub struct Table1Results {
     pub seed: u64,
     pub seeds: u64,
     /// Of one seed.
     pub pairs: (u64, u64),
     pub quick: bool,
-    pub rows: Vec<Row>,
+    pub rows: Vec<Table1Row>,
     pub bounds: [Bound; 2],
     /// Seed by seed.
-    pub data: Vec<Cost>,
+    pub data: Vec<DataCost>,
     pub training: Vec<Training>,
 }
 
-impl Results {
+impl Table1Results {
     /// The least error of a column, kg.
-    fn least(&self, set: Set, noise_nm: f64) -> Option<f64> {
+    fn least(&self, set: JudgedSet, noise_nm: f64) -> Option<f64> {
         self.rows.iter().filter_map(|row| row.mae_kg(set, noise_nm)).min_by(f64::total_cmp)
     }
 
-    fn bound(&self, set: Set) -> f64 {
+    fn bound(&self, set: JudgedSet) -> f64 {
         self.bounds.iter().find(|b| b.set == set).map_or(f64::NAN, Bound::mae_kg)
     }
 
@@ -133,19 +132,19 @@ impl Results {
 
     /// What one training took, the mean over the seeds.
     fn mean_training(&self) -> Training {
-        let mean = |of: fn(&Training) -> f64| self.training.iter().map(of).sum::<f64>() / self.training.len() as f64;
+        let mean = |of: fn(&Training) -> f64| mean(self.training.iter().map(of));
         let epochs = self.training.first().map_or(0, |t| t.epochs);
         Training { epochs, seconds: mean(|t| t.seconds), default_seconds: mean(|t| t.default_seconds) }
     }
 
     /// Whether a row reaches what is aimed at, where something is.
-    fn met(&self, row: &Row) -> Option<bool> {
+    fn met(&self, row: &Table1Row) -> Option<bool> {
         let (validation, test) = row.title.goal?;
         let within = |set, most| row.mae_kg(set, 0.0).is_some_and(|mae| mae <= most);
-        let efficient = |set| row.mae_kg(set, NOISE_NM).is_some_and(|mae| mae <= EFFICIENT * self.bound(set));
+        let efficient = |set| row.mae_kg(set, NOISE_NM).is_some_and(|mae| mae <= PAYLOAD_BOUNDS * self.bound(set));
         // No later rollout may make it worse.
-        let steady = |cell: &Cell| cell.by_rollout().windows(2).all(|k| k[1] <= k[0] + 1e-3);
-        let sets = [Set::Validation, Set::Test];
+        let steady = |cell: &Table1Cell| cell.by_rollout().windows(2).all(|k| k[1] <= k[0] + PAYLOAD_RISE_KG);
+        let sets = [JudgedSet::Validation, JudgedSet::Test];
         Some(
             within(sets[0], validation)
                 && within(sets[1], test)
@@ -155,19 +154,19 @@ impl Results {
     }
 }
 
-pub fn as_json(results: &Results) -> Value {
-    let row = |row: &Row| {
-        let of = |set, noise| row.cell(set, noise).map(Cell::by_rollout);
+pub fn as_json(results: &Table1Results) -> Value {
+    let row = |row: &Table1Row| {
+        let of = |set, noise| row.cell(set, noise).map(Table1Cell::by_rollout);
         let value = json!({
-            "validation_mae_kg": row.mae_kg(Set::Validation, 0.0), "test_mae_kg": row.mae_kg(Set::Test, 0.0),
-            "noisy_validation_mae_kg": row.mae_kg(Set::Validation, NOISE_NM),
-            "noisy_test_mae_kg": row.mae_kg(Set::Test, NOISE_NM),
-            "validation_by_rollout_kg": of(Set::Validation, 0.0), "test_by_rollout_kg": of(Set::Test, 0.0),
-            "noisy_validation_by_rollout_kg": of(Set::Validation, NOISE_NM),
-            "noisy_test_by_rollout_kg": of(Set::Test, NOISE_NM),
-            "validation_spread_kg": row.spread_kg(Set::Validation, 0.0), "test_spread_kg": row.spread_kg(Set::Test, 0.0),
-            "noisy_validation_spread_kg": row.spread_kg(Set::Validation, NOISE_NM),
-            "noisy_test_spread_kg": row.spread_kg(Set::Test, NOISE_NM),
+            "validation_mae_kg": row.mae_kg(JudgedSet::Validation, 0.0), "test_mae_kg": row.mae_kg(JudgedSet::Test, 0.0),
+            "noisy_validation_mae_kg": row.mae_kg(JudgedSet::Validation, NOISE_NM),
+            "noisy_test_mae_kg": row.mae_kg(JudgedSet::Test, NOISE_NM),
+            "validation_by_rollout_kg": of(JudgedSet::Validation, 0.0), "test_by_rollout_kg": of(JudgedSet::Test, 0.0),
+            "noisy_validation_by_rollout_kg": of(JudgedSet::Validation, NOISE_NM),
+            "noisy_test_by_rollout_kg": of(JudgedSet::Test, NOISE_NM),
+            "validation_spread_kg": row.spread_kg(JudgedSet::Validation, 0.0), "test_spread_kg": row.spread_kg(JudgedSet::Test, 0.0),
+            "noisy_validation_spread_kg": row.spread_kg(JudgedSet::Validation, NOISE_NM),
+            "noisy_test_spread_kg": row.spread_kg(JudgedSet::Test, NOISE_NM),
             "published_validation_kg": row.title.published.map(|p| p.0),
             "published_test_kg": row.title.published.map(|p| p.1), "goal_met": results.met(row),
         });
@@ -175,7 +174,7 @@ pub fn as_json(results: &Results) -> Value {
     };
     let mut all: Map<String, Value> = results.rows.iter().map(row).collect();
     all.insert("noise_nm".into(), json!(NOISE_NM));
-    let bound = json!({ "validation_mae_kg": results.bound(Set::Validation), "test_mae_kg": results.bound(Set::Test) });
+    let bound = json!({ "validation_mae_kg": results.bound(JudgedSet::Validation), "test_mae_kg": results.bound(JudgedSet::Test) });
     all.insert("cramer_rao".into(), bound);
     all.insert("pairs".into(), json!({ "training": results.pairs.0, "judged": results.pairs.1 }));
     all.insert("seeds".into(), json!(results.seeds));
@@ -192,7 +191,7 @@ pub fn as_json(results: &Results) -> Value {
 }
 
 /// The table for users. Writing to a string cannot fail, so its results are dropped.
-pub fn markdown(results: &Results) -> String {
+pub fn markdown(results: &Table1Results) -> String {
     let mut out = String::new();
     let quick = if results.quick { " --quick" } else { "" };
     let _ = writeln!(out, "# Table 1: error of the tuned payload, kg\n");
@@ -213,7 +212,7 @@ pub fn markdown(results: &Results) -> String {
     let _ = writeln!(out, "|---|---|---|---|---|---|---|");
     for row in &results.rows {
         let of = |set, noise| {
-            let Some((mean, spread)) = row.cell(set, noise).map(Cell::mae_kg) else { return String::new() };
+            let Some((mean, spread)) = row.cell(set, noise).map(Table1Cell::mae_kg) else { return String::new() };
             let text = match results.seeds {
                 1 => figures(mean),
                 _ => format!("{} ± {}", figures(mean), figures(spread)),
@@ -226,8 +225,8 @@ pub fn markdown(results: &Results) -> String {
         };
         let published = row.title.published.map_or(String::new(), |(v, t)| format!("{v}, {t}"));
         let goal = match (row.title.goal, results.met(row)) {
-            (Some((v, t)), Some(met)) => {
-                format!("{v}, {t}, {EFFICIENT} × bound: {}", if met { "met" } else { "**missed**" })
+            (Some((v, t)), Some(is_met)) => {
+                format!("{v}, {t}, {PAYLOAD_BOUNDS} × bound: {}", met(is_met))
             }
             _ => String::new(),
         };
@@ -235,18 +234,18 @@ pub fn markdown(results: &Results) -> String {
             out,
             "| {} | {} | {} | {} | {} | {published} | {goal} |",
             row.title.words,
-            of(Set::Validation, 0.0),
-            of(Set::Test, 0.0),
-            of(Set::Validation, NOISE_NM),
-            of(Set::Test, NOISE_NM)
+            of(JudgedSet::Validation, 0.0),
+            of(JudgedSet::Test, 0.0),
+            of(JudgedSet::Validation, NOISE_NM),
+            of(JudgedSet::Test, NOISE_NM)
         );
     }
     let bound = |set| figures(results.bound(set));
     let _ = writeln!(
         out,
         "| Cramér–Rao bound (its mean \\|Δm\\|) | | | {} | {} | | |\n",
-        bound(Set::Validation),
-        bound(Set::Test)
+        bound(JudgedSet::Validation),
+        bound(JudgedSet::Test)
     );
     let _ = writeln!(out, "After each rollout:\n\n| tuned by | set | {} |", heads());
     let _ = writeln!(out, "|---|---|{}", "---|".repeat(ROLLOUTS));
@@ -278,7 +277,7 @@ fn figures(value: f64) -> String {
 }
 
 /// Writes `table1.md`, `table1.csv` and `table1.json`; none is ever half written.
-pub fn write(folder: &Path, results: &Results) -> Result<()> {
+pub fn write(folder: &Path, results: &Table1Results) -> Result<()> {
     let mut csv = "row,set,noise_nm,seed,rollout,mae_kg\n".to_owned();
     for row in &results.rows {
         for cell in &row.cells {
@@ -290,9 +289,8 @@ pub fn write(folder: &Path, results: &Results) -> Result<()> {
             }
         }
     }
-    let json = format!("{:#}\n", as_json(results));
-    for (name, text) in [("table1.md", markdown(results)), ("table1.csv", csv), ("table1.json", json)] {
-        write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
-    Ok(())
+    write_all(
+        folder,
+        [("table1.md", markdown(results)), ("table1.csv", csv), ("table1.json", file_of(&as_json(results)))],
+    )
 }

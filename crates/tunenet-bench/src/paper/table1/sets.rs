@@ -15,26 +15,24 @@ use tunenet_sim::{ObservedArm, SimulationFile};
 
 use super::super::super::process;
 use super::super::super::resume::Store;
+use crate::scene::{URDF, seeds};
 
 const ARM: &str = include_str!("../../../../../assets/arm.toml");
-const URDF: &str = include_str!("../../../../../assets/jaco_robotiq.urdf");
 /// Rate at which networks learn, 1/s: the paper's network has one input for each sample.
 const TRAINING_HZ: &str = "record.rate_hz=60";
-/// Noise of the targets: drawn from this and the seed, and used for nothing else.
-const NOISE_SEED: u64 = 0x51f6_a3c9_0e77_2b1d;
 /// Step of the slope behind the bound, kg.
 const SLOPE_KG: f64 = 0.01;
 
 /// A set to judge by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Set {
+pub enum JudgedSet {
     /// Masses as in training.
     Validation,
     /// Targets 1 kg heavier.
     Test,
 }
 
-impl Set {
+impl JudgedSet {
     pub fn name(self) -> &'static str {
         match self {
             Self::Validation => "validation",
@@ -53,7 +51,7 @@ impl Set {
 
 /// What making all sets took.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub struct Cost {
+pub struct DataCost {
     pub rollouts: u64,
     pub seconds: f64,
 }
@@ -67,7 +65,7 @@ pub struct Case {
     pub seen: Prepared,
     /// Least and greatest mass of its set, kg.
     pub range_kg: (f64, f64),
-    /// Start of a search's own draws.
+    /// Random seed of a search.
     pub seed: u64,
 }
 
@@ -84,7 +82,7 @@ pub struct Sets {
     test: Vec<Pair>,
     clock: Vec<f64>,
     seed: u64,
-    pub cost: Cost,
+    pub cost: DataCost,
 }
 
 impl Sets {
@@ -94,14 +92,14 @@ impl Sets {
         std::fs::write(&file, ARM).with_context(|| format!("writing {}", file.display()))?;
         std::fs::write(room.join("jaco_robotiq.urdf"), URDF).context("writing the URDF")?;
         let path = |name: &str| room.join(format!("{name}-{seed}.mcap"));
-        let make = |name: &str, preset: &str, pairs: u64, own: u64, set: &[&str]| -> Result<f64> {
+        let make = |name: &str, preset: &str, pairs: u64, pairs_seed: u64, set: &[&str]| -> Result<f64> {
             let out = path(name);
             store.keep(&format!("table1-{name}-{seed}"), || {
                 // Whatever another program left there is not ours to go on with.
                 let _ = std::fs::remove_file(&out);
-                let (pairs, own) = (pairs.to_string(), own.to_string());
+                let (pairs, pairs_seed) = (pairs.to_string(), pairs_seed.to_string());
                 let (sim, out) = (text(&file)?, text(&out)?);
-                let first = ["gen", "arm", "--sim", sim, "--preset", preset, "--pairs", &pairs, "--seed", &own];
+                let first = ["gen", "arm", "--sim", sim, "--preset", preset, "--pairs", &pairs, "--seed", &pairs_seed];
                 Ok(process::run(&[&first[..], &["--out", out], set].concat())?.seconds)
             })
         };
@@ -115,7 +113,7 @@ impl Sets {
         let scene = SimulationFile::read(&file)?;
         let mut unbounded = scene.clone();
         unbounded.set("parameters.payload_mass.max=100")?;
-        let cost = Cost { rollouts: 2 * (training + 2 * judged), seconds: paper + validation + test };
+        let cost = DataCost { rollouts: 2 * (training + 2 * judged), seconds: paper + validation + test };
         Ok(Self {
             arm: ObservedArm::new(&scene)?,
             unbounded: ObservedArm::new(&unbounded)?,
@@ -129,22 +127,22 @@ impl Sets {
         })
     }
 
-    fn pairs(&self, set: Set) -> &[Pair] {
+    fn pairs(&self, set: JudgedSet) -> &[Pair] {
         match set {
-            Set::Validation => &self.validation,
-            Set::Test => &self.test,
+            JudgedSet::Validation => &self.validation,
+            JudgedSet::Test => &self.test,
         }
     }
 
-    pub fn len(&self, set: Set) -> usize {
+    pub fn len(&self, set: JudgedSet) -> usize {
         self.pairs(set).len()
     }
 
     /// Case `number`, its target with noise of this standard deviation.
-    pub fn pair(&self, set: Set, number: usize, noise_nm: f64) -> Result<Case> {
+    pub fn pair(&self, set: JudgedSet, number: usize, noise_nm: f64) -> Result<Case> {
         let pair = &self.pairs(set)[number];
-        let own = self.seed.rotate_left(32) ^ NOISE_SEED ^ u64::from(set == Set::Test);
-        let mut random: ChaCha8Rng = stream(own, number as u64);
+        let noise_seed = self.seed.rotate_left(32) ^ seeds::TABLE1_NOISE ^ u64::from(set == JudgedSet::Test);
+        let mut random: ChaCha8Rng = stream(noise_seed, number as u64);
         let values = pair.target.iter().map(|v| v + noise_nm * random.sample::<f64, _>(StandardNormal)).collect();
         let seen = Observation::new(Kind::Joints, self.arm.channels().to_vec(), self.clock.clone(), values)?;
         Ok(Case {
@@ -152,7 +150,7 @@ impl Sets {
             target_kg: pair.target_parameters[0],
             noise_nm,
             range_kg: set.range_kg(),
-            seed: own ^ (number as u64),
+            seed: noise_seed ^ (number as u64),
             seen: Prepared::whole(seen, self.arm.parameters().len()),
         })
     }
@@ -169,7 +167,7 @@ impl Sets {
     }
 
     /// The Cramér–Rao bound of case `number` under this noise: no unbiased estimate has a smaller standard deviation, kg.
-    pub fn bound_kg(&self, set: Set, number: usize, noise_nm: f64) -> Result<f64> {
+    pub fn bound_kg(&self, set: JudgedSet, number: usize, noise_nm: f64) -> Result<f64> {
         let pair = &self.pairs(set)[number];
         let there = self.roll(pair.target_parameters[0] + SLOPE_KG)?;
         let slopes = there.iter().zip(&pair.target).map(|(a, b)| ((a - b) / SLOPE_KG).powi(2));

@@ -19,6 +19,7 @@ use super::super::super::search::{Search, brent, entropy_search, evolution, gaus
 use super::linear::Linear;
 use super::sets::{Case, Sets};
 use super::{NOISE_NM, ROLLOUTS};
+use crate::goals::PAYLOAD_KG;
 
 /// Rollouts of those that change no more after two.
 const FEW: usize = 5;
@@ -32,7 +33,7 @@ const RATE_HZ: f64 = 240.0;
 
 /// A row of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Title {
+pub struct Table1Title {
     pub key: &'static str,
     pub words: &'static str,
     /// What the paper states, kg: validation, test.
@@ -43,22 +44,22 @@ pub struct Title {
     pub noisy: bool,
 }
 
-const fn row(key: &'static str, words: &'static str) -> Title {
-    Title { key, words, published: None, goal: None, noisy: false }
+const fn row(key: &'static str, words: &'static str) -> Table1Title {
+    Table1Title { key, words, published: None, goal: None, noisy: false }
 }
 
-pub const ROWS: [Title; 11] = [
+pub const ROWS: [Table1Title; 11] = [
     row("mean", "the mean of training"),
     row("max", "the greatest of training"),
     row("direct", "direct prediction, the paper's network"),
-    Title { published: Some((0.011, 0.198)), ..row("paper", "preset `paper`") },
-    Title { noisy: true, ..row("linear", "linear least squares") },
-    Title { noisy: true, ..row("gauss_newton", "Gauss–Newton by finite differences") },
-    Title { noisy: true, ..row("nearest", "nearest of 41 stored rollouts, then secant Gauss–Newton") },
+    Table1Title { published: Some((0.011, 0.198)), ..row("paper", "preset `paper`") },
+    Table1Title { noisy: true, ..row("linear", "linear least squares") },
+    Table1Title { noisy: true, ..row("gauss_newton", "Gauss–Newton by finite differences") },
+    Table1Title { noisy: true, ..row("nearest", "nearest of 41 stored rollouts, then secant Gauss–Newton") },
     row("brent", "bounded Brent on the squared error"),
     row("cma_es", "CMA-ES in one dimension"),
     row("entropy_search", "greedy entropy search"),
-    Title { goal: Some((0.002, 0.005)), noisy: true, ..row("default", "preset `default`") },
+    Table1Title { goal: Some(PAYLOAD_KG), noisy: true, ..row("default", "preset `default`") },
 ];
 
 /// What a training took.
@@ -70,7 +71,7 @@ pub struct Training {
 }
 
 /// All that learned.
-pub struct Tuners {
+pub struct ArmTuners {
     paper: Model,
     default: Model,
     direct: Model,
@@ -84,7 +85,7 @@ pub struct Tuners {
     pub cost: Training,
 }
 
-impl Tuners {
+impl ArmTuners {
     pub fn make(store: &Store, sets: &Sets, seed: u64, quick: bool) -> Result<Self> {
         let less = |preset: Preset| if quick { shorter(preset) } else { preset };
         let room = store.room("models")?;

@@ -10,7 +10,8 @@ use tunenet_core::observation::{Channel, Observation};
 use tunenet_core::simulator::Simulator;
 
 use super::super::super::tuning::rows::Conditions;
-use super::super::super::tuning::targets::{RADIUS_M, Simulation, Target};
+use super::super::super::tuning::targets::{DropTarget, Simulation};
+use crate::scene::{EASY, PAPER_RADIUS_M};
 
 /// As many drops to learn from as the paper has pairs.
 const LESSONS: u64 = 800;
@@ -19,8 +20,7 @@ const LESSONS_STREAM: u64 = 0x2ff;
 /// What is proposed throughout: the middle of training, in the middle of its heights.
 const PROPOSED: f64 = 0.5;
 const PROPOSED_FALL_M: f64 = 4.0;
-/// The paper's training range.
-const CONDITIONS: Conditions = Conditions { restitution: (0.3, 0.7), noise_m: 0.0 };
+const CONDITIONS: Conditions = Conditions { restitution: EASY, noise_m: 0.0 };
 
 /// A trained network, and what it is always shown.
 pub struct Direct {
@@ -73,7 +73,7 @@ impl Direct {
     }
 
     /// The restitution of `target`.
-    pub fn estimate(&self, target: &Target) -> Result<f64> {
+    pub fn estimate(&self, target: &DropTarget) -> Result<f64> {
         let [proposed, target] =
             [&self.proposed, &target.prepared.seen].map(|observation| Side { observation, scale: None });
         Ok(PROPOSED + self.model.estimate_batch(&[(proposed, target)])?[0][0])
@@ -81,6 +81,6 @@ impl Direct {
 }
 
 fn positions(simulation: &Simulation, heights_m: &[f64]) -> Result<Observation> {
-    let rows: Vec<[f64; 3]> = heights_m.iter().map(|z| [0.0, 0.0, z + RADIUS_M]).collect();
+    let rows: Vec<[f64; 3]> = heights_m.iter().map(|z| [0.0, 0.0, z + PAPER_RADIUS_M]).collect();
     Ok(Observation::positions(simulation.clock.clone(), &rows)?)
 }

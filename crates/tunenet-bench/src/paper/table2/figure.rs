@@ -1,7 +1,7 @@
 //! Figure 2: the error against the rollouts, both on logarithmic scales, one panel a set.
 
 use super::methods::Method;
-use super::results::{POINTS, Results};
+use super::results::{POINTS, Table2Results};
 use super::{BUDGETS, SETS};
 use tunenet_cli::view::html::drawing;
 use tunenet_cli::view::html::svg::{Anchor, Spot, Svg};
@@ -27,7 +27,7 @@ const DRAWN: [(Method, &str); 7] = [
 ];
 
 /// The drawing as a file of its own.
-pub fn draw(results: &Results) -> String {
+pub fn draw(results: &Table2Results) -> String {
     let mut svg = Svg::new(WIDTH, HEIGHT);
     for (i, (set, conditions)) in SETS.iter().enumerate() {
         let corner = (80.0 + 420.0 * (i % 2) as f64, 40.0 + 275.0 * (i / 2) as f64);
@@ -38,7 +38,7 @@ pub fn draw(results: &Results) -> String {
         panel(&mut svg, corner);
         // Ours last, so that nothing hides it.
         for (method, _) in DRAWN.into_iter().rev() {
-            let Some(cell) = results.of(set).find(|c| c.method == method) else { continue };
+            let Some(cell) = results.cells_of(set).find(|c| c.method == method) else { continue };
             let line: Vec<Spot> = (0..POINTS.len())
                 .filter(|k| POINTS[*k] > 0)
                 .map(|k| spot(corner, POINTS[k] as f64, cell.at(k)))

@@ -6,7 +6,7 @@ use tunenet_core::network::Model;
 use super::super::super::search::{Course, brent, entropy_search, evolution, gauss_newton, nearest};
 use super::super::super::tuning::ours;
 use super::super::super::tuning::rivals::{self, Stored};
-use super::super::super::tuning::targets::{Simulation, Target};
+use super::super::super::tuning::targets::{DropTarget, Simulation};
 use super::BUDGETS;
 use super::direct::Direct;
 
@@ -107,7 +107,7 @@ impl Method {
 }
 
 /// Everything that any of them needs.
-pub struct Tuner<'a> {
+pub struct Table2Tuners<'a> {
     pub simulation: &'a Simulation,
     pub stored: &'a Stored,
     pub default: &'a Model,
@@ -117,9 +117,9 @@ pub struct Tuner<'a> {
     pub direct_adam: &'a Direct,
 }
 
-impl Tuner<'_> {
+impl Table2Tuners<'_> {
     /// The estimate after 0, 1, … rollouts, up to the greatest of [`BUDGETS`].
-    pub fn course(&self, method: Method, target: &Target, seed: u64) -> Result<Course> {
+    pub fn course(&self, method: Method, target: &DropTarget, seed: u64) -> Result<Course> {
         let (simulation, most) = (self.simulation, BUDGETS[BUDGETS.len() - 1]);
         let search = simulation.search(target, seed);
         match method {

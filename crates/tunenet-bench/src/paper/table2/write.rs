@@ -5,20 +5,21 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Map, Value, json};
-use tunenet_formats::write_atomically;
+
+use crate::output::{file_of, write_all};
 
 use super::super::counted_seeds;
 use super::methods::Method;
-use super::results::{Cell, POINTS, ROUNDING, Results, TIED};
+use super::results::{POINTS, ROUNDING, TIED, Table2Cell, Table2Results};
 use super::{BUDGETS, SETS, figure};
 
 /// `table2.default.easy.k5`, and what the paper reports beside it.
-pub fn as_json(results: &Results) -> Value {
+pub fn as_json(results: &Table2Results) -> Value {
     let mut all = Map::new();
     for method in Method::ALL {
         let mut sets = Map::new();
         for (set, _) in SETS {
-            let Some(cell) = results.of(set).find(|c| c.method == method) else { continue };
+            let Some(cell) = results.cells_of(set).find(|c| c.method == method) else { continue };
             let mut row = Map::new();
             for k in BUDGETS {
                 let (mean, spread) = cell.after(k);
@@ -38,7 +39,7 @@ pub fn as_json(results: &Results) -> Value {
 }
 
 /// The table for users. Writing to a string cannot fail, so its results are dropped.
-pub fn markdown(results: &Results) -> String {
+pub fn markdown(results: &Table2Results) -> String {
     let mut out = String::new();
     let quick = if results.quick { " --quick" } else { "" };
     let _ = writeln!(out, "# Table 2: error of the restitution\n");
@@ -60,7 +61,7 @@ pub fn markdown(results: &Results) -> String {
         let _ = writeln!(out, "## {set}: restitution {low} to {high}, {noise}\n");
         let heads = BUDGETS.map(|k| format!(" K = {k} |")).concat();
         let _ = writeln!(out, "| method |{heads}\n|---|{}", "---|".repeat(BUDGETS.len()));
-        for cell in results.of(set) {
+        for cell in results.cells_of(set) {
             let mut row = format!("| {} |", cell.method.title());
             for k in BUDGETS {
                 let (mean, spread) = cell.after(k);
@@ -97,7 +98,7 @@ pub fn markdown(results: &Results) -> String {
 }
 
 /// Writes `table2.md`, `table2.csv` and `table2.json`; none is ever half written.
-pub fn write(folder: &Path, results: &Results) -> Result<()> {
+pub fn write(folder: &Path, results: &Table2Results) -> Result<()> {
     let mut csv = "set,method,seed,rollouts,error\n".to_owned();
     for cell in &results.cells {
         for (seed, accuracy) in cell.seeds.iter().enumerate() {
@@ -106,20 +107,15 @@ pub fn write(folder: &Path, results: &Results) -> Result<()> {
             }
         }
     }
-    let json = format!("{:#}\n", as_json(results));
-    write_all(folder, [("table2.md", markdown(results)), ("table2.csv", csv), ("table2.json", json)])
-}
-
-fn write_all(folder: &Path, files: [(&str, String); 3]) -> Result<()> {
-    for (name, text) in files {
-        write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
-    Ok(())
+    write_all(
+        folder,
+        [("table2.md", markdown(results)), ("table2.csv", csv), ("table2.json", file_of(&as_json(results)))],
+    )
 }
 
 /// `figure2.default.easy` as points of rollouts and error, the mean over the seeds.
-pub fn figure_json(results: &Results) -> Value {
-    let points = |cell: &Cell| POINTS.iter().enumerate().map(|(i, k)| json!([k, cell.at(i)])).collect::<Vec<_>>();
+pub fn figure_json(results: &Table2Results) -> Value {
+    let points = |cell: &Table2Cell| POINTS.iter().enumerate().map(|(i, k)| json!([k, cell.at(i)])).collect::<Vec<_>>();
     let of = |method: Method| {
         let sets = results.cells.iter().filter(|c| c.method == method).map(|c| (c.set.to_owned(), points(c).into()));
         (method.key().to_owned(), Value::Object(sets.collect()))
@@ -128,7 +124,7 @@ pub fn figure_json(results: &Results) -> Value {
 }
 
 /// What the figure shows, in words.
-pub fn figure_markdown(results: &Results) -> String {
+pub fn figure_markdown(results: &Table2Results) -> String {
     let quick = if results.quick { " --quick" } else { "" };
     format!(
         "# Figure 2: error of the restitution against the rollouts spent\n\n    \
@@ -142,22 +138,31 @@ pub fn figure_markdown(results: &Results) -> String {
 }
 
 /// Writes `figure2.md`, `figure2.json` and `figure2.svg`; none is ever half written.
-pub fn write_figure(folder: &Path, results: &Results) -> Result<()> {
-    let json = format!("{:#}\n", figure_json(results));
+pub fn write_figure(folder: &Path, results: &Table2Results) -> Result<()> {
     let drawn = figure::draw(results);
-    write_all(folder, [("figure2.md", figure_markdown(results)), ("figure2.json", json), ("figure2.svg", drawn)])
+    write_all(
+        folder,
+        [
+            ("figure2.md", figure_markdown(results)),
+            ("figure2.json", file_of(&figure_json(results))),
+            ("figure2.svg", drawn),
+        ],
+    )
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::results::Accuracy;
+    use super::super::results::SeedAccuracy;
     use super::*;
 
-    fn results(ours: f64, rival: f64) -> Results {
-        let cell =
-            |method, error| Cell { set: "easy", method, seeds: vec![Accuracy { mean: vec![error; POINTS.len()] }] };
+    fn results(ours: f64, rival: f64) -> Table2Results {
+        let cell = |method, error| Table2Cell {
+            set: "easy",
+            method,
+            seeds: vec![SeedAccuracy { mean: vec![error; POINTS.len()] }],
+        };
         let cells = vec![cell(Method::Default, ours), cell(Method::Brent, rival)];
-        Results { seed: 3, seeds: 1, targets: 40, quick: true, cells }
+        Table2Results { seed: 3, seeds: 1, targets: 40, quick: true, cells }
     }
 
     /// The rule by which a column is ours stands below the table, and is the one that is used.

@@ -14,17 +14,11 @@ use tunenet_sim::simulation_file::LeftOpen;
 use tunenet_sim::video_drops::FilmedDrops;
 
 use super::super::super::tuning::closed_form;
+use crate::scene::{EASY, PAPER_BALL, PAPER_CENTRE_M, seeds};
 use tunenet_video_protocol::synthetic::Places;
 
-/// What the drops are drawn from, and nothing else in this project: no training, selection or test uses it.
-const DROPS_SEED: u64 = 0x3c95_1f0d_b2e8_6a47;
-/// As the paper draws its Easy set: the centre's height, m, and the restitution on either side.
-const TOP_M: std::ops::Range<f64> = 4.0..5.0;
-const RESTITUTION: std::ops::RangeInclusive<f64> = 0.3..=0.7;
-const PAPER_BALL: &str = include_str!("../../../../../assets/ball_easy.toml");
-
 /// A ball that is let go in front of a camera.
-pub struct Drop {
+pub struct RecordedDrop {
     pub top_m: f64,
     pub restitution: f64,
     /// What an iteration starts from.
@@ -47,16 +41,16 @@ impl Drops {
     }
 
     /// Drop number `number` of a seed; each depends on these two alone. Its motion is the closed form's.
-    pub fn draw(&self, seed: u64, number: u64) -> Result<Drop> {
-        let mut random = ChaCha8Rng::seed_from_u64(DROPS_SEED ^ seed.rotate_left(32));
+    pub fn draw(&self, seed: u64, number: u64) -> Result<RecordedDrop> {
+        let mut random = ChaCha8Rng::seed_from_u64(seeds::TABLE3_DROPS ^ seed.rotate_left(32));
         random.set_stream(number);
-        let (top_m, restitution) = (random.random_range(TOP_M), random.random_range(RESTITUTION));
-        let proposed = random.random_range(RESTITUTION);
+        let (top_m, restitution) = (random.random_range(PAPER_CENTRE_M), random.random_range(EASY.0..=EASY.1));
+        let proposed = random.random_range(EASY.0..=EASY.1);
         let camera = self.filmed.camera(top_m, &mut random)?;
         let radius = self.filmed.radius_m();
-        let lowest = closed_form::Drop { fall_m: top_m - radius, restitution }.heights(self.filmed.clock());
+        let lowest = closed_form::ClosedFormDrop { fall_m: top_m - radius, restitution }.heights(self.filmed.clock());
         let heights_m = lowest.into_iter().map(|z| z + radius).collect();
-        Ok(Drop { top_m, restitution, proposed, camera, heights_m })
+        Ok(RecordedDrop { top_m, restitution, proposed, camera, heights_m })
     }
 
     /// Heights of the centre in our simulator, m.
@@ -65,20 +59,20 @@ impl Drops {
     }
 
     /// The drop as a tuner sees its positions.
-    pub fn positions(&self, drop: &Drop) -> Result<Prepared> {
+    pub fn positions(&self, drop: &RecordedDrop) -> Result<Prepared> {
         let rows: Vec<[f64; 3]> = drop.heights_m.iter().map(|z| [0.0, 0.0, *z]).collect();
         let seen = Observation::positions(self.filmed.clock().to_vec(), &rows)?;
         Ok(self.filmed.known(drop.top_m, seen)?)
     }
 
-    /// The drop as a tuner sees its film.
-    pub fn film(&self, drop: &Drop, track: &Places) -> Result<Prepared> {
+    /// The drop as a tuner sees its video.
+    pub fn video(&self, drop: &RecordedDrop, track: &Places) -> Result<Prepared> {
         Ok(self
             .filmed
             .prepared(drop.top_m, track.u_px.iter().zip(&track.v_px).flat_map(|(u, v)| [*u, *v]).collect())?)
     }
 
-    pub fn start(&self, drop: &Drop, prepared: &Prepared) -> Point {
+    pub fn start(&self, drop: &RecordedDrop, prepared: &Prepared) -> Point {
         let mut point = Point::start(self.filmed.ball(), std::slice::from_ref(prepared));
         point.parameters[0] = drop.proposed;
         point

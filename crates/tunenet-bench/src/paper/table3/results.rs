@@ -6,15 +6,18 @@ use std::path::Path;
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-use tunenet_formats::write_atomically;
+use tunenet_core::statistics::mean;
+
+use crate::goals::met;
+use crate::output::{file_of, mean_and_sd, write_all};
 
 use super::super::counted_seeds;
-use super::film::SPOILT;
-use super::tuners::Title;
+use super::tuners::Table3Title;
+use super::video::SPOILT;
 
 /// How far off one tuned drop is.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub struct Error {
+pub struct DropError {
     /// Mean distance in height, cm.
     pub cm: f64,
     /// The same over the mean height, percent.
@@ -23,7 +26,7 @@ pub struct Error {
     pub restitution: Option<f64>,
 }
 
-impl Error {
+impl DropError {
     pub fn new(truth_m: &[f64], rolled_m: &[f64], restitution: f64) -> Self {
         let n = truth_m.len() as f64;
         let off = truth_m.iter().zip(rolled_m).map(|(a, b)| (a - b).abs()).sum::<f64>() / n;
@@ -39,11 +42,11 @@ impl Error {
 
 /// One way of tuning.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub struct Table3Row {
     pub key: &'static str,
-    pub title: Title,
+    pub title: Table3Title,
     /// Seed after seed, drop after drop; nothing where the video was refused.
-    pub seeds: Vec<Vec<Option<Error>>>,
+    pub seeds: Vec<Vec<Option<DropError>>>,
 }
 
 /// Means over the drops.
@@ -57,26 +60,26 @@ struct Summary {
     refused: usize,
 }
 
-impl Row {
-    pub fn new(title: Title) -> Self {
+impl Table3Row {
+    pub fn new(title: Table3Title) -> Self {
         Self { key: title.key, title, seeds: Vec::new() }
     }
 
     fn summary(&self) -> Summary {
-        let mean = |of: &dyn Fn(&Error) -> f64, errors: &[Option<Error>]| {
-            let known: Vec<f64> = errors.iter().flatten().map(of).collect();
-            known.iter().sum::<f64>() / known.len() as f64
+        // Of a seed whose videos were all refused there is no mean.
+        let mean_of = |of: &dyn Fn(&DropError) -> f64, errors: &[Option<DropError>]| {
+            if errors.iter().any(Option::is_some) { mean(errors.iter().flatten().map(of)) } else { f64::NAN }
         };
-        let n = self.seeds.len() as f64;
-        let over = |of: &dyn Fn(&Error) -> f64| self.seeds.iter().map(|s| mean(of, s)).sum::<f64>() / n;
-        let cm = over(&|e| e.cm);
-        let squares: f64 = self.seeds.iter().map(|s| (mean(&|e| e.cm, s) - cm).powi(2)).sum();
+        let over = |of: &dyn Fn(&DropError) -> f64| {
+            mean_and_sd(&self.seeds.iter().map(|s| mean_of(of, s)).collect::<Vec<_>>())
+        };
+        let (cm, spread_cm) = over(&|e| e.cm);
         let known = self.seeds.iter().flatten().flatten().all(|e| e.restitution.is_some());
         Summary {
             cm,
-            percent: over(&|e| e.percent),
-            restitution: known.then(|| over(&|e| e.restitution.unwrap_or_default())),
-            spread_cm: if n > 1.0 { (squares / (n - 1.0)).sqrt() } else { 0.0 },
+            percent: over(&|e| e.percent).0,
+            restitution: known.then(|| over(&|e| e.restitution.unwrap_or_default()).0),
+            spread_cm,
             refused: self.seeds.iter().flatten().filter(|e| e.is_none()).count(),
         }
     }
@@ -95,16 +98,16 @@ impl Row {
 
 /// The whole table.
 #[derive(Debug, Clone)]
-pub struct Results {
+pub struct Table3Results {
     pub seed: u64,
     pub seeds: u64,
     pub drops: u64,
     pub quick: bool,
-    pub rows: Vec<Row>,
+    pub rows: Vec<Table3Row>,
 }
 
-pub fn as_json(results: &Results) -> Value {
-    let row = |row: &Row| {
+pub fn as_json(results: &Table3Results) -> Value {
+    let row = |row: &Table3Row| {
         let found = row.summary();
         let value = json!({
             "cm": found.cm, "percent": found.percent, "restitution": found.restitution, "spread_cm": found.spread_cm, "refused": found.refused,
@@ -120,7 +123,7 @@ pub fn as_json(results: &Results) -> Value {
 }
 
 /// The table for users. Writing to a string cannot fail, so its results are dropped.
-pub fn markdown(results: &Results) -> String {
+pub fn markdown(results: &Table3Results) -> String {
     let mut out = String::new();
     let (noise, exposure, quality) = SPOILT;
     let quick = if results.quick { " --quick" } else { "" };
@@ -130,8 +133,8 @@ pub fn markdown(results: &Results) -> String {
         out,
         "{} of {} drops. The drops are a closed form's, rendered at 160 × 120 and tracked; every camera and every \
          training is new with the seed. Percent is the mean of |Δz| over the mean of |z|, run by run. Five rollouts. A \
-         spoilt film has noise of {noise} on every channel (of 255), a shutter open for {exposure} of the time between \
-         frames, and JPEG of quality {quality}. A film in which no ball is found counts as refused, and in no mean. The \
+         spoilt video has noise of {noise} on every channel (of 255), a shutter open for {exposure} of the time between \
+         frames, and JPEG of quality {quality}. A video in which no ball is found counts as refused, and in no mean. The \
          published rows Neural and VRNN are not here: their figures are not at hand.\n",
         counted_seeds(results.seeds),
         results.drops
@@ -151,9 +154,9 @@ pub fn markdown(results: &Results) -> String {
             format!("{cm} cm{percent}")
         });
         let goal = match (row.title.goal, row.met(&found)) {
-            (Some((cm, percent, _)), Some(met)) => {
+            (Some((cm, percent, _)), Some(is_met)) => {
                 let percent = percent.map_or(String::new(), |p| format!(", {p} %"));
-                format!("{cm} cm{percent}: {}", if met { "met" } else { "**missed**" })
+                format!("{cm} cm{percent}: {}", met(is_met))
             }
             _ => String::new(),
         };
@@ -168,7 +171,7 @@ pub fn markdown(results: &Results) -> String {
 }
 
 /// Writes `table3.md`, `table3.csv` and `table3.json`; none is ever half written.
-pub fn write(folder: &Path, results: &Results) -> Result<()> {
+pub fn write(folder: &Path, results: &Table3Results) -> Result<()> {
     let mut csv = "row,seed,drop,cm,percent,restitution\n".to_owned();
     for row in &results.rows {
         for (seed, drops) in row.seeds.iter().enumerate() {
@@ -178,11 +181,10 @@ pub fn write(folder: &Path, results: &Results) -> Result<()> {
             }
         }
     }
-    let json = format!("{:#}\n", as_json(results));
-    for (name, text) in [("table3.md", markdown(results)), ("table3.csv", csv), ("table3.json", json)] {
-        write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
-    Ok(())
+    write_all(
+        folder,
+        [("table3.md", markdown(results)), ("table3.csv", csv), ("table3.json", file_of(&as_json(results)))],
+    )
 }
 
 #[cfg(test)]
@@ -191,7 +193,7 @@ mod tests {
 
     #[test]
     fn one_seed_is_one() {
-        let text = |seeds| markdown(&Results { seed: 0, seeds, drops: 6, quick: true, rows: Vec::new() });
+        let text = |seeds| markdown(&Table3Results { seed: 0, seeds, drops: 6, quick: true, rows: Vec::new() });
         assert!(text(1).contains("\n1 seed of 6 drops.") && text(3).contains("\n3 seeds of 6 drops."), "{}", text(1));
     }
 }

@@ -9,7 +9,8 @@ use tunenet_formats::{load_model, save_model, train_file};
 use super::super::super::process;
 use super::super::super::resume::Store;
 use super::super::super::tuning::apex;
-use super::drops::{Drop, Drops};
+use super::drops::{Drops, RecordedDrop};
+use crate::goals::{Distance, POSITIONS, VIDEO_FITTED, VIDEO_NETWORK};
 use tunenet_video_protocol::synthetic::{Places, SyntheticTrack};
 
 /// Rollouts that each may spend.
@@ -17,64 +18,61 @@ const ROLLOUTS: usize = 5;
 
 /// A row of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Title {
+pub struct Table3Title {
     pub key: &'static str,
     pub words: &'static str,
-    /// Whether the film is spoilt.
+    /// Whether the video is spoilt.
     pub spoilt: bool,
     /// What the paper states, cm and percent.
     pub published: Option<(f64, Option<f64>)>,
     /// Greatest mean distance, cm, percent and error of the restitution that are aimed at.
-    pub goal: Option<(f64, Option<f64>, Option<f64>)>,
+    pub goal: Option<Distance>,
 }
 
-const fn row(key: &'static str, words: &'static str) -> Title {
-    Title { key, words, spoilt: false, published: None, goal: None }
+const fn row(key: &'static str, words: &'static str) -> Table3Title {
+    Table3Title { key, words, spoilt: false, published: None, goal: None }
 }
 
 /// What a tuner says of a drop.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Estimate {
+pub enum DropEstimate {
     Restitution(f64),
     /// Nothing is simulated at all.
     Nothing,
-    /// No ball was found in the film, or no fall.
+    /// No ball was found in the video, or no fall.
     Refused,
 }
 
 /// The networks of one seed.
-pub struct Tuners {
+pub struct DropTuners {
     gt_paper: Model,
     gt_default: Model,
     obs_paper: Model,
     obs_default: Model,
 }
 
-impl Tuners {
-    pub const ROWS: [Title; 14] = [
-        Title { published: Some((97.0, Some(100.0))), ..row("zero", "zero: nothing is predicted") },
-        Title { published: Some((13.8, None)), ..row("untuned", "the proposed restitution") },
-        Title { published: Some((0.7, Some(1.08))), ..row("gt_paper", "positions, preset `paper`") },
-        Title { goal: Some((0.05, None, None)), ..row("gt_default", "positions, preset `default`") },
-        Title { published: Some((5.7, Some(6.03))), ..row("obs_paper", "video, preset `paper`") },
-        Title {
-            goal: Some((1.3, Some(1.3), None)),
-            ..row("obs_network", "video, preset `default`, the network alone")
-        },
-        Title {
-            goal: Some((0.75, Some(0.75), Some(0.0025))),
+impl DropTuners {
+    pub const ROWS: [Table3Title; 14] = [
+        Table3Title { published: Some((97.0, Some(100.0))), ..row("zero", "zero: nothing is predicted") },
+        Table3Title { published: Some((13.8, None)), ..row("untuned", "the proposed restitution") },
+        Table3Title { published: Some((0.7, Some(1.08))), ..row("gt_paper", "positions, preset `paper`") },
+        Table3Title { goal: Some(POSITIONS), ..row("gt_default", "positions, preset `default`") },
+        Table3Title { published: Some((5.7, Some(6.03))), ..row("obs_paper", "video, preset `paper`") },
+        Table3Title { goal: Some(VIDEO_NETWORK), ..row("obs_network", "video, preset `default`, the network alone") },
+        Table3Title {
+            goal: Some(VIDEO_FITTED),
             ..row("obs_default", "video, preset `default`, the camera fitted as well")
         },
         row("apex_pixels", "video, apex rule on raw pixels"),
         row("apex_camera", "video, apex rule after the camera of the first fall"),
-        Title { spoilt: true, ..row("obs_paper_spoilt", "spoilt video, preset `paper`") },
-        Title { spoilt: true, ..row("obs_network_spoilt", "spoilt video, preset `default`, the network alone") },
-        Title {
+        Table3Title { spoilt: true, ..row("obs_paper_spoilt", "spoilt video, preset `paper`") },
+        Table3Title { spoilt: true, ..row("obs_network_spoilt", "spoilt video, preset `default`, the network alone") },
+        Table3Title {
             spoilt: true,
             ..row("obs_default_spoilt", "spoilt video, preset `default`, the camera fitted as well")
         },
-        Title { spoilt: true, ..row("apex_pixels_spoilt", "spoilt video, apex rule on raw pixels") },
-        Title {
+        Table3Title { spoilt: true, ..row("apex_pixels_spoilt", "spoilt video, apex rule on raw pixels") },
+        Table3Title {
             spoilt: true,
             ..row("apex_camera_spoilt", "spoilt video, apex rule after the camera of the first fall")
         },
@@ -91,22 +89,28 @@ impl Tuners {
     }
 
     /// The restitution, after at most [`ROLLOUTS`].
-    pub fn estimate(&self, key: &str, drops: &Drops, drop: &Drop, film: &SyntheticTrack) -> Result<Estimate> {
+    pub fn estimate(
+        &self,
+        key: &str,
+        drops: &Drops,
+        drop: &RecordedDrop,
+        video: &SyntheticTrack,
+    ) -> Result<DropEstimate> {
         let whole = Loop { iterations: ROLLOUTS, clamp: true, secant: true, best: true, library: true };
         let alone = Loop { secant: false, best: false, library: false, ..whole };
         match key {
-            "zero" => return Ok(Estimate::Nothing),
-            "untuned" => return Ok(Estimate::Restitution(drop.proposed)),
+            "zero" => return Ok(DropEstimate::Nothing),
+            "untuned" => return Ok(DropEstimate::Restitution(drop.proposed)),
             "gt_paper" => return along(drops, drop, &self.gt_paper, &drops.positions(drop)?, alone),
             "gt_default" => return along(drops, drop, &self.gt_default, &drops.positions(drop)?, whole),
             _ => {}
         }
-        let SyntheticTrack::Tracked(track) = film else { return Ok(Estimate::Refused) };
+        let SyntheticTrack::Tracked(track) = video else { return Ok(DropEstimate::Refused) };
         if key.starts_with("apex_pixels") {
-            return Ok(Estimate::Restitution(apex_of_pixels(drops, drop, track)));
+            return Ok(DropEstimate::Restitution(apex_of_pixels(drops, drop, track)));
         }
-        // A track in which no camera could see the fall is refused as a film without a ball is.
-        let Ok(seen) = drops.film(drop, track) else { return Ok(Estimate::Refused) };
+        // A track in which no camera could see the fall is refused as a video without a ball is.
+        let Ok(seen) = drops.video(drop, track) else { return Ok(DropEstimate::Refused) };
         match key.trim_end_matches("_spoilt") {
             "obs_paper" => along(drops, drop, &self.obs_paper, &seen, alone),
             "obs_network" => along(drops, drop, &self.obs_default, &seen, alone),
@@ -114,7 +118,7 @@ impl Tuners {
             "apex_camera" => {
                 let radius_m = drops.filmed.radius_m();
                 let heights: Vec<f64> = seen.seen.column(2).map(|z| z - radius_m).collect();
-                Ok(Estimate::Restitution(apex(drop.top_m - radius_m, drops.filmed.clock(), &heights)))
+                Ok(DropEstimate::Restitution(apex(drop.top_m - radius_m, drops.filmed.clock(), &heights)))
             }
             other => anyhow::bail!("`{other}` is no row of this table"),
         }
@@ -122,13 +126,13 @@ impl Tuners {
 }
 
 /// Where a network's loop ends.
-fn along(drops: &Drops, drop: &Drop, model: &Model, seen: &Prepared, how: Loop) -> Result<Estimate> {
+fn along(drops: &Drops, drop: &RecordedDrop, model: &Model, seen: &Prepared, how: Loop) -> Result<DropEstimate> {
     let walk = walk(drops.filmed.ball(), seen, model, &drops.start(drop, seen), how)?;
-    Ok(Estimate::Restitution(walk.point.parameters[0]))
+    Ok(DropEstimate::Restitution(walk.point.parameters[0]))
 }
 
 /// The apex rule as if pixels were heights: the deepest place seen is the floor, the first the top.
-fn apex_of_pixels(drops: &Drops, drop: &Drop, track: &Places) -> f64 {
+fn apex_of_pixels(drops: &Drops, drop: &RecordedDrop, track: &Places) -> f64 {
     let fall_m = drop.top_m - drops.filmed.radius_m();
     let floor = track.v_px.iter().copied().fold(f64::MIN, f64::max);
     let unit = fall_m / (floor - track.v_px[0]);

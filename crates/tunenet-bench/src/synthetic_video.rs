@@ -1,4 +1,4 @@
-//! Videos of simulated drops: rendered and tracked by the program that sees, in one go.
+//! Synthetic videos of drops: `tunenet-video` renders and tracks them in one run.
 
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -7,8 +7,11 @@ use tunenet_cli::files::programs;
 use anyhow::{Context, Result, bail};
 use tunenet_video_protocol::synthetic::{Order, SyntheticTrack};
 
-/// Renders and tracks what is ordered.
-pub fn films(order: &Order) -> Result<Vec<SyntheticTrack>> {
+/// Renders the videos of an order and tracks the ball in each.
+///
+/// # Errors
+/// Where `tunenet-video` does not start, fails, or answers with another number of tracks.
+pub fn tracks(order: &Order) -> Result<Vec<SyntheticTrack>> {
     let mut child = Command::new(programs::beside(programs::VIDEO)?)
         .arg("film")
         .stdin(Stdio::piped())

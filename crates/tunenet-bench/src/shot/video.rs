@@ -1,27 +1,27 @@
-//! From drops to what was seen of them.
+//! Drops to tracks: each drop is rendered as a video and the ball is tracked in it.
 
 use anyhow::Result;
 use tunenet_video_protocol::synthetic::{Order, Places, Spoilt, SyntheticTrack, Take};
 
-use super::super::rehearsal::films;
-use super::drop::Filmed;
+use super::super::synthetic_video;
+use super::drop::VideoDrop;
 use super::world::RADIUS_M;
 
 /// Standard deviation of the noise on every channel of every pixel, of 255.
 const NOISE: f64 = 4.0;
 
 /// Renders and tracks; `None` where no ball was found in the video.
-pub fn tracks(drops: &[Filmed], seed: u64) -> Result<Vec<Option<Places>>> {
-    let film = |d: &Filmed| Take {
+pub fn tracks(drops: &[VideoDrop], seed: u64) -> Result<Vec<Option<Places>>> {
+    let take = |d: &VideoDrop| Take {
         camera: d.camera.clone(),
         heights_m: d.path_m.iter().map(|x| x[2]).collect(),
         across_m: d.path_m.iter().map(|x| [x[0], x[1]]).collect(),
     };
     let spoilt = Spoilt { noise: NOISE, ..Spoilt::default() };
-    let order = Order { seed, radius_m: RADIUS_M, spoilt, films: drops.iter().map(film).collect() };
-    let tracked = |film| match film {
+    let order = Order { seed, radius_m: RADIUS_M, spoilt, films: drops.iter().map(take).collect() };
+    let tracked = |track| match track {
         SyntheticTrack::Tracked(places) => Some(places),
         SyntheticTrack::Refused(_) => None,
     };
-    Ok(films(&order)?.into_iter().map(tracked).collect())
+    Ok(synthetic_video::tracks(&order)?.into_iter().map(tracked).collect())
 }

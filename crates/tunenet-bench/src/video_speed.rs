@@ -1,4 +1,4 @@
-//! What `bench speed` says of videos: measured by the program that sees, and weighed from outside.
+//! Video figures of `bench speed`: `tunenet-video` measures the rates, this program measures its memory.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -10,20 +10,21 @@ use tunenet_video_protocol::speed::VideoSpeed;
 
 use super::process;
 
-/// Frames of the shorter 4K film, and of the longer one: past the frames that wait until it is known what to look for.
+/// Frames of the shorter 4K video and of the longer one. Both exceed the frames that are buffered while the ball's colour is
+/// detected, so that their peaks differ only if memory grows with length.
 const SHORT: usize = 60;
 const LONG: usize = 180;
 
 /// What was measured; nothing where no program reads videos here.
-pub struct Films(Option<Measured>);
+pub struct VideoFigures(Option<VideoMeasured>);
 
-struct Measured {
+struct VideoMeasured {
     speed: VideoSpeed,
-    /// Greatest memory while tracking the shorter and the longer film, bytes.
+    /// Greatest memory while tracking the shorter and the longer video, bytes.
     peaks: [Option<u64>; 2],
 }
 
-impl Films {
+impl VideoFigures {
     /// Makes videos in `folder` and tracks them.
     pub fn measure(folder: &Path) -> Result<Self> {
         let program = programs::beside(programs::VIDEO)?;
@@ -37,7 +38,7 @@ impl Films {
             .output()
             .with_context(|| format!("starting {}", program.display()))?;
         if !done.status.success() {
-            bail!("measuring films failed: {}", String::from_utf8_lossy(&done.stderr).trim());
+            bail!("measuring videos failed: {}", String::from_utf8_lossy(&done.stderr).trim());
         }
         let speed = serde_json::from_slice(&done.stdout).context("what tunenet-video answered")?;
         let mut peaks = [None; 2];
@@ -46,12 +47,12 @@ impl Films {
             process::run_program(&program, &["long-film", &path, &frames.to_string()])?;
             *peak = process::run_program(&program, &["track", &path])?.peak_bytes;
         }
-        Ok(Self(Some(Measured { speed, peaks })))
+        Ok(Self(Some(VideoMeasured { speed, peaks })))
     }
 
     pub fn rows(&self) -> Vec<Vec<String>> {
-        let Some(Measured { speed, peaks }) = &self.0 else {
-            return vec![vec!["films".into(), "nothing reads them here: `make build`".into()]];
+        let Some(VideoMeasured { speed, peaks }) = &self.0 else {
+            return vec![vec!["videos".into(), "tunenet-video is missing: `make build`".into()]];
         };
         let each_s = |value: f64| format!("{value:.0} frames/s");
         let (decode, both) = (speed.film.decode_frames_s, speed.film.track_frames_s);
@@ -62,7 +63,7 @@ impl Films {
             ("the same with noise and JPEG".into(), each_s(speed.render.noise_and_jpeg_frames_s)),
             ("track 160 × 120 px in memory, one core".into(), each_s(speed.track.frames_s)),
             ("its greatest distance from the projection".into(), format!("{:.3} px", speed.track.worst_px)),
-            ("decode a film of 1080p alone, all cores".into(), each_s(decode)),
+            ("decode a video of 1080p alone, all cores".into(), each_s(decode)),
             ("decode and track it, all cores".into(), format!("{} ({:.2} of decoding)", each_s(both), both / decode)),
             (
                 format!("greatest memory, {SHORT} and {LONG} frames of 4K"),
@@ -74,7 +75,7 @@ impl Films {
     }
 
     pub fn as_json(&self) -> Value {
-        let Some(Measured { speed, peaks }) = &self.0 else { return Value::Null };
+        let Some(VideoMeasured { speed, peaks }) = &self.0 else { return Value::Null };
         json!({
             "render": speed.render, "track": speed.track, "film": speed.film,
             "memory": { "frames": [SHORT, LONG], "peak_bytes": peaks },
