@@ -77,14 +77,14 @@ fn shifted_tiles(before: &Mat, after: &Mat, doubt: Doubt) -> opencv::Result<Opti
             }
         }
     }
-    let told = tiles.iter_mut().enumerate().filter(|(_, edges)| edges.len() >= FEWEST_EDGES);
-    Ok(share(told.map(|(tile, edges)| (tile, shifted(edges, doubt.moved)))))
+    let judged = tiles.iter_mut().enumerate().filter(|(_, edges)| edges.len() >= FEWEST_EDGES);
+    Ok(share(judged.map(|(tile, edges)| (tile, shifted(edges, doubt.moved)))))
 }
 
 /// The share of tiles, each by its number and whether it moved, that did; `None` where they are too few or too near together.
-fn share(told: impl Iterator<Item = (usize, bool)>) -> Option<f64> {
+fn share(judged: impl Iterator<Item = (usize, bool)>) -> Option<f64> {
     let (mut columns, mut count, mut moving) = ([false; TILES], 0usize, 0usize);
-    for (tile, moved) in told {
+    for (tile, moved) in judged {
         columns[tile % TILES] = true;
         count += 1;
         moving += usize::from(moved);
@@ -119,8 +119,8 @@ fn moved_tiles(before: &Mat, after: &Mat) -> opencv::Result<Option<f64>> {
             }
         }
     }
-    let told = tiles.iter().flatten().enumerate().filter(|(_, (edges, _))| *edges >= FEWEST_EDGES);
-    Ok(share(told.map(|(tile, (edges, moved))| (tile, *moved as f64 > MOVED_EDGES * *edges as f64))))
+    let judged = tiles.iter().flatten().enumerate().filter(|(_, (edges, _))| *edges >= FEWEST_EDGES);
+    Ok(share(judged.map(|(tile, (edges, moved))| (tile, *moved as f64 > MOVED_EDGES * *edges as f64))))
 }
 
 #[cfg(test)]
