@@ -9,7 +9,7 @@ use crate::process::programs::{GOOD, PENDULUM_SCENE, alive, gone, pendulum, prog
 
 /// Nothing of a file is run without the flag, whatever the file and the command line say.
 #[test]
-fn no_file_is_run_without_leave() {
+fn no_file_is_run_without_permission() {
     let folder = pendulum();
     let evil = PENDULUM_SCENE.replace("command = [\"python3\", \"pendulum.py\"]", "command = [\"touch\", \"ran\"]");
     folder.write(

@@ -119,12 +119,12 @@ impl Drawn {
             let truth = self.parameters(random);
             let proposed = self.parameters(random);
             let Some(prepared) = self.recording(&truth, random) else { continue };
-            let (own, clock) = (prepared.nuisance_values(), prepared.seen.clock().to_vec());
-            if let Ok(rolled) = rollout(&self.ball, &proposed, &own, &clock) {
+            let (nuisances, clock) = (prepared.nuisance_values(), prepared.seen.clock().to_vec());
+            if let Ok(rolled) = rollout(&self.ball, &proposed, &nuisances, &clock) {
                 return Ok(Pair {
                     proposed_parameters: proposed,
                     target_parameters: truth,
-                    own,
+                    own: nuisances,
                     scale: prepared.scale,
                     proposed: rolled,
                     target: prepared.seen.values().to_vec(),
@@ -174,9 +174,9 @@ impl Drawn {
             start[2] = floor + radius + height;
         }
         start = release.position_m.unwrap_or(start);
-        let own = [&start[..], &velocity[..], &[floor]].concat();
+        let nuisances = [&start[..], &velocity[..], &[floor]].concat();
 
-        let (scene, state, _) = self.open.world(truth, &own);
+        let (scene, state, _) = self.open.world(truth, &nuisances);
         let count = random.random_range(bounces.0..=bounces.1);
         let impacts = impact_times(&scene, &state, 0.0, count + 1).ok()?;
         let last = *impacts.get(count - 1).or(impacts.last())?;
@@ -202,7 +202,7 @@ impl Drawn {
         // A rollout starts at the first instant of its clock: the release itself goes in front.
         let exact = clock[first] == 0.0;
         let free: Vec<f64> = (!exact).then_some(0.0).into_iter().chain(clock[first..].iter().copied()).collect();
-        let rolled = rollout(&self.open, truth, &own, &free).ok()?;
+        let rolled = rollout(&self.open, truth, &nuisances, &free).ok()?;
         let seen = rolled.chunks_exact(3).skip(usize::from(!exact));
         let held = std::iter::repeat_n(&start[..], first);
         let deviation = noise * fall * random.random::<f64>();

@@ -44,7 +44,7 @@ pub use observed_ball::ObservedBall;
 pub use process::{ProcessSimulator, Session};
 pub use replayed_arm::ReplayedArm;
 pub use simulation_file::SimulationFile;
-pub use video_ball::FilmedBall;
+pub use video_ball::VideoBall;
 
 /// The code of the book's page on embedding, compiled and run with the doctests.
 #[cfg(doctest)]

@@ -8,7 +8,7 @@ use tunenet_formats::kind_name;
 use crate::process::Session;
 use crate::replayed_arm::{replayed, replays};
 use crate::simulation_file::Domain;
-use crate::{FilmedBall, ObservedArm, ObservedBall, ProcessSimulator, SimulationFile};
+use crate::{ObservedArm, ObservedBall, ProcessSimulator, SimulationFile, VideoBall};
 
 /// The simulator that `file` describes, observed as `kind`: its physical effects in the world, its effects of the
 /// measurement around it. Those that this kind of observation cannot show are passed over. A program of the user's runs within
@@ -37,7 +37,7 @@ pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result
         (Domain::Ball, _) => {}
     }
     if kind == Kind::Pixels {
-        return Ok(Box::new(FilmedBall::new(file)?));
+        return Ok(Box::new(VideoBall::new(file)?));
     }
     around(file, ObservedBall::new(file, kind)?)
 }

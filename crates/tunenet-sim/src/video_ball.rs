@@ -10,7 +10,7 @@ use crate::findings;
 use crate::scene::BallScene;
 use crate::{ObservedBall, SimulationFile};
 
-/// Own unknowns of the camera, behind those of the ball.
+/// Nuisance parameters of the camera, behind those of the ball.
 const CAMERA: usize = 3;
 
 /// A dropped ball, observed as pixels.
@@ -20,12 +20,12 @@ const CAMERA: usize = 3;
 /// leaves uncertain of the camera is fitted with the rest: three unknowns of each recording, which bring the simulated
 /// heights to `(f z + o) / (p z + 1)`. A camera that sees the ball move sideways is none for this.
 #[derive(Debug, Clone)]
-pub struct FilmedBall {
+pub struct VideoBall {
     ball: ObservedBall,
     start_s: f64,
 }
 
-impl FilmedBall {
+impl VideoBall {
     /// The ball of `file`.
     ///
     /// # Errors
@@ -48,7 +48,7 @@ impl FilmedBall {
     }
 }
 
-impl Simulator for FilmedBall {
+impl Simulator for VideoBall {
     fn parameters(&self) -> &[Parameter] {
         self.ball.parameters()
     }
@@ -66,7 +66,7 @@ impl Simulator for FilmedBall {
             let (expected, found) = (Kind::Pixels.name().into(), kind_name(seen.kind()).into());
             return Err(Error::Observation { what: "the observation".into(), expected, found });
         }
-        let scale = self.ball.scale(&self.ball.own_at_rest(self.start_s), self.start_s);
+        let scale = self.ball.scale(&self.ball.nuisances_at_rest(self.start_s), self.start_s);
         let v_px: Vec<f64> = seen.column(1).collect();
         let Some(camera) = LineCamera::of_fall(seen.clock(), &v_px, &scale) else {
             let note = Note::new(
@@ -99,9 +99,15 @@ impl Simulator for FilmedBall {
         Vec::new()
     }
 
-    fn rollout(&self, p: &[f64], own: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
-        let Some((ball, [stretch, rise, perspective])) = own.split_last_chunk::<CAMERA>() else {
-            return Err(format!("{} own unknowns are too few", own.len()));
+    fn rollout(
+        &self,
+        p: &[f64],
+        nuisances: &[f64],
+        clock: &[f64],
+        values: &mut [f64],
+    ) -> std::result::Result<(), String> {
+        let Some((ball, [stretch, rise, perspective])) = nuisances.split_last_chunk::<CAMERA>() else {
+            return Err(format!("{} nuisance parameters are too few", nuisances.len()));
         };
         self.ball.rollout(p, ball, clock, values)?;
         for row in values.chunks_exact_mut(3) {
@@ -119,7 +125,7 @@ impl Simulator for FilmedBall {
 mod tests {
     use super::*;
     use crate::simulation_file::LeftOpen;
-    use crate::video_drops::FilmedDrops;
+    use crate::video_drops::VideoDrops;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use std::path::Path;
@@ -137,14 +143,14 @@ mod tests {
     fn restitution_comes_out_of_pixels_without_a_scale() {
         let mut open = file(4.0);
         open.leave_open(&[LeftOpen::ReleaseHeight]);
-        let drops = FilmedDrops::new(&open).unwrap();
+        let drops = VideoDrops::new(&open).unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(11);
         for restitution in [0.35, 0.6] {
             let positions = drops.roll(restitution, 4.5).unwrap();
             let camera = drops.camera(4.5, &mut random).unwrap();
             let pixels = drops.appears(&camera, &positions, &mut random).unwrap();
-            let seen = Observation::new(Kind::Pixels, FilmedDrops::channels(), drops.clock().to_vec(), pixels).unwrap();
-            let ball = FilmedBall::new(&file(4.0)).unwrap();
+            let seen = Observation::new(Kind::Pixels, VideoDrops::channels(), drops.clock().to_vec(), pixels).unwrap();
+            let ball = VideoBall::new(&file(4.0)).unwrap();
             let outcome = tune(&ball, &[seen], None, &Settings::default()).unwrap();
             assert_eq!(outcome.verdict, Verdict::Tuned, "{:?}", outcome.notes);
             let found = &outcome.parameters[0];
@@ -156,6 +162,6 @@ mod tests {
     fn a_release_left_to_the_data_is_refused() {
         let mut open = file(4.0);
         open.leave_open(&[LeftOpen::ReleaseHeight]);
-        assert!(FilmedBall::new(&open).unwrap_err().to_string().contains("release.height_m"));
+        assert!(VideoBall::new(&open).unwrap_err().to_string().contains("release.height_m"));
     }
 }

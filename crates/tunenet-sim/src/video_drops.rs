@@ -26,14 +26,14 @@ const MOST_DRAWS: usize = 1000;
 
 /// Drops of one ball from rest, each from a height of its own, in front of an uncalibrated camera.
 #[derive(Debug, Clone)]
-pub struct FilmedDrops {
+pub struct VideoDrops {
     ball: ObservedBall,
     radius_m: f64,
     floor_m: f64,
     clock: Vec<f64>,
 }
 
-impl FilmedDrops {
+impl VideoDrops {
     /// Drops of `file`'s ball, which is let go at the record's first instant; the file has to leave the height of release
     /// open.
     ///
@@ -128,13 +128,13 @@ impl FilmedDrops {
     /// As [`camera`](Self::camera) and [`roll`](Self::roll).
     pub fn pair(&self, proposed: f64, target: f64, top_m: f64, random: &mut ChaCha8Rng) -> Result<Pair> {
         let friction = self.ball.parameters()[1].value;
-        let own = vec![0.0, 0.0, top_m];
+        let nuisances = vec![0.0, 0.0, top_m];
         let camera = self.camera(top_m, random)?;
         Ok(Pair {
             proposed_parameters: vec![proposed, friction],
             target_parameters: vec![target, friction],
             scale: Some(self.scale(top_m)),
-            own,
+            own: nuisances,
             proposed: self.roll(proposed, top_m)?,
             target: self.appears(&camera, &self.roll(target, top_m)?, random)?,
             clock: Vec::new(),
@@ -146,8 +146,8 @@ impl FilmedDrops {
     /// # Errors
     /// [`Error::Observation`] where the track is no such drop.
     pub fn prepared(&self, top_m: f64, pixels: Vec<f64>) -> Result<Prepared> {
-        let film = Observation::new(Kind::Pixels, Self::channels(), self.clock.clone(), pixels)?;
-        let v_px: Vec<f64> = film.column(1).collect();
+        let video = Observation::new(Kind::Pixels, Self::channels(), self.clock.clone(), pixels)?;
+        let v_px: Vec<f64> = video.column(1).collect();
         let scale = self.scale(top_m);
         let camera = LineCamera::of_fall(&self.clock, &v_px, &scale).ok_or_else(|| Error::Observation {
             what: "the track".into(),
@@ -156,7 +156,7 @@ impl FilmedDrops {
         })?;
         let rows: Vec<[f64; 3]> = v_px.iter().map(|v| [0.0, 0.0, camera.height(*v)]).collect();
         let seen = Observation::positions(self.clock.clone(), &rows)?;
-        Ok(Prepared { film: Some(film), ..self.known(top_m, seen)? })
+        Ok(Prepared { film: Some(video), ..self.known(top_m, seen)? })
     }
 
     /// Positions of a drop from a known height.
@@ -186,11 +186,11 @@ mod tests {
     use rand::SeedableRng;
     use std::path::Path;
 
-    fn drops() -> FilmedDrops {
+    fn drops() -> VideoDrops {
         let text = include_str!("../../../assets/ball_easy.toml");
         let mut file = SimulationFile::parse(Path::new("ball_easy.toml"), text).unwrap();
         file.leave_open(&[LeftOpen::ReleaseHeight]);
-        FilmedDrops::new(&file).unwrap()
+        VideoDrops::new(&file).unwrap()
     }
 
     #[test]

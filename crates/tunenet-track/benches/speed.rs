@@ -9,7 +9,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use opencv::core::{CV_8UC3, Mat, Point, Scalar, Size};
 use opencv::imgproc::{FILLED, LINE_AA, circle};
 use opencv::videoio::{VideoWriter, VideoWriterTrait};
-use tunenet_track::ball_colour::scout;
+use tunenet_track::ball_colour::detect_ball;
 use tunenet_track::track::Settings;
 use tunenet_track::tracker::Tracker;
 use tunenet_track::view::View;
@@ -30,7 +30,7 @@ fn picture(size: (i32, i32), radius: i32, frame: usize) -> Mat {
 
 fn small_pictures(criterion: &mut Criterion) {
     let pictures: Vec<Mat> = (0..400).map(|frame| picture((160, 120), 6, frame)).collect();
-    let scene = scout(&pictures[..48], None).expect("OpenCV").expect("a ball");
+    let scene = detect_ball(&pictures[..48], None).expect("OpenCV").expect("a ball");
     let mut group = criterion.benchmark_group("track");
     group.throughput(Throughput::Elements(pictures.len() as u64));
     group.bench_function("160x120", |bencher| {

@@ -47,12 +47,12 @@ pub struct Scene {
     pub(crate) seen_share: f64,
 }
 
-/// Scouts `frames`, small pictures of the whole video in blue, green and red, for the ball, of colour `window` where that is
+/// Examines `frames`, small pictures of the whole video in blue, green and red, for the ball, of colour `window` where that is
 /// known.
 ///
 /// # Errors
 /// Where OpenCV fails.
-pub fn scout(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
+pub fn detect_ball(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
     // Motion is detected in pictures with less noise; colours are the ball's own.
     let smooth: Vec<Mat> = frames.par_iter().map(smoothed).collect::<opencv::Result<_>>()?;
     let background = median_picture(frames)?;

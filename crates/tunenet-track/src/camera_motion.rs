@@ -17,7 +17,7 @@ const MOST: f64 = 0.5;
 
 /// Leaves out of `answer` what was seen while the camera was displaced from its usual position; an answer without a track is the
 /// camera's doing where that was often.
-pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result<Answer> {
+pub(crate) fn without_camera_motion(answer: Answer, samples: &Samples) -> opencv::Result<Answer> {
     let placed = samples.placed();
     let doubt = if matches!(answer, Answer::Tracked(_)) { SURELY } else { LIKELY };
     // A median of pictures of a camera that moved has no edges, so single ones are compared.
@@ -58,17 +58,17 @@ fn leave_out(track: &mut Track, places: &[usize], away: &[bool]) {
         let before = next.checked_sub(1).is_some_and(|i| away[i]);
         if exactly { after } else { before || after }
     };
-    let bumped: Vec<usize> = (0..frames).filter(|&frame| shaken(frame)).collect();
-    let (Some(first), Some(last)) = (bumped.first(), bumped.last()) else { return };
+    let moved_frames: Vec<usize> = (0..frames).filter(|&frame| shaken(frame)).collect();
+    let (Some(first), Some(last)) = (moved_frames.first(), moved_frames.last()) else { return };
     let time = |frame: usize| frame as f64 / track.rate_hz;
     let back = *last + 1 < frames && *first > 0;
     let how = if back { "and came back" } else { "and did not come back" };
-    let stays = |s: &crate::tracker::Sighting| bumped.binary_search(&s.frame).is_err();
+    let stays = |s: &crate::tracker::Sighting| moved_frames.binary_search(&s.frame).is_err();
     if 2 * track.sightings.iter().filter(|s| stays(s)).count() > track.sightings.len() {
         track.sightings.retain(stays);
     }
     let became = if track.sightings.iter().all(stays) {
-        format!("{} frames are left out of the track", bumped.len())
+        format!("{} frames are left out of the track", moved_frames.len())
     } else {
         "the ball is only seen there, which is used".to_owned()
     };

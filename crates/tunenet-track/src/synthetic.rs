@@ -8,7 +8,7 @@ use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 use tunenet_video_protocol::synthetic::{Places, Spoilt, SyntheticTrack, Take};
 use tunenet_video_protocol::track::Unseen;
 
-use crate::ball_colour::{Scene, scout};
+use crate::ball_colour::{Scene, detect_ball};
 use crate::render::{Look, Renderer};
 use crate::samples::Samples;
 use crate::tracker::{Sighting, Tracker};
@@ -67,7 +67,7 @@ pub fn scene(pictures: &[Mat]) -> opencv::Result<Result<Scene, Unseen>> {
     for (i, picture) in pictures.iter().enumerate() {
         samples.push(i, picture, Some(pictures.len()))?;
     }
-    scout(samples.telling(), None)
+    detect_ball(samples.telling(), None)
 }
 
 /// Tracks pictures as those of a video are: the ball's colour found by itself, then frame after frame. `None` for a frame that
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_that_lies_still_for_most_of_the_film_is_found() {
+    fn a_ball_that_lies_still_for_most_of_the_video_is_found() {
         let fall = |i: u32| 0.5 + 3.5 * (1.0 - f64::from(i) / 70.0).max(0.0) * (f64::from(i) / 20.0).cos().abs();
         let take = Take { heights_m: (0..400).map(fall).collect(), ..take() };
         found(&take, &Spoilt::default());

@@ -41,8 +41,8 @@ pub(crate) fn lasting(clock: &[f64], axes: [&[f64]; 3], kinks: &[usize], half: u
         let begin = kept.iter().filter(|&&other| other < k).max().map_or(0, |other| other + 1);
         let end = kept.iter().filter(|&&other| other > k).min().map_or(clock.len(), |other| other + 1);
         let (before, after) = ((k + 1 - begin).min(WIDER * half), (end - k - 1).min(WIDER * half));
-        let told = before.min(after) >= LEAST_WIDER * half;
-        let wide = if told { around(k, before, after) } else { None };
+        let enough = before.min(after) >= LEAST_WIDER * half;
+        let wide = if enough { around(k, before, after) } else { None };
         if wide.is_none_or(|wide| dot(&wide, &narrow) >= KEPT * square) {
             kept.push(k);
         }

@@ -12,14 +12,14 @@ use tunenet_core::simulator::Scale;
 use crate::{Error, Result};
 
 /// Newest version of the dataset's format. Raised whenever an older program would misread a newer file.
-pub const DATASET_VERSION: u32 = FILMED;
+pub const DATASET_VERSION: u32 = TARGET_CHANNELS;
 
 /// One clock, in the header, for all pairs.
 const ONE_CLOCK: u32 = 1;
 /// An empty clock in the header, and one in every pair.
 const CLOCKS_IN_PAIRS: u32 = 2;
 /// One clock for all pairs, and targets that are observed on channels of their own.
-const FILMED: u32 = 3;
+const TARGET_CHANNELS: u32 = 3;
 
 pub(crate) const DATASET_TOPIC: &str = "/dataset";
 pub(crate) const PAIR_TOPIC: &str = "/pair";
@@ -140,7 +140,7 @@ impl From<ClockedPair> for Pair {
     }
 }
 
-/// The header as it stands in the file: [`DATASET_DEFINITION`], followed by [`TARGET_DEFINITION`] from version [`FILMED`] on.
+/// The header as it stands in the file: [`DATASET_DEFINITION`], followed by [`TARGET_DEFINITION`] from version [`TARGET_CHANNELS`] on.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct HeaderMessage {
     shared: Shared,
@@ -192,7 +192,7 @@ impl<'de> Deserialize<'de> for HeaderMessage {
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut parts: A) -> std::result::Result<HeaderMessage, A::Error> {
                 let shared: Shared = parts.next_element()?.ok_or_else(|| A::Error::invalid_length(0, &self))?;
-                let targets = if shared.version == FILMED {
+                let targets = if shared.version == TARGET_CHANNELS {
                     parts.next_element()?.ok_or_else(|| A::Error::invalid_length(1, &self))?
                 } else {
                     Targets::default()
@@ -210,7 +210,7 @@ impl From<&DatasetHeader> for HeaderMessage {
         let (channel_names, channel_units) = names_and_units(&header.channels);
         let shared = Shared {
             version: match (header.target_channels.is_empty(), header.clock.is_empty()) {
-                (false, _) => FILMED,
+                (false, _) => TARGET_CHANNELS,
                 (true, true) => CLOCKS_IN_PAIRS,
                 (true, false) => ONE_CLOCK,
             },
@@ -253,7 +253,7 @@ impl HeaderMessage {
         {
             return Err(Error::file(path, "expected lists of equal length in the dataset's header, found others", ""));
         }
-        if shared.version == FILMED && targets.are_none() {
+        if shared.version == TARGET_CHANNELS && targets.are_none() {
             return Err(Error::file(path, "expected what the targets observe in the dataset's header, found none", ""));
         }
         let parameters = (0..n).map(|i| CoveredParameter {

@@ -23,7 +23,7 @@ pub struct Contact {
     /// How much a rolling ball slows down, as a share of the acceleration that presses it onto the surface; 0 or more.
     pub rolling_resistance: f64,
     /// By how much the normal is turned at each impact, in order: about x, then y, rad. Level where there are no more.
-    pub kicks_rad: Vec<[f64; 2]>,
+    pub tilts_rad: Vec<[f64; 2]>,
 }
 
 impl Contact {
@@ -34,7 +34,7 @@ impl Contact {
         within("tangential_loss", self.tangential_loss, 0.0, 2.0)?;
         within("duration_s", self.duration_s, 0.0, 10.0)?;
         within("rolling_resistance", self.rolling_resistance, 0.0, GREATEST)?;
-        self.kicks_rad.iter().flatten().try_for_each(|angle| within("kicks_rad", *angle, -1.0, 1.0))
+        self.tilts_rad.iter().flatten().try_for_each(|angle| within("tilts_rad", *angle, -1.0, 1.0))
     }
 }
 

@@ -27,7 +27,7 @@ pub struct World {
     field: Field,
     law: Law,
     /// How each impact's normal is turned about x and y, rad.
-    kicks_rad: Vec<[f64; 2]>,
+    tilts_rad: Vec<[f64; 2]>,
     /// The present piece of motion and when it started.
     path: Path,
     started_s: f64,
@@ -81,7 +81,7 @@ impl World {
             ball,
             field,
             law: scene.law(),
-            kicks_rad: scene.contact.kicks_rad.clone(),
+            tilts_rad: scene.contact.tilts_rad.clone(),
             path: Path::flight(motion, &field),
             started_s: start_time_s,
             until: f64::INFINITY,
@@ -192,8 +192,8 @@ impl World {
     /// One impact, at its instant.
     fn strike(&mut self, mut motion: Motion, touch: &Gap) -> Motion {
         let radius = self.ball.radius;
-        let kick = self.kicks_rad.get(self.impacts.len()).filter(|kick| **kick != [0.0; 2]);
-        let struck = kick.map_or(touch.normal, |kick| turned(touch.normal, *kick));
+        let tilt = self.tilts_rad.get(self.impacts.len()).filter(|tilt| **tilt != [0.0; 2]);
+        let struck = tilt.map_or(touch.normal, |tilt| turned(touch.normal, *tilt));
         let approach = -struck.dot(motion.v);
         if approach > 0.0 {
             let coefficients = self.law.at(approach);

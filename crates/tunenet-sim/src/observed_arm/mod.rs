@@ -153,7 +153,7 @@ impl Simulator for ObservedArm {
     fn rollout(
         &self,
         parameters: &[f64],
-        _own: &[f64],
+        _nuisances: &[f64],
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String> {

@@ -16,14 +16,15 @@ const SCATTER: &str = "bounce_scatter";
 /// What the spin of a throw does in the air.
 const SPIN: &str = "magnus";
 /// How far a bounce may turn the normal, rad, and at how many bounces of a record it may; later ones are next to rest.
-const GREATEST_KICK_RAD: f64 = 0.5;
-const MOST_KICKS: usize = 12;
+const GREATEST_TILT_RAD: f64 = 0.5;
+const MOST_TILTS: usize = 12;
 
 impl ObservedBall {
     /// Those that are not there, and that this kind of observation can show.
     pub(super) fn absent_effects(&self) -> Vec<Effect> {
         let present = |name| {
-            self.fixed.iter().any(|(e, _)| e.name == name) || self.free.iter().chain(&self.own).any(|e| e.name == name)
+            self.fixed.iter().any(|(e, _)| e.name == name)
+                || self.free.iter().chain(&self.per_recording).any(|e| e.name == name)
         };
         ALL.iter().filter(|e| !present(e.name) && self.can_take(e)).map(|e| e.entry(&self.body)).collect()
     }
@@ -58,13 +59,14 @@ impl ObservedBall {
     pub(super) fn spinning(&self) -> Option<Self> {
         let unknown = self.absent_effects().iter().any(|e| e.name == SPIN) && self.release.spin_rad_s.is_none();
         let effect = BallEffect::find(SPIN).filter(|_| unknown)?;
-        Some(Self { own: vec![effect], ..self.clone() })
+        Some(Self { per_recording: vec![effect], ..self.clone() })
     }
 
     /// The same ball, let go with an unknown spin about the axes along the surface, to which contacts answer; `None` where
     /// spin is known or does not show.
     pub(super) fn let_go_spinning(&self) -> Option<Self> {
-        let unknown = self.kind == Kind::Positions && self.release.spin_rad_s.is_none() && self.own.is_empty();
+        let unknown =
+            self.kind == Kind::Positions && self.release.spin_rad_s.is_none() && self.per_recording.is_empty();
         let spins = [0, 1].map(Unknown::Spin);
         let all = self.unknown.iter().copied().chain(spins).collect();
         unknown.then(|| Self { unknown: all, ..self.clone() })
@@ -72,7 +74,7 @@ impl ObservedBall {
 
     /// Puts the effects into the scene: the file's, those with these coefficients, and the tilts of single bounces,
     /// which follow a recording's other unknowns.
-    pub(super) fn apply_effects(&self, scene: &mut Scene, mut coefficients: &[f64], own: &[f64]) {
+    pub(super) fn apply_effects(&self, scene: &mut Scene, mut coefficients: &[f64], nuisances: &[f64]) {
         for (effect, values) in &self.fixed {
             (effect.apply)(scene, values);
         }
@@ -81,15 +83,14 @@ impl ObservedBall {
             (effect.apply)(scene, values);
             coefficients = rest;
         }
-        let mut own = own.get(self.unknown.len()..).unwrap_or_default();
-        for effect in &self.own {
-            let Some((values, rest)) = own.split_at_checked(effect.coefficients.len()) else { break };
+        let mut nuisances = nuisances.get(self.unknown.len()..).unwrap_or_default();
+        for effect in &self.per_recording {
+            let Some((values, rest)) = nuisances.split_at_checked(effect.coefficients.len()) else { break };
             (effect.apply)(scene, values);
-            own = rest;
+            nuisances = rest;
         }
-        if !own.is_empty() {
-            let kicks = own;
-            scene.contact.kicks_rad = kicks.chunks_exact(2).map(|kick| [kick[0], kick[1]]).collect();
+        if !nuisances.is_empty() {
+            scene.contact.tilts_rad = nuisances.chunks_exact(2).map(|tilt| [tilt[0], tilt[1]]).collect();
         }
     }
 
@@ -103,14 +104,14 @@ impl ObservedBall {
                 *silent = None;
             }
         }
-        for effect in &self.own {
+        for effect in &self.per_recording {
             let entry = effect.entry(&self.body);
             for (parameter, (low, high)) in entry.parameters(None)?.into_iter().zip(&entry.plausible) {
                 prepared.nuisances.push(Parameter::new(parameter.name, parameter.unit, parameter.value, *low, *high)?);
             }
         }
         if self.scatters() {
-            prepared.nuisances.extend(self.kicks(&prepared.seen)?);
+            prepared.nuisances.extend(self.tilts(&prepared.seen)?);
         }
         Ok(Preparation::Usable(prepared))
     }
@@ -120,7 +121,7 @@ impl ObservedBall {
         // Beside a tuned coefficient of friction its addition is the same thing twice.
         let twin = effect.name == "bounce_friction"
             && self.parameters.iter().any(|p| p.name == BallParameters::FRICTION && p.tune);
-        !twin && (effect.heard || self.kind == Kind::Positions)
+        !twin && (effect.shows_in_bounce_times || self.kind == Kind::Positions)
     }
 
     /// Whether a recording's nuisance parameters include the tilt of the normal at each bounce.
@@ -130,10 +131,10 @@ impl ObservedBall {
     }
 
     /// The tilts of the normal as nuisance parameters: about x and y, for each bounce of the record.
-    fn kicks(&self, seen: &Observation) -> Result<Vec<Parameter>> {
+    fn tilts(&self, seen: &Observation) -> Result<Vec<Parameter>> {
         let bounces = Arcs::cut(seen, self.scene.gravity_m_s2).map_or(0, |arcs| arcs.contacts.len());
         let name = |bounce: usize, axis: &str| format!("bounce.{}.tilt_about_{axis}", bounce + 1);
-        let each = (0..bounces.min(MOST_KICKS)).flat_map(|bounce| [name(bounce, "x"), name(bounce, "y")]);
-        each.map(|name| Parameter::new(name, "rad", 0.0, -GREATEST_KICK_RAD, GREATEST_KICK_RAD)).collect()
+        let each = (0..bounces.min(MOST_TILTS)).flat_map(|bounce| [name(bounce, "x"), name(bounce, "y")]);
+        each.map(|name| Parameter::new(name, "rad", 0.0, -GREATEST_TILT_RAD, GREATEST_TILT_RAD)).collect()
     }
 }

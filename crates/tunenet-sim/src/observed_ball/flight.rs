@@ -14,11 +14,11 @@ const NOWHERE_M: f64 = -1e6;
 
 impl ObservedBall {
     /// The same ball without a surface. `None` where contacts are all that is observed of it.
-    pub(super) fn aloft(&self) -> Option<Self> {
+    pub(super) fn flight_only(&self) -> Option<Self> {
         let release = Release::default();
         let unknown = unknown_start(&release, Some(NOWHERE_M));
         let surface_height_m = Some(NOWHERE_M);
-        let ball = Self { release, unknown, surface_height_m, aloft: true, ..self.clone() };
+        let ball = Self { release, unknown, surface_height_m, flight_only: true, ..self.clone() };
         (self.kind == Kind::Positions).then_some(ball)
     }
 
@@ -31,11 +31,11 @@ impl ObservedBall {
             (2.0 * self.scene.gravity_m_s2 * reach).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
         let guesses =
             (0..3).map(|axis| (arcs.start_m[axis], reach)).chain((0..3).map(|axis| (arcs.start_m_s[axis], fastest)));
-        let own = self.unknown.iter().zip(guesses).map(|(unknown, (value, reach))| {
+        let nuisances = self.unknown.iter().zip(guesses).map(|(unknown, (value, reach))| {
             let (name, unit) = unknown.name();
             Parameter::new(name, unit, value, value - reach, value + reach)
         });
-        prepared.nuisances = own.collect::<Result<_>>()?;
+        prepared.nuisances = nuisances.collect::<Result<_>>()?;
         prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);
         prepared.silent.fill(Some(Note::new(findings::CONTACT_NONE, "a flight does not depend on contacts", "")));
         Ok(Preparation::Usable(Box::new(prepared)))

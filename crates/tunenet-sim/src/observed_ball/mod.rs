@@ -42,7 +42,7 @@ impl Unknown {
 
 /// A ball's simulation file, observed as positions or as bounce times.
 ///
-/// Own unknowns of a recording of positions are whatever the file leaves out of the start position, the start velocity and
+/// Nuisance parameters of a recording of positions are whatever the file leaves out of the start position, the start velocity and
 /// the surface's height; of bounce times, the height of the first fall and its instant. A record is cut at blows and,
 /// where the release is unknown, to the samples after it.
 #[derive(Debug, Clone)]
@@ -59,11 +59,11 @@ pub struct ObservedBall {
     fixed: Vec<(BallEffect, Vec<f64>)>,
     /// Effects whose coefficients follow the parameters.
     free: Vec<BallEffect>,
-    /// Effects whose coefficients are every recording's own.
-    own: Vec<BallEffect>,
+    /// Effects whose coefficients every recording has for itself, as nuisance parameters.
+    per_recording: Vec<BallEffect>,
     forced: bool,
     /// Whether there is no surface.
-    aloft: bool,
+    flight_only: bool,
 }
 
 impl ObservedBall {
@@ -94,8 +94,8 @@ impl ObservedBall {
         let scene = ball.simulated();
         let body = ball.body();
         let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
-        let (free, own) = (Vec::new(), Vec::new());
-        let (forced, aloft) = (false, false);
+        let (free, per_recording) = (Vec::new(), Vec::new());
+        let (forced, flight_only) = (false, false);
         Ok(Self {
             scene,
             release,
@@ -107,9 +107,9 @@ impl ObservedBall {
             body,
             fixed,
             free,
-            own,
+            per_recording,
             forced,
-            aloft,
+            flight_only,
         })
     }
 
@@ -121,16 +121,16 @@ impl ObservedBall {
 
     /// How a recording with these nuisance parameters starts.
     #[must_use]
-    pub fn start(&self, own: &[f64]) -> State {
+    pub fn start(&self, nuisances: &[f64]) -> State {
         let parameters: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
-        self.world(&parameters, own).1
+        self.world(&parameters, nuisances).1
     }
 
     /// The scene with these parameters, and the start with these nuisance parameters.
-    pub(crate) fn world(&self, parameters: &[f64], own: &[f64]) -> (Scene, State, f64) {
+    pub(crate) fn world(&self, parameters: &[f64], nuisances: &[f64]) -> (Scene, State, f64) {
         let (BallParameters { restitution, friction }, coefficients) = BallParameters::split(parameters);
         let mut scene = Scene { friction, restitution, ..self.scene.clone() };
-        self.apply_effects(&mut scene, coefficients, own);
+        self.apply_effects(&mut scene, coefficients, nuisances);
         let mut start = State {
             position_m: self.release.position_m.unwrap_or_default(),
             velocity_m_s: self.release.velocity_m_s.unwrap_or_default(),
@@ -139,7 +139,7 @@ impl ObservedBall {
         let mut height = self.release.height_m;
         let mut time_s = self.release.time_s.unwrap_or(0.0);
         scene.surface_height_m = self.surface_height_m.unwrap_or(0.0);
-        for (unknown, &value) in self.unknown.iter().zip(own) {
+        for (unknown, &value) in self.unknown.iter().zip(nuisances) {
             match *unknown {
                 Unknown::Position(axis) => start.position_m[axis] = value,
                 Unknown::Velocity(axis) => start.velocity_m_s[axis] = value,
@@ -160,7 +160,7 @@ impl ObservedBall {
 
     /// The nuisance parameters of a rollout that is not compared with anything: let go at `time_s` above the origin.
     #[must_use]
-    pub fn own_at_rest(&self, time_s: f64) -> Vec<f64> {
+    pub fn nuisances_at_rest(&self, time_s: f64) -> Vec<f64> {
         self.unknown.iter().map(|u| if *u == Unknown::Time { time_s } else { 0.0 }).collect()
     }
 
@@ -168,8 +168,8 @@ impl ObservedBall {
     ///
     /// # Errors
     /// [`Error::Simulator`] where the ball cannot be followed.
-    pub fn impacts_within(&self, parameters: &[f64], own: &[f64], end_s: f64) -> Result<usize> {
-        let (scene, start, time_s) = self.world(parameters, own);
+    pub fn impacts_within(&self, parameters: &[f64], nuisances: &[f64], end_s: f64) -> Result<usize> {
+        let (scene, start, time_s) = self.world(parameters, nuisances);
         let times = impact_times(&scene, &start, time_s, 1000)
             .map_err(|message| Error::Simulator { at: "the scene's values".into(), message })?;
         Ok(times.partition_point(|t| *t <= end_s))
@@ -178,9 +178,9 @@ impl ObservedBall {
     /// The natural scales of a drop with these nuisance parameters, released at `start_s`: heights from rest, in heights of fall;
     /// time from the apex of the first flight.
     #[must_use]
-    pub fn scale(&self, own: &[f64], start_s: f64) -> Scale {
+    pub fn scale(&self, nuisances: &[f64], start_s: f64) -> Scale {
         let parameters: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
-        let (scene, start, _) = self.world(&parameters, own);
+        let (scene, start, _) = self.world(&parameters, nuisances);
         let gravity = scene.gravity_m_s2;
         let origin = scene.surface_height_m + scene.radius_m;
         let rise = start.velocity_m_s[2];
@@ -213,7 +213,7 @@ impl Simulator for ObservedBall {
     fn prepare(&self, seen: &Observation) -> Result<Preparation> {
         let preparation = match self.kind {
             Kind::EventTimes => self.prepare_bounces(seen)?,
-            _ if self.aloft => self.prepare_flight(seen)?,
+            _ if self.flight_only => self.prepare_flight(seen)?,
             _ => self.prepare_positions(seen)?,
         };
         self.with_unknowns_of_effects(preparation)
@@ -234,11 +234,11 @@ impl Simulator for ObservedBall {
     fn rollout(
         &self,
         parameters: &[f64],
-        own: &[f64],
+        nuisances: &[f64],
         clock: &[f64],
         values: &mut [f64],
     ) -> std::result::Result<(), String> {
-        let (scene, start, time_s) = self.world(parameters, own);
+        let (scene, start, time_s) = self.world(parameters, nuisances);
         if self.kind == Kind::Positions {
             let begin = self.release.time_s.unwrap_or(clock[0]);
             return positions(&scene, &start, begin, clock, values);
@@ -265,7 +265,7 @@ impl Simulator for ObservedBall {
 /// Its free segments are flights, its events contacts, and its hidden state the spin.
 impl Segmented for ObservedBall {
     fn free_segment(&self) -> Option<Box<dyn Simulator>> {
-        Some(Box::new(self.aloft()?))
+        Some(Box::new(self.flight_only()?))
     }
 
     fn with_hidden_state(&self) -> Option<Box<dyn Simulator>> {

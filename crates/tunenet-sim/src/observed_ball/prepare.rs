@@ -31,7 +31,7 @@ impl ObservedBall {
         Expected {
             gravity_m_s2: scene.gravity_m_s2 + forces.effective_gravity_m_s2,
             // A flight with forces of its own is none of gravity's alone.
-            forces_known: known || self.free.iter().chain(&self.own).any(|e| e.phase == Phase::Segment),
+            forces_known: known || self.free.iter().chain(&self.per_recording).any(|e| e.phase == Phase::Segment),
             radius_m: Some(self.scene.radius_m),
             surface_height_m: self.surface_height_m,
             release_height_m: self.release.height_m,
@@ -84,7 +84,7 @@ impl ObservedBall {
             (2.0 * self.scene.gravity_m_s2 * range).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
         let begin_s = usable.clock()[0];
         // The start's own instant is the first sample; where only the position is known, it was released at rest then.
-        let own = self.unknown.iter().map(|&unknown| {
+        let nuisances = self.unknown.iter().map(|&unknown| {
             let (name, unit) = unknown.name();
             let (value, reach) = match unknown {
                 Unknown::Position(axis) => (arcs.start_m[axis], range),
@@ -96,7 +96,7 @@ impl ObservedBall {
             Parameter::new(name, unit, value, value - reach, value + reach)
         });
         let mut prepared = Prepared::whole(usable, self.parameters.len());
-        prepared.nuisances = own.collect::<Result<_>>()?;
+        prepared.nuisances = nuisances.collect::<Result<_>>()?;
         prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);
         prepared.events = arcs.contacts.iter().map(|c| c.time_s).collect();
         // Without a bounce, nothing is known of contacts; that is said where it is asked for.
@@ -131,7 +131,7 @@ impl ObservedBall {
         let approach = gravity * intervals[0] / (2.0 * restitution);
         let height = approach * approach / (2.0 * gravity);
         let time = times[0] - self.release.height_m.map_or(approach / gravity, |h| (2.0 * h / gravity).sqrt());
-        let own = self.unknown.iter().map(|&unknown| {
+        let nuisances = self.unknown.iter().map(|&unknown| {
             let (name, unit) = unknown.name();
             let (value, low, high) = match unknown {
                 Unknown::Height => (height, height * 0.01, height * 100.0),
@@ -140,7 +140,7 @@ impl ObservedBall {
             Parameter::new(name, unit, value, low, high)
         });
         let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
-        prepared.nuisances = own.collect::<Result<_>>()?;
+        prepared.nuisances = nuisances.collect::<Result<_>>()?;
         prepared.local[self.place(BallParameters::RESTITUTION)] = local;
         prepared.notes = preflight.notes();
         if self.forced {

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::failure::Failure;
-use super::pipes::{Answers, Heard, Troubles};
+use super::pipes::{Answers, Received, Troubles};
 use super::program::Program;
 use super::protocol::{Answer, LONGEST_GREETING, Wrong, answered, greeted, greeting, longest_answer, request};
 
@@ -98,8 +98,8 @@ impl Child {
         let seconds = within.as_secs_f64();
         let name = program.shown();
         match self.answers.next(within) {
-            Some(Heard::Line(line)) => Ok(line),
-            Some(Heard::TooLong(most)) => {
+            Some(Received::Line(line)) => Ok(line),
+            Some(Received::TooLong(most)) => {
                 let message =
                     format!("{name}, {what}: expected an answer of at most {most} bytes, found a longer line");
                 Err(self.gone(message, "print nothing but answers on standard output, one on each line"))
@@ -113,7 +113,7 @@ impl Child {
                 );
                 Err(self.gone(message, &hint))
             }
-            Some(Heard::End) => {
+            Some(Received::End) => {
                 let how = match self.process.try_wait_for(FAREWELL) {
                     Some(status) => format!("it ended ({status})"),
                     None => "it closed its standard output".into(),

@@ -18,7 +18,7 @@ const LAST_WORDS: Duration = Duration::from_millis(200);
 
 /// What came from standard output.
 #[derive(Debug)]
-pub(super) enum Heard {
+pub(super) enum Received {
     /// A line without its end.
     Line(Vec<u8>),
     /// More than so many bytes without an end.
@@ -30,7 +30,7 @@ pub(super) enum Heard {
 /// Standard output, read by its own thread, so that waiting has a time limit.
 #[derive(Debug)]
 pub(super) struct Answers {
-    lines: Receiver<Heard>,
+    lines: Receiver<Received>,
     longest: Arc<AtomicUsize>,
 }
 
@@ -52,17 +52,17 @@ impl Answers {
     }
 
     /// The next line; `None` where none came in time.
-    pub fn next(&self, within: Duration) -> Option<Heard> {
+    pub fn next(&self, within: Duration) -> Option<Received> {
         use std::sync::mpsc::RecvTimeoutError::{Disconnected, Timeout};
         match self.lines.recv_timeout(within) {
             Ok(received) => Some(received),
             Err(Timeout) => None,
-            Err(Disconnected) => Some(Heard::End),
+            Err(Disconnected) => Some(Received::End),
         }
     }
 }
 
-fn listen(mut output: impl BufRead, limit: &AtomicUsize, received: &SyncSender<Heard>) {
+fn listen(mut output: impl BufRead, limit: &AtomicUsize, received: &SyncSender<Received>) {
     let mut line = Vec::new();
     loop {
         let part = match output.fill_buf() {
@@ -79,18 +79,18 @@ fn listen(mut output: impl BufRead, limit: &AtomicUsize, received: &SyncSender<H
         let most = limit.load(Ordering::Relaxed).max(super::protocol::LONGEST_GREETING);
         if line.len() > most {
             // Nobody is there any more where sending fails.
-            let _ = received.send(Heard::TooLong(most));
+            let _ = received.send(Received::TooLong(most));
             return;
         }
-        if end.is_some() && received.send(Heard::Line(std::mem::take(&mut line))).is_err() {
+        if end.is_some() && received.send(Received::Line(std::mem::take(&mut line))).is_err() {
             return;
         }
     }
     if !line.is_empty() {
         // A last line without its end counts as one.
-        let _ = received.send(Heard::Line(line));
+        let _ = received.send(Received::Line(line));
     }
-    let _ = received.send(Heard::End);
+    let _ = received.send(Received::End);
 }
 
 /// Standard error, read to its end so that the pipe never fills, of which the last bytes are kept.
@@ -139,8 +139,8 @@ mod tests {
         let (send, receive) = sync_channel(100);
         listen(Cursor::new(bytes), &limit, &send);
         drop(send);
-        let text = |line: Heard| match line {
-            Heard::Line(line) => String::from_utf8_lossy(&line).into_owned(),
+        let text = |line: Received| match line {
+            Received::Line(line) => String::from_utf8_lossy(&line).into_owned(),
             other => format!("{other:?}"),
         };
         receive.iter().map(text).collect()
@@ -177,8 +177,8 @@ mod tests {
             let found: Vec<Vec<u8>> = receive
                 .iter()
                 .filter_map(|line| match line {
-                    Heard::Line(line) => Some(line),
-                    Heard::TooLong(_) | Heard::End => None,
+                    Received::Line(line) => Some(line),
+                    Received::TooLong(_) | Received::End => None,
                 })
                 .collect();
             let mut expected: Vec<&[u8]> = bytes.split(|byte| *byte == b'\n').collect();

@@ -172,12 +172,15 @@ impl Belief {
                 Role::Restitution => scene.restitution = values[i],
                 Role::Friction => scene.friction += values[i],
                 Role::Coefficient(effect) => {
-                    let own = &values[i..i + effect.coefficients.len()];
+                    let coefficients = &values[i..i + effect.coefficients.len()];
                     if effect.name == SCATTER {
-                        scene.contact.kicks_rad.extend(kick.map(|kick| kick.map(|k| (k * own[0]).clamp(-1.0, 1.0))));
+                        scene
+                            .contact
+                            .tilts_rad
+                            .extend(kick.map(|kick| kick.map(|k| (k * coefficients[0]).clamp(-1.0, 1.0))));
                     }
-                    (effect.apply)(&mut scene, own);
-                    i += own.len() - 1;
+                    (effect.apply)(&mut scene, coefficients);
+                    i += coefficients.len() - 1;
                 }
             }
             i += 1;
@@ -268,14 +271,14 @@ impl Alternative {
 }
 
 /// The interval of a value, unless the value was edited since; that is reported.
-fn unless_edited(name: &str, value: f64, interval: Option<(f64, f64)>, told: &mut Vec<Note>) -> Option<(f64, f64)> {
+fn unless_edited(name: &str, value: f64, interval: Option<(f64, f64)>, notes: &mut Vec<Note>) -> Option<(f64, f64)> {
     let (low, high) = interval?;
     if (low..=high).contains(&value) {
         return interval;
     }
     let text =
         format!("{name} is {value}, which is outside the tuned interval ({low} to {high}); it is taken as exact");
-    told.push(Note::new(findings::PLAN_CHANGED, text, "tune the file again, or restore the value"));
+    notes.push(Note::new(findings::PLAN_CHANGED, text, "tune the file again, or restore the value"));
     None
 }
 

@@ -7,8 +7,8 @@ use tunenet_core::{Error, Origin, Result};
 use tunenet_video_protocol::track::Unseen;
 
 pub use self::answer::{Answer, Track};
-use crate::ball_colour::{Scene, scout};
-use crate::camera_motion::without_bumps;
+use crate::ball_colour::{Scene, detect_ball};
+use crate::camera_motion::without_camera_motion;
 use crate::changes::Changes;
 use crate::clock;
 use crate::colour::{HUES, Window};
@@ -97,9 +97,11 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
         }
         return pass.finish(settings, cut_off.as_ref(), &samples).map_err(broken);
     }
-    let scene = match scout(samples.telling(), settings.colour).map_err(broken)? {
+    let scene = match detect_ball(samples.telling(), settings.colour).map_err(broken)? {
         Ok(scene) => scene,
-        Err(reason) => return without_bumps(unseen(reason, frames.count, settings, ""), &samples).map_err(broken),
+        Err(reason) => {
+            return without_camera_motion(unseen(reason, frames.count, settings, ""), &samples).map_err(broken);
+        }
     };
     // What the first frames showed may be another ball than the one of the whole video.
     let pass = match pass {
@@ -154,7 +156,7 @@ impl First<'_> {
             let every = self.waiting.len().div_ceil(EARLY);
             let early: Vec<Mat> =
                 self.waiting.iter().step_by(every).map(|(_, image)| reduced(image)).collect::<opencv::Result<_>>()?;
-            if let Ok(scene) = scout(&early, self.settings.colour)?
+            if let Ok(scene) = detect_ball(&early, self.settings.colour)?
                 && scene.seen_share >= BELIEVED_SHARE
             {
                 let mut pass = Pass::new(scene);
@@ -214,7 +216,7 @@ impl Pass {
 
     /// The answer, without what was seen while the camera was displaced.
     fn finish(self, settings: &Settings, cut_off: Option<&CutOff>, samples: &Samples) -> opencv::Result<Answer> {
-        without_bumps(self.answer(settings, cut_off), samples)
+        without_camera_motion(self.answer(settings, cut_off), samples)
     }
 
     fn answer(self, settings: &Settings, cut_off: Option<&CutOff>) -> Answer {

@@ -11,7 +11,7 @@ use tunenet_core::simulator::Prepared;
 use tunenet_core::tune::Point;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::LeftOpen;
-use tunenet_sim::video_drops::FilmedDrops;
+use tunenet_sim::video_drops::VideoDrops;
 
 use super::super::super::tuning::closed_form;
 use crate::scene::{EASY, PAPER_BALL, PAPER_CENTRE_M, seeds};
@@ -30,14 +30,14 @@ pub struct RecordedDrop {
 
 /// The paper's ball, and what sees it.
 pub struct Drops {
-    pub filmed: FilmedDrops,
+    pub filmed: VideoDrops,
 }
 
 impl Drops {
     pub fn new() -> Result<Self> {
         let mut file = SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?;
         file.leave_open(&[LeftOpen::ReleaseHeight]);
-        Ok(Self { filmed: FilmedDrops::new(&file)? })
+        Ok(Self { filmed: VideoDrops::new(&file)? })
     }
 
     /// Drop number `number` of a seed; each depends on these two alone. Its motion is the closed form's.

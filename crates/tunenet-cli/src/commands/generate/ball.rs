@@ -13,7 +13,7 @@ use tunenet_sim::SimulationFile;
 use tunenet_sim::drawn::{Drawn, Ranges};
 use tunenet_sim::scene::BallParameters;
 use tunenet_sim::simulation_file::LeftOpen;
-use tunenet_sim::video_drops::FilmedDrops;
+use tunenet_sim::video_drops::VideoDrops;
 
 use super::super::load;
 use super::write::made;
@@ -61,7 +61,7 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
     if file.ball()?.surface.height_m.is_none() {
         file.set("surface.height_m=0")?;
     }
-    let filmed = FilmedDrops::new(&file)?;
+    let filmed = VideoDrops::new(&file)?;
     let ball = filmed.ball();
     let floor = file.ball()?.surface.height_m.unwrap_or(0.0);
     let (proposed, target) = ranges(preset);
@@ -81,7 +81,7 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
             })
             .collect(),
         channels: ball.channels().to_vec(),
-        target_channels: if pixels { FilmedDrops::channels() } else { Vec::new() },
+        target_channels: if pixels { VideoDrops::channels() } else { Vec::new() },
         clock: file.record().clock(),
         scene: file.text(),
     };

@@ -57,16 +57,17 @@ fn ball(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
     let kind = if options.bounces { Kind::EventTimes } else { Kind::Positions };
     let ball = ObservedBall::new(file, kind)?;
     let parameters: Vec<f64> = ball.parameters().iter().map(|p| p.value).collect();
-    let own = ball.own_at_rest(release.time_s.unwrap_or(0.0));
+    let nuisances = ball.nuisances_at_rest(release.time_s.unwrap_or(0.0));
     let seen = if options.truth { Measured::new(&ball, &[])? } else { observed::seen(file, &ball)? };
     Ok(if options.bounces {
-        let count = ball.impacts_within(&parameters, &own, file.record().clock().last().copied().unwrap_or(0.0))?;
+        let count =
+            ball.impacts_within(&parameters, &nuisances, file.record().clock().last().copied().unwrap_or(0.0))?;
         let index: Vec<f64> = (0..count).map(|i| i as f64).collect();
-        let times = rollout(&seen, &parameters, &own, &index)?;
+        let times = rollout(&seen, &parameters, &nuisances, &index)?;
         tunenet_ball::bounce_times(times)?
     } else {
         let clock = file.record().clock();
-        let values = rollout(&seen, &parameters, &own, &clock)?;
+        let values = rollout(&seen, &parameters, &nuisances, &clock)?;
         Observation::new(kind, ball.channels().to_vec(), clock, values)?
     })
 }

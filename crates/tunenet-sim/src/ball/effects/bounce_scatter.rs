@@ -14,6 +14,6 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     sentence: "each bounce turns the ball by chance, as if the surface were tilted anew (a ball that is not round)",
     mistaken_for: &["surface_tilt", "bounce_friction"],
     unlikely: |_| None,
-    heard: false,
+    shows_in_bounce_times: false,
     apply: |_, _| {},
 };

@@ -12,6 +12,6 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     sentence: "the contact lasts: the ball dips into the surface and leaves it this much later",
     mistaken_for: &["observation_blur", "speed_dependent_restitution"],
     unlikely: |_| None,
-    heard: true,
+    shows_in_bounce_times: true,
     apply: |scene, c| scene.contact.duration_s += c[0],
 };

@@ -31,6 +31,6 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         "rolling_shutter",
     ],
     unlikely: |_| None,
-    heard: true,
+    shows_in_bounce_times: true,
     apply: |scene, c| scene.flight.effective_gravity_m_s2 += c[0],
 };

@@ -29,7 +29,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         (body.in_air && body.radius_m > SMALLEST_M)
             .then_some("no ball of this size is slow enough in air for drag in proportion to speed")
     },
-    heard: true,
+    shows_in_bounce_times: true,
     apply: |scene, c| scene.flight.linear_drag_1_s += c[0],
 };
 

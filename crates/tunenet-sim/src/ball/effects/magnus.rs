@@ -16,6 +16,6 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     sentence: "the ball spins, and the air pushes it across its way: a = S x v",
     mistaken_for: &["wind", "camera_tilt", "quadratic_drag"],
     unlikely: |_| None,
-    heard: false,
+    shows_in_bounce_times: false,
     apply: |scene, c| (0..3).for_each(|axis| scene.flight.magnus_1_s[axis] += c[axis]),
 };

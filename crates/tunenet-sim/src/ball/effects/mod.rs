@@ -92,7 +92,7 @@ pub struct BallEffect {
     /// Why it is not to be expected of this ball where something else explains its recordings as well.
     pub unlikely: fn(&Body) -> Option<&'static str>,
     /// Whether the bounce times of a vertical drop show it.
-    pub heard: bool,
+    pub shows_in_bounce_times: bool,
     /// Adds it to a scene.
     pub apply: fn(&mut Scene, &[f64]),
 }

@@ -27,6 +27,6 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         "bounce_friction",
     ],
     unlikely: |_| None,
-    heard: true,
+    shows_in_bounce_times: true,
     apply: |scene, c| scene.flight.quadratic_drag_1_m += c[0],
 };

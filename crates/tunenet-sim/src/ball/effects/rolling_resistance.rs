@@ -12,6 +12,6 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     sentence: "a rolling ball slows down, by c_rr times the acceleration that presses it onto the surface",
     mistaken_for: &["linear_drag", "quadratic_drag", "surface_tilt"],
     unlikely: |_| None,
-    heard: false,
+    shows_in_bounce_times: false,
     apply: |scene, c| scene.contact.rolling_resistance += c[0],
 };

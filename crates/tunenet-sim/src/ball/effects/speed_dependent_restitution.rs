@@ -14,6 +14,6 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     sentence: "fast impacts rebound otherwise than slow ones: e(v) = e (v / 3 m/s)^(-exponent)",
     mistaken_for: &["quadratic_drag", "linear_drag", "contact_time"],
     unlikely: |_| None,
-    heard: true,
+    shows_in_bounce_times: true,
     apply: |scene, c| scene.contact.restitution_exponent += c[0],
 };

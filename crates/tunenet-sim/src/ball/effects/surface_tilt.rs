@@ -15,7 +15,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     sentence: "the surface is not level: every bounce turns the ball downhill",
     mistaken_for: &["camera_tilt", "wind", "bounce_scatter", "rolling_resistance"],
     unlikely: |_| None,
-    heard: false,
+    shows_in_bounce_times: false,
     apply: |scene, c| {
         scene.surface_tilt_about_x_rad += c[0];
         scene.surface_tilt_about_y_rad += c[1];

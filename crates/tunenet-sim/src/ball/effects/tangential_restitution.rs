@@ -13,6 +13,6 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     sentence: "each bounce takes this share of the speed with which the ball's skin slips along the surface",
     mistaken_for: &["bounce_friction", "quadratic_drag", "linear_drag"],
     unlikely: |_| None,
-    heard: false,
+    shows_in_bounce_times: false,
     apply: |scene, c| scene.contact.tangential_loss += c[0],
 };
