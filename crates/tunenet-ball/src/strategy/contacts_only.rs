@@ -1,4 +1,4 @@
-//! Contacts alone: where flights are not understood, as of a video before an unknown camera, the speed that a contact takes
+//! Contacts only: where flights are not understood, as of a video before an unknown camera, the speed that a contact takes
 //! along the surface still shows, right before it and right after it.
 
 use crate::findings;

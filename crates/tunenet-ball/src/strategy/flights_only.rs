@@ -1,4 +1,4 @@
-//! Flights alone: where recordings differ by what no effect explains (the ball spins, a racket hits it), each flight between
+//! Flights only: where recordings differ by what no effect explains (the ball spins, a racket hits it), each flight between
 //! contacts still says what acts in flight, from a start and with a spin of its own.
 
 use crate::findings;

@@ -47,7 +47,7 @@ fn named(line: &str, list: &[&str]) -> usize {
 }
 
 /// Flags of Rust's own test harness, with which a test starts itself.
-const HARNESS: [&str; 4] = ["exact", "ignored", "nocapture", "test"];
+const HARNESS: [&str; 3] = ["exact", "ignored", "nocapture"];
 
 /// How often a line names a flag, a command of the tool, or the command line itself.
 fn command_line(line: &str) -> usize {

@@ -200,14 +200,4 @@ mod tests {
             assert!(found.practical.unwrap().iter().all(|test| test.passed));
         });
     }
-
-    #[test]
-    fn events_that_need_no_effect_stay_open() {
-        in_shuttles(&[(BETWEEN, 1.5)], |context| {
-            let tuned = Attempt::tuned(context).unwrap();
-            let found = SegmentWise.attempt(tuned, &|_| {}).unwrap();
-            assert!(found.scope == Scope::Segments { events_open: true });
-            assert_eq!(names(&found.context, &found.last().structure.effects), ["friction"]);
-        });
-    }
 }
