@@ -3,7 +3,7 @@
 use super::message::JointMessage;
 use crate::findings;
 use crate::quantity::{Family, Quantity};
-use crate::shown::list;
+use crate::shown::{counted, list};
 use tunenet_core::observation::{Channel, Note};
 
 /// The joints and quantities of a series, from its first message.
@@ -108,8 +108,8 @@ impl Joints {
             notes.push(Note::new(findings::JOINTS_OTHERS, text, ""));
         }
         if self.partial > 0 {
-            let messages = if self.partial == 1 { "message" } else { "messages" };
-            let text = format!("{} {messages} left out for lack of one of these joints or quantities", self.partial);
+            let messages = counted(self.partial, "message");
+            let text = format!("{messages} left out for lack of one of these joints or quantities");
             notes.push(Note::new(findings::JOINTS_PARTIAL, text, ""));
         }
         notes
