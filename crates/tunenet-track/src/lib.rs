@@ -23,7 +23,7 @@
 //! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
 
 mod blob;
-mod bumped;
+mod camera_motion;
 mod changes;
 mod clock;
 pub mod colour;
@@ -32,7 +32,6 @@ mod folder;
 pub mod frames;
 mod log;
 pub mod lookup;
-mod noticed;
 mod outline;
 pub mod overlay;
 mod parabola;
@@ -45,10 +44,11 @@ pub mod scout;
 pub mod source;
 mod stillness;
 #[cfg(test)]
-mod test_films;
+mod test_videos;
 pub mod track;
 pub mod tracker;
 pub mod video;
+mod video_findings;
 pub mod view;
 
 pub use source::Source;

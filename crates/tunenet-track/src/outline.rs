@@ -245,7 +245,7 @@ mod tests {
 
     fn disc(u: f64, v: f64, radius: f64) -> Mat {
         let mut picture = Mat::new_rows_cols_with_default(60, 80, CV_8UC3, Scalar::all(120.0)).unwrap();
-        crate::test_films::disc(&mut picture, (u, v), radius, [40.0, 40.0, 220.0]);
+        crate::test_videos::disc(&mut picture, (u, v), radius, [40.0, 40.0, 220.0]);
         picture
     }
 

@@ -7,17 +7,17 @@ use tunenet_core::{Error, Origin, Result};
 use tunenet_video_protocol::track::Unseen;
 
 pub use self::answer::{Answer, Track};
-use crate::bumped::without_bumps;
+use crate::camera_motion::without_bumps;
 use crate::changes::Changes;
 use crate::clock;
 use crate::colour::{HUES, Window};
-use crate::noticed::{self, CutOff};
 use crate::samples::{Samples, reduced};
 use crate::scout::{Scene, scout};
 use crate::source::Source;
 use crate::stillness::moves;
 use crate::tracker::{Sighting, Tracker};
 use crate::video::{FEWEST_FRAMES, undecodable};
+use crate::video_findings::{self, CutOff};
 use crate::view::View;
 use tunenet_core::statistics::{median, quantile};
 
@@ -122,7 +122,7 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
 }
 
 fn unseen(reason: Unseen, frames: usize, settings: &Settings, found: &str) -> Answer {
-    Answer::Unseen { reason, frames, finding: noticed::unseen(reason, settings.colour.is_some(), found) }
+    Answer::Unseen { reason, frames, finding: video_findings::unseen(reason, settings.colour.is_some(), found) }
 }
 
 /// The first pass through a video: frames wait until it is known what to look for.
@@ -267,7 +267,7 @@ impl Pass {
             dropped,
             notes: Vec::new(),
         };
-        track.notes = noticed::of(&track, tracker.scene().clutter, cut_off);
+        track.notes = video_findings::of(&track, tracker.scene().clutter, cut_off);
         Answer::Tracked(Box::new(track))
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::scale::Known;
-use crate::test_films::{Film, disc_film};
+use crate::test_videos::{Film, disc_film};
 use tunenet_ball::preflight::Expected;
 use tunenet_video_protocol::FindingKind;
 

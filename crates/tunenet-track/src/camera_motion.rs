@@ -3,10 +3,10 @@
 use tunenet_video_protocol::track::Unseen;
 use tunenet_video_protocol::{FindingKind, VideoFinding};
 
-use crate::noticed;
 use crate::samples::Samples;
 use crate::stillness::{LIKELY, SURELY, elsewhere};
 use crate::track::answer::{Answer, Track};
+use crate::video_findings;
 
 /// A camera that is displaced in this share of the pictures is why no ball was found.
 const EXPLAINS: f64 = 0.15;
@@ -36,7 +36,7 @@ pub(crate) fn without_bumps(answer: Answer, samples: &Samples) -> opencv::Result
     let count = count.min(away.len());
     let share = count as f64 / away.len().max(1) as f64;
     let reason = Unseen::CameraMoves;
-    let camera = |frames| Answer::Unseen { reason, frames, finding: noticed::unseen(reason, false, "") };
+    let camera = |frames| Answer::Unseen { reason, frames, finding: video_findings::unseen(reason, false, "") };
     Ok(match answer {
         Answer::Unseen { frames, reason, .. } if share > EXPLAINS && reason != Unseen::CameraMoves => camera(frames),
         Answer::Tracked(mut track) if count > 0 && share <= MOST => {
