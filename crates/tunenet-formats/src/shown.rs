@@ -1,5 +1,7 @@
 //! Names from a file in a message, cut where they are too long.
 
+use std::fmt::Display;
+
 /// `a`, `b` and `c` in backquotes, at most `most` of them.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) -> String {
     let names: Vec<&str> = names.into_iter().collect();
@@ -9,6 +11,11 @@ pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) ->
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),
     }
+}
+
+/// "1 line", "2 lines".
+pub(crate) fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, what: &str) -> String {
+    format!("{count} {what}{}", if count == N::from(1) { "" } else { "s" })
 }
 
 /// Most characters of a user's text that a message repeats.

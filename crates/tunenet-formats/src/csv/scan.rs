@@ -6,7 +6,7 @@ use super::columns::{Header, Layout, Source, layout};
 use super::lines::{Line, Lines, MOST_IDLE, cells, idle, named, number, separator};
 use super::own_columns;
 use crate::recording::{LARGEST, MOST_NUMBERS, ReadOptions};
-use crate::shown::shortened;
+use crate::shown::{counted, shortened};
 use crate::{Error, Result};
 use tunenet_core::observation::{Kind, Note};
 
@@ -333,7 +333,7 @@ impl Scan {
         let each: Vec<String> = self.broken.iter().map(|b| format!("line {}: {}", b.line, b.message)).collect();
         let more = self.broken_count - each.len();
         let more = if more > 0 { format!("; and {more} more") } else { String::new() };
-        let text = format!("{} left out as broken: {}{more}", lines_in_words(self.broken_count), each.join("; "));
+        let text = format!("{} left out as broken: {}{more}", counted(self.broken_count, "line"), each.join("; "));
         (self.broken_count > 0).then(|| Note::new("rows.broken", text, "see whether the rest can be trusted"))
     }
 
@@ -342,38 +342,32 @@ impl Scan {
         let mut notes = self.layout.notes.clone();
         notes.extend(self.skipped());
         if self.empty.0 > 0 {
-            let text =
-                format!("{} left out for an empty cell, the first at line {}", samples(self.empty.0), self.empty.1);
+            let text = format!(
+                "{} left out for an empty cell, the first at line {}",
+                counted(self.empty.0, "sample"),
+                self.empty.1
+            );
             notes.push(Note::new("rows.empty_cell", text, ""));
         }
         if self.same > 0 {
-            let text = format!("{} left out that repeat the line before", samples(self.same));
+            let text = format!("{} left out that repeat the line before", counted(self.same, "sample"));
             notes.push(Note::new("rows.repeated", text, ""));
         }
         if let (count @ 1.., Some(first)) = &self.repeated {
             let text = format!(
                 "{} left out at the time of the sample before, the first at line {}",
-                samples(*count),
+                counted(*count, "sample"),
                 first.line
             );
             notes.push(Note::new("clock.repeated", text, "record the time with more digits"));
         }
         if let Some(zero) = &self.zero {
-            let text = format!("{} of 0 at the end left out, from line {} on", samples(self.zeros), zero.number);
+            let text =
+                format!("{} of 0 at the end left out, from line {} on", counted(self.zeros, "sample"), zero.number);
             notes.push(Note::new("bounces.trailing_zero", text, ""));
         }
         notes
     }
-}
-
-/// "1 line", "2 lines".
-fn lines_in_words(count: usize) -> String {
-    if count == 1 { "1 line".into() } else { format!("{count} lines") }
-}
-
-/// "1 sample", "2 samples".
-pub(crate) fn samples(count: usize) -> String {
-    if count == 1 { "1 sample".into() } else { format!("{count} samples") }
 }
 
 #[cfg(test)]

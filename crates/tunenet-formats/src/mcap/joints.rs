@@ -2,7 +2,7 @@
 
 use super::message::JointMessage;
 use crate::quantity::{Family, Quantity};
-use crate::shown::list;
+use crate::shown::{counted, list};
 use tunenet_core::observation::{Channel, Note};
 
 /// The joints and quantities of a series, from its first message.
@@ -107,8 +107,8 @@ impl Joints {
             notes.push(Note::new("joints.others", text, ""));
         }
         if self.partial > 0 {
-            let messages = if self.partial == 1 { "message" } else { "messages" };
-            let text = format!("{} {messages} left out for lack of one of these joints or quantities", self.partial);
+            let messages = counted(self.partial, "message");
+            let text = format!("{messages} left out for lack of one of these joints or quantities");
             notes.push(Note::new("joints.partial", text, ""));
         }
         notes

@@ -14,6 +14,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::{McapError, records::op};
 
 use super::whole_chunks::{PIECE, WholeChunks};
+use crate::shown::counted;
 use crate::source::open;
 use crate::{Error, Result};
 
@@ -151,9 +152,8 @@ impl Messages {
                 letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
             }
         };
-        let messages = if self.count == 1 { "message" } else { "messages" };
         let hint = format!("try `mcap recover {} -o recovered.mcap`, which keeps them", self.path.display());
-        Error::file(&self.path, format!("{what}: {} {messages} could be read before", self.count), hint)
+        Error::file(&self.path, format!("{what}: {} could be read before", counted(self.count, "message")), hint)
     }
 
     /// Takes in one record; returns it where it is a message.

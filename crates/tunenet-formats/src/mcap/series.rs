@@ -8,8 +8,8 @@ use super::message::{Decoded, Sample};
 use super::records::messages;
 use super::stamps::to_s;
 use super::topics::{Topic, choose, survey};
-use crate::csv::scan::samples;
 use crate::recording::{MOST_NUMBERS, Recording};
+use crate::shown::counted;
 use crate::{Error, Result};
 use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Note, Observation};
 
@@ -140,7 +140,7 @@ impl<'a> Series<'a> {
                 );
                 return self.refuse(text, "record again, or choose another topic with `--topic`");
             }
-            let text = format!("{} left out for a number that is not finite", samples(count));
+            let text = format!("{} left out for a number that is not finite", counted(count, "sample"));
             notes.push(Note::new("messages.not_finite", text, ""));
         }
         let width = self.channels.len();
@@ -158,11 +158,11 @@ impl<'a> Series<'a> {
             }
         }
         if same > 0 {
-            let text = format!("{} of `{name}` left out that repeat the one before", samples(same));
+            let text = format!("{} of `{name}` left out that repeat the one before", counted(same, "sample"));
             notes.push(Note::new("messages.repeated", text, ""));
         }
         if out_of_order > 0 {
-            let text = format!("{} of `{name}` left out whose time does not rise", samples(out_of_order));
+            let text = format!("{} of `{name}` left out whose time does not rise", counted(out_of_order, "sample"));
             notes.push(Note::new("clock.falling", text, ""));
         }
         let (clock, values) = kept;

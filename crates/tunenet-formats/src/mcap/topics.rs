@@ -7,6 +7,7 @@ use super::decoder::Decoder;
 use super::joints::Joints;
 use super::message::{NOTHING, Sample};
 use super::records::{ChannelInfo, RawMessage, messages};
+use crate::shown::counted;
 use crate::{Error, Result};
 use tunenet_core::observation::Kind;
 
@@ -62,8 +63,7 @@ impl Topic {
 
     fn described(&self) -> String {
         let kind = self.schema.rsplit('/').next().filter(|name| !name.is_empty()).unwrap_or(&self.encoding);
-        let messages = if self.messages == 1 { "message" } else { "messages" };
-        format!("`{}` ({kind}, {} {messages})", self.name, self.messages)
+        format!("`{}` ({kind}, {})", self.name, counted(self.messages, "message"))
     }
 }
 
