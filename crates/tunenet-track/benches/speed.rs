@@ -1,4 +1,4 @@
-//! How fast a ball is followed: pictures in memory, and a film from its file beside decoding it alone.
+//! How fast a ball is followed: pictures in memory, and a video from its file beside decoding it alone.
 //!
 //! `cargo bench -p tunenet-track`
 
@@ -44,7 +44,7 @@ fn small_pictures(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn film(path: &Path, frames: usize) {
+fn video(path: &Path, frames: usize) {
     let codec = VideoWriter::fourcc('m', 'p', '4', 'v').expect("a codec");
     let name = path.to_str().expect("a name");
     let mut writer = VideoWriter::new(name, codec, 60.0, Size::new(1920, 1080), true).expect("a film");
@@ -54,11 +54,11 @@ fn film(path: &Path, frames: usize) {
     writer.release().expect("a film");
 }
 
-fn full_films(criterion: &mut Criterion) {
+fn full_videos(criterion: &mut Criterion) {
     const FRAMES: usize = 240;
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("film.mp4");
-    film(&path, FRAMES);
+    video(&path, FRAMES);
     let source = Source::new(&path, None);
     let mut group = criterion.benchmark_group("1080p");
     group.throughput(Throughput::Elements(FRAMES as u64)).sample_size(10);
@@ -74,5 +74,5 @@ fn full_films(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, small_pictures, full_films);
+criterion_group!(benches, small_pictures, full_videos);
 criterion_main!(benches);

@@ -68,7 +68,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn only_a_film_without_its_index_is_incomplete() {
+    fn only_a_video_without_its_index_is_incomplete() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("film.mp4");
         let mut bytes = cut_before_index();

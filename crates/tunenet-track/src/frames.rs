@@ -29,7 +29,7 @@ pub trait Pictures: Send {
 }
 
 /// A video that is being read.
-pub struct Film {
+pub struct VideoFrames {
     path: PathBuf,
     reader: VideoCapture,
     frames_per_s: f64,
@@ -38,7 +38,7 @@ pub struct Film {
     last_s: f64,
 }
 
-impl Film {
+impl VideoFrames {
     /// Opens the video at `path`.
     ///
     /// # Errors
@@ -52,7 +52,7 @@ impl Film {
     }
 }
 
-impl Pictures for Film {
+impl Pictures for VideoFrames {
     /// The container's own time stamps count where they are plausible; a video without them runs at the nominal rate.
     fn next(&mut self, image: &mut Mat) -> Result<Option<f64>> {
         let broken = |e: opencv::Error| video::undecodable(&self.path, &e);

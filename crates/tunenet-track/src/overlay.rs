@@ -36,15 +36,15 @@ pub struct Drawn {
 }
 
 /// Draws `track` into its video: at most `most` frames in which the ball is seen, evenly chosen, come back; all frames are
-/// written to `film` where one is given, at the rate at which they were taken, no faster than 60 a second.
+/// written to `video` where one is given, at the rate at which they were taken, no faster than 60 a second.
 ///
 /// # Errors
-/// Of reading the video again; [`Error::File`] where `film` cannot be written.
+/// Of reading the video again; [`Error::File`] where `video` cannot be written.
 pub fn overlay(
     source: &Source,
     track: &Track,
     most: usize,
-    film: Option<&Path>,
+    video: Option<&Path>,
     progress: &mut dyn FnMut(usize, Option<usize>),
 ) -> Result<Vec<Drawn>> {
     let chosen = chosen(&track.sightings, most);
@@ -54,14 +54,14 @@ pub fn overlay(
     source.stream(track.frames, &mut |index, _, mut image, _| {
         progress(index + 1, Some(track.frames));
         let wanted = chosen.iter().find(|s| s.frame == index);
-        if wanted.is_none() && film.is_none() {
+        if wanted.is_none() && video.is_none() {
             return Ok(vec![image]);
         }
         draw(&mut image, track, index)?;
         if let Some(sighting) = wanted {
             drawn.push(picture(&image, index, sighting.time_s)?);
         }
-        if let Some(path) = film.filter(|_| refused.is_none()) {
+        if let Some(path) = video.filter(|_| refused.is_none()) {
             if writer.is_none() {
                 writer = open(path, track.rate_hz, image.size()?)?;
             }
@@ -76,7 +76,7 @@ pub fn overlay(
         let message = "expected a video that OpenCV can write, found none for this name";
         return Err(Error::file(path, message, "end the name in .mp4 or .avi, in a folder that exists"));
     }
-    if let (Some(mut writer), Some(path)) = (writer, film) {
+    if let (Some(mut writer), Some(path)) = (writer, video) {
         let failed = |e: opencv::Error| Error::file(path, format!("writing the video failed: {}", e.message), "");
         writer.release().map_err(failed)?;
     }

@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_that_lies_still_for_most_of_the_film_is_found() {
+    fn a_ball_that_lies_still_for_most_of_the_video_is_found() {
         let fall = |i: u32| 0.5 + 3.5 * (1.0 - f64::from(i) / 70.0).max(0.0) * (f64::from(i) / 20.0).cos().abs();
         let take = Take { heights_m: (0..400).map(fall).collect(), ..take() };
         found(&take, &Spoilt::default());

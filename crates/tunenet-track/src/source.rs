@@ -7,7 +7,7 @@ use opencv::core::{Mat, MatTraitConst};
 use tunenet_core::{Error, Origin, Result};
 
 use crate::folder::Folder;
-use crate::frames::{Film, Pictures};
+use crate::frames::{Pictures, VideoFrames};
 use crate::log::Log;
 use crate::video::undecodable;
 
@@ -57,7 +57,7 @@ impl Source {
     /// Opens it at its start.
     ///
     /// # Errors
-    /// As [`Film::open`]; for a folder, where it holds no pictures or their rate is not known; for a log, where it holds no pictures or several topics of them and none is named.
+    /// As [`VideoFrames::open`]; for a folder, where it holds no pictures or their rate is not known; for a log, where it holds no pictures or several topics of them and none is named.
     pub fn open(&self) -> Result<Box<dyn Pictures>> {
         if self.log {
             return Ok(Box::new(Log::open(&self.path, self.topic.as_deref())?));
@@ -69,7 +69,7 @@ impl Source {
         if self.path.is_dir() {
             return Ok(Box::new(Folder::open(&self.path, self.rate_hz)?));
         }
-        Ok(Box::new(Film::open(&self.path)?))
+        Ok(Box::new(VideoFrames::open(&self.path)?))
     }
 
     /// Calls `each` with every picture, at most `most` of them: its number from 0, when it was taken (s), and how many the

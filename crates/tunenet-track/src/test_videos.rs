@@ -7,7 +7,7 @@ use opencv::imgproc::{FILLED, LINE_8, rectangle};
 use opencv::videoio::{VideoWriter, VideoWriterTrait};
 
 /// What is drawn.
-pub(crate) struct Film {
+pub(crate) struct DrawnVideo {
     /// Colours of the discs (blue, green, red), 60 px apart.
     pub balls: Vec<[f64; 3]>,
     /// Colour of a poster in the middle of the wall.
@@ -23,7 +23,7 @@ pub(crate) struct Film {
     pub radius_px: f64,
 }
 
-impl Default for Film {
+impl Default for DrawnVideo {
     fn default() -> Self {
         Self {
             balls: Vec::new(),
@@ -40,17 +40,17 @@ impl Default for Film {
 
 /// Writes a video of discs that fall and bounce before a grey wall at 60 frames per second: where the first one's centre is
 /// in each frame, px.
-pub(crate) fn disc_film(path: &Path, film: &Film) -> Vec<(f64, f64)> {
+pub(crate) fn draw_discs(path: &Path, video: &DrawnVideo) -> Vec<(f64, f64)> {
     let codec = VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();
-    let size = Size::new(film.size.0, film.size.1);
+    let size = Size::new(video.size.0, video.size.1);
     let mut writer = VideoWriter::new(path.to_str().unwrap(), codec, 60.0, size, true).unwrap();
     let mut centres = Vec::new();
-    for i in 0..film.frames {
+    for i in 0..video.frames {
         let t = i as f64 / 60.0;
-        let shake = film.shake_px * (2.3 * i as f64).sin();
-        let (u, v) = (60.3 + film.speed_px_s * t + shake, 40.0 + 160.0 * (1.0 - (3.0 * t).cos().abs()));
-        let frame = drawn(film, (u, v), shake);
-        for _ in 0..=usize::from(film.repeat.contains(&i)) {
+        let shake = video.shake_px * (2.3 * i as f64).sin();
+        let (u, v) = (60.3 + video.speed_px_s * t + shake, 40.0 + 160.0 * (1.0 - (3.0 * t).cos().abs()));
+        let frame = drawn(video, (u, v), shake);
+        for _ in 0..=usize::from(video.repeat.contains(&i)) {
             writer.write(&frame).unwrap();
             centres.push((u, v));
         }
@@ -60,23 +60,23 @@ pub(crate) fn disc_film(path: &Path, film: &Film) -> Vec<(f64, f64)> {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "small numbers")]
-fn drawn(film: &Film, (u, v): (f64, f64), shake: f64) -> Mat {
-    let (width, height) = film.size;
+fn drawn(video: &DrawnVideo, (u, v): (f64, f64), shake: f64) -> Mat {
+    let (width, height) = video.size;
     let wall = Scalar::new(120.0, 125.0, 122.0, 0.0);
     let mut frame = Mat::new_rows_cols_with_default(height, width, CV_8UC3, wall).unwrap();
     let scalar = |[b, g, r]: [f64; 3]| Scalar::new(b, g, r, 0.0);
-    if film.shake_px > 0.0 {
+    if video.shake_px > 0.0 {
         // Stripes, so that a camera that moves is seen to.
         for x in (-40..width + 40).step_by(16) {
             let stripe = Rect::new(x + shake.round() as i32, 0, 8, height);
             rectangle(&mut frame, stripe, Scalar::all(60.0), FILLED, LINE_8, 0).unwrap();
         }
     }
-    if let Some(colour) = film.poster {
+    if let Some(colour) = video.poster {
         rectangle(&mut frame, Rect::new(90, 60, 110, 110), scalar(colour), FILLED, LINE_8, 0).unwrap();
     }
-    for (k, colour) in film.balls.iter().enumerate() {
-        disc(&mut frame, (u + 60.0 * k as f64, v), film.radius_px, *colour);
+    for (k, colour) in video.balls.iter().enumerate() {
+        disc(&mut frame, (u + 60.0 * k as f64, v), video.radius_px, *colour);
     }
     frame
 }

@@ -116,7 +116,7 @@ mod tests {
     use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 
     /// A small video that gets brighter: Motion JPEG needs no codec beyond OpenCV itself.
-    fn film(path: &Path, frames: u32) {
+    fn video(path: &Path, frames: u32) {
         let codec = VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();
         let mut writer = VideoWriter::new(path.to_str().unwrap(), codec, 50.0, Size::new(64, 48), true).unwrap();
         assert!(writer.is_opened().unwrap());
@@ -137,10 +137,10 @@ mod tests {
     }
 
     #[test]
-    fn a_written_film_is_read_back() {
+    fn a_written_video_is_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("film.avi");
-        film(&path, 12);
+        video(&path, 12);
         let clip = open(&path).unwrap();
         assert_eq!(clip, Clip { path, width_px: 64, height_px: 48, frames_per_s: 50.0, frames: 12 });
     }
@@ -149,7 +149,7 @@ mod tests {
     fn only_frames_that_decode_are_counted() {
         let folder = tempfile::tempdir().unwrap();
         let (whole, cut) = (folder.path().join("film.avi"), folder.path().join("cut.avi"));
-        film(&whole, 20);
+        video(&whole, 20);
         let bytes = std::fs::read(&whole).unwrap();
         std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
         match open(&cut) {
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_film_without_its_index_is_said_to_be_cut_off() {
+    fn a_video_without_its_index_is_said_to_be_cut_off() {
         let text = refusal("cut.mp4", &cut_before_index());
         assert!(text.contains("cut off") && text.contains("index"), "{text}");
     }
@@ -179,7 +179,7 @@ mod tests {
     fn a_single_frame_is_no_video() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("film.avi");
-        film(&path, 1);
+        video(&path, 1);
         assert!(open(&path).unwrap_err().to_string().contains("found 1 frames that decode"));
     }
 

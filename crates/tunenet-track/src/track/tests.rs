@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::scale::Known;
-use crate::test_videos::{Film, disc_film};
+use crate::test_videos::{DrawnVideo, draw_discs};
 use tunenet_ball::preflight::Expected;
 use tunenet_video_protocol::FindingKind;
 
@@ -37,7 +37,7 @@ const GREEN: [f64; 3] = [40.0, 220.0, 40.0];
 fn a_drawn_disc_is_found_to_a_fraction_of_a_pixel() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.avi");
-    let centres = disc_film(&path, &Film { balls: vec![RED], ..Film::default() });
+    let centres = draw_discs(&path, &DrawnVideo { balls: vec![RED], ..DrawnVideo::default() });
     for settings in [Settings::default(), red()] {
         let track = tracked(&path, &settings);
         assert_eq!((track.frames, track.sightings.len()), (60, 60));
@@ -55,15 +55,15 @@ fn a_drawn_disc_is_found_to_a_fraction_of_a_pixel() {
 #[test]
 fn no_ball_two_balls_and_a_wrong_colour_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
-    let file = |name: &str, film: &Film| {
+    let file = |name: &str, video: &DrawnVideo| {
         let path = folder.path().join(name);
-        disc_film(&path, film);
+        draw_discs(&path, video);
         path
     };
-    let none = file("none.avi", &Film::default());
-    let two = file("two.avi", &Film { balls: vec![GREEN, GREEN], ..Film::default() });
-    let one = file("one.avi", &Film { balls: vec![GREEN], ..Film::default() });
-    let shaken = file("shaken.avi", &Film { balls: vec![GREEN], shake_px: 9.0, ..Film::default() });
+    let none = file("none.avi", &DrawnVideo::default());
+    let two = file("two.avi", &DrawnVideo { balls: vec![GREEN, GREEN], ..DrawnVideo::default() });
+    let one = file("one.avi", &DrawnVideo { balls: vec![GREEN], ..DrawnVideo::default() });
+    let shaken = file("shaken.avi", &DrawnVideo { balls: vec![GREEN], shake_px: 9.0, ..DrawnVideo::default() });
     assert_eq!(reason(&none, &Settings::default()), Unseen::NoBall);
     assert_eq!(reason(&two, &Settings::default()), Unseen::TwoBalls);
     assert_eq!(reason(&one, &red()), Unseen::NoBall);
@@ -74,7 +74,10 @@ fn no_ball_two_balls_and_a_wrong_colour_are_told_apart() {
 fn a_ball_of_the_backgrounds_hue_is_found_where_it_moves() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.avi");
-    let centres = disc_film(&path, &Film { balls: vec![GREEN], poster: Some([60.0, 170.0, 70.0]), ..Film::default() });
+    let centres = draw_discs(
+        &path,
+        &DrawnVideo { balls: vec![GREEN], poster: Some([60.0, 170.0, 70.0]), ..DrawnVideo::default() },
+    );
     let track = tracked(&path, &Settings::default());
     assert!(track.notes.iter().any(|n| n.kind == FindingKind::ColourInBackground), "{:?}", track.notes);
     assert!(track.sightings.len() >= 57, "{}", track.sightings.len());
@@ -88,7 +91,10 @@ fn a_ball_of_the_backgrounds_hue_is_found_where_it_moves() {
 fn repeated_frames_and_a_ball_that_leaves_are_noticed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.avi");
-    disc_film(&path, &Film { balls: vec![RED], repeat: vec![20, 40], speed_px_s: 320.0, ..Film::default() });
+    draw_discs(
+        &path,
+        &DrawnVideo { balls: vec![RED], repeat: vec![20, 40], speed_px_s: 320.0, ..DrawnVideo::default() },
+    );
     let track = tracked(&path, &Settings::default());
     assert_eq!(track.repeated, [21, 42]);
     let codes: Vec<&str> = track.notes.iter().map(|n| n.kind.word()).collect();
@@ -101,7 +107,7 @@ fn repeated_frames_and_a_ball_that_leaves_are_noticed() {
 fn a_rate_that_is_given_sets_the_clock() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.avi");
-    disc_film(&path, &Film { balls: vec![RED], ..Film::default() });
+    draw_discs(&path, &DrawnVideo { balls: vec![RED], ..DrawnVideo::default() });
     let track = tracked(&path, &Settings { rate_hz: Some(240.0), most_frames: Some(30), ..Settings::default() });
     assert_eq!(track.frames, 30);
     assert!((track.rate_hz - 240.0).abs() < 1e-6);
@@ -111,11 +117,11 @@ fn a_rate_that_is_given_sets_the_clock() {
 }
 
 #[test]
-fn a_long_film_is_decoded_once_and_not_kept() {
+fn a_long_video_is_decoded_once_and_not_kept() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.avi");
     let frames = WAITING_BYTES / (320 * 240 * 3) + 100;
-    disc_film(&path, &Film { balls: vec![RED], speed_px_s: 5.0, frames, ..Film::default() });
+    draw_discs(&path, &DrawnVideo { balls: vec![RED], speed_px_s: 5.0, frames, ..DrawnVideo::default() });
     let mut calls = 0;
     let answer = track(&Source::new(&path, None), &Settings::default(), &mut |_, _| calls += 1).unwrap();
     let Answer::Tracked(track) = answer else { panic!("no ball") };
@@ -124,18 +130,18 @@ fn a_long_film_is_decoded_once_and_not_kept() {
 
 /// Frames with a ball in them, as counted by eye and listed with the videos, one more or less at the border.
 #[test]
-fn balls_in_real_films_are_seen() {
+fn balls_in_real_videos_are_seen() {
     let Some(root) = std::env::var_os("TUNENET_MEASURED") else {
         eprintln!("skipped: TUNENET_MEASURED does not name a folder of measured files");
         return;
     };
-    let films = [
+    let videos = [
         ("video-redball/RedBall.mp4", 57..=60),
         ("video-throws/PV_1.mp4", 51..=53),
         ("video-throws/PV_2.mp4", 37..=39),
         ("video-tennis-throw/ball.mp4", 27..=27),
     ];
-    for (name, expected) in films {
+    for (name, expected) in videos {
         let path = Path::new(&root).join(name);
         if !path.exists() {
             eprintln!("skipped: {} is not there", path.display());
