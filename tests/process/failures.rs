@@ -202,13 +202,15 @@ fn a_refusal_of_the_files_own_values_is_told_as_that() {
     assert!(!ran.stderr.contains("inf"), "{}", ran.stderr);
     // Nor a row of digits that nobody counts, in any of the sentences.
     let digits = |text: &str| text.split(|c: char| !c.is_ascii_digit()).map(str::len).max().unwrap_or(0);
-    let text = folder.run("tune --sim a.toml --allow-process --observation seen.csv").ends(3).stderr;
+    let ran = folder.run("tune --sim a.toml --allow-process --observation seen.csv").ends(3);
+    let text = ran.stderr;
+    assert!(digits(&ran.stdout) < 16, "{}", ran.stdout);
     assert!(
         text.contains("warning[fit.poor]: the tuned rollout leaves ") && text.contains("e99") && digits(&text) < 16,
         "{text}"
     );
-    let text = folder.run("diagnose --sim a.toml --allow-process --report a.html --observation seen.csv").stderr;
-    assert!(digits(&text) < 16, "{text}");
+    let text = folder.run("diagnose --sim a.toml --allow-process --report a.html --observation seen.csv");
+    assert!(digits(&text.stdout) < 16 && digits(&text.stderr) < 16, "{}{}", text.stdout, text.stderr);
     let page = folder.text("a.html");
     let shown: Vec<&str> = page.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text).collect();
     let shown = shown.join(" ");

@@ -24,6 +24,7 @@ use crate::output::{percent, share};
 use crate::resume::{DRAWS_PER_PIECE, Store, program};
 use crate::scene::{PAPER_BALL, PAPER_RADIUS_M, seeds};
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, table};
 
@@ -85,7 +86,7 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
         ["height, surface", "restitution", "noise", "95 % holds", "poor fit", "no answer", "mean error", "median"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
     rows.extend(found.iter().map(IntervalCell::row));
-    anstream::eprintln!("{}", table(&rows));
+    answer::text(options.common.json, &table(&rows))?;
     if options.common.json {
         let cells: Vec<Value> = found.iter().map(IntervalCell::json).collect();
         print_json(&json!({

@@ -18,6 +18,7 @@ use super::video_speed::VideoFigures;
 use crate::args::BenchSpeed;
 use crate::scene::{PAPER_BALL, SHOT, URDF};
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{stage, table};
 
@@ -115,7 +116,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row("the same by the chance among 256 balls", format!("{:.0} ms", probability_s * 1e3)),
     ]);
     rows.extend(videos.rows());
-    anstream::eprintln!("{}", table(&rows));
+    answer::text(options.common.json, &table(&rows))?;
     if options.common.json {
         print_json(&json!({
             "schema": "tunenet.bench.speed/1",

@@ -30,6 +30,7 @@ use self::trial::BlindTrial;
 use super::resume::{Store, program};
 use crate::args::{BenchDiagnose, DiagnoseRow, Measured};
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -83,7 +84,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
         rows: tables,
     };
     write::all(&options.out, &results)?;
-    anstream::eprintln!("{}", write::markdown(&results));
+    answer::text(options.common.json, &write::markdown(&results))?;
     stage("wrote", &options.out.join("diagnose.md").display().to_string());
     if options.common.json {
         print_json(&serde_json::to_value(&results)?)?;

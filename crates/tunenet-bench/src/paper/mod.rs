@@ -11,6 +11,7 @@ use serde_json::{Map, json};
 use super::resume::{Store, program};
 use crate::args::{BenchPaper, Measured, PaperTable};
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::stage;
 
@@ -53,7 +54,7 @@ pub fn run(options: &BenchPaper) -> Result<Exit> {
                 ("figure3", figure3::markdown(&results), results.as_json())
             }
         };
-        anstream::eprintln!("{text}");
+        answer::text(options.common.json, &text)?;
         stage("wrote", &out.join(format!("{name}.md")).display().to_string());
         all.insert(name.into(), value);
     }

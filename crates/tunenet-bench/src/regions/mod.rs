@@ -24,6 +24,7 @@ use super::resume::{DRAWS_PER_PIECE, Store, program};
 use crate::args::{BenchRegions, Measured};
 use crate::output::{file_of, percent, share, write_all};
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -84,7 +85,7 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
         "schema": "tunenet.bench.regions/1", "draws": options.count(), "seed": seed, "cells": rows, "warnings": [],
     });
     write_all(&options.out, [("regions.md", text.clone()), ("regions.json", file_of(&object))])?;
-    anstream::eprintln!("{text}");
+    answer::text(options.common.json, &text)?;
     stage("wrote", &options.out.join("regions.md").display().to_string());
     if options.common.json {
         print_json(&object)?;

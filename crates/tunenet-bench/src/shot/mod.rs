@@ -35,6 +35,7 @@ use self::world::{RADIUS_M, ShotState};
 use super::resume::{Store, program};
 use crate::args::{BenchShot, Measured};
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -59,7 +60,7 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
         return Ok(exit);
     }
     results.write(&options.out)?;
-    anstream::eprintln!("{}", results.markdown());
+    answer::text(options.common.json, &results.markdown())?;
     stage("wrote", &options.out.join("shot.md").display().to_string());
     if options.common.json {
         print_json(&results.as_json())?;

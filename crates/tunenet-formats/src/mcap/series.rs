@@ -1,6 +1,7 @@
 //! An observation from one topic of an MCAP file.
 
 use crate::findings;
+use crate::quantity::{Quantity, kind_name};
 use std::path::Path;
 
 use super::decoder::Decoder;
