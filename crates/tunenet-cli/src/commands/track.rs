@@ -151,6 +151,6 @@ fn printout(options: &Track, facts: &Facts, notes: &[Note]) -> Printout {
     for check in facts.preflight.iter().filter(|check| check.state == State::Failed) {
         shown.row("unusable", &check.text);
     }
-    notes.iter().for_each(|note| shown.warn(note));
+    shown.warn_all(notes);
     shown
 }

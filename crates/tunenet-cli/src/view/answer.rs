@@ -29,7 +29,7 @@ impl Printout {
     /// Adds the verdict, in bold letters where a terminal shows them.
     pub fn verdict(&mut self, text: &str) {
         let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
-        self.text.push_str(&format!("{bold}{}{reset}\n", lines(text)));
+        self.text.extend([format!("{bold}"), lines(text), format!("{reset}\n")]);
     }
 
     /// Adds a table.
@@ -42,16 +42,18 @@ impl Printout {
         self.notes.push(note.clone());
     }
 
+    /// Adds warnings, which go to standard error.
+    pub fn warn_all<'a>(&mut self, notes: impl IntoIterator<Item = &'a Note>) {
+        self.notes.extend(notes.into_iter().cloned());
+    }
+
     /// Prints the text, or with `--json` the object, and then the warnings.
     ///
     /// # Errors
     /// As [`print_json`].
     pub fn show(&self, json: bool, object: impl FnOnce() -> Value) -> Result<()> {
-        if json {
-            print_json(&object())?
-        } else {
-            print_text(&self.text)?
-        }
+        let printed = if json { print_json(&object()) } else { print_text(&self.text) };
+        printed?;
         self.notes.iter().for_each(warn);
         Ok(())
     }

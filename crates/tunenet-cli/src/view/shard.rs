@@ -20,7 +20,7 @@ pub fn show(shard: Shard, at: &Path, share: Share, what: &str, as_json: bool) ->
     let note = share.noted(shard);
     let mut shown = Printout::default();
     shown.row("wrote", &format!("{}, shard {shard}, {pieces} {what}", at.display()));
-    note.iter().for_each(|note| shown.warn(note));
+    shown.warn_all(&note);
     shown.show(as_json, || {
         json!({
             "schema": "tunenet.shard/1", "file": names::file_name(at), "shard": shard.to_string(), "pieces": pieces,

@@ -16,7 +16,7 @@ pub fn units(seen: &Observation, shown: &mut Printout) -> Option<Check> {
     if check.state == State::Passed {
         shown.row("checked", &check.text);
     }
-    check.note().iter().for_each(|note| shown.warn(note));
+    shown.warn_all(&check.note());
     Some(check)
 }
 

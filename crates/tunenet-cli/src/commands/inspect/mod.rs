@@ -196,7 +196,7 @@ fn series(found: &Table, path: &Path, options: &Inspect, shown: &mut Printout) -
         shown.row("whole", &format!("lines {first} to {last}: `sed -n '{header}{first},{last}p'` cuts them out"));
         shown.line("  try: where single cells are bad, empty them; a line with an empty cell is left out");
     }
-    notes.iter().for_each(|note| shown.warn(note));
+    shown.warn_all(&notes);
     let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));
     let usable = judged(usable, motion.as_ref(), shown);
     let remedy = remedy(found, options);
@@ -301,7 +301,7 @@ fn log(found: &Log, path: &Path, options: &Inspect, shown: &mut Printout) -> Fou
     let chosen = usable.len() == 1 || options.reading.topic.is_some();
     let read = (chosen && found.ended.is_none()).then(|| recording(path, options).ok()).flatten();
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
-    notes.iter().for_each(|note| shown.warn(note));
+    shown.warn_all(&notes);
     let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));
     let motion = read.and_then(|r| Motion::of(&r.observation));
     let rejected = motion.as_ref().and_then(Motion::rejected);

@@ -139,7 +139,7 @@ fn printout(answer: &Answer) -> Printout {
         let each: Vec<String> = joints.iter().map(|q| format!("{q:.4}")).collect();
         shown.line(&format!("  joints {} rad", each.join(", ")));
     }
-    answer.notes.iter().for_each(|note| shown.warn(note));
+    shown.warn_all(&answer.notes);
     shown
 }
 

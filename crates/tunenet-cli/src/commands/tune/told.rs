@@ -142,7 +142,7 @@ pub fn printout(outcome: &Outcome) -> Printout {
     if verbose() {
         shown.table(&iterations(outcome));
     }
-    outcome.notes.iter().for_each(|note| shown.warn(note));
+    shown.warn_all(&outcome.notes);
     shown
 }
 
