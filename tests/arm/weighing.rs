@@ -101,10 +101,12 @@ fn mass_and_gain_together_are_doubted() {
     assert!(text.contains("only the link masses of the URDF") && text.contains("correlation -"), "{text}");
 }
 
-fn stderr(ran: &Ran) -> String {
+/// What stands on which stream, without times.
+fn streams(ran: &Ran) -> String {
     let seconds = |word: &str| word.ends_with("s,") && word[..word.len() - 2].parse::<f64>().is_ok();
     let line = |line: &str| line.split(' ').filter(|w| !seconds(w)).collect::<Vec<_>>().join(" ");
-    ran.stderr.lines().filter(|l| !l.contains(" rollouts, ")).map(line).collect::<Vec<_>>().join("\n")
+    let text = |all: &str| all.lines().filter(|l| !l.contains(" rollouts, ")).map(line).collect::<Vec<_>>().join("\n");
+    format!("-- standard output\n{}\n-- standard error\n{}", text(&ran.stdout), text(&ran.stderr))
 }
 
 #[test]
@@ -113,13 +115,13 @@ fn runs_the_wrong_way_round_and_turned_signs_are_told() {
     folder.write("held.csv", shown(0.8, 0.0));
     folder.write("bare.csv", shown(0.0, 1.0));
     let swapped = folder.run("tune --sim arm.toml --observation bare.csv --reference held.csv").ends(3);
-    insta::assert_snapshot!("arm_swapped", stderr(&swapped));
+    insta::assert_snapshot!("arm_swapped", streams(&swapped));
     let turned = log(Beside { payload_kg: 0.8, ..Beside::default() }, |t, [q, dq, torque]| {
         format!("{t:.3},{q:.9},{dq:.9},{:.9}", -torque)
     });
     folder.write("turned.csv", turned);
     let turned = folder.run("tune --sim arm.toml --observation turned.csv").ends(3);
-    insta::assert_snapshot!("arm_turned", stderr(&turned));
+    insta::assert_snapshot!("arm_turned", streams(&turned));
     let right = folder.run("tune --sim arm.toml --observation held.csv --reference bare.csv --json").json();
     assert_eq!([state(&right, "joints.signs"), state(&right, "reference.swapped")], ["passed", "passed"]);
 }

@@ -22,8 +22,9 @@ fn restitution(json: &Value) -> f64 {
 }
 
 /// What people read goes to standard error, with `--json` and without: nothing else is ever on standard output.
+/// Without `--json` the answer is on standard output, with it the object is and nothing else.
 #[test]
-fn nothing_is_on_standard_output_but_the_object() {
+fn the_answer_is_on_standard_output() {
     let folder = with_drop();
     folder.write("drop.toml", DROP);
     folder.run("gen ball --sim drop.toml --pairs 8 --out p.mcap --shard 0/1").ends(0);
@@ -42,8 +43,37 @@ fn nothing_is_on_standard_output_but_the_object() {
     ] {
         let ran = folder.run(line);
         assert!(matches!(ran.code, Some(0 | 3)), "{line}: {}", ran.stderr);
-        assert!(ran.stdout.is_empty() && !ran.stderr.is_empty(), "{line}: {}", ran.stdout);
+        assert!(!ran.stdout.is_empty() && !ran.stdout.starts_with('{'), "{line}: {}", ran.stdout);
+        assert!(["warning[", "error:"].iter().all(|word| !ran.stdout.contains(word)), "{line}: {}", ran.stdout);
+        let more = if line.contains("--out") { " --overwrite" } else { "" };
+        if !line.starts_with("bench") {
+            let quiet = folder.run(&format!("{line}{more} --quiet"));
+            assert!(quiet.code == ran.code && quiet.stderr.is_empty(), "{line}: {}", quiet.stderr);
+        }
+        let json = folder.run(&format!("{line}{more} --json"));
+        json.json();
     }
+}
+
+#[test]
+fn recordings_can_be_given_without_a_flag() {
+    let folder = with_drop();
+    let answers = |line: &str| {
+        let ran = folder.run(line);
+        (ran.code, ran.stdout)
+    };
+    for tool in ["tune", "diagnose"] {
+        let flag = answers(&format!("{tool} --sim scene.toml --observation drop.csv -q"));
+        assert_eq!(flag, answers(&format!("{tool} --sim scene.toml drop.csv -q")), "{tool}");
+        assert_eq!(flag, answers(&format!("{tool} drop.csv --sim scene.toml -q")), "{tool}");
+        let none = folder.run(&format!("{tool} --sim scene.toml")).ends(2);
+        assert!(none.stderr.contains("RECORDING"), "{}", none.stderr);
+    }
+    folder.run("tune --sim scene.toml drop.csv -o short.toml").ends(0);
+    assert!(folder.path("short.toml").exists());
+    let details = folder.run("tune --sim scene.toml drop.csv -v").ends(0);
+    assert!(details.stdout.contains("iteration"), "{}", details.stdout);
+    folder.run("tune --sim scene.toml drop.csv -v -q").ends(2);
 }
 
 fn with_drop() -> Folder {
@@ -258,7 +288,8 @@ fn train_says_where_it_ran() {
     }
     assert_eq!(auto["device"], "cpu");
     assert_eq!(folder.read("auto.safetensors"), folder.read("cpu.safetensors"));
-    let told = train("--device auto --out told.safetensors").ends(0).stderr;
+    let told = "train --data pairs.mcap --preset paper --device auto --out told.safetensors";
+    let told = folder.run(told).ends(0).stdout;
     assert!(told.contains(" for restitution on the CPU, loss "), "{told}");
     // Before anything else is looked at, and with the way out.
     let refused = folder.run("train --data none.mcap --device cuda --out cuda.safetensors");

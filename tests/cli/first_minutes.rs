@@ -75,7 +75,7 @@ fn a_flag_is_blamed_for_what_it_says() {
     misused(&folder, "tun", &["similar subcommand exists: 'tune'"]);
     misused(&folder, "tune --observations drop.csv", &["--observation"]);
     misused(&folder, "man tun", &["expected a command (init, tune"]);
-    misused(&folder, "", &["Usage: tunenet <COMMAND>", "tunenet init ball"]);
+    misused(&folder, "", &["Usage: tunenet [OPTIONS] <COMMAND>", "tunenet init ball"]);
 }
 
 /// What is proposed for a foreign table works when it is typed.
@@ -91,8 +91,8 @@ fn the_mapping_that_is_proposed_works() {
     ] {
         folder.write("a.csv", good.replacen("t_s,x_m,y_m,z_m", header, 1));
         let ran = folder.run("inspect a.csv").ends(3);
-        assert!(ran.stderr.contains("table    240 rows\n"), "{}", ran.stderr);
-        assert!(ran.stderr.contains(&format!("  try: `{proposed}`")), "{header}: {}", ran.stderr);
+        assert!(ran.stdout.contains("table    240 rows\n"), "{}", ran.stdout);
+        assert!(ran.stdout.contains(&format!("  try: `{proposed}`")), "{header}: {}", ran.stdout);
         let json = folder.run("inspect a.csv --json").json();
         assert!(json["remedy"].as_str().unwrap().contains(proposed), "{json}");
         for command in ["inspect a.csv", "tune --sim scene.toml --observation a.csv"] {

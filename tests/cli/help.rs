@@ -51,9 +51,10 @@ fn an_answer_with_a_warning() {
     let folder = Folder::with_scene();
     folder.write("drop.csv", Drop::default().csv());
     let ran = folder.run("tune --sim scene.toml --observation drop.csv --out tuned.toml").ends(0);
-    assert!(ran.stdout.is_empty(), "{}", ran.stdout);
+    plain(&ran.stdout);
     plain(&ran.stderr);
-    filtered(|| insta::assert_snapshot!("tune_answer", ran.stderr));
+    filtered(|| insta::assert_snapshot!("tune_answer", ran.stdout));
+    filtered(|| insta::assert_snapshot!("tune_notes", ran.stderr));
 }
 
 #[test]
@@ -61,7 +62,8 @@ fn an_honest_no() {
     let folder = Folder::with_scene();
     folder.write("short.csv", Drop { frames: 30, ..Drop::default() }.csv());
     let ran = folder.run("tune --sim scene.toml --observation short.csv").ends(3);
-    filtered(|| insta::assert_snapshot!("tune_no_bounce", ran.stderr));
+    filtered(|| insta::assert_snapshot!("tune_no_bounce", ran.stdout));
+    filtered(|| insta::assert_snapshot!("tune_no_bounce_notes", ran.stderr));
 }
 
 #[test]
@@ -88,8 +90,8 @@ fn no_bars_and_no_colour_without_a_terminal() {
     ] {
         let output = folder.command().env_remove("NO_COLOR").args(line.split_whitespace()).output().unwrap();
         let ran = crate::common::Ran::from(output).ends(0);
-        plain(&ran.stderr);
-        assert!(ran.stderr.lines().count() <= 2, "{}", ran.stderr);
+        plain(&ran.stdout);
+        assert!(ran.stdout.lines().count() <= 2 && ran.stderr.is_empty(), "{}{}", ran.stdout, ran.stderr);
     }
 }
 
@@ -100,14 +102,15 @@ fn colour_obeys_the_environment() {
     folder.write("drop.csv", Drop { held_s: 0.3, frames: 300, ..Drop::default() }.csv());
     folder.write("bad.csv", "t_s,z_m\n0.0,1.0\n0.1,0.6b31\n0.2,0.4\n");
     folder.write("drop.toml", DROP);
-    // A warning, an error with its line, an error without one, one of the command line, a long run with a bar, an inspection.
-    for (line, coloured) in [
-        ("tune --sim scene.toml --observation drop.csv", true),
-        ("tune --sim scene.toml --observation bad.csv", true),
-        ("tune --sim scene.toml --observation none.csv", true),
-        ("tune --sim scene.toml", true),
-        ("gen ball --sim drop.toml --pairs 200 --out pairs.mcap", false),
-        ("inspect drop.csv", true),
+    // An answer with a warning, an error with its line, an error without one, one of the command line, a long run with a
+    // bar, an inspection: whether standard output and standard error are coloured.
+    for (line, answer, notes) in [
+        ("tune --sim scene.toml drop.csv", true, true),
+        ("tune --sim scene.toml bad.csv", false, true),
+        ("tune --sim scene.toml none.csv", false, true),
+        ("tune --sim scene.toml", false, true),
+        ("gen ball --sim drop.toml --pairs 200 --out pairs.mcap", false, false),
+        ("inspect drop.csv", false, true),
     ] {
         let run = |variables: &[(&str, &str)]| {
             let mut command = folder.command();
@@ -116,11 +119,12 @@ fn colour_obeys_the_environment() {
         };
         for quiet in [run(&[]), run(&[("NO_COLOR", "1")]), run(&[("NO_COLOR", "1"), ("CLICOLOR_FORCE", "1")])] {
             plain(&quiet.stderr);
-            assert!(!quiet.stdout.contains('\u{1b}'), "{line}");
+            plain(&quiet.stdout);
         }
         let forced = run(&[("CLICOLOR_FORCE", "1")]);
-        assert_eq!(forced.stderr.contains('\u{1b}'), coloured, "{line}: {:?}", forced.stderr);
-        assert!(!forced.stderr.contains('\r') && !forced.stdout.contains('\u{1b}'), "{line}: {:?}", forced.stderr);
+        assert_eq!(forced.stderr.contains('\u{1b}'), notes, "{line}: {:?}", forced.stderr);
+        assert_eq!(forced.stdout.contains('\u{1b}'), answer, "{line}: {:?}", forced.stdout);
+        assert!(!forced.stderr.contains('\r'), "{line}: {:?}", forced.stderr);
     }
 }
 

@@ -257,11 +257,11 @@ fn a_log_that_is_cut_off_is_told_precisely() {
     let whole = folder.read("whole.mcap");
     folder.write("cut.mcap", &whole[..whole.len() * 9 / 10]);
     let ran = folder.run("inspect cut.mcap").ends(3);
-    assert!(ran.stderr.contains("unusable ") && !ran.stderr.contains("\nusable "), "{}", ran.stderr);
+    assert!(ran.stdout.contains("unusable ") && !ran.stdout.contains("\nusable "), "{}", ran.stdout);
     for text in
         ["the recording is cut off: ", " messages could be read before", "`tune` refuses", "mcap recover cut.mcap"]
     {
-        assert!(ran.stderr.contains(text), "no `{text}` in {}", ran.stderr);
+        assert!(ran.stdout.contains(text), "no `{text}` in {}", ran.stdout);
     }
     refused(&folder, "tune --sim scene.toml --observation cut.mcap", &["cut.mcap: the recording is cut off"]);
 }
@@ -274,7 +274,7 @@ fn the_whole_lines_keep_their_header() {
     lines[30] = "x,y,z,w".into();
     folder.write("a.csv", lines.join("\n"));
     let ran = folder.run("inspect a.csv").ends(3);
-    let command = ran.stderr.split('`').find(|text| text.starts_with("sed ")).unwrap().to_owned();
+    let command = ran.stdout.split('`').find(|text| text.starts_with("sed ")).unwrap().to_owned();
     folder.shell(&format!("{command} a.csv > b.csv")).ends(0);
     folder.run("tune --sim scene.toml --observation b.csv").ends(0);
 }

@@ -246,13 +246,21 @@ fn kinds_that_do_not_go_together() {
     assert!(ran.stderr.contains("joints.csv: ") && ran.stderr.contains("found joint series"), "{}", ran.stderr);
 }
 
-/// An answer that cannot be written to standard output is told; a reader that has gone away is not.
 #[cfg(target_os = "linux")]
 #[test]
-fn an_answer_that_cannot_be_written() {
-    let folder = Folder::new();
+fn a_full_disk_is_an_error_and_a_broken_pipe_is_none() {
+    let folder = Folder::with_scene();
     folder.write("drop.csv", Drop::default().csv());
-    for line in ["completions bash", "man", "init ball --overwrite --json", "inspect drop.csv --json"] {
+    for line in [
+        "completions bash",
+        "man",
+        "init ball --overwrite --json",
+        "init ball --overwrite",
+        "inspect drop.csv --json",
+        "inspect drop.csv",
+        "tune --sim scene.toml drop.csv",
+        "tune --sim scene.toml drop.csv --each",
+    ] {
         let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
         let mut command = folder.command();
         let ran = crate::common::Ran::from(command.args(line.split(' ')).stdout(full).output().unwrap()).ends(1);

@@ -11,9 +11,11 @@ fn written(folder: &Folder, line: &str, threads: &str) -> Vec<(String, Vec<u8>)>
     let before = folder.names();
     let ran = folder.command().env("RAYON_NUM_THREADS", threads).args(line.split_whitespace()).output().unwrap();
     assert!(matches!(ran.status.code(), Some(0 | 3)), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
-    let printed = if ran.stdout.is_empty() { Vec::new() } else { timeless(&ran.stdout) };
-    let told: String = String::from_utf8(ran.stderr).unwrap().lines().map(|l| untimed(l) + "\n").collect();
-    let mut all = vec![("standard output".to_owned(), printed), ("standard error".into(), told.into_bytes())];
+    let text = |bytes: Vec<u8>| -> Vec<u8> {
+        String::from_utf8(bytes).unwrap().lines().flat_map(|l| (untimed(l) + "\n").into_bytes()).collect()
+    };
+    let printed = if ran.stdout.starts_with(b"{") { timeless(&ran.stdout) } else { text(ran.stdout) };
+    let mut all = vec![("standard output".to_owned(), printed), ("standard error".into(), text(ran.stderr))];
     for name in folder.names().into_iter().filter(|name| !before.contains(name) && name != "cache") {
         let path = folder.path(&name);
         if path.is_dir() {

@@ -135,12 +135,13 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
         folder.write(&format!("shaken_{seed}.csv"), shaken.csv("t_s,angle_rad"));
     }
     let diagnose = |what: &str| {
-        let line = "diagnose --sim pendulum.toml --allow-process --report page.html --json --observation";
-        let ran = folder.run(&format!("{line} {what}")).ends(3);
+        let line = "diagnose --sim pendulum.toml --allow-process --report page.html";
+        let text = folder.run(&format!("{line} {what}")).ends(3);
+        let ran = folder.run(&format!("{line} {what} --json")).ends(3);
         let page = String::from_utf8(folder.read("page.html")).unwrap();
         // The key of a flight stands in every object.
         let object = ran.stdout.replace("\"flight\": null", "");
-        for text in [&ran.stderr, &object, &page] {
+        for text in [&text.stdout, &text.stderr, &object, &page] {
             let words = text.split(|c: char| !c.is_ascii_alphabetic()).map(str::to_lowercase);
             let balls = [
                 "drop", "drops", "release", "ball", "throw", "throws", "bounces", "contact", "contacts", "flight",
@@ -154,24 +155,19 @@ fn a_diagnosis_of_a_program_speaks_of_no_ball() {
                 assert!(!text.contains(fitted), "{what}: `{fitted}` in\n{text}");
             }
         }
-        ran
+        (text.stdout, ran.json())
     };
-    let unknown = diagnose("shaken_1.csv shaken_2.csv shaken_3.csv").json();
+    let (_, unknown) = diagnose("shaken_1.csv shaken_2.csv shaken_3.csv");
     assert_eq!(unknown["verdict"], "unknown");
     assert!(unknown["next_experiment"]["text"].as_str().unwrap().contains("(start, inputs, parameters, sensor)"));
     assert!(unknown["description"].as_str().unwrap().contains("over the whole of each record"), "{unknown:#}");
 
-    let ran = diagnose("late_1.csv late_2.csv late_3.csv");
-    let one_of = ran.json();
+    let (text, one_of) = diagnose("late_1.csv late_2.csv late_3.csv");
     assert_eq!((one_of["verdict"].as_str(), one_of["candidates"][0].as_str()), (Some("one_of"), Some("time_offset")));
     let ahead = one_of["scores"][1]["behind_best"].as_f64().unwrap();
     assert!(ahead > 10.0 * one_of["margin"].as_f64().unwrap(), "{ahead}");
     assert_eq!(one_of["doubt"], "a single motion does not identify one effect");
-    assert!(
-        ran.stderr.contains("time_offset by far, but a single motion does not identify one effect"),
-        "{}",
-        ran.stderr
-    );
+    assert!(text.contains("time_offset by far, but a single motion does not identify one effect"), "{text}");
     let next = one_of["next_experiment"]["text"].as_str().unwrap();
     assert!(next.contains("start otherwise") && next.contains("the instant at which the motion starts"), "{next}");
     // Only what gains anything at all may stand beside it.
@@ -262,7 +258,7 @@ fn inspect_knows_the_channels_and_runs_nothing() {
     let folder = pendulum();
     folder.write("pendulum.toml", PENDULUM_SCENE.replace("\"pendulum.py\"", "\"-c\", \"open('ran', 'w')\""));
     let ran = folder.run("inspect swing.csv").ends(3);
-    assert!(ran.stderr.contains("where a program of yours simulates `angle_rad`"), "{}", ran.stderr);
+    assert!(ran.stdout.contains("where a program of yours simulates `angle_rad`"), "{}", ran.stderr);
     let json = folder.run("inspect swing.csv --sim pendulum.toml --json").ends(0).json();
     assert_eq!((json["usable"].as_bool(), json["columns"][1]["read_as"].as_str()), (Some(true), Some("angle_rad")));
     let json = folder.run("inspect pendulum.toml --json").ends(0).json();

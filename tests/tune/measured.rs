@@ -102,7 +102,6 @@ fn logs_of_a_robot() {
     for file in &files {
         let ran = crate::common::Ran::from(folder.command().arg("inspect").arg(file).arg("--json").output().unwrap());
         assert!(matches!(ran.code, Some(0 | 1 | 3)), "{}: {:?}", file.display(), ran.code);
-        assert!(!ran.stderr.is_empty());
         if ran.code == Some(1) {
             assert!(ran.stdout.is_empty() && ran.stderr.contains("help: "), "{}", ran.stderr);
         } else {

@@ -45,7 +45,8 @@ fn a_wrong_unit_is_rejected_and_forced_loudly() {
     assert_eq!(json["forced"], true);
     assert_ne!(json["verdict"], "rejected");
     assert!(json["warnings"].as_array().unwrap().iter().any(|w| w["code"] == "preflight.forced"));
-    assert!(ran.stderr.contains("FORCED"), "{}", ran.stderr);
+    let ran = folder.run("tune --sim scene.toml --observation mm.csv --force");
+    assert!(ran.stdout.contains("FORCED") && !ran.stderr.contains("FORCED"), "{}", ran.stdout);
     folder.run("inspect mm.csv").ends(3);
 }
 

@@ -22,6 +22,7 @@ use super::tuning::closed_form::Drop;
 use crate::args::{BenchIntervals, Measured};
 use crate::resume::program;
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, table};
 
@@ -91,7 +92,7 @@ pub fn run(options: &BenchIntervals) -> Result<Exit> {
         ["height, surface", "restitution", "noise", "95 % holds", "poor fit", "no answer", "mean error", "median"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
     rows.extend(found.iter().map(Cell::row));
-    anstream::eprintln!("{}", table(&rows));
+    answer::text(options.common.json, &table(&rows))?;
     if options.common.json {
         let cells: Vec<Value> = found.iter().map(Cell::json).collect();
         print_json(&json!({

@@ -18,6 +18,7 @@ use tunenet_cli::files::destination;
 use tunenet_cli::files::hash;
 use tunenet_cli::shard::differing::{differing, sides};
 use tunenet_cli::shard::{self, CELLS, Job, Mark, Share, mark};
+use tunenet_cli::view;
 use tunenet_cli::view::text::stage;
 
 /// What every run is identified by in addition to its options: the digest of the program.
@@ -77,7 +78,7 @@ impl Store {
         shard::require_own(&folder)?;
         if sharing.shard.is_some() {
             finished_alike(&folder, &run)?;
-            mark::clear_damage(&folder)?;
+            mark::clear_damage(&folder)?.iter().for_each(|text| stage("again", text));
         }
         let (pieces, mine) = (AtomicU64::new(0), AtomicU64::new(0));
         let store = Self { folder, run, shard: sharing.shard, pieces, mine };
@@ -114,7 +115,8 @@ impl Store {
         Mark::write(&self.folder, shard, Job::Bench(serde_json::to_value(bench)?))?;
         let all = self.pieces.load(Ordering::Relaxed);
         let share = Share { pieces: self.mine.load(Ordering::Relaxed), all };
-        shard::tell(shard, &self.folder, share, &format!("of {all} pieces"), as_json).map(Some)
+        view::shard::show(shard, &self.folder, share, &format!("of {all} pieces"), as_json)?;
+        Ok(Some(Exit::Done))
     }
 
     /// A folder of its own within, made where it is missing.

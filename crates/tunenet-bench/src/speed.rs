@@ -17,6 +17,7 @@ use super::film_speed::Films;
 use super::process;
 use crate::args::BenchSpeed;
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{stage, table};
 
@@ -119,7 +120,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row("the same by the chance among 256 balls", format!("{:.0} ms", probability_s * 1e3)),
     ]);
     rows.extend(films.rows());
-    anstream::eprintln!("{}", table(&rows));
+    answer::text(options.common.json, &table(&rows))?;
     if options.common.json {
         print_json(&json!({
             "schema": "tunenet.bench.speed/1",

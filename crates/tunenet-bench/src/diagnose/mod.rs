@@ -31,6 +31,7 @@ use super::resume::Store;
 use crate::args::{BenchDiagnose, DiagnoseRow as Row, Measured};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::files::hash;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -85,7 +86,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
         rows: tables,
     };
     write::all(&options.out, &results)?;
-    anstream::eprintln!("{}", write::markdown(&results));
+    answer::text(options.common.json, &write::markdown(&results))?;
     stage("wrote", &options.out.join("diagnose.md").display().to_string());
     if options.common.json {
         print_json(&serde_json::to_value(&results)?)?;

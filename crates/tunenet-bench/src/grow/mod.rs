@@ -18,6 +18,7 @@ use crate::args::BenchGrow;
 use tunenet_cli::failure::Exit;
 use tunenet_cli::files::hash;
 use tunenet_cli::shard;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -64,7 +65,7 @@ pub fn run(options: &BenchGrow) -> Result<Exit> {
     for (name, text) in [("grow.md", text.clone()), ("grow.json", format!("{object:#}\n"))] {
         write_atomically(options.out.join(name), |file| file.write_all(text.as_bytes()))?;
     }
-    anstream::eprintln!("{text}");
+    answer::text(options.common.json, &text)?;
     stage("wrote", &options.out.join("grow.md").display().to_string());
     if options.common.json {
         print_json(&object)?;

@@ -12,6 +12,7 @@ use super::resume::Store;
 use crate::args::{BenchPaper, Measured, PaperTable};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::files::hash;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::stage;
 
@@ -56,7 +57,7 @@ pub fn run(options: &BenchPaper) -> Result<Exit> {
                 ("figure3", figure3::markdown(&results), results.as_json())
             }
         };
-        anstream::eprintln!("{text}");
+        answer::text(options.common.json, &text)?;
         stage("wrote", &out.join(format!("{name}.md")).display().to_string());
         all.insert(name.into(), value);
     }

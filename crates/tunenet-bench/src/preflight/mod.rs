@@ -23,6 +23,7 @@ use crate::resume::program;
 use motion::Record;
 use spoil::KINDS;
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::progress;
 
@@ -102,7 +103,7 @@ pub fn run(options: &BenchPreflight) -> Result<Exit> {
         return Ok(exit);
     }
     let met = found.iter().all(|f| *f >= GOAL_FOUND) && good.iter().all(|g| g.rejected <= GOAL_REJECTED);
-    anstream::eprint!("{}", markdown(records, seed, &good, &found));
+    answer::text(options.common.json, markdown(records, seed, &good, &found).trim_end())?;
     if options.common.json {
         print_json(&as_json(records, seed, &good, &found, met))?;
     }

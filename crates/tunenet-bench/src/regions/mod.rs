@@ -24,6 +24,7 @@ use super::resume::Store;
 use crate::args::{BenchRegions, Measured};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::files::hash;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -91,7 +92,7 @@ pub fn run(options: &BenchRegions) -> Result<Exit> {
     for (name, text) in [("regions.md", text.clone()), ("regions.json", format!("{object:#}\n"))] {
         write_atomically(options.out.join(name), |file| file.write_all(text.as_bytes()))?;
     }
-    anstream::eprintln!("{text}");
+    answer::text(options.common.json, &text)?;
     stage("wrote", &options.out.join("regions.md").display().to_string());
     if options.common.json {
         print_json(&object)?;

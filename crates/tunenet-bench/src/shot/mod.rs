@@ -36,6 +36,7 @@ use super::resume::Store;
 use crate::args::{BenchShot, Measured};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::files::hash;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -62,7 +63,7 @@ pub fn run(options: &BenchShot) -> Result<Exit> {
         return Ok(exit);
     }
     results.write(&options.out)?;
-    anstream::eprintln!("{}", results.markdown());
+    answer::text(options.common.json, &results.markdown())?;
     stage("wrote", &options.out.join("shot.md").display().to_string());
     if options.common.json {
         print_json(&results.as_json())?;

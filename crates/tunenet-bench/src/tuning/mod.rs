@@ -38,6 +38,7 @@ use super::resume::Store;
 use crate::args::{BenchTuning, Measured, Row};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::files::hash;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
@@ -112,7 +113,7 @@ pub fn run(options: &BenchTuning) -> Result<Exit> {
         warnings,
     };
     write::all(&options.out, &results)?;
-    anstream::eprintln!("{}", write::markdown(&results));
+    answer::text(options.common.json, &write::markdown(&results))?;
     stage("wrote", &options.out.join("tuning.md").display().to_string());
     if options.common.json {
         print_json(&serde_json::to_value(&results)?)?;

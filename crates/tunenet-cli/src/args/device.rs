@@ -6,11 +6,11 @@ use tunenet_core::network::TrainDevice;
 /// Where the sums of a training are done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DeviceChoice {
-    /// A GPU where this build can use one and one answers, else the CPU
+    /// A GPU if this build supports it and one is available, otherwise the CPU
     Auto,
-    /// The CPU, with the same bits whatever the number of threads
+    /// The CPU; the result does not depend on the number of threads
     Cpu,
-    /// The first GPU of NVIDIA, in a build with `--features cuda`
+    /// The first NVIDIA GPU, in a build with `--features cuda`
     Cuda,
 }
 

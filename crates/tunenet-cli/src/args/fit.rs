@@ -9,29 +9,29 @@ use super::{Common, Leave, Reading, Sharing, Simulation, Writing, jobs, pair};
 
 pub const TUNE_EXAMPLES: &str = "\
 Examples:
-  tunenet tune --sim assets/ball.toml --observation assets/observations/drop.csv --out tuned.toml
-  tunenet tune --sim ball.toml --observation drop.csv --report drop.html
-  tunenet tune --sim ball.toml --set ball.radius_m=0.02 --observation flights/*.csv --each --json
-  tunenet tune --sim ball.toml --observation 'flights/*.csv' --each --out-dir answers --jobs 4 --shard 0/8
-  tunenet tune --sim ball.toml --observation log.csv --columns t_s=time,z_m=height
-  tunenet tune --sim ball.toml --observation drop.mp4
-  tunenet tune --sim process.toml --allow-process --observation swing.csv
-  tunenet tune --sim ball_easy.toml --set release.height_m=3.9 --observation drop.mcap --model model.safetensors";
+  tunenet tune --sim assets/ball.toml assets/observations/drop.csv -o tuned.toml
+  tunenet tune --sim ball.toml drop.csv --report drop.html
+  tunenet tune --sim ball.toml --set ball.radius_m=0.02 flights/*.csv --each --json
+  tunenet tune --sim ball.toml 'flights/*.csv' --each --out-dir answers --jobs 4 --shard 0/8
+  tunenet tune --sim ball.toml log.csv --columns t_s=time,z_m=height
+  tunenet tune --sim ball.toml drop.mp4
+  tunenet tune --sim process.toml --allow-process swing.csv
+  tunenet tune --sim ball_easy.toml --set release.height_m=3.9 drop.mcap --model model.safetensors";
 
 pub const DIAGNOSE_EXAMPLES: &str = "\
 Examples:
-  tunenet diagnose --sim assets/ball.toml --observation assets/observations/light_[1-5].csv --out improved.toml
-  tunenet diagnose --sim ball.toml --observation d1.csv d2.csv d3.csv --held-out d4.csv --report answer.html
-  tunenet diagnose --sim ball.toml --manifest balls.toml --out improved
-  tunenet diagnose --sim ball.toml --observation 'logs/*.mcap' --each --out-dir answers --jobs 4
-  tunenet diagnose --sim process.toml --allow-process --observation swing.csv
-Several throws in varied directions tell effects apart that one throw cannot.
-A manifest lists [[observation]] tables with `file`, and `object`, `held_out` and keys of the scene where they differ.";
+  tunenet diagnose --sim assets/ball.toml assets/observations/light_[1-5].csv -o improved.toml
+  tunenet diagnose --sim ball.toml d1.csv d2.csv d3.csv --held-out d4.csv --report answer.html
+  tunenet diagnose --sim ball.toml --manifest balls.toml -o improved
+  tunenet diagnose --sim ball.toml 'logs/*.mcap' --each --out-dir answers --jobs 4
+  tunenet diagnose --sim process.toml --allow-process swing.csv
+Several throws in varied directions separate effects that one throw cannot.
+A manifest lists [[observation]] tables with `file` and, if they differ, `object`, `held_out` and keys of the simulation file.";
 
 /// Where recordings are treated one by one.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Apart {
-    /// With --each: write the answer to each recording into a file of its own here; what is there already is not done again
+    /// Folder for one result file per recording; existing results are skipped (requires --each)
     #[arg(long, value_name = "FOLDER", requires = "each")]
     pub out_dir: Option<PathBuf>,
     #[command(flatten)]
@@ -58,44 +58,47 @@ pub struct Tune {
     pub simulation: Simulation,
     #[command(flatten)]
     pub leave: Leave,
-    /// Measured files (CSV, MCAP or film); several are tuned to together
-    #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
+    /// Recordings (CSV, MCAP, video); several are fitted jointly
+    #[arg(value_name = "RECORDING", required_unless_present = "observation")]
+    pub recordings: Vec<PathBuf>,
+    /// Recordings, as an option
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     pub observation: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
-    /// Of an arm's log: the same motion without the payload; what both runs share then cancels
+    /// Log of the same motion without payload (arms only); common errors cancel
     #[arg(long, value_name = "FILE")]
     pub reference: Option<PathBuf>,
-    /// Tune to each observation on its own
+    /// Fit each recording separately
     #[arg(long)]
     pub each: bool,
     #[command(flatten)]
     pub apart: Apart,
-    /// Threads [default: one for each core]
+    /// Number of threads [default: number of cores]
     #[arg(long, value_parser = jobs)]
     pub jobs: Option<usize>,
-    /// Use recordings that their checks reject; the answer may mean nothing
+    /// Use recordings that failed the checks; the result may be meaningless
     #[arg(long)]
     pub force: bool,
-    /// Trained network, instead of the one that fits; its preset decides how the iterations go
+    /// Network to start from [default: chosen automatically]
     #[arg(long, value_name = "MODEL.safetensors")]
     pub model: Option<PathBuf>,
-    /// Neither look for a network trained for this scene before, nor keep one
+    /// Do not read or write the network cache
     #[arg(long)]
     pub no_cache: bool,
-    /// Start value, instead of the simulation file's
+    /// Initial value of a parameter (may be repeated) [default: from the simulation file]
     #[arg(long, value_name = "NAME=VALUE", value_parser = start, value_delimiter = ',')]
     pub initial: Vec<(String, f64)>,
-    /// Iterations of the network, one rollout each
+    /// Network iterations before the fit, one rollout each (no effect without a network)
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub iterations: u16,
-    /// Keep values within their bounds at every iteration, with a model of preset `paper` too
+    /// Clamp values to their bounds in every iteration (only `--model` with preset `paper`)
     #[arg(long)]
     pub clamp: bool,
-    /// Write the simulation file with the tuned values here
-    #[arg(long, value_name = "TUNED.toml")]
+    /// Write the simulation file with the tuned values
+    #[arg(short, long, value_name = "TUNED.toml")]
     pub out: Option<PathBuf>,
-    /// Write a page with drawings here: verdict, residuals, intervals, checks
+    /// Write an HTML report
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     #[command(flatten)]
@@ -111,35 +114,38 @@ pub struct Diagnose {
     pub simulation: Simulation,
     #[command(flatten)]
     pub leave: Leave,
-    /// Measured files (CSV, MCAP or film) of one object
-    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "manifest")]
+    /// Recordings (CSV, MCAP, video) of one object
+    #[arg(value_name = "RECORDING", required_unless_present_any = ["observation", "manifest"], conflicts_with = "manifest")]
+    pub recordings: Vec<PathBuf>,
+    /// Recordings, as an option
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     pub observation: Vec<PathBuf>,
-    /// Measured files that are not fitted to, only judged by; some are set aside where there are enough and none is given
+    /// Recordings for validation only [default: chosen automatically from four or more]
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "manifest")]
     pub held_out: Vec<PathBuf>,
-    /// Of arms' logs: the same motion without the payload, laid beside every recording
+    /// Log of the same motion without payload (arms only); common errors cancel
     #[arg(long, value_name = "FILE", conflicts_with = "manifest")]
     pub reference: Option<PathBuf>,
-    /// Write a copy of the arm's URDF with the friction found in its `dynamics` here
+    /// Write the URDF with the estimated joint friction
     #[arg(long, value_name = "IMPROVED.urdf")]
     pub out_urdf: Option<PathBuf>,
-    /// List of measured files, where there are several objects
+    /// TOML list of recordings, for several objects
     #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
     pub manifest: Option<PathBuf>,
-    /// Diagnose each observation on its own
+    /// Diagnose each recording separately
     #[arg(long, conflicts_with_all = ["manifest", "held_out", "out", "out_urdf", "report"])]
     pub each: bool,
     #[command(flatten)]
     pub apart: Apart,
     #[command(flatten)]
     pub reading: Reading,
-    /// Write the simulation file with the tuned values and the named effects here; a folder where there are several objects
-    #[arg(long, value_name = "IMPROVED.toml")]
+    /// Write the simulation file with the tuned values and the named effects; a folder for several objects
+    #[arg(short, long, value_name = "IMPROVED.toml")]
     pub out: Option<PathBuf>,
-    /// Write the answer with its evidence, drawings and the change of the file as a web page here
+    /// Write an HTML report
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
-    /// Threads [default: one for each core]
+    /// Number of threads [default: number of cores]
     #[arg(long, value_parser = jobs)]
     pub jobs: Option<usize>,
     #[command(flatten)]

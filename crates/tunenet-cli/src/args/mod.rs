@@ -20,10 +20,9 @@ pub use plan::{Plan, PlanRule};
 pub use shard::{Merge, Sharing};
 pub use track::Track;
 
-/// Makes a simulator behave like a measured real thing.
+/// Estimate simulator parameters from recorded motion.
 ///
-/// Give it a simulation file and a recording of the real thing; it finds the parameters with which the simulation does
-/// what was recorded, and says how sure it is of each.
+/// tunenet fits a simulation file to recordings and reports each parameter with a 95 % confidence interval.
 #[derive(Debug, Parser)]
 #[command(name = "tunenet", version, about, max_term_width = 100, propagate_version = true)]
 #[command(arg_required_else_help = true, after_help = FIRST_STEPS)]
@@ -31,6 +30,12 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// Print only the answer and errors: no notes, warnings or progress
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Print details too, such as the iterations of `tune` and all candidates of `diagnose`
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
 }
 
 /// The commands.
@@ -39,37 +44,37 @@ pub enum Command {
     /// Write a commented simulation file to start from
     #[command(after_help = INIT_EXAMPLES)]
     Init(Init),
-    /// Tune a simulation's parameters to observations
+    /// Estimate a simulation's parameters from recordings
     #[command(after_help = fit::TUNE_EXAMPLES)]
     Tune(Tune),
-    /// Name the effect that a simulation lacks, and write it into the simulation file
+    /// Identify a missing physical effect and add it to the simulation file
     #[command(after_help = fit::DIAGNOSE_EXAMPLES)]
     Diagnose(Diagnose),
-    /// Find from where to let a ball go so that it bounces through a hoop
+    /// Plan a bounce shot with a tuned ball
     #[command(after_help = plan::EXAMPLES)]
     Plan(plan::Plan),
-    /// Follow the ball in a film
+    /// Track a ball in a video
     #[command(after_help = track::EXAMPLES)]
     Track(track::Track),
-    /// Roll a simulation out into an observation file
+    /// Run a simulation and write its trajectory
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
-    /// Say what is in a file, whether it can be used, and for what
+    /// Describe a file and check whether it is usable
     #[command(after_help = INSPECT_EXAMPLES)]
     Inspect(Inspect),
-    /// Generate a dataset of rollout pairs
+    /// Generate training data: pairs of rollouts
     #[command(after_help = GEN_EXAMPLES)]
     Gen(Gen),
-    /// Train the two-branch network on a dataset
+    /// Train a network on a dataset
     #[command(after_help = TRAIN_EXAMPLES)]
     Train(Train),
-    /// Put together what --shard cut
+    /// Combine shards written with --shard
     #[command(after_help = shard::MERGE_EXAMPLES)]
     Merge(Merge),
-    /// Measure what is claimed
+    /// Run the benchmarks
     #[command(disable_help_flag = true, disable_version_flag = true)]
     Bench {
-        /// Which, and how: see `tunenet bench --help`
+        /// Benchmark and its options: see `tunenet bench --help`
         #[arg(value_name = "ARGUMENT", trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
@@ -78,37 +83,37 @@ pub enum Command {
         after_help = "Examples:\n  tunenet completions bash > ~/.local/share/bash-completion/completions/tunenet"
     )]
     Completions {
-        /// Which shell
+        /// Shell to print completions for
         shell: clap_complete::Shell,
     },
     /// Print a manual page
     #[command(after_help = "Examples:\n  tunenet man | man -l -\n  tunenet man tune > tunenet-tune.1")]
     Man {
-        /// Of which command; of the tool as a whole where left out
+        /// Command [default: the main page]
         command: Option<String>,
     },
 }
 
 const FIRST_STEPS: &str = "\
 First steps:
-  tunenet inspect drop.csv                               can this be used?
-  tunenet init ball                                      write the ball's radius into ball.toml
-  tunenet tune --sim ball.toml --observation drop.csv    the answer
+  tunenet inspect drop.csv                 check whether the recording is usable
+  tunenet init ball                        write ball.toml, then set the ball's radius in it
+  tunenet tune --sim ball.toml drop.csv    estimate the restitution
 
-All but completions and man take --json: one JSON object on standard output.
-Exit status: 0 done, 1 a file or the system refused, 2 wrong usage,
-             3 finished, and the honest answer is no.";
+The answer goes to standard output; notes, warnings and progress go to standard error.
+All commands except completions and man take --json: one JSON object on standard output.
+Exit status: 0 done, 1 error, 2 wrong usage, 3 completed without a usable result.";
 const INIT_EXAMPLES: &str = "\
 Examples:
   tunenet init ball
   tunenet init ball --out tennis.toml
   tunenet init arm
   tunenet init process
-Without a word about the release or the surface's height, both are estimated from each recording.";
+If release and surface height are not set, they are estimated from each recording.";
 
 const SIMULATE_EXAMPLES: &str = "\
 Examples:
-  tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.csv
+  tunenet simulate --sim tuned.toml --set release.height_m=1.5 -o drop.csv
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.mcap
   tunenet simulate --sim process.toml --allow-process --out swing.csv";
 const INSPECT_EXAMPLES: &str = "\
@@ -122,29 +127,30 @@ Examples:
   tunenet gen ball --preset easy --pairs 800 --seed 0 --out train.mcap
   tunenet gen ball --preset wide --pairs 1000 --seed 1 --out wide.mcap
   tunenet gen arm --sim assets/arm.toml --pairs 1000 --out payloads.mcap
-  tunenet gen ball --preset easy --pairs 1000000 --out all.mcap --shard auto    in a Slurm array; see `merge`
   tunenet gen process --sim process.toml --allow-process --pairs 500 --out swings.mcap
-An interrupted run goes on where it stopped when the same command is given again.";
+  # In a Slurm array; `tunenet merge` combines the shards:
+  tunenet gen ball --preset easy --pairs 1000000 --out all.mcap --shard auto
+The same command resumes an interrupted run.";
 const TRAIN_EXAMPLES: &str = "\
 Examples:
   tunenet train --data train.mcap --preset paper --out paper.safetensors
   tunenet train --data wide.mcap --preset default --out default.safetensors
-An interrupted run goes on where it stopped when the same command is given again.";
+The same command resumes an interrupted run.";
 /// The simulation, wherever a command takes one.
 #[derive(Debug, Args)]
 pub struct Simulation {
     /// Simulation file (TOML)
     #[arg(long = "sim", value_name = "FILE.toml")]
     pub sim: PathBuf,
-    /// Override a key of the simulation file; may be repeated
+    /// Override a key of the simulation file (may be repeated)
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
 }
 
-/// Leave to run a program, wherever a command simulates by one.
+/// Permission to execute the simulator program, wherever a command simulates with one.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Leave {
-    /// Run the program that a simulation file of `kind = "process"` names; only with files that you trust
+    /// Allow the simulation file (`kind = "process"`) to run its program; use only with files that you trust
     #[arg(long)]
     pub allow_process: bool,
 }
@@ -163,16 +169,16 @@ impl Simulation {
 /// How files are read, wherever a command takes observations.
 #[derive(Debug, Args)]
 pub struct Reading {
-    /// Which columns of a foreign CSV are ours, such as `t_s=time,z_m=height`, or numbers from 1 where there is no header
+    /// Map CSV columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header
     #[arg(long, value_name = "OURS=THEIRS,…", value_parser = pair, value_delimiter = ',')]
     pub columns: Vec<(String, String)>,
-    /// Which topic of an MCAP log
+    /// MCAP topic to read [default: the only suitable one]
     #[arg(long)]
     pub topic: Option<String>,
-    /// Frames per second at which a camera really took them: of a film that plays slower, or of a folder of frames
+    /// True capture rate in Hz, for slow-motion video or folders of images
     #[arg(long, value_name = "1/S", value_parser = track::positive)]
     pub camera_rate: Option<f64>,
-    /// Leave out the lines of a CSV file that cannot be used, where they are few, and say which
+    /// Skip malformed lines of a CSV file where they are few, and list them
     #[arg(long)]
     pub skip_broken: bool,
 }
@@ -180,11 +186,11 @@ pub struct Reading {
 /// What every command takes.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct Common {
-    /// Print one JSON object on standard output and nothing else there
+    /// Print the result as one JSON object instead of text
     #[serde(skip)]
     #[arg(long)]
     pub json: bool,
-    /// Start of every random draw
+    /// Random seed
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
 }
@@ -192,7 +198,7 @@ pub struct Common {
 /// What every command takes that writes a file.
 #[derive(Debug, Args)]
 pub struct Writing {
-    /// Replace a file that is there already, even one that tunenet did not write; what is read is never replaced
+    /// Overwrite existing files (input files are never overwritten)
     #[arg(long)]
     pub overwrite: bool,
 }
@@ -204,17 +210,17 @@ pub enum Scene {
     Ball,
     /// An arm that moves a payload
     Arm,
-    /// A program of yours, in any language; one to start from is written beside it
+    /// An external simulator in any language (also writes an example program)
     Process,
 }
 
 /// `tunenet init`.
 #[derive(Debug, Args)]
 pub struct Init {
-    /// Of what
+    /// Kind of simulation
     pub scene: Scene,
-    /// Where to write [default: ball.toml, arm.toml or process.toml]
-    #[arg(long, value_name = "FILE.toml")]
+    /// Simulation file to write [default: ball.toml, arm.toml or process.toml]
+    #[arg(short, long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
     pub writing: Writing,
@@ -229,13 +235,13 @@ pub struct Simulate {
     pub simulation: Simulation,
     #[command(flatten)]
     pub leave: Leave,
-    /// Where to write: .csv or .mcap
-    #[arg(long, value_name = "FILE")]
+    /// Recording to write: .csv or .mcap
+    #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Write impact times instead of positions
+    /// Write bounce times instead of positions
     #[arg(long)]
     pub bounces: bool,
-    /// Write what happens, not what is measured: without the file's effects of the measurement
+    /// Write the true trajectory, without the measurement effects of the file
     #[arg(long)]
     pub truth: bool,
     #[command(flatten)]
@@ -247,10 +253,10 @@ pub struct Simulate {
 /// `tunenet inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
-    /// What to look at: CSV, MCAP, film, simulation file, dataset or model; of several recordings, gravity together as well
+    /// Files to describe: CSV, MCAP, video, simulation file, dataset or model; for several recordings, gravity is also estimated jointly
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// Simulation file of a program of yours, whose channels are looked for; the program is not run
+    /// Simulation file of an external simulator whose channels to look for (its program is not run)
     #[arg(long, value_name = "FILE.toml")]
     pub sim: Option<PathBuf>,
     #[command(flatten)]
@@ -264,50 +270,50 @@ pub struct Inspect {
 pub enum Domain {
     /// A ball dropped from 4 to 5 m, as in the paper
     Ball,
-    /// The same, its targets in the pixels of a camera that nobody knows
+    /// The same, with targets in pixels of an unknown camera
     BallVideo,
     /// An arm that draws a circle with a payload, as in the paper
     Arm,
-    /// What a program of yours simulates
+    /// What an external simulator simulates
     Process,
 }
 
 /// Which parameters the pairs are drawn from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Pairs {
-    /// Restitution .3 to .7, both sides: the paper's training and Easy sets
+    /// Restitution 0.3 to 0.7 for both rollouts (paper: training and Easy sets)
     Easy,
-    /// Proposed .3 to .7, target 0 to 1: the paper's Hard set; of an arm, targets 1 kg heavier: its test set
+    /// Proposed 0.3 to 0.7, target 0 to 1 (paper: Hard set); arm: targets 1 kg heavier (paper: test set)
     Hard,
-    /// 0 to 1, both sides: for preset `default`; of an arm, 0 to 2 kg; of a program, its parameters' bounds
+    /// 0 to 1 for both rollouts, for preset `default`; arm: 0 to 2 kg; external simulator: the bounds of its parameters
     Wide,
-    /// Noisy recordings of drops from .3 to 10 m, release and floor unknown: for preset `general`
+    /// Noisy recordings of drops from 0.3 m to 10 m with unknown release and floor, for preset `general`
     General,
-    /// Of an arm: payload 0 to 1 kg, both sides: the paper's training set
+    /// Arm: payload 0 to 1 kg for both rollouts (paper: training set)
     Paper,
 }
 
 /// `tunenet gen`.
 #[derive(Debug, Args)]
 pub struct Gen {
-    /// Of what
+    /// Scene to sample
     pub domain: Domain,
-    /// Distribution of the pairs [default: easy; paper of an arm; wide of a program]
+    /// Distribution of the pairs [default: easy; arm: paper; external simulator: wide]
     #[arg(long, value_enum)]
     pub preset: Option<Pairs>,
-    /// How many
+    /// Number of pairs
     #[arg(long, default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
     pub pairs: u64,
-    /// Scene, instead of the paper's
+    /// Simulation file [default: the paper's ball]
     #[arg(long = "sim", value_name = "FILE.toml", required_if_eq_any([("domain", "arm"), ("domain", "process")]))]
     pub sim: Option<PathBuf>,
-    /// Override a key of the scene; may be repeated
+    /// Override a key of the simulation file (may be repeated)
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
     #[command(flatten)]
     pub leave: Leave,
-    /// Where to write (MCAP)
-    #[arg(long, value_name = "FILE.mcap")]
+    /// Dataset to write (MCAP)
+    #[arg(short, long, value_name = "FILE.mcap")]
     pub out: PathBuf,
     #[command(flatten)]
     pub sharing: Sharing,
@@ -320,11 +326,11 @@ pub struct Gen {
 /// Which hyper-parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Training {
-    /// The paper's appendix to the letter
+    /// As published in the paper
     Paper,
-    /// This project's own
+    /// Recommended
     Default,
-    /// The same for recordings of any dropped ball
+    /// Recommended for noisy recordings of any dropped ball
     General,
 }
 
@@ -342,19 +348,19 @@ impl Training {
 /// `tunenet train`.
 #[derive(Debug, Args)]
 pub struct Train {
-    /// Dataset that `gen` wrote
+    /// Dataset written by `tunenet gen`
     #[arg(long, value_name = "FILE.mcap")]
     pub data: PathBuf,
     /// Hyper-parameters
     #[arg(long, value_enum, default_value = "default")]
     pub preset: Training,
-    /// Where to write the model
-    #[arg(long, value_name = "MODEL.safetensors")]
+    /// Model to write
+    #[arg(short, long, value_name = "MODEL.safetensors")]
     pub out: PathBuf,
-    /// Most memory for what is learned from; more of it waits in a temporary file beside `--out`, the result is the same
+    /// Memory limit in MiB for training data; the rest is kept in a temporary file next to `--out`, with the same result
     #[arg(long, value_name = "MIB", default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=1 << 20))]
     pub memory_mib: u32,
-    /// Where the sums are done
+    /// Compute device
     #[arg(long, value_enum, default_value = "cpu")]
     pub device: DeviceChoice,
     #[command(flatten)]

@@ -11,14 +11,14 @@ Examples:
   tunenet plan --sim tuned.toml --task assets/shot.toml
   tunenet plan --sim tuned.toml --task shot.toml --heights 200 --report shot.html
   tunenet plan --sim tuned.toml --task shot.toml --rule nearest --out approach.mcap
-The ball has to be the one that was tuned; where plane, hoop and robot stand is the task file's.";
+Use the tuned simulation file of the same ball. The task file defines plane, hoop and robot.";
 
 /// How the best height is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PlanRule {
-    /// The one from which the shot most probably goes in
+    /// Maximise the success probability
     Probability,
-    /// The one whose path passes closest to the hoop's centre, as in the paper
+    /// Minimise the distance to the hoop's centre, as in the paper
     Nearest,
 }
 
@@ -30,19 +30,19 @@ pub struct Plan {
     /// Task file (TOML): plane, hoop, heights, robot
     #[arg(long, value_name = "TASK.toml")]
     pub task: PathBuf,
-    /// Heights to choose from
+    /// Number of candidate heights
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub heights: u32,
-    /// How to choose
+    /// Rule that chooses the height
     #[arg(long, value_enum, default_value = "probability")]
     pub rule: PlanRule,
-    /// Balls drawn from what is uncertain
+    /// Number of Monte Carlo samples
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub draws: u32,
-    /// Write the robot's approach to the release here (MCAP)
-    #[arg(long, value_name = "FILE.mcap")]
+    /// Write the robot's approach to the release (MCAP)
+    #[arg(short, long, value_name = "FILE.mcap")]
     pub out: Option<PathBuf>,
-    /// Write the shot as a web page here
+    /// Write an HTML report
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     #[command(flatten)]

@@ -14,13 +14,13 @@ Examples:
   tunenet merge 'pairs.shard-*-of-2.mcap' --out pairs.mcap
   tunenet merge 'target/bench-diagnose.shard-*-of-8' --out target/bench-diagnose
   tunenet merge 'results.shard-*-of-8' --out results --json > results.json
-What comes out has the bytes of one run without --shard, times apart.";
+The result is identical to a run without --shard, except for timings.";
 
 /// `--shard`, wherever work can be cut.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Args)]
 pub struct Sharing {
-    /// Do one share of the work, I from 0 to N - 1, beside the others' (`merge` puts them together); `auto` in a Slurm array,
-    /// `auto/N` in a Kubernetes Indexed Job or a part of a Slurm array
+    /// Process shard I of N, I from 0 to N - 1 (`auto` in a Slurm array, `auto/N` on Kubernetes); combine the shards with
+    /// `tunenet merge`
     #[arg(long, value_name = "I/N", value_parser = read)]
     pub shard: Option<Shard>,
 }
@@ -28,12 +28,11 @@ pub struct Sharing {
 /// `tunenet merge`.
 #[derive(Debug, Args)]
 pub struct Merge {
-    /// What `--shard` wrote: all files of one data set, or all folders of one bench or of one `--each`; patterns in quotes
-    /// are expanded
+    /// Shards: all files of one dataset, or all folders of one benchmark or of one `--each`; quoted patterns are expanded
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
-    /// Where to write what one run without --shard would have written: a file, or a folder
-    #[arg(long, value_name = "FILE|FOLDER")]
+    /// File or folder to write
+    #[arg(short, long, value_name = "FILE|FOLDER")]
     pub out: PathBuf,
     #[command(flatten)]
     pub writing: Writing,

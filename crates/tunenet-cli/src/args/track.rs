@@ -15,49 +15,49 @@ Examples:
   tunenet track drop.mp4 --rate 60 --frames 400 --out track.csv
   tunenet track frames/ --camera-rate 120 --out track.csv
   tunenet track log.mcap --topic /camera/image_raw --out track.csv
-`tune` and `diagnose` take films as they are; track one to see what was seen.";
+`tune` and `diagnose` read videos directly; use `track` to see what the tracker found.";
 
 /// `tunenet track`.
 #[derive(Debug, Args)]
 pub struct Track {
-    /// Film of a ball (mp4, avi, mov, mkv), folder of its frames (png, jpg), or log (MCAP) with pictures
+    /// Video (mp4, avi, mov, mkv), folder of images (png, jpg) or MCAP log with images
     pub video: PathBuf,
-    /// Where to write the track
-    #[arg(long, value_name = "TRACK.csv")]
+    /// Track to write
+    #[arg(short, long, value_name = "TRACK.csv")]
     pub out: Option<PathBuf>,
-    /// Write pixels, also where the fall of the ball says how large they are
+    /// Write pixel coordinates instead of metres
     #[arg(long)]
     pub pixels: bool,
-    /// Write the instants of the bounces alone, which no wrong scale spoils: a column `bounce_time_s`
+    /// Write only bounce times, which do not depend on the length scale: column `bounce_time_s`
     #[arg(long, requires = "out", conflicts_with_all = ["pixels", "rate"])]
     pub bounces: bool,
-    /// Write a page with frames in which the track is drawn here
+    /// Write an HTML report
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
-    /// Write the film with the track drawn in here
+    /// Write the video with the track overlaid
     #[arg(long, value_name = "FILE.mp4")]
     pub overlay: Option<PathBuf>,
-    /// Colour of the ball: red, orange, yellow, green, cyan, blue, purple, white, or an HSV window such as
-    /// 170,90,60:8,255,255 on OpenCV's scales; what moves and has one is found by itself
+    /// Colour of the ball: red, orange, yellow, green, cyan, blue, purple, white, black, or an HSV window such as
+    /// 170,90,60:8,255,255 on OpenCV's scales [default: detected]
     #[arg(long, value_name = "COLOUR")]
     pub color: Option<String>,
-    /// Which topic of a log
+    /// MCAP topic to read [default: the only suitable one]
     #[arg(long)]
     pub topic: Option<String>,
-    /// Frames per second at which the camera really took them: of a film that plays slower, or of a folder of frames
+    /// True capture rate in Hz, for slow-motion video or folders of images
     #[arg(long, value_name = "1/S", value_parser = positive)]
     pub camera_rate: Option<f64>,
-    /// Write samples at this rate, from the release on, by linear interpolation; also the rate of a folder of frames
+    /// Sample rate of the track in Hz, from the release on, by linear interpolation; also the rate of a folder of images
     #[arg(long, value_name = "1/S", value_parser = positive)]
     pub rate: Option<f64>,
-    /// Write so many samples with `--rate`, the last one repeated where the film is shorter; without it, track no more
-    /// frames than this
+    /// With `--rate`: number of samples to write, repeating the last one if the video is shorter. Without it: maximum number
+    /// of frames to track
     #[arg(long, value_name = "N", value_parser = frames)]
     pub frames: Option<usize>,
-    /// The ball's radius, which says how large a pixel is; without it, the fall of the ball does
+    /// Radius of the ball in m, which gives the length scale [default: from the fall of the ball]
     #[arg(long, value_name = "M", conflicts_with = "length", value_parser = positive)]
     pub radius: Option<f64>,
-    /// A length in the plane of the ball and how long it is in the picture, such as 0.5=240
+    /// A length in m in the plane of the ball and its length in the image in pixels, such as 0.5=240
     #[arg(long, value_name = "M=PX", value_parser = length)]
     pub length: Option<(f64, f64)>,
     #[command(flatten)]

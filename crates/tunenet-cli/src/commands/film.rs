@@ -17,8 +17,7 @@ use tunenet_video_protocol::{TrackAnswer, VideoFinding};
 use crate::failure::Exit;
 use crate::files::names;
 use crate::files::programs::{self, VIDEO};
-use crate::view::json::print_json;
-use crate::view::text::warn;
+use crate::view::answer::Printout;
 
 /// What films' names end in.
 const ENDINGS: [&str; 9] = ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "3gp"];
@@ -140,15 +139,15 @@ impl Asked {
 /// Every other error.
 pub fn tell_unseen(error: anyhow::Error, schema: &str, json: bool) -> Result<Exit> {
     let unseen = error.downcast::<Unseen>()?;
-    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
-    anstream::eprintln!("{bold}REJECTED  {unseen}{reset}");
-    warn(&unseen.note);
-    if json {
-        print_json(&json!({
+    let mut shown = Printout::default();
+    shown.verdict(&format!("REJECTED  {unseen}"));
+    shown.warn(&unseen.note);
+    shown.show(json, || {
+        json!({
             "schema": schema, "verdict": "rejected", "parameters": {}, "iterations": [], "gap": null, "rollouts": 0,
             "seconds": 0.0, "warnings": [crate::view::json::warning(&unseen.note)],
-        }))?;
-    }
+        })
+    })?;
     Ok(Exit::Inconclusive)
 }
 

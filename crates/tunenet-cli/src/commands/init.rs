@@ -11,8 +11,7 @@ use crate::args::{Init, Scene};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
-use crate::view::json::print_json;
-use crate::view::text::stage;
+use crate::view::answer::Printout;
 
 /// The program that the simulation file of a program names.
 const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../assets/process/pendulum.py"));
@@ -36,20 +35,20 @@ pub fn run(options: &Init) -> Result<Exit> {
         std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
     destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
     write_atomically(&out, |file| file.write_all(template(domain).as_bytes()))?;
-    let path = out.display();
-    stage("wrote", &format!("{path}"));
+    let (path, mut shown) = (out.display(), Printout::default());
+    shown.row("wrote", &format!("{path}"));
     if let Some(program) = program {
         write_atomically(program, |file| file.write_all(PROGRAM.1.as_bytes()))?;
-        stage("wrote", &format!("{}", program.display()));
+        shown.row("wrote", &format!("{}", program.display()));
     }
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
-    stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} --observation FILE`"));
-    if options.common.json {
+    shown.row("next", &format!("{first}, then `tunenet tune --sim {path}{leave} --observation FILE`"));
+    shown.show(options.common.json, || {
         let mut object = json!({ "schema": "tunenet.init/1", "file": names::file_name(&out), "warnings": [] });
         if domain == Domain::Process {
             object["program"] = PROGRAM.0.into();
         }
-        print_json(&object)?;
-    }
+        object
+    })?;
     Ok(Exit::Done)
 }

@@ -20,21 +20,29 @@ mod track;
 mod train;
 pub(crate) mod tune;
 
+use std::path::PathBuf;
+
 use clap::CommandFactory;
 
 use crate::args::{Arguments, Command};
 use crate::failure::Exit;
 use crate::view::json;
+use crate::view::text::{Verbosity, set_verbosity};
 
 /// Runs what the command line asks for.
 pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
+    set_verbosity(match (arguments.quiet, arguments.verbose) {
+        (true, _) => Verbosity::Quiet,
+        (_, true) => Verbosity::Verbose,
+        _ => Verbosity::Normal,
+    });
     match arguments.command {
         Command::Tune(mut options) => {
-            options.observation = globs::expanded(&options.observation, "--observation")?;
+            options.observation = recordings(options.recordings.drain(..), &options.observation)?;
             tune::run(&options)
         }
         Command::Diagnose(mut options) => {
-            options.observation = globs::expanded(&options.observation, "--observation")?;
+            options.observation = recordings(options.recordings.drain(..), &options.observation)?;
             options.held_out = globs::expanded(&options.held_out, "--held-out")?;
             diagnose::run(&options)
         }
@@ -59,4 +67,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
             Ok(Exit::Done)
         }
     }
+}
+
+/// All recordings of a command line: the positional ones, then those of `--observation`.
+fn recordings(positional: impl Iterator<Item = PathBuf>, observation: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+    let mut all = globs::expanded(&positional.collect::<Vec<_>>(), "RECORDING")?;
+    all.append(&mut globs::expanded(observation, "--observation")?);
+    Ok(all)
 }

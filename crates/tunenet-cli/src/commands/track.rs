@@ -16,9 +16,9 @@ use crate::args::Track;
 use crate::failure::{Exit, sentence};
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
+use crate::view::answer::Printout;
 use crate::view::html;
-use crate::view::json::print_json;
-use crate::view::text::{stage, warn};
+use crate::view::text::stage;
 
 const SCHEMA: &str = "tunenet.track/1";
 /// Pictures in a report.
@@ -65,12 +65,10 @@ pub fn run(options: &Track) -> Result<Exit> {
     if let Some(path) = &options.report {
         html::track::write(path, &names::file_name(&options.video), &found, &notes)?;
     }
-    tell(options, &found.facts, &notes);
+    let object = json(options, "tracked", &found.facts)?;
+    printout(options, &found.facts, &notes).show(options.common.json, || object)?;
     for out in [written, options.report.as_deref(), options.overlay.as_deref()].into_iter().flatten() {
         stage("wrote", &names::file_name(out));
-    }
-    if options.common.json {
-        print_json(&json(options, "tracked", &found.facts)?)?;
     }
     let Some(kept) = options.out.as_deref().filter(|_| written.is_none()) else { return Ok(Exit::Done) };
     stage("kept", &format!("{} is not written: no bounce is seen", kept.display()));
@@ -87,14 +85,13 @@ fn json(options: &Track, verdict: &str, facts: &impl Serialize) -> Result<Value>
 }
 
 fn no(options: &Track, untracked: &Untracked, error: &Unseen) -> Result<Exit> {
-    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
+    let mut shown = Printout::default();
     let word = untracked.reason.word().replace('_', " ").to_uppercase();
-    anstream::eprintln!("{bold}{word}  {}{reset}", sentence(&anyhow::anyhow!("{error}")));
-    anstream::eprintln!("  try: {}", error.note.remedy);
-    if options.common.json {
-        let facts = json!({ "frames": untracked.frames, "seen": 0, "warnings": [untracked.finding] });
-        print_json(&json(options, untracked.reason.word(), &facts)?)?;
-    }
+    shown.verdict(&format!("{word}  {}", sentence(&anyhow::anyhow!("{error}"))));
+    shown.line(&format!("  try: {}", error.note.remedy));
+    let facts = json!({ "frames": untracked.frames, "seen": 0, "warnings": [untracked.finding] });
+    let object = json(options, untracked.reason.word(), &facts)?;
+    shown.show(options.common.json, || object)?;
     if let Some(path) = &options.report {
         html::track::unseen(path, &names::file_name(&options.video), untracked)?;
         stage("wrote", &names::file_name(path));
@@ -133,24 +130,27 @@ fn rounded(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-fn tell(options: &Track, facts: &Facts, notes: &[Note]) {
+/// The answer for readers.
+fn printout(options: &Track, facts: &Facts, notes: &[Note]) -> Printout {
+    let mut shown = Printout::default();
     let Facts { width_px, height_px, frames, fps, seen, whole, radius_px, .. } = facts;
     let name = names::file_name(&options.video);
-    stage("film", &format!("{name}, {width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
-    stage("ball", &format!("seen in {seen} frames, whole in {whole}, radius {radius_px:.1} px"));
+    shown.row("film", &format!("{name}, {width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
+    shown.row("ball", &format!("seen in {seen} frames, whole in {whole}, radius {radius_px:.1} px"));
     match &facts.scale {
-        None => stage("scale", "none: the ball does not fly freely, and no length is given"),
-        Some(scale) => stage("scale", &format!("{:.4} mm a pixel, by {}", 1e3 * scale.m_per_px, scale.words)),
+        None => shown.row("scale", "none: the ball does not fly freely, and no length is given"),
+        Some(scale) => shown.row("scale", &format!("{:.4} mm a pixel, by {}", 1e3 * scale.m_per_px, scale.words)),
     }
     let bounces: Vec<String> = facts.bounces_s.iter().map(|t| format!("{t:.3}")).collect();
     if !bounces.is_empty() {
-        stage("bounces", &format!("{} s", bounces.join(", ")));
+        shown.row("bounces", &format!("{} s", bounces.join(", ")));
     }
     if let Some(Estimate { value, interval95: [low, high] }) = facts.restitution {
-        stage("rebound", &format!("{value:.3} of the speed (95 %: {low:.3}–{high:.3}), before any simulation"));
+        shown.row("rebound", &format!("{value:.3} of the speed (95 %: {low:.3}–{high:.3}), before any simulation"));
     }
     for check in facts.preflight.iter().filter(|check| check.state == State::Failed) {
-        stage("unusable", &check.text);
+        shown.row("unusable", &check.text);
     }
-    notes.iter().for_each(warn);
+    shown.warn_all(notes);
+    shown
 }

@@ -14,8 +14,8 @@ use crate::args::Train;
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
-use crate::view::json::print_json;
-use crate::view::text::{progress, stage};
+use crate::view::answer::Printout;
+use crate::view::text::progress;
 
 pub fn run(options: &Train) -> Result<Exit> {
     let began = Instant::now();
@@ -55,14 +55,15 @@ pub fn run(options: &Train) -> Result<Exit> {
     let validation = last.and_then(|l| l.validation);
     let named = model.parameters().iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
     let on = if device == TrainDevice::Cpu { "the CPU" } else { "a GPU" };
-    stage("trained", &format!("{steps} steps for {named} on {on}, loss {loss:.2e}, {seconds:.1} s"));
-    stage("wrote", &options.out.display().to_string());
-    if options.common.json {
-        print_json(&json!({
+    let mut shown = Printout::default();
+    shown.row("trained", &format!("{steps} steps for {named} on {on}, loss {loss:.2e}, {seconds:.1} s"));
+    shown.row("wrote", &options.out.display().to_string());
+    shown.show(options.common.json, || {
+        json!({
             "schema": "tunenet.train/1", "file": names::file_name(&options.out), "preset": options.preset.name(),
             "seed": options.common.seed, "steps": steps, "loss": loss, "validation": validation,
             "seconds": seconds, "device": device.name(), "warnings": [],
-        }))?;
-    }
+        })
+    })?;
     Ok(Exit::Done)
 }

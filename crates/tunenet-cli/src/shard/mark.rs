@@ -138,18 +138,20 @@ impl Mark {
     }
 }
 
-/// Before a shard is worked on: what is damaged of a finished one goes, so that it is made again.
-pub fn clear_damage(folder: &Path) -> Result<()> {
-    let Ok(mark) = Mark::read(folder) else { return Ok(()) };
+/// Before a shard is worked on: removes what is damaged of a finished one, so that it is made again, and reports each.
+pub fn clear_damage(folder: &Path) -> Result<Vec<String>> {
+    let Ok(mark) = Mark::read(folder) else { return Ok(Vec::new()) };
+    let mut damaged = Vec::new();
     for (path, found) in mark.broken(folder) {
         let at = folder.join(path);
         if found != "nothing" {
             std::fs::remove_file(&at).map_err(|source| Error::io(&at, "removing", source))?;
         }
-        crate::view::text::stage("again", &format!("{}, which had {found}", at.display()));
+        damaged.push(format!("{}, which had {found}", at.display()));
     }
     let mark = folder.join(NAME);
-    Ok(std::fs::remove_file(&mark).map_err(|source| Error::io(&mark, "removing", source))?)
+    std::fs::remove_file(&mark).map_err(|source| Error::io(&mark, "removing", source))?;
+    Ok(damaged)
 }
 
 /// Every file in `folder` but the mark, by its path within, in order.

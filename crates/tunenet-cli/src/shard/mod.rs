@@ -9,17 +9,11 @@ pub mod mark;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
 use tunenet_core::Error;
 use tunenet_core::network::Shard;
 use tunenet_core::observation::Note;
 
 pub use self::mark::{Job, Mark};
-use crate::failure::Exit;
-use crate::files::names;
-use crate::view::json::print_json;
-use crate::view::json::warning;
-use crate::view::text::{stage, warn};
 
 /// Where pieces lie in the folder of a bench.
 pub const CELLS: &str = "cells";
@@ -80,21 +74,6 @@ impl Share {
             Note::new("shards.many", text, format!("take at most {} shards", all.max(1)))
         })
     }
-}
-
-/// Says that a shard is finished.
-pub fn tell(shard: Shard, at: &Path, share: Share, what: &str, as_json: bool) -> anyhow::Result<Exit> {
-    let Share { pieces, .. } = share;
-    let note = share.noted(shard);
-    stage("wrote", &format!("{}, shard {shard}, {pieces} {what}", at.display()));
-    note.iter().for_each(warn);
-    if as_json {
-        print_json(&json!({
-            "schema": "tunenet.shard/1", "file": names::file_name(at), "shard": shard.to_string(), "pieces": pieces,
-            "warnings": note.iter().map(warning).collect::<Vec<_>>(),
-        }))?;
-    }
-    Ok(Exit::Done)
 }
 
 #[cfg(test)]

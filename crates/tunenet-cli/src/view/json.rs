@@ -27,6 +27,14 @@ pub fn print(text: &[u8]) -> tunenet_core::Result<()> {
     write_to(&mut std::io::stdout().lock(), text)
 }
 
+/// Writes text to standard output, without colours where they are not wanted.
+///
+/// # Errors
+/// As [`print()`].
+pub fn print_text(text: &str) -> tunenet_core::Result<()> {
+    write_to(&mut anstream::stdout().lock(), text.as_bytes())
+}
+
 fn write_to(out: &mut dyn Write, text: &[u8]) -> tunenet_core::Result<()> {
     match out.write_all(text).and_then(|()| out.flush()) {
         Err(source) if source.kind() != ErrorKind::BrokenPipe => {

@@ -1,7 +1,9 @@
 //! What people and machines see of an answer.
 
+pub mod answer;
 pub mod html;
 pub mod json;
 pub(crate) mod sentence;
+pub mod shard;
 pub mod text;
 pub mod toml;

@@ -1,5 +1,6 @@
-//! What people see on standard error: progress, warnings, tables.
+//! Standard error: progress, notes and warnings; and how numbers, lists and tables read.
 
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
@@ -8,9 +9,41 @@ use tunenet_core::observation::{Note, with_decimals};
 use tunenet_core::text::visible;
 use tunenet_sim::SimulationFile;
 
+/// How much a command says besides its answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verbosity {
+    /// Only the answer and errors.
+    Quiet,
+    /// Notes, warnings and progress as well.
+    Normal,
+    /// Details as well.
+    Verbose,
+}
+
+static VERBOSITY: AtomicU8 = AtomicU8::new(Verbosity::Normal as u8);
+
+/// Sets how much this process says, once and before anything is printed.
+pub fn set_verbosity(verbosity: Verbosity) {
+    VERBOSITY.store(verbosity as u8, Ordering::Relaxed);
+}
+
+/// Whether details are asked for.
+pub fn verbose() -> bool {
+    VERBOSITY.load(Ordering::Relaxed) == Verbosity::Verbose as u8
+}
+
+fn quiet() -> bool {
+    VERBOSITY.load(Ordering::Relaxed) == Verbosity::Quiet as u8
+}
+
+/// Hides a bar where nothing but the answer is asked for.
+fn shown(bar: ProgressBar) -> ProgressBar {
+    if quiet() { ProgressBar::hidden() } else { bar }
+}
+
 /// A progress bar on standard error; invisible where that is no terminal.
 pub fn progress(total: u64, what: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new(total).with_message(what);
+    let bar = shown(ProgressBar::new(total).with_message(what));
     let style = ProgressStyle::with_template("{msg:<10} [{bar:24}] {human_pos}/{human_len}, {eta} left {prefix}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -19,7 +52,7 @@ pub fn progress(total: u64, what: &'static str) -> ProgressBar {
 
 /// Shows that work goes on where its end is not known; invisible where standard error is no terminal.
 pub fn working() -> ProgressBar {
-    let bar = ProgressBar::new_spinner();
+    let bar = shown(ProgressBar::new_spinner());
     let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -28,7 +61,7 @@ pub fn working() -> ProgressBar {
 
 /// As [`working`], with the rollouts that the program of `file` was asked for.
 pub fn rolling(what: &'static str, file: &SimulationFile) -> ProgressBar {
-    let (bar, file) = (ProgressBar::new_spinner().with_message(what), file.clone());
+    let (bar, file) = (shown(ProgressBar::new_spinner().with_message(what)), file.clone());
     let style = ProgressStyle::with_template("{spinner} {msg}, {rollouts} rollouts, {elapsed}");
     let count = move |_: &ProgressState, to: &mut dyn std::fmt::Write| {
         let _ = write!(to, "{}", file.program_rollouts());
@@ -38,8 +71,18 @@ pub fn rolling(what: &'static str, file: &SimulationFile) -> ProgressBar {
     bar
 }
 
-/// Prints a finished stage: `read     drop.csv, 360 samples`.
+/// Prints a line of notes to standard error.
+pub fn note(text: &str) {
+    if !quiet() {
+        anstream::eprintln!("{}", lines(text));
+    }
+}
+
+/// Prints a finished stage to standard error: `read     drop.csv, 360 samples`.
 pub fn stage(what: &str, text: &str) {
+    if quiet() {
+        return;
+    }
     anstream::eprintln!("{what:<9}{}", lines(text));
 }
 
@@ -48,8 +91,11 @@ pub fn lines(text: &str) -> String {
     text.split('\n').map(visible).collect::<Vec<_>>().join("\n")
 }
 
-/// Prints a warning with its remedy.
+/// Prints a warning with its remedy to standard error.
 pub fn warn(note: &Note) {
+    if quiet() {
+        return;
+    }
     let (yellow, reset) = (anstyle::AnsiColor::Yellow.on_default().bold(), anstyle::Reset);
     anstream::eprintln!("{yellow}warning{reset}[{}]: {}", note.code, lines(&note.text));
     if !note.remedy.is_empty() {

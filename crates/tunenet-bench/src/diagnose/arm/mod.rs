@@ -20,6 +20,7 @@ use crate::args::{BenchDiagnose, Measured};
 use crate::resume::Store;
 use crate::resume::program;
 use tunenet_cli::failure::Exit;
+use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage, table};
 
@@ -165,9 +166,12 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     let path = options.out.join("diagnose-arm.json");
     let text = serde_json::to_string_pretty(&results)?;
     write_atomically(&path, |file| file.write_all(text.as_bytes()))?;
-    anstream::eprintln!("{}", table(&rows));
+    answer::text(options.common.json, &table(&rows))?;
     for (what, relation, limit, value) in measured {
-        anstream::eprintln!("  {what}: {:.1} % ({relation} {:.0} %)", 100.0 * value, 100.0 * limit);
+        answer::text(
+            options.common.json,
+            &format!("  {what}: {:.1} % ({relation} {:.0} %)", 100.0 * value, 100.0 * limit),
+        )?;
     }
     stage("wrote", &path.display().to_string());
     if options.common.json {

@@ -25,7 +25,6 @@ use crate::args::{Diagnose, pool};
 use crate::failure::Exit;
 use crate::files::hash;
 use crate::view::html;
-use crate::view::json::print_json;
 use crate::view::text::stage;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
@@ -44,10 +43,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     if let Some(path) = improve::write_urdf(options, &answer)? {
         stage("urdf", &path.display().to_string());
     }
-    if options.common.json {
-        print_json(&json::object(&answer))?;
-    }
-    tell::answer(options, &answer, &wrote);
+    tell::answer(&answer).show(options.common.json, || json::object(&answer))?;
+    tell::end(options, &answer, &wrote);
     if let Some(path) = &options.report {
         let edits = improve::edits(options, &answer)?;
         html::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;

@@ -1,4 +1,4 @@
-//! The answer for people, on standard error.
+//! The answer for readers, and the notes with it.
 
 use std::cmp::Ordering;
 
@@ -9,9 +9,10 @@ use tunenet_core::observation::{Note, with_decimals};
 use super::improve::Written;
 use crate::answers::diagnose::{Answer, Loaded, NAMELESS};
 use crate::args::Diagnose;
-use crate::view::text::{four_digits, in_words, list, rounded, stage, table, warn};
+use crate::view::answer::Printout;
+use crate::view::text::{four_digits, in_words, list, note, rounded, stage, verbose};
 
-/// Candidates that are shown; the JSON has all of them.
+/// Candidates that are shown without `--verbose`; the JSON has all of them.
 const SHOWN: usize = 6;
 /// Warnings of one kind that are shown in full.
 const MOST_ALIKE: usize = 3;
@@ -35,7 +36,7 @@ pub fn read(loaded: &Loaded) {
 pub fn progress(working: &ProgressBar, at: Progress) {
     working.set_message(match at {
         Progress::NotUsed { name, why } => {
-            working.suspend(|| anstream::eprintln!("not used: {name} ({})", why.text));
+            working.suspend(|| note(&format!("not used: {name} ({})", why.text)));
             return;
         }
         Progress::Tuning => "tuning".to_owned(),
@@ -47,27 +48,27 @@ pub fn progress(working: &ProgressBar, at: Progress) {
 }
 
 /// The whole answer.
-pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
-    let diagnosis = answer.diagnosis;
+pub fn answer(answer: &Answer) -> Printout {
+    let (diagnosis, mut shown) = (answer.diagnosis, Printout::default());
     if let Some(gap) = &diagnosis.gap {
         let words = |value: f64| in_words(value, &gap.unit);
         let remains = if diagnosis.verdict == Verdict::None { "nothing remains" } else { "structure remains" };
-        stage("tuned", &format!("gap {}, noise floor {}: {remains}", words(gap.before), words(gap.noise_floor)));
+        shown.row("tuned", &format!("gap {}, noise floor {}: {remains}", words(gap.before), words(gap.noise_floor)));
     }
-    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
-    anstream::eprintln!("\n{bold}{}{reset}", sentence(answer));
+    shown.line("");
+    shown.verdict(&sentence(answer));
     for line in details(answer) {
-        anstream::eprintln!("  {line}");
+        shown.line(&format!("  {line}"));
     }
     if !diagnosis.candidates.is_empty() {
-        anstream::eprintln!("{}", candidates(diagnosis));
+        shown.table(&candidates(diagnosis));
     }
     let excluded = excluded(diagnosis);
     if !excluded.is_empty() {
-        anstream::eprintln!("{}", list("  excluded:", &excluded));
+        shown.line(&list("  excluded:", &excluded));
     }
     if let Some(line) = margins(diagnosis) {
-        anstream::eprintln!("  {line}");
+        shown.line(&format!("  {line}"));
     }
     let aside: Vec<&str> = diagnosis
         .uses
@@ -76,13 +77,18 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
         .map(|u| u.name.as_str())
         .collect();
     if !aside.is_empty() {
-        anstream::eprintln!("  held out for validation: {}", aside.join(", "));
+        shown.line(&format!("  held out for validation: {}", aside.join(", ")));
     }
     if let Some(next) = &diagnosis.next_experiment {
-        anstream::eprintln!("  next: {}", next.text);
+        shown.line(&format!("  next: {}", next.text));
     }
-    anstream::eprintln!();
-    warnings(&answer.notes());
+    warnings(&mut shown, &answer.notes());
+    shown
+}
+
+/// What was written, and what it cost, on standard error.
+pub fn end(options: &Diagnose, answer: &Answer, written: &Written) {
+    let diagnosis = answer.diagnosis;
     let wrote = match written {
         Written::NotAsked => String::new(),
         Written::Files(files) => {
@@ -101,19 +107,19 @@ pub fn answer(options: &Diagnose, answer: &Answer, written: &Written) {
         }
     };
     let (rollouts, seed) = (diagnosis.rollouts, options.common.seed);
-    anstream::eprintln!("{wrote}{rollouts} rollouts, {:.1} s, seed {seed}", answer.seconds);
+    note(&format!("{wrote}{rollouts} rollouts, {:.1} s, seed {seed}", answer.seconds));
 }
 
 /// Of many recordings with the same to say, the first few.
-fn warnings(notes: &[Note]) {
+fn warnings(shown: &mut Printout, notes: &[Note]) {
     for (i, note) in notes.iter().enumerate() {
         let before = notes[..i].iter().filter(|other| other.code == note.code).count();
         match before.cmp(&MOST_ALIKE) {
-            Ordering::Less => warn(note),
+            Ordering::Less => shown.warn(note),
             Ordering::Equal => {
                 let more = notes[i..].iter().filter(|other| other.code == note.code).count();
                 let text = format!("{more} more of this kind; `--json` has all");
-                warn(&Note::new(note.code, text, ""));
+                shown.warn(&Note::new(note.code, text, ""));
             }
             Ordering::Greater => {}
         }
@@ -224,18 +230,18 @@ fn ranged(value: &Value, unit: &str) -> String {
 }
 
 /// The best candidates, and the model without any.
-fn candidates(diagnosis: &Diagnosis) -> String {
+fn candidates(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     let mut rows = vec![["effect", "BIC gain", "behind best", "held out"].map(String::from).to_vec()];
     let row = |c: &Candidate| {
         let about = if c.fitted { "" } else { "~" };
         let ratio = c.held_out_ratio.map_or("-".into(), |r| format!("×{}", with_decimals(r, 3)));
         vec![c.name.to_owned(), format!("{about}{}", whole(c.bic_gain)), format!("{about}{}", whole(c.delta)), ratio]
     };
-    let shown = |(i, c): &(usize, &Candidate)| *i < SHOWN || diagnosis.names.contains(&c.name);
+    let shown = |(i, c): &(usize, &Candidate)| *i < SHOWN || verbose() || diagnosis.names.contains(&c.name);
     let left = diagnosis.candidates.iter().filter(|c| c.excluded.is_none()).enumerate().filter(shown);
     rows.extend(left.map(|(_, c)| row(c)));
     rows.push(vec!["none".into(), "0".into(), "-".into(), "×1".into()]);
-    table(&rows)
+    rows
 }
 
 /// What cannot be the answer, and why; together where the reason is the same.

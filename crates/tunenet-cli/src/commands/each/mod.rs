@@ -20,9 +20,9 @@ use crate::failure::{Exit, sentence};
 use crate::files::destination::{self, Output, Product};
 use crate::files::hash;
 use crate::shard::{self, Job, Mark, Share, mark};
-use crate::view::json::print_json;
-use crate::view::json::warning;
-use crate::view::text::{stage, warn};
+use crate::view::answer;
+use crate::view::json::{print_json, warning};
+use crate::view::text::{note, stage, warn};
 
 /// All answers together, beside those to each recording.
 pub const ALL: &str = "each.json";
@@ -72,7 +72,7 @@ impl Work<'_> {
         }
         let folder = self.apart.out_dir.as_deref().map(|out| shard::folder(out, shard));
         if let (Some(folder), Some(_)) = (&folder, shard) {
-            mark::clear_damage(folder)?;
+            mark::clear_damage(folder)?.iter().for_each(|text| stage("again", text));
         }
         let shown = names::shown(self.observation);
         let names = if folder.is_some() { names::of(self.observation)? } else { Vec::new() };
@@ -125,7 +125,7 @@ impl Work<'_> {
         // Without `--jobs` one after the other, each on all threads: then memory does not grow with the cores.
         let workers = self.jobs.unwrap_or(1).min(mine.len()).max(1);
         let next = AtomicUsize::new(0);
-        let done = Mutex::new(Told { results: BTreeMap::new(), told: 0 });
+        let done = Mutex::new(Told { results: BTreeMap::new(), count: 0, json: self.json, printed: Ok(()) });
         let work = || loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(i) = mine.get(number) else { return };
@@ -139,6 +139,7 @@ impl Work<'_> {
             work();
         });
         let done = done.into_inner().map_err(|_| anyhow::anyhow!("a recording's thread broke down"))?;
+        done.printed?;
         done.results.into_values().map(|result| result.map(|(value, _)| value)).collect()
     }
 
@@ -185,17 +186,24 @@ impl Work<'_> {
 /// Results as they come, their lines printed in order.
 struct Told<T> {
     results: BTreeMap<usize, Result<(T, String)>>,
-    told: usize,
+    count: usize,
+    /// Whether standard output is for the one object.
+    json: bool,
+    printed: tunenet_core::Result<()>,
 }
 
 impl<T> Told<T> {
     fn add(&mut self, number: usize, result: Result<(T, String)>) {
         self.results.insert(number, result);
-        while let Some(result) = self.results.get(&self.told) {
+        while let Some(result) = self.results.get(&self.count) {
             if let Ok((_, line)) = result {
-                anstream::eprintln!("{line}");
+                if self.json {
+                    note(line);
+                } else if self.printed.is_ok() {
+                    self.printed = answer::line(line);
+                }
             }
-            self.told += 1;
+            self.count += 1;
         }
     }
 }
@@ -258,7 +266,8 @@ pub fn merged(tool: &str, recordings: &[String], folder: &Path, as_json: bool) -
     write(&folder.join(ALL), &all)?;
     if as_json {
         print_json(&all)?;
+    } else {
+        answer::line(&format!("wrote    {}", folder.display()))?;
     }
-    stage("wrote", &folder.display().to_string());
     Ok(exit)
 }

@@ -12,7 +12,8 @@ use crate::args::Gen;
 use crate::failure::Exit;
 use crate::files::names;
 use crate::shard::{self, Share};
-use crate::view::json::print_json;
+use crate::view;
+use crate::view::answer::Printout;
 use crate::view::text::{progress, stage};
 
 /// Makes the pairs with `make`, where they are not there already, and says so.
@@ -68,18 +69,20 @@ fn tell(options: &Gen, header: &DatasetHeader) -> Result<Exit> {
         let block = shard.block(header.pairs);
         let what = format!("of {} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed);
         let share = Share { pieces: block.end - block.start, all: header.pairs };
-        return shard::tell(shard, &place(options), share, &what, options.common.json);
+        view::shard::show(shard, &place(options), share, &what, options.common.json)?;
+        return Ok(Exit::Done);
     }
-    stage(
+    let mut shown = Printout::default();
+    shown.row(
         "wrote",
         &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), options.pairs, header.preset, header.seed),
     );
-    if options.common.json {
+    shown.show(options.common.json, || {
         let frames = (!header.clocks_in_pairs()).then_some(header.clock.len());
-        print_json(&json!({
+        json!({
             "schema": "tunenet.gen/1", "file": names::file_name(&options.out), "preset": header.preset,
             "pairs": options.pairs, "seed": header.seed, "frames": frames, "warnings": [],
-        }))?;
-    }
+        })
+    })?;
     Ok(Exit::Done)
 }

@@ -7,17 +7,17 @@ use serde_json::{Value, json};
 use tunenet_video_protocol::track::Facts;
 
 use crate::commands::film::{Asked, Unseen};
-use crate::view::text::{stage, warn};
+use crate::view::answer::Printout;
 
 /// What is in the film at `path`, and whether it can be used.
-pub fn look(path: &Path, camera_rate: Option<f64>) -> Result<(Value, bool)> {
+pub fn look(path: &Path, camera_rate: Option<f64>, shown: &mut Printout) -> Result<(Value, bool)> {
     let asked = Asked::default().with("--camera-rate", camera_rate.map(|r| r.to_string()));
     let found = match asked.track(path) {
         Ok(found) => found,
         Err(error) => {
             let unseen = error.downcast::<Unseen>()?;
-            stage("unusable", &unseen.note.text);
-            anstream::eprintln!("  try: {}", unseen.note.remedy);
+            shown.row("unusable", &unseen.note.text);
+            shown.line(&format!("  try: {}", unseen.note.remedy));
             let (frames, warnings) = unseen.untracked.map_or((0, Vec::new()), |u| (u.frames, vec![u.finding]));
             let object = json!({
                 "kind": "film", "reason": unseen.note.text, "remedy": unseen.note.remedy,
@@ -28,10 +28,10 @@ pub fn look(path: &Path, camera_rate: Option<f64>) -> Result<(Value, bool)> {
     };
     let facts = found.facts;
     let Facts { width_px, height_px, frames, fps, seen, .. } = facts;
-    stage("film", &format!("{width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
+    shown.row("film", &format!("{width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
     let bounces = facts.bounces_s.len();
-    stage("ball", &format!("seen in {seen} frames, {bounces} bounces"));
-    facts.warnings.iter().for_each(|finding| warn(&finding.note()));
+    shown.row("ball", &format!("seen in {seen} frames, {bounces} bounces"));
+    facts.warnings.iter().for_each(|finding| shown.warn(&finding.note()));
     let against = facts.rejected().map(|check| &check.text).or(facts.rolls().map(|finding| &finding.text));
     let reason = match against {
         Some(text) => Some(text.clone()),
@@ -41,8 +41,8 @@ pub fn look(path: &Path, camera_rate: Option<f64>) -> Result<(Value, bool)> {
         None => None,
     };
     match &reason {
-        None => stage("usable", "positions: tune a ball's restitution"),
-        Some(reason) => stage("unusable", reason),
+        None => shown.row("usable", "positions: tune a ball's restitution"),
+        Some(reason) => shown.row("unusable", reason),
     }
     let usable = reason.is_none();
     let object = json!({

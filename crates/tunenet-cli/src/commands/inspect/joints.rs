@@ -5,18 +5,18 @@ use tunenet_core::observation::{Check, State};
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_sim::replayed_arm::suspect_units;
 
-use crate::view::text::{stage, warn};
+use crate::view::answer::Printout;
 
-/// The check of units, told; nothing where `seen` is no log of joints.
-pub fn units(seen: &Observation) -> Option<Check> {
+/// The check of units, added to what is shown; nothing where `seen` is no log of joints.
+pub fn units(seen: &Observation, shown: &mut Printout) -> Option<Check> {
     if seen.kind() != Kind::Joints {
         return None;
     }
     let check = suspect_units(seen);
     if check.state == State::Passed {
-        stage("checked", &check.text);
+        shown.row("checked", &check.text);
     }
-    check.note().iter().for_each(warn);
+    shown.warn_all(&check.note());
     Some(check)
 }
 

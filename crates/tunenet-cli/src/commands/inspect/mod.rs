@@ -24,16 +24,14 @@ use super::load;
 use crate::args::Inspect;
 use crate::failure::{Exit, sentence};
 use crate::files::{hash, names};
-use crate::view::json::print_json;
-use crate::view::text::{stage, table, warn};
+use crate::view::answer::Printout;
 use motion::Motion;
 
 pub fn run(options: &Inspect) -> Result<Exit> {
     if let [path] = options.files.as_slice() {
-        let found = look(path, options)?;
-        if options.common.json {
-            print_json(&found.object)?;
-        }
+        let mut shown = Printout::default();
+        let found = look(path, options, &mut shown)?;
+        shown.show(options.common.json, || found.object)?;
         return Ok(if found.usable { Exit::Done } else { Exit::Inconclusive });
     }
     hash::refuse_copies(options.files.iter().map(AsRef::as_ref))?;
@@ -47,27 +45,27 @@ struct Found {
     motion: Option<Motion>,
 }
 
-fn look(path: &Path, options: &Inspect) -> Result<Found> {
+fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     let plain = |object: Value, usable: bool| Found { object, usable, motion: None };
     let mut found = match extension.as_str() {
-        "toml" => plain(settings::look(path)?, true),
-        "safetensors" => plain(model(&load_model(path)?), true),
+        "toml" => plain(settings::look(path, shown)?, true),
+        "safetensors" => plain(model(&load_model(path)?, shown), true),
         _ if is_film(path) => {
-            let (object, usable) = film::look(path, options.reading.camera_rate)?;
+            let (object, usable) = film::look(path, options.reading.camera_rate, shown)?;
             plain(object, usable)
         }
         _ => match contents_with(path, &reading(options)?)? {
-            Contents::Table(found) => series(&found, path, options),
+            Contents::Table(found) => series(&found, path, options, shown),
             // What `gen` writes is a log too, though none of measurements.
             Contents::Log(found) => match DatasetReader::open(path).or_else(|_| DatasetReader::open_shard(path)) {
                 Ok(reader) => {
                     let (header, shard) = (reader.header().clone(), reader.shard());
                     // Whether it is whole shows only at its end.
                     let broken = reader.into_iter().find_map(Result::err);
-                    plain(dataset(&header, shard, broken.as_ref()), broken.is_none() && shard.is_none())
+                    plain(dataset(&header, shard, broken.as_ref(), shown), broken.is_none() && shard.is_none())
                 }
-                Err(_) => log(&found, path, options),
+                Err(_) => log(&found, path, options, shown),
             },
         },
     };
@@ -101,10 +99,11 @@ fn several(options: &Inspect) -> Result<Exit> {
     let (mut objects, mut gravities, mut worst, mut rate_hz) = (Vec::new(), Vec::new(), Exit::Done, 0.0);
     let head = ["file", "bounces", "gravity", "noticed"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
+    let mut shown = Printout::default();
     for path in &options.files {
         let name = names::file_name(path);
-        stage("file", &name);
-        match look(path, options) {
+        shown.row("file", &name);
+        match look(path, options, &mut shown) {
             Ok(found) => {
                 if !found.usable && worst == Exit::Done {
                     worst = Exit::Inconclusive;
@@ -119,13 +118,13 @@ fn several(options: &Inspect) -> Result<Exit> {
             Err(error) => {
                 worst = Exit::Refused;
                 let text = sentence(&error);
-                stage("refused", &text);
+                shown.row("refused", &text);
                 objects.push(json!({ "schema": "tunenet.inspect/1", "file": name, "usable": false, "error": text }));
             }
         }
-        anstream::eprintln!();
+        shown.line("");
     }
-    anstream::eprintln!("{}", table(&rows));
+    shown.table(&rows);
     let pooled = ApparentGravity::pooled(&gravities);
     let mut causes = Vec::new();
     if let Some(gravity) = &pooled {
@@ -136,20 +135,21 @@ fn several(options: &Inspect) -> Result<Exit> {
                 1 => " from 1 recording".into(),
                 several => format!(" from {several} recordings together"),
             },
+            &mut shown,
         );
         if gravity.differs(expected) {
             causes = gravity.causes(expected, rate_hz);
             for cause in &causes {
-                stage("perhaps", cause);
+                shown.row("perhaps", cause);
             }
         }
     }
-    if options.common.json {
-        print_json(&json!({
+    shown.show(options.common.json, || {
+        json!({
             "schema": "tunenet.inspect.files/1", "files": objects, "gravity": pooled.as_ref().map(motion::gravity_json),
             "causes": causes, "warnings": [],
-        }))?;
-    }
+        })
+    })?;
     Ok(worst)
 }
 
@@ -164,7 +164,7 @@ fn purpose(kind: Kind) -> &'static str {
     }
 }
 
-fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
+fn series(found: &Table, path: &Path, options: &Inspect, shown: &mut Printout) -> Found {
     // With `--columns` the file is what the mapping makes of it.
     let mapped = !options.reading.columns.is_empty();
     let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()) };
@@ -176,32 +176,32 @@ fn series(found: &Table, path: &Path, options: &Inspect) -> Found {
     let motion = read.as_ref().and_then(|r| Motion::of(&r.observation));
     // A table whose columns say nothing has rows and no samples: what to type comes first.
     let samples = if found.samples == 0 { String::new() } else { format!(", {} samples", found.samples) };
-    stage("table", &format!("{} rows{samples}", found.rows));
+    shown.row("table", &format!("{} rows{samples}", found.rows));
     let columns: Vec<Vec<String>> =
         found.columns.iter().map(|c| vec![c.name.clone(), c.read_as.clone().unwrap_or_else(|| "-".into())]).collect();
-    anstream::eprintln!("{}", table(&columns));
+    shown.table(&columns);
     if let (Some((first, last)), Some(rate)) = (found.span_s, found.median_rate_hz) {
         let gap = found.largest_gap_s.unwrap_or(0.0);
         let [first, last] = [first, last].map(|t| (t * 1e6).round() / 1e6);
-        stage("clock", &format!("{first} s to {last} s, {rate:.1} Hz, largest gap {gap:.4} s"));
+        shown.row("clock", &format!("{first} s to {last} s, {rate:.1} Hz, largest gap {gap:.4} s"));
     }
     for line in &found.broken {
-        stage("broken", &format!("line {}: {}", line.line, line.message));
+        shown.row("broken", &format!("line {}: {}", line.line, line.message));
     }
     if found.broken_count > found.broken.len() {
-        stage("broken", &format!("{} more lines", found.broken_count - found.broken.len()));
+        shown.row("broken", &format!("{} more lines", found.broken_count - found.broken.len()));
     }
     if let Some((first, last)) = whole_lines(found) {
         let header = if first > 1 && has_header(found) { "1p;" } else { "" };
-        stage("whole", &format!("lines {first} to {last}: `sed -n '{header}{first},{last}p'` cuts them out"));
-        anstream::eprintln!("  try: where single cells are bad, empty them; a line with an empty cell is left out");
+        shown.row("whole", &format!("lines {first} to {last}: `sed -n '{header}{first},{last}p'` cuts them out"));
+        shown.line("  try: where single cells are bad, empty them; a line with an empty cell is left out");
     }
-    notes.iter().for_each(warn);
-    let units = read.as_ref().and_then(|r| joints::units(&r.observation));
-    let usable = judged(usable, motion.as_ref());
+    shown.warn_all(&notes);
+    let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));
+    let usable = judged(usable, motion.as_ref(), shown);
     let remedy = remedy(found, options);
     if usable.is_err() && !remedy.is_empty() {
-        anstream::eprintln!("  try: {}", remedy.strip_prefix("try ").unwrap_or(&remedy));
+        shown.line(&format!("  try: {}", remedy.strip_prefix("try ").unwrap_or(&remedy)));
     }
     let mut object = json!({
         "kind": usable.as_ref().map(|k| k.name()).ok(),
@@ -238,9 +238,9 @@ fn remedy(found: &Table, options: &Inspect) -> String {
 }
 
 /// Tells what its motion shows, and the verdict.
-fn judged(usable: Result<Kind, String>, motion: Option<&Motion>) -> Result<Kind, String> {
+fn judged(usable: Result<Kind, String>, motion: Option<&Motion>, shown: &mut Printout) -> Result<Kind, String> {
     if let Some(motion) = motion {
-        motion.tell();
+        motion.tell(shown);
     }
     let usable = usable.and_then(|kind| match motion.and_then(Motion::rejected) {
         Some(reason) => Err(reason.to_owned()),
@@ -249,9 +249,9 @@ fn judged(usable: Result<Kind, String>, motion: Option<&Motion>) -> Result<Kind,
     match &usable {
         Ok(kind) => {
             let good = motion.and_then(Motion::purpose).unwrap_or_else(|| purpose(*kind));
-            stage("usable", &format!("{}: {good}", kind.name()));
+            shown.row("usable", &format!("{}: {good}", kind.name()));
         }
-        Err(reason) => stage("unusable", reason),
+        Err(reason) => shown.row("unusable", reason),
     }
     usable
 }
@@ -282,8 +282,8 @@ fn whole_lines(found: &Table) -> Option<(usize, usize)> {
     best
 }
 
-fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
-    stage(
+fn log(found: &Log, path: &Path, options: &Inspect, shown: &mut Printout) -> Found {
+    shown.row(
         "log",
         &format!("{}, profile `{}`, written by `{}`", topics(found.topics.len()), found.profile, found.library),
     );
@@ -295,28 +295,28 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
             vec![t.name.clone(), t.schema.clone(), t.encoding.clone(), t.messages.to_string(), usable]
         })
         .collect();
-    anstream::eprintln!("{}", table(&rows));
+    shown.table(&rows);
     let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
     let chosen = usable.len() == 1 || options.reading.topic.is_some();
     let read = (chosen && found.ended.is_none()).then(|| recording(path, options).ok()).flatten();
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
-    notes.iter().for_each(warn);
-    let units = read.as_ref().and_then(|r| joints::units(&r.observation));
+    shown.warn_all(&notes);
+    let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));
     let motion = read.and_then(|r| Motion::of(&r.observation));
     let rejected = motion.as_ref().and_then(Motion::rejected);
     if let Some(motion) = &motion {
-        motion.tell();
+        motion.tell(shown);
     }
     match (usable.as_slice(), &found.ended) {
         (_, Some(reason)) => {
             let seconds = found.span_s.map_or_else(String::new, |s| format!(" and span {s:.2} s"));
-            stage("unusable", &format!("{reason}{seconds}; the rest is missing, so `tune` refuses the file"));
-            anstream::eprintln!("  try: `mcap recover {} -o recovered.mcap`, which keeps them", path.display());
+            shown.row("unusable", &format!("{reason}{seconds}; the rest is missing, so `tune` refuses the file"));
+            shown.line(&format!("  try: `mcap recover {} -o recovered.mcap`, which keeps them", path.display()));
         }
-        ([], _) => stage("unusable", "no topic carries positions, joints or bounces"),
-        _ if rejected.is_some() => stage("unusable", rejected.unwrap_or_default()),
-        ([one], _) => stage("usable", &one.name),
-        (several, _) => stage("usable", &format!("{} topics, choose one with --topic", several.len())),
+        ([], _) => shown.row("unusable", "no topic carries positions, joints or bounces"),
+        _ if rejected.is_some() => shown.row("unusable", rejected.unwrap_or_default()),
+        ([one], _) => shown.row("usable", &one.name),
+        (several, _) => shown.row("usable", &format!("{} topics, choose one with --topic", several.len())),
     }
     let mut object = json!({
         "kind": "log", "profile": found.profile, "library": found.library,
@@ -337,12 +337,12 @@ fn log(found: &Log, path: &Path, options: &Inspect) -> Found {
     Found { object, usable: good, motion }
 }
 
-fn dataset(header: &DatasetHeader, shard: Option<Shard>, broken: Option<&Error>) -> Value {
+fn dataset(header: &DatasetHeader, shard: Option<Shard>, broken: Option<&Error>, shown: &mut Printout) -> Value {
     let of = shard.map_or_else(String::new, |shard| {
         let block = shard.block(header.pairs);
         format!("shard {shard}, {} of ", block.end - block.start)
     });
-    stage("dataset", &format!("{of}{} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed));
+    shown.row("dataset", &format!("{of}{} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed));
     let rows: Vec<Vec<String>> = header
         .parameters
         .iter()
@@ -351,11 +351,11 @@ fn dataset(header: &DatasetHeader, shard: Option<Shard>, broken: Option<&Error>)
             vec![p.name.clone(), format!("{} to {}", p.min, p.max), p.unit.clone(), learned.into()]
         })
         .collect();
-    anstream::eprintln!("{}", table(&rows));
+    shown.table(&rows);
     match (broken, shard) {
-        (None, None) => stage("usable", "train a network"),
-        (None, Some(_)) => stage("unusable", "a shard alone: `tunenet merge` puts shards together"),
-        (Some(error), _) => stage("unusable", &error.to_string()),
+        (None, None) => shown.row("usable", "train a network"),
+        (None, Some(_)) => shown.row("unusable", "a shard alone: `tunenet merge` puts shards together"),
+        (Some(error), _) => shown.row("unusable", &error.to_string()),
     }
     json!({
         "kind": if shard.is_some() { "shard" } else { "dataset" }, "shard": shard.map(|shard| shard.to_string()),
@@ -368,12 +368,12 @@ fn dataset(header: &DatasetHeader, shard: Option<Shard>, broken: Option<&Error>)
     })
 }
 
-fn model(model: &Model) -> Value {
+fn model(model: &Model, shown: &mut Printout) -> Value {
     let parameters = model.parameters();
-    stage("model", &format!("preset `{}`, seed {}", model.preset().name, model.seed()));
+    shown.row("model", &format!("preset `{}`, seed {}", model.preset().name, model.seed()));
     let rows: Vec<Vec<String>> =
         parameters.iter().map(|p| vec![p.name.clone(), format!("{} to {}", p.min, p.max), p.unit.clone()]).collect();
-    anstream::eprintln!("{}", table(&rows));
+    shown.table(&rows);
     json!({
         "kind": "model", "preset": model.preset().name, "seed": model.seed(),
         "parameters": parameters.iter().map(|p| json!({

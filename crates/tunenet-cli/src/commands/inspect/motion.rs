@@ -7,7 +7,8 @@ use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::statistics::median;
 use tunenet_core::tune::channel_noise;
 
-use crate::view::text::{in_words, stage, tally, warn};
+use crate::view::answer::Printout;
+use crate::view::text::{in_words, tally};
 
 /// A recording that was looked at.
 pub struct Motion {
@@ -51,7 +52,7 @@ impl Motion {
         flies_only.then_some("forces of flight alone; without a bounce neither restitution nor friction")
     }
 
-    pub fn tell(&self) {
+    pub fn tell(&self, shown: &mut Printout) {
         let plural = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
         let noise = self.noise.map(|n| {
             let unit = if self.kind == Kind::Positions { "m" } else { "s" };
@@ -60,14 +61,14 @@ impl Motion {
         let flights = self.preflight.gravity.map(|g| format!("{} of free flight, ", plural(g.flights, "stretch")));
         let flights = flights.map(|text| text.replace("stretchs", "stretches"));
         let bounces = plural(self.bounces, "bounce");
-        stage("motion", &format!("{}{bounces}{}", flights.unwrap_or_default(), noise.unwrap_or_default()));
+        shown.row("motion", &format!("{}{bounces}{}", flights.unwrap_or_default(), noise.unwrap_or_default()));
         if let Some(gravity) = self.preflight.gravity {
-            tell_gravity(&gravity, "");
+            tell_gravity(&gravity, "", shown);
         }
-        stage("checked", &tally(&self.preflight.checks));
+        shown.row("checked", &tally(&self.preflight.checks));
         for check in &self.preflight.checks {
             match check.state {
-                State::Noticed | State::Failed => check.note().iter().for_each(warn),
+                State::Noticed | State::Failed => check.note().iter().for_each(|note| shown.warn(note)),
                 State::NotRun | State::Passed => {}
             }
         }
@@ -118,7 +119,7 @@ pub fn gravity_json(gravity: &ApparentGravity) -> Value {
 }
 
 /// "gravity  9.62 m/s² (95 %: 9.58 to 9.66), 1.9 % below 9.81".
-pub fn tell_gravity(gravity: &ApparentGravity, from: &str) {
+pub fn tell_gravity(gravity: &ApparentGravity, from: &str, shown: &mut Printout) {
     let expected = Expected::default().gravity_m_s2;
     let percent = 100.0 * (gravity.value_m_s2 / expected - 1.0);
     let place = if gravity.differs(expected) {
@@ -126,5 +127,5 @@ pub fn tell_gravity(gravity: &ApparentGravity, from: &str) {
     } else {
         format!("{expected} expected")
     };
-    stage("gravity", &format!("{}{from}, {place}", gravity.text()));
+    shown.row("gravity", &format!("{}{from}, {place}", gravity.text()));
 }

@@ -11,33 +11,33 @@ use tunenet_sim::shot::Task;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
-use crate::view::text::{stage, table};
+use crate::view::answer::Printout;
 
 /// Looks into it; what is none of these is refused as a simulation file.
-pub fn look(path: &Path) -> Result<Value> {
+pub fn look(path: &Path, shown: &mut Printout) -> Result<Value> {
     let text = read_text(path)?;
     let document = text.parse::<DocumentMut>().unwrap_or_default();
     if document.get("kind").and_then(|kind| kind.as_str()) == Some("shot") {
         let task = Task::read(path)?;
         let [low, high] = [task.heights_m.0, task.heights_m.1];
-        stage("task", "of a shot");
-        stage(
+        shown.row("task", "of a shot");
+        shown.row(
             "usable",
             &format!("plan a release from {low} to {high} m: `tunenet plan --sim TUNED.toml --task` with this file"),
         );
         return Ok(json!({ "kind": "task", "for": "plan a shot", "heights_m": [low, high], "warnings": [] }));
     }
     if let Some(observations) = document.get("observation").and_then(|all| all.as_array_of_tables()) {
-        stage("manifest", &format!("of {} recordings", observations.len()));
-        stage("usable", "diagnose them together: `tunenet diagnose --sim FILE.toml --manifest` with this file");
+        shown.row("manifest", &format!("of {} recordings", observations.len()));
+        shown.row("usable", "diagnose them together: `tunenet diagnose --sim FILE.toml --manifest` with this file");
         return Ok(
             json!({ "kind": "manifest", "for": "diagnose", "observations": observations.len(), "warnings": [] }),
         );
     }
-    simulation(&SimulationFile::read(path)?)
+    simulation(&SimulationFile::read(path)?, shown)
 }
 
-fn simulation(file: &SimulationFile) -> Result<Value> {
+fn simulation(file: &SimulationFile, shown: &mut Printout) -> Result<Value> {
     let parameters = file.parameters()?;
     let rows: Vec<Vec<String>> = parameters
         .iter()
@@ -49,11 +49,11 @@ fn simulation(file: &SimulationFile) -> Result<Value> {
     let program = (file.domain() == Domain::Process).then(|| process::command(file));
     match &program {
         Some(program) => {
-            stage("process", &format!("a simulation file that runs {program}, with `--allow-process` alone"));
+            shown.row("process", &format!("a simulation file that runs {program}, with `--allow-process` alone"));
         }
-        None => stage(file.domain().name(), "a simulation file"),
+        None => shown.row(file.domain().name(), "a simulation file"),
     }
-    anstream::eprintln!("{}", table(&rows));
+    shown.table(&rows);
     let mut object = json!({
         "kind": "simulation",
         "parameters": parameters.iter().map(|p| json!({

@@ -15,8 +15,8 @@ use crate::args::Merge;
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
-use crate::view::json::print_json;
-use crate::view::text::{progress, stage};
+use crate::view::answer::Printout;
+use crate::view::text::progress;
 
 pub fn run(options: &Merge) -> Result<Exit> {
     let shards = globs::expanded(&options.shards, "SHARD")?;
@@ -42,17 +42,18 @@ fn dataset(options: &Merge, shards: &[PathBuf]) -> Result<Exit> {
         true
     })?;
     bar.finish_and_clear();
-    stage("merged", &format!("{} shards", shards.len()));
-    stage(
+    let mut shown = Printout::default();
+    shown.row("merged", &format!("{} shards", shards.len()));
+    shown.row(
         "wrote",
         &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), header.pairs, header.preset, header.seed),
     );
-    if options.common.json {
-        print_json(&json!({
+    shown.show(options.common.json, || {
+        json!({
             "schema": "tunenet.merge/1", "file": names::file_name(&options.out), "shards": shards.len(),
             "preset": header.preset, "pairs": header.pairs, "seed": header.seed, "warnings": [],
-        }))?;
-    }
+        })
+    })?;
     Ok(Exit::Done)
 }
 

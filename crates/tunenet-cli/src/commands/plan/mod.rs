@@ -20,8 +20,8 @@ use crate::args::{Plan, PlanRule};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
-use crate::view::json::print_json;
-use crate::view::text::{stage, warn};
+use crate::view::answer::Printout;
+use crate::view::text::stage;
 use crate::view::{html, sentence};
 
 pub fn run(options: &Plan) -> Result<Exit> {
@@ -54,10 +54,9 @@ pub fn run(options: &Plan) -> Result<Exit> {
         html::shot::write(report, &names::file_name(&options.task), &answer, &provenance)?;
         stage("report", &report.display().to_string());
     }
-    if options.common.json {
-        print_json(&json::object(&answer))?;
-    }
-    tell(&answer);
+    printout(&answer).show(options.common.json, || json::object(&answer))?;
+    let count = answer.plan.candidates.len();
+    stage("planned", &format!("{count} heights, {:.1} s, seed {}", answer.seconds, answer.settings.seed));
     Ok(if answer.plan.reachable { Exit::Done } else { Exit::Inconclusive })
 }
 
@@ -127,21 +126,19 @@ fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
     notes
 }
 
-fn tell(answer: &Answer) {
-    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
-    anstream::eprintln!("{bold}{}{reset}", sentence::plan(answer));
+/// The answer for readers.
+fn printout(answer: &Answer) -> Printout {
+    let mut shown = Printout::default();
+    shown.verdict(&sentence::plan(answer));
     let best = answer.plan.best();
     if !answer.plan.reachable {
-        anstream::eprintln!("  try: {}", what_to_move(answer));
+        shown.line(&format!("  try: {}", what_to_move(answer)));
     } else if let Some(joints) = best.joints_rad.as_deref().filter(|j| !j.is_empty()) {
         let each: Vec<String> = joints.iter().map(|q| format!("{q:.4}")).collect();
-        anstream::eprintln!("  joints {} rad", each.join(", "));
+        shown.line(&format!("  joints {} rad", each.join(", ")));
     }
-    answer.notes.iter().for_each(warn);
-    stage(
-        "planned",
-        &format!("{} heights, {:.1} s, seed {}", answer.plan.candidates.len(), answer.seconds, answer.settings.seed),
-    );
+    shown.warn_all(&answer.notes);
+    shown
 }
 
 /// What would bring the ball through a hoop that no height brings it through.

@@ -20,8 +20,7 @@ use crate::args::Simulate;
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::{hash, names};
-use crate::view::json::print_json;
-use crate::view::text::stage;
+use crate::view::answer::Printout;
 
 pub fn run(options: &Simulate) -> Result<Exit> {
     names::require_ending(&options.out, &["csv", "mcap"])?;
@@ -84,12 +83,13 @@ fn write(options: &Simulate, output: &Output, observation: &Observation) -> Resu
             return Err(destination::taken(output).into());
         }
     }
-    stage("wrote", &format!("{}, {} samples", options.out.display(), observation.len()));
-    if options.common.json {
-        print_json(&json!({
+    let mut shown = Printout::default();
+    shown.row("wrote", &format!("{}, {} samples", options.out.display(), observation.len()));
+    shown.show(options.common.json, || {
+        json!({
             "schema": "tunenet.simulate/1", "file": names::file_name(&options.out), "kind": observation.kind().name(),
             "samples": observation.len(), "warnings": [],
-        }))?;
-    }
+        })
+    })?;
     Ok(Exit::Done)
 }

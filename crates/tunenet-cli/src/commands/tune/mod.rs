@@ -27,7 +27,7 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed, simulator};
 
 use self::model::Chosen;
-use self::told::{as_json, sentence, tell};
+use self::told::{as_json, printout, sentence, tell_end, tell_start};
 use self::written::write_tuned;
 use super::each::{Answered, Work};
 use super::model_cache::Cache;
@@ -38,7 +38,6 @@ use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::{hash, names};
 use crate::view::html::{self, tune::Answer};
-use crate::view::json::print_json;
 use crate::view::text::{rolling, stage};
 
 const SCHEMA: &str = "tunenet.tune/1";
@@ -69,10 +68,9 @@ pub fn run(options: &Tune) -> Result<Exit> {
         write_tuned(options, &file, &recordings, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
-    if options.common.json {
-        print_json(&as_json(&outcome, &chosen, seconds))?;
-    }
-    tell(options, &outcome, &chosen, seconds);
+    tell_start(options, &outcome, &chosen);
+    printout(&outcome).show(options.common.json, || as_json(&outcome, &chosen, seconds))?;
+    tell_end(options, &outcome, seconds);
     let exit = exit(outcome.verdict);
     if let Some(report) = &options.report {
         let names = options.observation.iter().map(|path| names::file_name(path)).collect();

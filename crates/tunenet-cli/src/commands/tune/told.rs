@@ -1,7 +1,7 @@
-//! What an outcome says: the object of `--json`, and the text for people.
+//! What an outcome says: the object of `--json`, the text for readers, and notes.
 
 use serde_json::{Map, Value, json};
-use tunenet_core::tune::{Outcome, Region, Verdict};
+use tunenet_core::tune::{Iteration, Outcome, Region, Verdict};
 
 use super::SCHEMA;
 use super::model::Chosen;
@@ -9,8 +9,9 @@ use super::written::is_written;
 use crate::answers::tune::{forced, reason};
 use crate::args::Tune;
 use crate::files::names;
+use crate::view::answer::Printout;
 use crate::view::json;
-use crate::view::text::{between, four_digits, in_words, list, rounded, stage, table, tally, warn};
+use crate::view::text::{between, four_digits, in_words, list, note, rounded, stage, tally, verbose};
 
 /// The object of `--json`.
 pub fn as_json(outcome: &Outcome, chosen: &Chosen, seconds: f64) -> Value {
@@ -109,15 +110,20 @@ pub fn sentence(outcome: &Outcome) -> String {
     }
 }
 
-/// The answer on standard error.
-pub fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
+/// Which checks the recordings passed and which network was used, on standard error.
+pub fn tell_start(options: &Tune, outcome: &Outcome, chosen: &Chosen) {
     for (path, checks) in options.observation.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
         let which = if options.observation.len() > 1 { format!("{}: ", names::file_name(path)) } else { String::new() };
         stage("checked", &format!("{which}{}", tally(checks)));
     }
     chosen.tell();
-    let (bold, reset) = (anstyle::Style::new().bold(), anstyle::Reset);
-    anstream::eprintln!("\n{bold}{}{reset}", sentence(outcome));
+    note("");
+}
+
+/// The answer for readers.
+pub fn printout(outcome: &Outcome) -> Printout {
+    let mut shown = Printout::default();
+    shown.verdict(&sentence(outcome));
     if let Some(gap) = &outcome.gap {
         let unit = &gap.unit;
         let (before, after, floor) =
@@ -126,17 +132,36 @@ pub fn tell(options: &Tune, outcome: &Outcome, chosen: &Chosen, seconds: f64) {
             vec!["gap (RMS)".into(), "before".into(), "after".into(), "noise floor".into()],
             vec![String::new(), before, after, floor],
         ];
-        anstream::eprintln!("{}\n", table(&rows));
+        shown.table(&rows);
+        shown.line("");
     }
     for own in outcome.nuisances.iter().filter(|own| !own.is_empty()) {
         let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
-        anstream::eprintln!("{}", list("  also from the data:", &each));
+        shown.line(&list("  also from the data:", &each));
     }
-    outcome.notes.iter().for_each(warn);
+    if verbose() {
+        shown.table(&iterations(outcome));
+    }
+    shown.warn_all(&outcome.notes);
+    shown
+}
+
+/// The parameters and the RMSE of every iteration.
+fn iterations(outcome: &Outcome) -> Vec<Vec<String>> {
+    let head = ["iteration".to_owned(), "RMSE".to_owned()].into_iter().chain(outcome.free.iter().cloned());
+    let row = |i: &Iteration| {
+        let values = i.parameters.iter().copied().map(four_digits);
+        [i.k.to_string(), four_digits(i.rmse)].into_iter().chain(values).collect()
+    };
+    std::iter::once(head.collect()).chain(outcome.iterations.iter().map(row)).collect()
+}
+
+/// What was written, and what it cost, on standard error.
+pub fn tell_end(options: &Tune, outcome: &Outcome, seconds: f64) {
     let wrote = match &options.out {
         Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
         Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),
         None => String::new(),
     };
-    anstream::eprintln!("{wrote}{} rollouts, {seconds:.1} s, seed {}", outcome.rollouts, options.common.seed);
+    note(&format!("{wrote}{} rollouts, {seconds:.1} s, seed {}", outcome.rollouts, options.common.seed));
 }
