@@ -22,7 +22,7 @@ say "1. A ball was dropped from about 1 m and recorded. What is in the file?"
 run inspect assets/observations/drop.csv
 
 say "2. What is its restitution? Release and floor are not known: they are estimated as well."
-run tune --sim assets/ball.toml --observation assets/observations/drop.csv --out "$out/tuned.toml"
+run tune --sim assets/ball.toml assets/observations/drop.csv --out "$out/tuned.toml"
 echo "(synthetic, from an independent simulator: restitution 0.83, noise 2 mm)"
 
 say "3. The tuned simulation is a text file."
@@ -33,11 +33,11 @@ run simulate --sim "$out/tuned.toml" --set release.height_m=2.0 --out "$out/from
 head -n 4 "$out/from_2_m.csv"
 
 say "5. The same from bounce times only, as a microphone records them."
-run tune --sim assets/ball.toml --observation assets/observations/bounces.csv --out "$out/tuned_by_ear.toml"
+run tune --sim assets/ball.toml assets/observations/bounces.csv --out "$out/tuned_by_ear.toml"
 echo "(synthetic: restitution 0.9, noise 0.2 ms)"
 
 say "6. A light ball was thrown five times, and no restitution fits. Which effect is missing?"
-run diagnose --sim assets/ball.toml --observation assets/observations/light_[1-4].csv \
+run diagnose --sim assets/ball.toml assets/observations/light_[1-4].csv \
     --held-out assets/observations/light_5.csv --out "$out/improved.toml" --report "$out/improved.html"
 echo "(synthetic: drag 0.1317 1/m, a drag coefficient of 0.47)"
 

@@ -72,7 +72,8 @@ impl Place {
 
     fn run(&self, command: &str) -> Output {
         let mut shell = Command::new("sh");
-        shell.args(["-c", command]).current_dir(self.folder.path()).env("PATH", &self.path);
+        // Both streams in one, in their order, as a terminal shows them.
+        shell.args(["-c", &format!("exec 2>&1\n{command}")]).current_dir(self.folder.path()).env("PATH", &self.path);
         shell.env("TUNENET_CACHE", self.folder.path().join("cache")).env("NO_COLOR", "1");
         // A task of an array, for `--shard auto`.
         for (name, value) in [("ID", "0"), ("MIN", "0"), ("COUNT", "4"), ("STEP", "1")] {
@@ -95,7 +96,7 @@ fn plain(line: &str) -> String {
 fn holds(place: &Place, page: &Page, variables: &str, shown: &Shown) -> Result<(), String> {
     let Shown { command, output, .. } = shown;
     let ran = place.run(&format!("{variables}{command}"));
-    let printed = format!("{}{}", String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
+    let printed = String::from_utf8_lossy(&ran.stdout);
     let no = output.iter().any(|line| NO.iter().any(|start| line.starts_with(start)));
     if ran.status.code() != Some(if no { 3 } else { 0 }) {
         return Err(format!("{}: `{command}`: {}\n{printed}", page.name, ran.status));
@@ -107,6 +108,47 @@ fn holds(place: &Place, page: &Page, variables: &str, shown: &Shown) -> Result<(
         }
     }
     Ok(())
+}
+
+/// The lines of `printed` that a page should show in place of `shown`: for each the same line or else the most similar one.
+fn similar(shown: &[String], printed: &str) -> Vec<String> {
+    let words = |line: &str| plain(line).split(' ').map(str::to_owned).collect::<Vec<_>>();
+    let alike = |a: &str, b: &str| {
+        let (a, b) = (words(a), words(b));
+        let same = a.iter().filter(|word| b.contains(word)).count();
+        200 * same / (a.len() + b.len()).max(1) + usize::from(a.first() == b.first()) * 100
+    };
+    let all: Vec<&str> = printed.lines().filter(|line| !line.trim().is_empty()).collect();
+    let mut places: Vec<usize> = shown
+        .iter()
+        .filter_map(|line| (0..all.len()).rev().max_by_key(|i| (plain(all[*i]) == plain(line), alike(all[*i], line))))
+        .collect();
+    places.sort_unstable();
+    places.dedup();
+    places.into_iter().map(|i| all[i].to_owned()).collect()
+}
+
+/// Runs the commands of all pages and pastes what they print in place of what is shown: for use after a change of the output,
+/// with `cargo test --workspace --test tunenet paste -- --ignored`, and to be read before it is committed.
+#[test]
+#[ignore = "writes to the documentation"]
+fn paste_outputs() {
+    for page in pages() {
+        let (place, variables) = (Place::new(false), page.variables());
+        if !given(&place, &page) {
+            continue;
+        }
+        let mut text = page.text.clone();
+        let due = page.commands().into_iter().filter(|shown| !shown.long && not_run(&page, &shown.command).is_none());
+        for shown in due {
+            if holds(&place, &page, &variables, &shown).is_err() && !shown.output.is_empty() {
+                let ran = place.run(&format!("{variables}{}", shown.command));
+                let new = similar(&shown.output, &String::from_utf8_lossy(&ran.stdout)).join("\n");
+                text = text.replacen(&shown.output.join("\n"), &new, 1);
+            }
+        }
+        std::fs::write(root().join(&page.name), text).unwrap();
+    }
 }
 
 fn not_run<'a>(page: &Page, command: &str) -> Option<&'a str> {
@@ -174,7 +216,7 @@ fn what_is_not_run_is_parsed_and_every_flag_exists() {
             }
             let ran = place.run(&format!("{}{}", page.variables(), command.replace('…', "")));
             if !ran.status.success() {
-                faults.push(format!("{}: `{command}`: {}", page.name, String::from_utf8_lossy(&ran.stderr)));
+                faults.push(format!("{}: `{command}`: {}", page.name, String::from_utf8_lossy(&ran.stdout)));
             }
             parsed += 1;
         }
