@@ -27,7 +27,7 @@ impl From<Exit> for ExitCode {
 }
 
 /// Prints an error to standard error and says how the process ends.
-pub fn tell(error: &anyhow::Error) -> Exit {
+pub fn render(error: &anyhow::Error) -> Exit {
     let known = error.chain().find_map(|cause| cause.downcast_ref::<Error>());
     let exit = match known {
         Some(Error::Setting { origin: Origin::Flag | Origin::Caller, .. }) => Exit::Usage,

@@ -49,5 +49,5 @@ pub fn process<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<Exit>) -> ExitCo
 }
 
 fn ended(result: anyhow::Result<Exit>) -> ExitCode {
-    result.unwrap_or_else(|error| failure::tell(&error)).into()
+    result.unwrap_or_else(|error| failure::render(&error)).into()
 }

@@ -12,7 +12,7 @@ use tunenet_sim::replayed_arm::{ReplayedArm, replays, with_reference};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{Session, SimulationFile, process};
 
-use super::film;
+use super::video;
 use crate::args::{Leave, Reading, Simulation};
 use crate::files::destination::urdf_beside;
 use crate::files::hash;
@@ -72,7 +72,7 @@ fn at_most(most: usize, mut recording: Recording) -> Result<Recording> {
     Ok(recording)
 }
 
-/// A recording of what `file` simulates, from a file of numbers or a film, with at most so many samples.
+/// A recording of what `file` simulates, from a file of numbers or a video, with at most so many samples.
 pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
     no_manifest(path)?;
     if replays(file) {
@@ -81,18 +81,18 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
     if file.domain() == Domain::Process {
         return of_channels(file, path, reading, most);
     }
-    if !film::is_film(path) {
+    if !video::is_video(path) {
         return at_most(most, read(path, &self::reading(reading))?);
     }
     if !reading.columns.is_empty() {
         let (expected, found) = ("a CSV file".into(), format!("the video {}", path.display()));
         return Err(Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
     }
-    let asked = film::Asked::default()
+    let asked = video::Asked::default()
         .with("--topic", reading.topic.as_ref())
         .with("--camera-rate", reading.camera_rate.map(|r| r.to_string()));
     let found = asked.of(file).track(path)?;
-    at_most(most, film::positions(path, &found)?)
+    at_most(most, video::positions(path, &found)?)
 }
 
 /// Refuses a manifest where a recording is asked for.
@@ -110,7 +110,7 @@ fn no_manifest(path: &Path) -> Result<()> {
 
 /// A series on the channels that the program of `file` predicts; it is not run for that.
 pub fn of_channels(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
-    if film::is_film(path) {
+    if video::is_video(path) {
         let message = "expected a series on the channels of the simulation, found a video";
         let hint = "`tunenet track` makes a CSV file of a ball's positions in it";
         return Err(Error::file(path, message, hint).into());

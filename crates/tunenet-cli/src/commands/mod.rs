@@ -3,7 +3,7 @@
 pub mod bench;
 pub mod diagnose;
 mod each;
-pub(crate) mod film;
+pub(crate) mod video;
 mod generate;
 mod globs;
 mod init;

@@ -11,7 +11,7 @@ use tunenet_formats::write_atomically;
 use tunenet_video_protocol::VideoFinding;
 use tunenet_video_protocol::track::{Estimate, Facts, Samples, Untracked};
 
-use super::film::{Asked, Unseen};
+use super::video::{Asked, Unseen};
 use crate::args::Track;
 use crate::failure::{Exit, sentence};
 use crate::files::destination::{self, Output, Product};
@@ -125,7 +125,7 @@ fn write_bounces(out: &Path, bounces_s: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// Nanometres and nanoseconds are beyond any film.
+/// Nanometres and nanoseconds are beyond any video.
 fn rounded(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }

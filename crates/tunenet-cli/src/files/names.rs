@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tunenet_core::{Error, Origin};
 
-/// What the names of a film's frames end in, where each is a file of its own.
+/// What the names of a video's frames end in, where each is a file of its own.
 const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "bmp", "tif", "tiff"];
 
 /// A file's own name, for output that must not depend on where it lies.

@@ -23,12 +23,12 @@ use tunenet_video_protocol::track::{
     Check, Colour, Estimate, Facts, Flag, Metres, Picture, Samples, Scale, Tracked, Untracked,
 };
 
-/// Samples beyond this are no film's.
+/// Samples beyond this are no video's.
 const MOST_RESAMPLED: f64 = 1e7;
 
 #[derive(Debug, Args)]
 pub struct Options {
-    /// Film, or log (MCAP) with pictures
+    /// Video, or log (MCAP) with pictures
     file: PathBuf,
     /// Colour of the ball
     #[arg(long)]
@@ -63,7 +63,7 @@ pub struct Options {
     /// Pictures with the track drawn in, at most
     #[arg(long, default_value_t = 0)]
     sheet: usize,
-    /// Write the film with the track drawn in here
+    /// Write the video with the track drawn in here
     #[arg(long)]
     overlay: Option<PathBuf>,
 }
@@ -107,7 +107,7 @@ fn drawn(options: &Options, source: &Source, track: &Track, bar: &ProgressBar) -
     if options.sheet == 0 && options.overlay.is_none() {
         return Ok(Vec::new());
     }
-    // A film that is half written is none: it gets its name when it is whole.
+    // A video that is half written is none: it gets its name when it is whole.
     let part = options.overlay.as_deref().map(part);
     let drawn = overlay(source, track, options.sheet, part.as_deref(), &mut |done, all| {
         advance(bar, "draw", done, all);

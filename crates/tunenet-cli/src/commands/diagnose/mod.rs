@@ -1,7 +1,7 @@
 //! `tunenet diagnose`: where simulation and measurement disagree, which effect is missing, and the file with it.
 //!
 //! ```text
-//! manifest → load → tunenet_core::diagnose → json, tell, improve, crate::view::html
+//! manifest → load → tunenet_core::diagnose → json, text, improve, crate::view::html
 //! ```
 
 pub(crate) mod alternatives;
@@ -9,7 +9,7 @@ pub(crate) mod improve;
 mod json;
 pub(crate) mod load;
 mod manifest;
-mod tell;
+mod text;
 
 use std::time::Instant;
 
@@ -36,7 +36,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     let sources = manifest::sources(options)?;
     improve::writable(options, &sources)?;
     let loaded = load::load(options, &sources)?;
-    tell::read(&loaded);
+    text::read(&loaded);
     let began = Instant::now();
     let diagnosis = pool(options.jobs)?.install(|| ask(&loaded, options.common.seed))?;
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
@@ -44,8 +44,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     if let Some(path) = improve::write_urdf(options, &answer)? {
         stage("urdf", &path.display().to_string());
     }
-    tell::answer(&answer).show(options.common.json, || json::object(&answer))?;
-    tell::end(options, &answer, &wrote);
+    text::answer(&answer).show(options.common.json, || json::object(&answer))?;
+    text::end(options, &answer, &wrote);
     if let Some(path) = &options.report {
         let edits = improve::edits(options, &answer)?;
         html::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
@@ -74,7 +74,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
         let began = Instant::now();
         let diagnosis = ask(&loaded, options.common.seed)?;
         let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
-        Ok(Answered { object: json::object(&answer), line: tell::sentence(&answer), case: None })
+        Ok(Answered { object: json::object(&answer), line: text::sentence(&answer), case: None })
     })?;
     Ok(exit)
 }
@@ -92,7 +92,7 @@ fn ask(loaded: &Loaded, seed: u64) -> Result<Diagnosis> {
         loaded.objects.iter().map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() }).collect();
     let working = crate::view::text::working();
     let settings = Settings { seed, ..Settings::default() };
-    let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| tell::progress(&working, at));
+    let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| text::progress(&working, at));
     working.finish_and_clear();
     // A program that is gone says more than that the fit failed.
     loaded.objects.iter().try_for_each(|object| object.session.settle())?;

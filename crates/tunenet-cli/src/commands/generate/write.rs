@@ -31,7 +31,7 @@ pub fn made(
         })?;
         bar.finish_and_clear();
     }
-    tell(options, header)
+    render(options, header)
 }
 
 /// Where the pairs are written: under `--out`, or where a shard of it belongs.
@@ -64,7 +64,7 @@ fn there(options: &Gen, header: &DatasetHeader) -> Result<bool> {
     Ok(whole)
 }
 
-fn tell(options: &Gen, header: &DatasetHeader) -> Result<Exit> {
+fn render(options: &Gen, header: &DatasetHeader) -> Result<Exit> {
     if let Some(shard) = options.sharing.shard {
         let block = shard.block(header.pairs);
         let what = format!("of {} pairs, preset {}, seed {}", header.pairs, header.preset, header.seed);

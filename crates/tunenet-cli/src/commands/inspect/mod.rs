@@ -1,6 +1,6 @@
 //! `tunenet inspect`.
 
-mod film;
+mod video;
 mod joints;
 mod motion;
 mod settings;
@@ -19,7 +19,7 @@ use tunenet_formats::{kind_name, load_model};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
-use super::film::is_film;
+use super::video::is_video;
 use super::load;
 use crate::args::Inspect;
 use crate::failure::{Exit, sentence};
@@ -51,8 +51,8 @@ fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
     let mut found = match extension.as_str() {
         "toml" => plain(settings::look(path, shown)?, true),
         "safetensors" => plain(model(&load_model(path)?, shown), true),
-        _ if is_film(path) => {
-            let (object, usable) = film::look(path, options.reading.camera_rate, shown)?;
+        _ if is_video(path) => {
+            let (object, usable) = video::look(path, options.reading.camera_rate, shown)?;
             plain(object, usable)
         }
         _ => match contents_with(path, &reading(options)?)? {
@@ -129,7 +129,7 @@ fn several(options: &Inspect) -> Result<Exit> {
     let mut causes = Vec::new();
     if let Some(gravity) = &pooled {
         let expected = Expected::default().gravity_m_s2;
-        motion::tell_gravity(
+        motion::render_gravity(
             gravity,
             &match gravities.len() {
                 1 => " from 1 recording".into(),
@@ -240,7 +240,7 @@ fn remedy(found: &Table, options: &Inspect) -> String {
 /// Tells what its motion shows, and the verdict.
 fn judged(usable: Result<Kind, String>, motion: Option<&Motion>, shown: &mut Printout) -> Result<Kind, String> {
     if let Some(motion) = motion {
-        motion.tell(shown);
+        motion.render(shown);
     }
     let usable = usable.and_then(|kind| match motion.and_then(Motion::rejected) {
         Some(reason) => Err(reason.to_owned()),
@@ -306,7 +306,7 @@ fn log(found: &Log, path: &Path, options: &Inspect, shown: &mut Printout) -> Fou
     let motion = read.and_then(|r| Motion::of(&r.observation));
     let rejected = motion.as_ref().and_then(Motion::rejected);
     if let Some(motion) = &motion {
-        motion.tell(shown);
+        motion.render(shown);
     }
     match (usable.as_slice(), &found.ended) {
         (_, Some(reason)) => {

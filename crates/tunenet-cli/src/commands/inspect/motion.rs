@@ -52,7 +52,7 @@ impl Motion {
         flies_only.then_some("forces of flight alone; without a bounce neither restitution nor friction")
     }
 
-    pub fn tell(&self, shown: &mut Printout) {
+    pub fn render(&self, shown: &mut Printout) {
         let plural = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
         let noise = self.noise.map(|n| {
             let unit = if self.kind == Kind::Positions { "m" } else { "s" };
@@ -63,7 +63,7 @@ impl Motion {
         let bounces = plural(self.bounces, "bounce");
         shown.row("motion", &format!("{}{bounces}{}", flights.unwrap_or_default(), noise.unwrap_or_default()));
         if let Some(gravity) = self.preflight.gravity {
-            tell_gravity(&gravity, "", shown);
+            render_gravity(&gravity, "", shown);
         }
         shown.row("checked", &tally(&self.preflight.checks));
         for check in &self.preflight.checks {
@@ -119,7 +119,7 @@ pub fn gravity_json(gravity: &ApparentGravity) -> Value {
 }
 
 /// "gravity  9.62 m/s² (95 %: 9.58 to 9.66), 1.9 % below 9.81".
-pub fn tell_gravity(gravity: &ApparentGravity, from: &str, shown: &mut Printout) {
+pub fn render_gravity(gravity: &ApparentGravity, from: &str, shown: &mut Printout) {
     let expected = Expected::default().gravity_m_s2;
     let percent = 100.0 * (gravity.value_m_s2 / expected - 1.0);
     let place = if gravity.differs(expected) {

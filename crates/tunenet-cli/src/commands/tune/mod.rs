@@ -3,11 +3,11 @@
 //! | file | subject |
 //! |---|---|
 //! | `model` | which network the loop asks |
-//! | `told` | the answer as JSON and as text |
+//! | `text` | the answer as JSON and as text |
 //! | `written` | the simulation file with the answer in it |
 
 mod model;
-mod told;
+mod text;
 mod written;
 
 use std::path::{Path, PathBuf};
@@ -28,12 +28,12 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, Session, SimulationFile, observed, simulator};
 
 use self::model::Chosen;
-use self::told::{as_json, printout, sentence, tell_end, tell_start};
+use self::text::{as_json, printout, sentence, render_end, render_start};
 use self::written::write_tuned;
 use super::each::{Answered, Work};
 use super::model_cache::Cache;
 use super::refusal::{self, Asked};
-use super::{film, load, start};
+use super::{video, load, start};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
@@ -61,7 +61,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let recordings = threads.install(all);
     let recordings = match recordings {
         Ok(recordings) => recordings,
-        Err(error) => return film::tell_unseen(error, SCHEMA, options.common.json),
+        Err(error) => return video::render_unseen(error, SCHEMA, options.common.json),
     };
     let (outcome, chosen) =
         threads.install(|| tune_to(options, &file, &session, model.as_ref(), &recordings, &options.observation))?;
@@ -69,9 +69,9 @@ pub fn run(options: &Tune) -> Result<Exit> {
         write_tuned(options, &file, &recordings, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
-    tell_start(options, &outcome, &chosen);
+    render_start(options, &outcome, &chosen);
     printout(&outcome).show(options.common.json, || as_json(&outcome, &chosen, seconds))?;
-    tell_end(options, &outcome, seconds);
+    render_end(options, &outcome, seconds);
     let exit = exit(outcome.verdict);
     if let Some(report) = &options.report {
         let names = options.observation.iter().map(|path| names::file_name(path)).collect();

@@ -58,7 +58,7 @@ impl Chosen {
     }
 
     /// `model    built in`.
-    pub fn tell(&self) {
+    pub fn render(&self) {
         stage("model", &self.text);
     }
 }

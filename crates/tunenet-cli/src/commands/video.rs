@@ -1,4 +1,4 @@
-//! Films: what `tunenet-video`, which alone knows OpenCV, says of them.
+//! Videos: what `tunenet-video`, which alone knows OpenCV, says of them.
 
 use std::ffi::OsString;
 use std::io::Read;
@@ -19,15 +19,15 @@ use crate::files::names;
 use crate::files::programs::{self, VIDEO};
 use crate::view::answer::Printout;
 
-/// What films' names end in.
+/// What videos' names end in.
 const ENDINGS: [&str; 9] = ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "3gp"];
 /// What the names of other recordings end in.
 const TABLES: [&str; 5] = ["csv", "tsv", "txt", "mcap", "json"];
-/// How films begin: where, and with which bytes.
+/// How videos begin: where, and with which bytes.
 const MARKS: [(usize, &[u8]); 4] = [(4, b"ftyp"), (8, b"AVI "), (0, b"\x1a\x45\xdf\xa3"), (0, b"\x00\x00\x01\xba")];
 
-/// Whether a file is a film, by its name or, where that says nothing else, by its first bytes; so is a folder of pictures.
-pub fn is_film(path: &Path) -> bool {
+/// Whether a file is a video, by its name or, where that says nothing else, by its first bytes; so is a folder of pictures.
+pub fn is_video(path: &Path) -> bool {
     if path.is_dir() {
         return names::pictures(path).is_ok_and(|pictures| !pictures.is_empty());
     }
@@ -43,11 +43,11 @@ pub fn is_film(path: &Path) -> bool {
     named || read.is_ok() && MARKS.iter().any(|(at, mark)| start.get(*at..).is_some_and(|s| s.starts_with(mark)))
 }
 
-/// A film in which no ball could be followed: an answer, and no fault of the file.
+/// A video in which no ball could be followed: an answer, and no fault of the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {}", path.display(), note.text)]
 pub struct Unseen {
-    /// The film.
+    /// The video.
     pub path: PathBuf,
     /// Why, and what to try.
     pub note: Note,
@@ -55,7 +55,7 @@ pub struct Unseen {
     pub untracked: Option<Untracked>,
 }
 
-/// What is asked of a film.
+/// What is asked of a video.
 #[derive(Debug, Default)]
 pub struct Asked {
     arguments: Vec<OsString>,
@@ -86,10 +86,10 @@ impl Asked {
             .with("--surface", scene.surface.height_m.map(|height| height.to_string()))
     }
 
-    /// All that is found in the film at `path`.
+    /// All that is found in the video at `path`.
     ///
     /// # Errors
-    /// [`Unseen`] where no ball can be followed; [`Error::File`] where the film cannot be read or nothing reads films here.
+    /// [`Unseen`] where no ball can be followed; [`Error::File`] where the video cannot be read or nothing reads videos here.
     pub fn track(self, path: &Path) -> Result<Tracked> {
         match self.run(path)? {
             TrackAnswer::Tracked(tracked) => Ok(*tracked),
@@ -105,7 +105,7 @@ impl Asked {
 
     fn run(&self, path: &Path) -> Result<TrackAnswer> {
         // Refused here, so that a path is wrong in the same words everywhere.
-        if !is_film(path) {
+        if !is_video(path) {
             drop(tunenet_formats::open(path)?);
         }
         let program = programs::beside(VIDEO)?;
@@ -133,11 +133,11 @@ impl Asked {
     }
 }
 
-/// Says that a film shows no ball to tune to, where that is the error.
+/// Says that a video shows no ball to tune to, where that is the error.
 ///
 /// # Errors
 /// Every other error.
-pub fn tell_unseen(error: anyhow::Error, schema: &str, json: bool) -> Result<Exit> {
+pub fn render_unseen(error: anyhow::Error, schema: &str, json: bool) -> Result<Exit> {
     let unseen = error.downcast::<Unseen>()?;
     let mut shown = Printout::default();
     shown.verdict(&format!("REJECTED  {unseen}"));
@@ -154,7 +154,7 @@ pub fn tell_unseen(error: anyhow::Error, schema: &str, json: bool) -> Result<Exi
 /// The positions in what was found.
 ///
 /// # Errors
-/// [`Unseen`] where the ball never flies; [`Error::File`] where the film shows too little of it to say how large a pixel is.
+/// [`Unseen`] where the ball never flies; [`Error::File`] where the video shows too little of it to say how large a pixel is.
 pub fn positions(path: &Path, Tracked { facts, samples, .. }: &Tracked) -> Result<Recording> {
     if let Some(finding) = facts.rolls() {
         return Err(Unseen { path: path.into(), note: finding.note(), untracked: None }.into());

@@ -111,12 +111,12 @@ pub fn sentence(outcome: &Outcome) -> String {
 }
 
 /// Which checks the recordings passed and which network was used, on standard error.
-pub fn tell_start(options: &Tune, outcome: &Outcome, chosen: &Chosen) {
+pub fn render_start(options: &Tune, outcome: &Outcome, chosen: &Chosen) {
     for (path, checks) in options.observation.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
         let which = if options.observation.len() > 1 { format!("{}: ", names::file_name(path)) } else { String::new() };
         stage("checked", &format!("{which}{}", tally(checks)));
     }
-    chosen.tell();
+    chosen.render();
     note("");
 }
 
@@ -157,7 +157,7 @@ fn iterations(outcome: &Outcome) -> Vec<Vec<String>> {
 }
 
 /// What was written, and what it cost, on standard error.
-pub fn tell_end(options: &Tune, outcome: &Outcome, seconds: f64) {
+pub fn render_end(options: &Tune, outcome: &Outcome, seconds: f64) {
     let wrote = match &options.out {
         Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
         Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),

@@ -1,4 +1,4 @@
-//! What `inspect` says of a film: whether a ball can be followed in it, and what its path shows.
+//! What `inspect` says of a video: whether a ball can be followed in it, and what its path shows.
 
 use std::path::Path;
 
@@ -6,10 +6,10 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_video_protocol::track::Facts;
 
-use crate::commands::film::{Asked, Unseen};
+use crate::commands::video::{Asked, Unseen};
 use crate::view::answer::Printout;
 
-/// What is in the film at `path`, and whether it can be used.
+/// What is in the video at `path`, and whether it can be used.
 pub fn look(path: &Path, camera_rate: Option<f64>, shown: &mut Printout) -> Result<(Value, bool)> {
     let asked = Asked::default().with("--camera-rate", camera_rate.map(|r| r.to_string()));
     let found = match asked.track(path) {
