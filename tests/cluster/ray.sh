@@ -18,6 +18,6 @@ if ! timeout 120 "$python" "$script" 4 pairs.mcap "${what[@]}" > log 2>&1; then
     cat log >&2
     exit 1
 fi
-"$TUNENET" "${what[@]}" --out whole.mcap 2> /dev/null
+"$TUNENET" "${what[@]}" --out whole.mcap > /dev/null 2>&1
 cmp pairs.mcap whole.mcap
 echo "Ray $("$python" -c 'import ray; print(ray.__version__)'): 4 shards, merged to the $(stat -c %s whole.mcap) bytes of one run, $SECONDS s"

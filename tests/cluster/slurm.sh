@@ -143,6 +143,6 @@ over() { [[ $(state "$last" JobState) == JobState=COMPLETED ]]; }
 await 80 "the merged file" over
 restarts=$(scontrol show job "${job}_2" --oneliner | grep -o "Restarts=[0-9]*")
 [[ $restarts == Restarts=1 ]] || { echo "expected one restart of task 2, found $restarts" >&2; exit 1; }
-"$TUNENET" gen ball --preset easy --pairs "$PAIRS" --seed 7 --out whole.mcap 2> /dev/null
+"$TUNENET" gen ball --preset easy --pairs "$PAIRS" --seed 7 --out whole.mcap > /dev/null 2>&1
 cmp pairs.mcap whole.mcap
 echo "Slurm $(sinfo --version | cut -d' ' -f2): 4 shards, one killed and requeued, merged to the $(stat -c %s whole.mcap) bytes of one run, $SECONDS s"
