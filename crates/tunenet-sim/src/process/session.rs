@@ -38,7 +38,7 @@ pub enum Permission {
 /// let text = "kind = \"process\"\nprocess = { command = [\"./swing\"], channels = [\"angle_rad\"] }\n\
 ///             parameters.length = { value = 1, min = 0.2, max = 2 }";
 /// let file = SimulationFile::parse(Path::new("swing.toml"), text)?;
-/// let refused = simulator(&file, Kind::Other, &Session::default()).unwrap_err();
+/// let refused = simulator(&file, Kind::Other, &Session::default()).err().expect("no permission");
 /// assert!(refused.to_string().contains("--allow-process"));
 /// # Ok::<(), tunenet_core::Error>(())
 /// ```
