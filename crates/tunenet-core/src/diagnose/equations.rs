@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::derivatives::Columns;
 use super::joint::{Joint, Part, Point};
+use crate::estimate::block_arrow::{Arrow, Block};
+use crate::estimate::huber::huber_weight;
 use crate::statistics::dot;
-use crate::tune::arrow::{Arrow, Block};
-use crate::tune::huber_weight;
 
 impl Joint<'_> {
     /// The normal equations of a part, its free numbers counted from 0.

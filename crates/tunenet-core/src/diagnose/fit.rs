@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use super::derivatives::{Columns, Which};
 use super::joint::{Joint, Outcome, Part, Point, spread};
 use crate::Result;
+use crate::estimate::block_arrow::Arrow;
+use crate::estimate::huber::huber_cost;
 use crate::simulator::every;
-use crate::tune::arrow::Arrow;
-use crate::tune::huber_cost;
 
 const GREATEST_DAMPING: f64 = 1e8;
 /// Nor are steps worth their rollouts that gain less than this share of the cost.

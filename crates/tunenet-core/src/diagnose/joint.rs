@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::evidence::recording::Set;
 use super::hypothesis::structure::Structure;
 use crate::Result;
+use crate::estimate::problem::robust_scale;
 use crate::simulator::{every, predict};
-use crate::tune::robust_scale;
 
 /// Where a fit stands.
 #[derive(Debug, Clone)]

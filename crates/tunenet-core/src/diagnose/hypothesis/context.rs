@@ -15,7 +15,7 @@ use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
 use crate::diagnose::joint::{Joint, Outcome, Point, spread};
 use crate::diagnose::outliers;
 use crate::diagnose::{Settings, Subject};
-use crate::tune::huber_cost;
+use crate::estimate::huber::huber_cost;
 
 /// A full fit.
 pub(in crate::diagnose) const FULL: Effort = Effort { steps: 12, tolerance: 0.02, horizon: 1.0 };
