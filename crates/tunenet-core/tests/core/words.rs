@@ -92,7 +92,7 @@ fn at_most(allowed: usize, what: &str, count: impl Fn(&str) -> usize) {
 
 #[test]
 fn core_knows_no_ball() {
-    at_most(405, "of a ball", |line| named(line, &BALL));
+    at_most(383, "of a ball", |line| named(line, &BALL));
 }
 
 #[test]
