@@ -1,13 +1,14 @@
 //! The mathematics and the data of tunenet: what was seen, what could be, what has been learned, what fits.
 //!
 //! The aim is a simulator that behaves like a measured real thing. This crate holds everything that is the same for every
-//! simulator; it knows no physics engine, no video and no terminal. Five wings, each standing on the ones before it:
+//! simulator; it knows no physics engine, no video and no terminal. Six wings, each standing on the ones before it:
 //!
 //! | wing | question | start reading at |
 //! |---|---|---|
 //! | [`observation`] | what was seen? | [`observation::Observation`] |
 //! | [`simulator`] | what could be? | [`simulator::Simulator`] |
 //! | [`network`] | what has been learned? | the two-branch network |
+//! | [`estimate`] | which values fit best, and how surely? | [`estimate::Problem`] |
 //! | [`tune`] | what fits? | Algorithm 1 |
 //! | [`diagnose`] | what is missing? | [`diagnose::diagnose`] |
 //!
@@ -27,6 +28,7 @@
 pub mod camera;
 pub mod diagnose;
 pub mod error;
+pub mod estimate;
 pub mod finding;
 pub mod findings;
 pub mod network;

@@ -3,7 +3,7 @@
 use super::film::Film;
 use super::outcome::Iteration;
 use super::secant::{LONGEST_SECANT, Made};
-use super::unknowns::Point;
+use crate::estimate::Point;
 use crate::network::{Model, Side};
 use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, Simulator, predict};

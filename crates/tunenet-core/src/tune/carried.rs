@@ -6,10 +6,8 @@
 
 use nalgebra::DVector;
 
-use super::fit::{Fit, Problem};
-use super::interval::Interval;
-use super::region::Region;
 use crate::Result;
+use crate::estimate::{Fit, Interval, Problem, Region};
 use crate::findings;
 use crate::observation::{Note, with_decimals};
 use crate::statistics::NORMAL_95;

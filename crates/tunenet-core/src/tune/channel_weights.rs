@@ -1,9 +1,7 @@
 //! Iteratively reweighted least squares over channels: weights from the residuals of the fit before.
 
-use super::fit::Problem;
-use super::residual::{floor, weights};
-use super::unknowns::Point;
 use crate::Result;
+use crate::estimate::{Point, Problem, floor, weights};
 use crate::simulator::{Prepared, Simulator};
 
 /// Fits by which the spreads of the channels settle.

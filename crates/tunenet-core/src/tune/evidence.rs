@@ -3,14 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::contour::{Contour, contour};
-use super::fit::{Fit, Problem};
-use super::interval::LEVEL;
-use super::profile::{Profile, profile};
-use super::residual::{floor, weighted, weights};
-use super::unknowns::{Point, free};
-use super::{Adequacy, Outcome, Spread};
+use super::Outcome;
 use crate::Result;
+use crate::estimate::{Adequacy, Contour, Fit, LEVEL, Point, Problem, Profile, Spread, contour, profile};
+use crate::estimate::{floor, free, weighted, weights};
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Prepared, Simulator, every, predict};
 use crate::statistics::{NORMAL_95, autocorrelation};

@@ -1,10 +1,7 @@
 //! The answer beside other values of a parameter: what recordings leave of it where they do not determine it.
 
 use super::channel_weights;
-use super::fit::{Fit, Problem};
-use super::interval::{self, Spread};
-use super::residual::weights;
-use super::unknowns::{Point, free};
+use crate::estimate::{self, Fit, Point, Problem, Spread, free, weights};
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};
 use crate::{Error, Origin, Result};
@@ -55,7 +52,7 @@ pub fn held(simulator: &dyn Simulator, observations: &[Observation], name: &str,
         point.parameters[position] = value;
         let fit = match &spread {
             None => problem.fit(point, 1.0)?,
-            Some(spread) => interval::held(&problem, point, &[position], spread)?,
+            Some(spread) => estimate::held(&problem, point, &[position], spread)?,
         };
         spread.get_or_insert_with(|| Spread::of(&problem, &fit));
         point = fit.point.clone();

@@ -3,14 +3,10 @@
 use crate::findings;
 use nalgebra::DMatrix;
 
-use super::fit::Fit;
-use super::information::Information;
-use super::interval::{Interval, Spread};
+use super::Tuning;
 use super::outcome::{Estimate, Status, Verdict};
-use super::residual::floor;
 use super::starts::local_estimate;
-use super::unknowns::Point;
-use super::{Adequacy, Tuning};
+use crate::estimate::{Adequacy, Fit, Information, Interval, Point, Spread, floor};
 use crate::observation::{Kind, Note, with_decimals};
 use crate::simulator::Parameter;
 use crate::statistics::NORMAL_95;

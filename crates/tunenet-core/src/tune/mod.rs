@@ -6,54 +6,34 @@
 //!
 //! [`tune`] runs the whole chain; the pieces are public for those who want only one.
 
-mod adequacy;
 mod algorithm1;
-pub(crate) mod arrow;
-mod blocks;
 mod carried;
 mod channel_weights;
-mod contour;
 mod evidence;
 mod film;
-mod fit;
 mod held;
-mod information;
-mod interval;
 mod judge;
-mod misfit_place;
 mod outcome;
-mod profile;
-mod ray;
-mod region;
-mod residual;
 mod secant;
 mod shown;
 mod starts;
-mod unknowns;
 mod valleys;
 
-pub use adequacy::Adequacy;
 pub use algorithm1::{Loop, Walk, walk};
-pub use contour::{Contour, contour};
 pub use evidence::{Comparison, Evidence, evidence};
-pub use fit::{Fit, Problem};
-pub(crate) use fit::{huber_cost, huber_weight, robust_scale};
 pub use held::{Held, held};
-pub use information::{Direction, Information};
-pub use interval::{End, Interval, LEVEL, Spread, ends, intervals};
-use misfit_place::Place;
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
-pub use profile::{Profile, profile};
-pub use region::Region;
-pub use residual::channel_noise;
-pub(crate) use residual::floor as noise_of;
-use residual::weights;
-pub use unknowns::{Point, free};
+
+pub use crate::estimate::{
+    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Point, Problem, Profile, Region, Spread,
+    channel_noise, contour, ends, free, intervals, profile,
+};
 
 use carried::Carried;
 use judge::Standing;
 use nalgebra::DMatrix;
 
+use crate::estimate::{Place, ends_with, weights};
 use crate::network::Model;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Prepared, Simulator};
@@ -261,7 +241,7 @@ impl Tuning<'_> {
     /// The 95 % interval of each free parameter, and what stays beside them without being exact.
     fn intervals(&self, fit: &Fit, spread: &Spread, elsewhere: &[Vec<Place>]) -> Result<(Vec<Interval>, Carried)> {
         let problem = self.problem();
-        let (mut interval95, used) = interval::ends_with(&problem, fit, spread, elsewhere);
+        let (mut interval95, used) = ends_with(&problem, fit, spread, elsewhere);
         let mut carried = Carried::of(&problem, fit, &mut interval95)?;
         carried.rollouts += used;
         Ok((interval95, carried))

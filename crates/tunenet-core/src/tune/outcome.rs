@@ -1,7 +1,6 @@
 //! What tuning ends with.
 
-use super::region::Region;
-use super::unknowns::Point;
+use crate::estimate::{Point, Region};
 use crate::observation::Check;
 use crate::observation::Note;
 use crate::simulator::{Parameter, Prepared};

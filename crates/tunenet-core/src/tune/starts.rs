@@ -1,9 +1,8 @@
 //! Where a fit begins: several starts, so that neither a poor guess in the file nor a flat stretch decides the answer.
 
 use super::Tuning;
-use super::fit::{Fit, robust_scale};
-use super::misfit_place::Elsewhere;
-use super::unknowns::Point;
+use crate::estimate::problem::robust_scale;
+use crate::estimate::{Elsewhere, Fit, Point};
 use crate::observation::LocalEstimate;
 use crate::simulator::Prepared;
 use crate::{Error, Result};

@@ -2,10 +2,8 @@
 //! has kinks, and beyond each may lie another local minimum, as deep or nearly so.
 
 use super::Tuning;
-use super::fit::{Fit, Problem};
-use super::interval::Spread;
-use super::misfit_place::{Elsewhere, Place};
 use super::starts::local_estimate;
+use crate::estimate::{Elsewhere, Fit, Place, Problem, Spread};
 
 /// Places at which the misfit over a parameter is looked at, as multiples of its distance from its lower bound.
 const BELOW: [f64; 5] = [0.85, 0.7, 0.5, 0.35, 0.2];

@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use super::ar1_prewhitening::Filter;
+use crate::estimate::channel_noise;
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Parameter, Prepared};
 use crate::statistics::{mad_sd, median};
-use crate::tune::channel_noise;
 
 /// A model that explains a channel to better than this share of its range is as good as exact; it bounds the noise of data
 /// without any from below.

@@ -7,9 +7,9 @@ use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::judge::recording_scores::Score;
 use crate::diagnose::judge::recording_scores::recording_scores;
+use crate::estimate::Adequacy;
 use crate::observation::Kind;
 use crate::statistics::{chi_squared_quantile, dot, fisher_quantile, upper_chi_squared, upper_f};
-use crate::tune::Adequacy;
 
 /// A test fails only below this probability ...
 const PROBABLE: f64 = 1e-3;

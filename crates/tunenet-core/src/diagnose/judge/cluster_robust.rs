@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::judge::recording_scores::Score;
 use crate::diagnose::judge::recording_scores::recording_scores;
-use crate::tune::arrow::inverse;
+use crate::estimate::block_arrow::inverse;
 
 /// Half the 95 % interval of each shared parameter by the scatter between recordings; `None` where fewer than two bear on it.
 pub(in crate::diagnose) fn cluster_robust_half_widths(context: &Context<'_>, model: &Hypothesis) -> Vec<Option<f64>> {

@@ -97,7 +97,7 @@ impl<'a> Logs<'a> {
             match simulators[recording.object].prepare(recording.seen)? {
                 Preparation::Usable(prepared) => {
                     one.notes.clone_from(&prepared.notes);
-                    let noise = crate::tune::noise_of(&prepared);
+                    let noise = crate::estimate::floor(&prepared);
                     runs.push(Run {
                         recording: i,
                         object: recording.object,

@@ -1,7 +1,7 @@
-//! The misfit over one parameter, everything else fitted again: what an interval is cut from, for users to look at.
+//! Profile likelihood of one parameter (Venzon and Moolgavkar 1988): the misfit over its values, everything else fitted again.
 
-use super::fit::{Fit, Problem};
 use super::interval::{Spread, held};
+use super::output_error::{Fit, Problem};
 
 /// Values on either side of the best.
 const STEPS: u32 = 12;

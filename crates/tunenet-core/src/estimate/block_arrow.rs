@@ -1,9 +1,9 @@
-//! Normal equations in the shape of an arrow: unknowns shared by recordings, and blocks of each recording's own, which are
-//! eliminated by a Schur complement.
+//! Bordered block-diagonal solve by the Schur complement (Golub and Van Loan 2013, section 4.5; Triggs et al. 2000): the
+//! parameters that recordings share are the border, the nuisance parameters of each recording a block.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Normal equations: shared unknowns, and per recording its own with their coupling to the shared ones.
+/// Normal equations: shared parameters, and for each recording its nuisance parameters with their coupling to the shared ones.
 pub(crate) struct Arrow {
     /// Shape `[shared, shared]`.
     pub shared: DMatrix<f64>,
@@ -15,13 +15,13 @@ pub(crate) struct Arrow {
 
 /// One recording's part.
 pub(crate) struct Block {
-    /// Which shared unknowns it knows of; the others (another object's) do not touch it.
+    /// Which shared parameters it depends on; the others (another object's) do not touch it.
     pub places: Vec<usize>,
-    /// Shape `[places, own]`.
+    /// Shape `[places, nuisances]`.
     pub coupling: DMatrix<f64>,
-    /// Shape `[own, own]`.
+    /// Shape `[nuisances, nuisances]`.
     pub nuisances: DMatrix<f64>,
-    /// Shape `[own]`.
+    /// Shape `[nuisances]`.
     pub nuisance_right: DVector<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Block {
 }
 
 impl Arrow {
-    /// Empty equations for `shared` unknowns, with room for `recordings` blocks.
+    /// Empty equations for `shared` parameters, with room for `recordings` blocks.
     pub fn new(shared: usize, recordings: usize) -> Self {
         Self {
             shared: DMatrix::zeros(shared, shared),
@@ -46,7 +46,7 @@ impl Arrow {
         }
     }
 
-    /// Keeps shared unknown `i` where it is.
+    /// Keeps shared parameter `i` where it is.
     pub fn hold(&mut self, i: usize) {
         self.shared.row_mut(i).fill(0.0);
         self.shared.column_mut(i).fill(0.0);
@@ -59,7 +59,7 @@ impl Arrow {
         }
     }
 
-    /// The damped step: first the shared unknowns from the Schur complement, then each recording's own.
+    /// The damped step: first the shared parameters from the Schur complement, then the nuisance parameters of each recording.
     pub fn solve(&self, damping: f64) -> (DVector<f64>, Vec<DVector<f64>>) {
         let damped = |m: &DMatrix<f64>| {
             let mut m = m.clone();
@@ -86,7 +86,7 @@ impl Arrow {
         (shared, nuisances)
     }
 
-    /// The equations of the shared unknowns alone, the own eliminated.
+    /// The equations of the shared parameters alone, the nuisance parameters eliminated.
     pub fn reduced(&self) -> (DMatrix<f64>, DVector<f64>) {
         let (mut schur, mut right) = (self.shared.clone(), self.right.clone());
         for block in &self.blocks {
@@ -98,7 +98,8 @@ impl Arrow {
         (schur, right)
     }
 
-    /// Covariance of the shared unknowns with the own marginalised. One without influence gets an infinite variance.
+    /// Covariance of the shared parameters, the nuisance parameters marginalised. One without influence gets an infinite
+    /// variance.
     pub fn covariance(&self) -> DMatrix<f64> {
         let (mut schur, _) = self.reduced();
         let dead: Vec<bool> =
@@ -135,7 +136,7 @@ pub(crate) fn inverse(m: DMatrix<f64>) -> DMatrix<f64> {
 mod tests {
     use super::*;
 
-    /// The same equations written out in full: two shared unknowns, of which each of two recordings knows one.
+    /// The same equations written out in full: two shared parameters, of which each of two recordings touches one.
     #[test]
     fn elimination_equals_the_whole_system() {
         let mut arrow = Arrow::new(2, 2);

@@ -1,4 +1,4 @@
-//! How sure a fit is where what is left is neither white nor noise: by how much whole stretches of a recording disagree.
+//! Cluster-robust covariance (Liang and Zeger 1986): how sure a fit is where its residuals are correlated for long.
 //!
 //! A model of an arm leaves much that is no noise: ripple, play, friction that changes with load. Such residuals follow one
 //! another for seconds, and the curvature of their squares then says far too much. So the pull of each stretch on the
@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::{Fit, Problem};
+use super::output_error::{Fit, Problem};
 use crate::Result;
 use crate::statistics::dot;
 
@@ -36,16 +36,15 @@ impl Problem<'_> {
         }
         let (mut curvature, mut between) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
         let mut stretches = 0;
-        for (one, noise) in self.linearise(&fit.point, &fit.residuals, 1.0)?.iter().zip(self.noise) {
-            let samples = one.residual.len() / noise.len();
+        for ((one, residual), noise) in self.jacobian(fit)?.iter().zip(&fit.residuals).zip(self.noise) {
+            let samples = residual.len() / noise.len();
             let blocks = BLOCKS.min(samples);
             for b in 0..blocks {
                 let range = b * samples / blocks * noise.len()..(b + 1) * samples / blocks * noise.len();
-                let pull =
-                    DVector::from_fn(n, |i, _| dot(&one.columns[i][range.clone()], &one.residual[range.clone()]));
+                let pull = DVector::from_fn(n, |i, _| dot(&one.shared[i][range.clone()], &residual[range.clone()]));
                 between += &pull * pull.transpose();
                 curvature +=
-                    DMatrix::from_fn(n, n, |i, j| dot(&one.columns[i][range.clone()], &one.columns[j][range.clone()]));
+                    DMatrix::from_fn(n, n, |i, j| dot(&one.shared[i][range.clone()], &one.shared[j][range.clone()]));
             }
             stretches += blocks;
         }

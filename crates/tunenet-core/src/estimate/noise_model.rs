@@ -1,8 +1,7 @@
-//! Residuals: always measured − predicted, in units of the noise.
+//! Noise of each channel by differences of a series (von Neumann 1941; third differences), or as it is known.
 
-use crate::Result;
 use crate::observation::{Kind, Observation, event_time_sd, noise_sd};
-use crate::simulator::{Prepared, Simulator, predict};
+use crate::simulator::Prepared;
 
 /// Noise below this share of a channel's range cannot be distinguished from rounding; it keeps weights finite.
 const LEAST_RELATIVE_NOISE: f64 = 1e-9;
@@ -34,25 +33,21 @@ pub(crate) fn floor(recording: &Prepared) -> Vec<f64> {
 }
 
 /// What residuals of each channel are measured in: the noise, or the spread of what is left where that is known.
-pub(super) fn weights(recording: &Prepared) -> Vec<f64> {
+pub(crate) fn weights(recording: &Prepared) -> Vec<f64> {
     recording.spread.clone().unwrap_or_else(|| floor(recording))
 }
 
-/// (measured − predicted) / noise for one recording, row-major `[sample, channel]`, over its first `samples` samples.
-///
-/// # Errors
-/// Where the simulator refuses these values.
-pub fn weighted(
-    simulator: &dyn Simulator,
-    recording: &Prepared,
-    noise: &[f64],
-    parameters: &[f64],
-    nuisances: &[f64],
-    samples: usize,
-) -> Result<Vec<f64>> {
-    let mut predicted = predict(simulator, recording, parameters, nuisances, &recording.seen.clock()[..samples])?;
-    for (i, (value, seen)) in predicted.iter_mut().zip(recording.seen.values()).enumerate() {
-        *value = (seen - *value) / noise[i % noise.len()];
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Exact, Line};
+
+    #[test]
+    fn third_differences_see_the_noise_and_not_the_line() {
+        let seen = Exact::new(Line).observe(&[("slope", 2.0)], &[0.5], 0.01, 7).unwrap();
+        let noise = channel_noise(&seen);
+        assert!((noise[0] / 0.01 - 1.0).abs() < 0.3, "{noise:?}");
+        let exact = Exact::new(Line).observe(&[("slope", 2.0)], &[0.5], 0.0, 7).unwrap();
+        assert!(channel_noise(&exact)[0] > 0.0);
     }
-    Ok(predicted)
 }

@@ -1,8 +1,9 @@
-//! How sure a fit is: 95 % intervals from the curvature around it, and from the profile of the misfit near a bound.
+//! Confidence intervals: Laplace approximation where the misfit is quadratic, profile likelihood elsewhere (Bates and Watts 1988,
+//! chapter 6).
 
-use super::fit::{Fit, Problem, robust_scale};
 use super::misfit_place::Place;
-use super::unknowns::Point;
+use super::output_error::{Fit, Problem};
+use super::problem::{Point, robust_scale};
 use crate::Result;
 use crate::simulator::Prepared;
 use crate::statistics::{UPPER_95, fisher_quantile, student_quantile};
@@ -92,7 +93,7 @@ impl Spread {
     }
 
     /// The cost that makes no difference to an [`excess`](Spread::excess).
-    pub(super) fn negligible(&self) -> f64 {
+    pub(crate) fn negligible(&self) -> f64 {
         0.5 * MISFIT_TOLERANCE * self.variance * self.inflation
     }
 
@@ -175,7 +176,7 @@ pub fn ends(problem: &Problem, fit: &Fit, spread: &Spread) -> (Vec<Interval>, us
 }
 
 /// As [`ends`], which also reach to those places `elsewhere` (for each free parameter) whose misfit is within the quantile.
-pub(super) fn ends_with(
+pub(crate) fn ends_with(
     problem: &Problem,
     fit: &Fit,
     spread: &Spread,
@@ -216,7 +217,7 @@ pub(super) fn ends_with(
 ///
 /// # Errors
 /// Where the simulator refuses.
-pub(super) fn held(problem: &Problem, mut start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
+pub(crate) fn held(problem: &Problem, mut start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
     // A place that was reckoned from a bound may lie beyond it by a rounding error.
     for &position in positions {
         let p = &problem.simulator.parameters()[position];
@@ -328,5 +329,40 @@ impl Profile<'_> {
             step = step.min(longest * p.span());
             (before, misfit_before, point) = (value, misfit, there.point);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::{Preparation, Simulator};
+    use crate::statistics::NORMAL_95;
+    use crate::testing::{Exact, Line};
+
+    /// Of y = y₀ + b t the half-width of b is the quantile of Student's t times σ/√Σ(t − mean)².
+    #[test]
+    fn the_interval_of_a_slope_is_the_closed_form() {
+        let (simulator, sd) = (Exact::new(Line), 0.01);
+        let seen = simulator.observe(&[("slope", 2.0)], &[0.5], sd, 11).unwrap();
+        let Preparation::Usable(prepared) = simulator.prepare(&seen).unwrap() else { panic!("refused") };
+        let (recordings, noise) = ([*prepared], [vec![sd]]);
+        let problem = Problem { simulator: &simulator, recordings: &recordings, noise: &noise, free: &[0] };
+        let fit = problem.fit(Point::start(&simulator, &recordings), 1.0).unwrap();
+        let (found, _) = intervals(&problem, &fit);
+        let n = seen.len() as f64;
+        let mean = seen.clock().iter().sum::<f64>() / n;
+        let squares: f64 = seen.clock().iter().map(|t| (t - mean).powi(2)).sum();
+        let spread = Spread::of(&problem, &fit);
+        let half = spread.quantile() * sd * (spread.variance * spread.inflation / squares).sqrt();
+        let (low, high) = found[0];
+        assert!(((high - low) / 2.0 / half - 1.0).abs() < 1e-3, "{low} {high} {half}");
+        assert!(low < 2.0 && 2.0 < high && (spread.quantile() / NORMAL_95 - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn a_far_bound_that_fits_as_well_leaves_an_estimate_open() {
+        let end = |value, misfit| End { value, bound: true, misfit };
+        let interval = Interval { low: end(0.0, 0.2), high: end(1.0, 1.9) };
+        assert!(interval.open(0.5, 1.0) && !interval.open(0.2, 1.0));
     }
 }

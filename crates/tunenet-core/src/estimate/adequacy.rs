@@ -1,4 +1,4 @@
-//! Whether what is left after tuning is noise.
+//! Lack-of-fit test: the root mean square of residuals against the noise of their channel (Draper and Smith 1998, chapter 2).
 
 use crate::observation::{Kind, Observation};
 
@@ -50,5 +50,28 @@ impl Adequacy {
     #[must_use]
     pub fn poor(&self) -> bool {
         self.tested && self.ratio > self.limit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Exact, Line};
+
+    #[test]
+    fn residuals_of_the_size_of_the_noise_are_adequate_and_twice_that_is_not() {
+        let seen = Exact::new(Line).observe(&[("slope", 2.0)], &[0.5], 0.01, 7).unwrap();
+        let residuals = |size: f64| (0..seen.len()).map(|i| if i % 2 == 0 { size } else { -size }).collect::<Vec<_>>();
+        let fit = Adequacy::of(&seen, &[0.01], &residuals(1.0), 2);
+        let n = seen.len() as f64;
+        assert!((fit.ratio - (n / (n - 2.0)).sqrt()).abs() < 1e-12 && (fit.limit - 1.1 - 6.0 / n.sqrt()).abs() < 1e-12);
+        assert!(fit.tested && !fit.poor());
+        assert!(Adequacy::of(&seen, &[0.01], &residuals(2.0), 2).poor());
+    }
+
+    #[test]
+    fn a_recording_of_few_samples_is_not_tested() {
+        let seen = Exact::new(Line).observe(&[("slope", 2.0)], &[0.5], 0.01, 7).unwrap().slice(0..7).unwrap();
+        assert!(!Adequacy::of(&seen, &[0.01], &[9.0; 7], 2).poor());
     }
 }

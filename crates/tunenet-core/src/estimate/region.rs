@@ -1,4 +1,4 @@
-//! Joint 95 % regions of several parameters: what the data allow them to be together.
+//! Joint 95 % likelihood-ratio region of several parameters (Beale 1960).
 //!
 //! The region holds the values whose misfit, everything else fitted again, exceeds the least one by no more than noise does
 //! in 95 of 100 recordings (a likelihood ratio). Where the misfit is quadratic this is an ellipse; where it is not, or a
@@ -6,11 +6,11 @@
 
 use nalgebra::{DMatrix, DVector, Vector2};
 
-use super::fit::{Fit, Problem};
 use super::interval::{Interval, LEVEL, Spread, held};
+use super::noise_model::weights;
+use super::output_error::{Fit, Problem};
+use super::problem::Point;
 use super::ray::Ray;
-use super::residual::weights;
-use super::unknowns::Point;
 use crate::Result;
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Prepared, Simulator};

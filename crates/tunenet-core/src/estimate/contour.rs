@@ -1,9 +1,9 @@
-//! Which pairs of values of two parameters the data allow together.
+//! Contour of the profile likelihood of two parameters at one level (Venzon and Moolgavkar 1988).
 
 use rayon::prelude::*;
 
-use super::fit::{Fit, Problem};
 use super::interval::Spread;
+use super::output_error::{Fit, Problem};
 use super::ray::Ray;
 
 /// Directions in which the edge is looked for.

@@ -1,9 +1,10 @@
-//! What the data say of each parameter at a fit: how far each is determined, and which directions are not at all.
+//! Fisher information of the free parameters by its eigenvalues (Belsley, Kuh and Welsch 1980): how far each parameter is
+//! determined, and which directions are not at all.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::{Fit, Problem};
 use super::interval::Spread;
+use super::output_error::{Fit, Problem};
 use crate::Result;
 
 /// A parameter has no influence where its own share of the curvature, the recordings' unknowns fitted, is below this share

@@ -1,8 +1,8 @@
-//! Where a ray leaves the joint region of two parameters.
+//! Root finding along a ray by regula falsi with bisection: where it leaves the joint region of two parameters.
 
-use super::fit::Problem;
 use super::interval::{Spread, held};
-use super::unknowns::Point;
+use super::output_error::Problem;
+use super::problem::Point;
 
 /// The edge is found to this share of its distance from the origin, or of the root of the misfit there.
 const EDGE_SHARE: f64 = 0.01;

@@ -1,0 +1,198 @@
+//! Levenberg–Marquardt with multiplicative damping (Marquardt 1963), within bounds.
+
+use super::block_arrow::Arrow;
+use super::huber::huber_cost;
+use super::jacobian::{Columns, jacobian};
+use super::normal_equations::{hold_at_bounds, normal_equations};
+use super::problem::{LeastSquares, Point, distance, prior_cost, residuals as residuals_at};
+use crate::Result;
+
+/// How far a fit goes. What callers set differently stands here by name.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settings {
+    /// Most steps.
+    pub steps: usize,
+    /// The damping of the first step, as a share of the diagonal; a tenth of it after a success, ten times after a failure.
+    pub damping: f64,
+    /// It never falls below this ...
+    pub least_damping: f64,
+    /// ... and beyond this no step is tried.
+    pub greatest_damping: f64,
+    /// A step that moves everything by less than this share of the bounds has arrived.
+    pub still: f64,
+    /// A step that gains less than this share of the cost ends the fit.
+    pub tolerance_share: f64,
+    /// Steps in a row that each gain no more cost than this end the fit; 0.5 is what the noise of one sample is worth.
+    pub tolerance: f64,
+    /// How many such steps.
+    pub small_steps: usize,
+    /// Whether a worse step is not shortened where the linear model promises less than `tolerance` by it.
+    pub predicts: bool,
+}
+
+/// What a fit ended with.
+pub(crate) struct Minimum {
+    pub point: Point,
+    /// Residuals there, in the order of the problem's recordings.
+    pub residuals: Vec<Vec<f64>>,
+    /// The normal equations of the last step, those at the start where none was taken.
+    pub equations: Arrow,
+    /// Rollouts that were asked for.
+    pub rollouts: usize,
+}
+
+/// Fits from `start`, whose residuals are `residuals`; `first` are the derivatives there where they are known. Every accepted
+/// point is shown to `seen`.
+///
+/// # Errors
+/// Where the simulator refuses a direction on both sides, unless that counts as flat. A refused step is only shortened.
+pub(crate) fn minimise(
+    problem: &dyn LeastSquares,
+    start: Point,
+    mut residuals: Vec<Vec<f64>>,
+    mut first: Option<Vec<Columns>>,
+    settings: &Settings,
+    seen: &mut dyn FnMut(&Point, &[Vec<f64>]),
+) -> Result<Minimum> {
+    let mut point = start;
+    let (mut damping, mut small_steps, mut rollouts) = (settings.damping, 0, 0);
+    let mut equations = None;
+    for _ in 0..settings.steps {
+        let scale = problem.scale(&residuals);
+        let cost = huber_cost(&residuals, scale) + prior_cost(problem, &point);
+        let known = linearised(problem, &point, &residuals, first.take(), scale, &mut rollouts)?;
+        let mut improved = None;
+        while damping < settings.greatest_damping {
+            let candidate = moved(problem, &point, &known, damping);
+            rollouts += problem.recordings().len();
+            // A refused or worse step is a step too long.
+            if let Ok(new) = residuals_at(problem, &candidate) {
+                let new_cost = huber_cost(&new, scale) + prior_cost(problem, &candidate);
+                if new_cost <= cost {
+                    improved = Some((candidate, new, cost - new_cost));
+                    break;
+                }
+                // Nothing worth having is left in this direction.
+                if settings.predicts && promise(&known, damping) < settings.tolerance {
+                    break;
+                }
+            }
+            damping *= 10.0;
+        }
+        equations = Some(known);
+        let Some((candidate, new, gain)) = improved else { break };
+        let still = distance(problem, &point, &candidate) < settings.still;
+        (point, residuals) = (candidate, new);
+        seen(&point, &residuals);
+        damping = (damping / 10.0).max(settings.least_damping);
+        small_steps = if gain <= settings.tolerance { small_steps + 1 } else { 0 };
+        if still || gain <= settings.tolerance_share * cost || small_steps == settings.small_steps {
+            break;
+        }
+    }
+    let equations = match equations {
+        Some(known) => known,
+        None => linearised(problem, &point, &residuals, first, problem.scale(&residuals), &mut rollouts)?,
+    };
+    Ok(Minimum { point, residuals, equations, rollouts })
+}
+
+/// The normal equations at a point, what pushes against a bound held there.
+fn linearised(
+    problem: &dyn LeastSquares,
+    point: &Point,
+    residuals: &[Vec<f64>],
+    known: Option<Vec<Columns>>,
+    scale: f64,
+    rollouts: &mut usize,
+) -> Result<Arrow> {
+    let columns = if let Some(columns) = known {
+        columns
+    } else {
+        let columns = jacobian(problem, point, residuals)?;
+        *rollouts += columns.iter().map(Columns::count).sum::<usize>();
+        columns
+    };
+    let mut equations = normal_equations(problem, &columns, residuals, point, scale);
+    hold_at_bounds(problem, point, &mut equations);
+    Ok(equations)
+}
+
+/// What a linear model of this point promises to gain by the damped step.
+fn promise(equations: &Arrow, damping: f64) -> f64 {
+    let (shared, nuisances) = equations.solve(damping);
+    let nuisances: f64 = equations.blocks.iter().zip(&nuisances).map(|(b, step)| b.nuisance_right.dot(step)).sum();
+    shared.dot(&equations.right) + nuisances
+}
+
+/// Where the damped step leads, within the bounds.
+fn moved(problem: &dyn LeastSquares, point: &Point, equations: &Arrow, damping: f64) -> Point {
+    let (shared, nuisances) = equations.solve(damping);
+    let mut moved = point.clone();
+    for (&place, step) in problem.free().iter().zip(shared.iter()) {
+        moved.parameters[place] = problem.stepped(place, point.parameters[place], *step);
+    }
+    for (&d, steps) in problem.recordings().iter().zip(nuisances) {
+        for ((value, step), p) in moved.nuisances[d].iter_mut().zip(steps.iter()).zip(problem.nuisances(d)) {
+            *value = (*value + step).clamp(p.min, p.max);
+        }
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::problem::tests::Lines;
+
+    const EXACT: Settings = Settings {
+        steps: 40,
+        damping: 1e-3,
+        least_damping: 1e-12,
+        greatest_damping: 1e12,
+        still: 1e-12,
+        tolerance_share: 1e-12,
+        tolerance: 0.0,
+        small_steps: 2,
+        predicts: false,
+    };
+
+    fn fitted(lines: &Lines, settings: &Settings) -> (Minimum, usize) {
+        let start = lines.start();
+        let left = residuals_at(lines, &start).unwrap();
+        let mut accepted = 0;
+        let found = minimise(lines, start, left, None, settings, &mut |_, _| accepted += 1).unwrap();
+        (found, accepted)
+    }
+
+    #[test]
+    fn a_line_is_found_with_the_level_of_each_recording() {
+        let (found, accepted) = fitted(&Lines::new(1.5, &[2.0, -1.0]), &EXACT);
+        assert!((found.point.parameters[1] - 1.5).abs() < 1e-6, "{:?}", found.point);
+        assert!((found.point.nuisances[0][0] - 2.0).abs() < 1e-6, "{:?}", found.point);
+        assert!(accepted > 0 && found.rollouts >= accepted * 2);
+    }
+
+    #[test]
+    fn a_bound_holds_and_what_is_refused_is_only_a_step_too_long() {
+        // The slope that fits best, −12, lies beyond the bound at −10; above 9 the simulator refuses.
+        let (low, _) = fitted(&Lines::new(-12.0, &[0.0]), &EXACT);
+        assert_eq!(low.point.parameters[1], -10.0);
+        let (high, _) = fitted(&Lines::new(9.5, &[0.0]), &EXACT);
+        assert!((8.5..=9.0).contains(&high.point.parameters[1]), "{:?}", high.point);
+    }
+
+    #[test]
+    fn without_a_step_the_equations_are_those_of_the_start() {
+        let (found, accepted) = fitted(&Lines::new(1.0, &[0.0]), &Settings { steps: 0, ..EXACT });
+        assert_eq!((accepted, found.point.parameters[1]), (0, 0.0));
+        assert!((found.equations.covariance()[(0, 0)] - 0.2).abs() < 1e-6);
+    }
+
+    #[test]
+    fn small_steps_end_it_as_early_as_they_are_told_to() {
+        let two = Settings { tolerance: f64::INFINITY, ..EXACT };
+        assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &two).1, 2);
+        assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &Settings { small_steps: 1, ..two }).1, 1);
+    }
+}

@@ -1,0 +1,47 @@
+//! What a fit is: nonlinear least squares with parameters that recordings share and nuisance parameters of each, and how sure
+//! its answer is. [`tune`](crate::tune) and [`diagnose`](crate::diagnose) both stand on it.
+//!
+//! | file | textbook name |
+//! |---|---|
+//! | `problem` | nonlinear least squares with shared and nuisance parameters |
+//! | `jacobian` | forward differences, one-sided at a bound |
+//! | `huber` | M-estimate of regression |
+//! | `normal_equations`, `block_arrow` | Gauss–Newton equations; bordered block-diagonal solve |
+//! | `levenberg_marquardt` | Levenberg–Marquardt |
+//! | `output_error` | output-error method: one simulator fitted to recordings |
+//! | `noise_model` | noise of each channel |
+//! | `interval`, `profile`, `region`, `contour` | profile likelihood |
+//! | `information`, `cluster_robust` | Fisher information; cluster-robust covariance |
+//! | `adequacy` | residual against noise |
+
+mod adequacy;
+pub(crate) mod block_arrow;
+mod cluster_robust;
+mod contour;
+pub(crate) mod huber;
+mod information;
+mod interval;
+pub(crate) mod jacobian;
+pub(crate) mod levenberg_marquardt;
+mod misfit_place;
+mod noise_model;
+pub(crate) mod normal_equations;
+mod output_error;
+pub(crate) mod problem;
+mod profile;
+mod ray;
+mod region;
+
+pub use adequacy::Adequacy;
+pub use contour::{Contour, contour};
+pub use information::{Direction, Information};
+pub use interval::{End, Interval, LEVEL, Spread, ends, intervals};
+pub(crate) use interval::{ends_with, held};
+pub(crate) use misfit_place::{Elsewhere, Place};
+pub use noise_model::channel_noise;
+pub(crate) use noise_model::{floor, weights};
+pub(crate) use output_error::weighted;
+pub use output_error::{Fit, Problem, free};
+pub use problem::Point;
+pub use profile::{Profile, profile};
+pub use region::Region;

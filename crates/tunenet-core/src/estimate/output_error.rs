@@ -1,0 +1,225 @@
+//! Output-error method (Ljung 1999, section 7.2): the parameters of one simulator and the nuisance parameters of each recording
+//! by the residuals of whole rollouts, measured − predicted in units of the noise.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::huber::huber_cost;
+use super::jacobian::{Columns, jacobian};
+use super::levenberg_marquardt::{Settings, minimise};
+use super::normal_equations::normal_equations;
+use super::problem::{LeastSquares, Point, leading_samples, prior_cost, residuals, robust_scale};
+use crate::Result;
+use crate::simulator::{Parameter, Prepared, Simulator, predict};
+
+/// To the last digit: an interval is cut from differences of the cost.
+const SETTINGS: Settings = Settings {
+    steps: 40,
+    damping: 1e-3,
+    least_damping: 1e-12,
+    greatest_damping: 1e12,
+    still: 1e-12,
+    tolerance_share: 1e-12,
+    tolerance: 0.0,
+    small_steps: 2,
+    predicts: false,
+};
+
+/// What a fit ended with.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The best point.
+    pub point: Point,
+    /// Weighted residuals there, shape `[recording][sample · channel]`.
+    pub residuals: Vec<Vec<f64>>,
+    /// Half the robust sum of squares.
+    pub cost: f64,
+    /// Covariance of the free parameters for noise as stated, the nuisance parameters marginalised; bounds ignored.
+    pub covariance: DMatrix<f64>,
+    /// How many rollouts it took.
+    pub rollouts: usize,
+    /// The free parameters after every accepted step with [`Problem::rmse`] there, the start first.
+    pub trace: Vec<(Vec<f64>, f64)>,
+}
+
+/// What is fitted to what.
+pub struct Problem<'a> {
+    /// The simulator.
+    pub simulator: &'a dyn Simulator,
+    /// The recordings, prepared by it.
+    pub recordings: &'a [Prepared],
+    /// Noise of each recording's channels, shape `[recording][channel]`.
+    pub noise: &'a [Vec<f64>],
+    /// Positions of the free parameters.
+    pub free: &'a [usize],
+}
+
+/// A problem over the first share of each recording.
+struct Window<'a> {
+    problem: &'a Problem<'a>,
+    recordings: Vec<usize>,
+    horizon: f64,
+}
+
+impl LeastSquares for Window<'_> {
+    fn free(&self) -> &[usize] {
+        self.problem.free
+    }
+
+    fn recordings(&self) -> &[usize] {
+        &self.recordings
+    }
+
+    fn parameter(&self, position: usize) -> &Parameter {
+        &self.problem.simulator.parameters()[position]
+    }
+
+    fn nuisances(&self, recording: usize) -> &[Parameter] {
+        &self.problem.recordings[recording].nuisances
+    }
+
+    fn residual(&self, recording: usize, parameters: &[f64], nuisances: &[f64]) -> Result<Vec<f64>> {
+        let prepared = &self.problem.recordings[recording];
+        let samples = leading_samples(prepared.seen.len(), self.horizon);
+        let noise = &self.problem.noise[recording];
+        weighted(self.problem.simulator, prepared, noise, parameters, nuisances, samples)
+    }
+}
+
+impl Problem<'_> {
+    fn window(&self, horizon: f64) -> Window<'_> {
+        Window { problem: self, recordings: (0..self.recordings.len()).collect(), horizon }
+    }
+
+    /// Weighted residuals of every recording, over the first share `horizon` of each.
+    ///
+    /// # Errors
+    /// Where the simulator refuses.
+    pub fn residuals(&self, point: &Point, horizon: f64) -> Result<Vec<Vec<f64>>> {
+        residuals(&self.window(horizon), point)
+    }
+
+    /// Root mean square of measured − predicted in the channels' own unit, a sample of several channels counted once.
+    #[must_use]
+    pub fn rmse(&self, residuals: &[Vec<f64>]) -> f64 {
+        let (mut squares, mut samples) = (0.0, 0);
+        for (residual, noise) in residuals.iter().zip(self.noise) {
+            squares += residual.iter().enumerate().map(|(i, r)| (r * noise[i % noise.len()]).powi(2)).sum::<f64>();
+            samples += residual.len() / noise.len();
+        }
+        (squares / samples as f64).sqrt()
+    }
+
+    /// Derivatives of the residuals at `fit`.
+    ///
+    /// # Errors
+    /// Where the simulator refuses both sides of a direction.
+    pub(super) fn jacobian(&self, fit: &Fit) -> Result<Vec<Columns>> {
+        jacobian(&self.window(1.0), &fit.point, &fit.residuals)
+    }
+
+    /// Fits from `start` over the first share `horizon` of each recording.
+    ///
+    /// # Errors
+    /// Where the simulator refuses the start; a refused step is only shortened.
+    pub fn fit(&self, start: Point, horizon: f64) -> Result<Fit> {
+        self.fit_until(start, horizon, 0.0)
+    }
+
+    /// As [`fit`](Problem::fit), but ends as well after two steps in a row that each gain no more than `enough` of the cost:
+    /// a profile needs its cost, not the place in full precision.
+    pub(crate) fn fit_until(&self, start: Point, horizon: f64, enough: f64) -> Result<Fit> {
+        self.fit_with(start, horizon, &Settings { tolerance: enough, ..SETTINGS })
+    }
+
+    fn fit_with(&self, start: Point, horizon: f64, settings: &Settings) -> Result<Fit> {
+        let window = self.window(horizon);
+        let first = residuals(&window, &start)?;
+        let mut trace = vec![(start.at(self.free), self.rmse(&first))];
+        let found = minimise(&window, start, first, None, settings, &mut |point, residuals| {
+            trace.push((point.at(self.free), self.rmse(residuals)));
+        })?;
+        let (point, residuals) = (found.point, found.residuals);
+        let cost = huber_cost(&residuals, robust_scale(&residuals)) + prior_cost(&window, &point);
+        let rollouts = self.recordings.len() + found.rollouts;
+        Ok(Fit { point, residuals, cost, covariance: found.equations.covariance(), rollouts, trace })
+    }
+
+    /// `point` as it stands, judged and linearised but not moved.
+    ///
+    /// # Errors
+    /// Where the simulator refuses it.
+    pub fn evaluate(&self, point: Point) -> Result<Fit> {
+        self.fit_with(point, 1.0, &Settings { steps: 0, ..SETTINGS })
+    }
+
+    /// What the data say of the free parameters at `fit`, each recording's nuisance parameters fitted: the Schur complement of the
+    /// normal equations (the inverse of a covariance for noise as stated), the slope of −cost along each parameter,
+    /// and the diagonal before the nuisance parameters took their share. Bounds are ignored.
+    ///
+    /// # Errors
+    /// Where the simulator refuses.
+    pub(super) fn curvature(&self, fit: &Fit) -> Result<(DMatrix<f64>, DVector<f64>, DVector<f64>)> {
+        let columns = self.jacobian(fit)?;
+        let scale = robust_scale(&fit.residuals);
+        let equations = normal_equations(&self.window(1.0), &columns, &fit.residuals, &fit.point, scale);
+        let (schur, slope) = equations.reduced();
+        Ok((schur, slope, equations.shared.diagonal()))
+    }
+}
+
+/// (measured − predicted) / noise for one recording, row-major `[sample, channel]`, over its first `samples` samples.
+///
+/// # Errors
+/// Where the simulator refuses these values.
+pub(crate) fn weighted(
+    simulator: &dyn Simulator,
+    recording: &Prepared,
+    noise: &[f64],
+    parameters: &[f64],
+    nuisances: &[f64],
+    samples: usize,
+) -> Result<Vec<f64>> {
+    let mut predicted = predict(simulator, recording, parameters, nuisances, &recording.seen.clock()[..samples])?;
+    for (i, (value, seen)) in predicted.iter_mut().zip(recording.seen.values()).enumerate() {
+        *value = (seen - *value) / noise[i % noise.len()];
+    }
+    Ok(predicted)
+}
+
+/// The positions of the parameters that may be tuned and about which at least one recording says something.
+#[must_use]
+pub fn free(parameters: &[Parameter], recordings: &[Prepared]) -> Vec<usize> {
+    let heard = |i: usize| recordings.iter().any(|r| r.silent[i].is_none());
+    (0..parameters.len()).filter(|&i| parameters[i].tune && heard(i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::Preparation;
+    use crate::testing::{Decay, Exact};
+
+    /// Of y₀ exp(−k t) with the start fitted, the variance of k for noise as stated is the Schur complement of the two by two
+    /// normal equations.
+    #[test]
+    fn a_decay_is_found_with_the_variance_of_its_closed_form() {
+        let (simulator, sd) = (Exact::new(Decay), 1e-4);
+        let name = simulator.parameters()[0].name.clone();
+        let seen = simulator.observe(&[(name.as_str(), 1.3)], &[2.0], sd, 3).unwrap();
+        let Preparation::Usable(prepared) = simulator.prepare(&seen).unwrap() else { panic!("refused") };
+        let (recordings, noise) = ([*prepared], [vec![sd]]);
+        let free = free(simulator.parameters(), &recordings);
+        let problem = Problem { simulator: &simulator, recordings: &recordings, noise: &noise, free: &free };
+        let fit = problem.fit(Point::start(&simulator, &recordings), 1.0).unwrap();
+        let (mut kk, mut ks, mut ss) = (0.0, 0.0, 0.0);
+        for t in seen.clock() {
+            let (dk, ds) = (-2.0 * t * (-1.3 * t).exp() / sd, (-1.3 * t).exp() / sd);
+            (kk, ks, ss) = (kk + dk * dk, ks + dk * ds, ss + ds * ds);
+        }
+        let variance = 1.0 / (kk - ks * ks / ss);
+        assert!((fit.covariance[(0, 0)] / variance - 1.0).abs() < 1e-2, "{} {variance}", fit.covariance);
+        assert!((fit.point.parameters[0] - 1.3).abs() < 4.0 * variance.sqrt(), "{:?}", fit.point);
+        let stood = problem.evaluate(fit.point.clone()).unwrap();
+        assert_eq!((stood.point, stood.cost, stood.rollouts), (fit.point, fit.cost, 3));
+    }
+}
