@@ -80,12 +80,15 @@ fn more_shards_than_work_are_told() {
     let each = "tune --sim scene.toml --observation drop.csv --each --out-dir answers";
     for (line, wanted) in [
         ("gen ball --sim drop.toml --pairs 2 --out p.mcap --shard 0/1000000", "1000000 shards of 2 pieces"),
-        ("bench preflight --records 1 --out bench --shard 900/1000", "0 of 28 pieces"),
+        ("bench preflight --records 1 --out bench --shard 900/1000", "1000 shards of 28 pieces"),
         (&format!("{each} --shard 1/2"), "2 shards of 1 pieces"),
     ] {
         let ran = folder.run(&format!("{line} --json")).ends(0);
         assert!(ran.stderr.contains("warning[shards.many]") && ran.stderr.contains(wanted), "{line}: {}", ran.stderr);
         assert_eq!(ran.json()["warnings"][0]["code"], "shards.many", "{line}");
+        if line.starts_with("bench") {
+            assert_eq!(ran.json()["pieces"], 0, "{line}");
+        }
     }
     let enough = folder.run(&format!("{each} --shard 0/1 --json")).ends(0);
     assert!(!enough.stderr.contains("shards.many"), "{}", enough.stderr);

@@ -6,7 +6,7 @@
 //! | [`ContactsOnly`] | the speed along the surface that contacts take, the flights de-trended | the flights |
 //!
 //! They are tried in this order, after the recordings as they are. Both need a simulator that is
-//! [`Segmented`](tunenet_core::simulator::Segmented): its free segments are flights, its events contacts, its hidden state
+//! [`Segmented`]: its free segments are flights, its events contacts, its hidden state
 //! the spin.
 
 mod contacts_only;

@@ -3,7 +3,6 @@
 pub mod bench;
 pub mod diagnose;
 mod each;
-pub(crate) mod video;
 mod generate;
 mod globs;
 mod init;
@@ -19,6 +18,7 @@ mod start;
 mod track;
 mod train;
 pub(crate) mod tune;
+pub(crate) mod video;
 
 use std::path::PathBuf;
 

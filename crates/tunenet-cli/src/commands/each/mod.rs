@@ -125,7 +125,7 @@ impl Work<'_> {
         // Without `--jobs` one after the other, each on all threads: then memory does not grow with the cores.
         let workers = self.jobs.unwrap_or(1).min(mine.len()).max(1);
         let next = AtomicUsize::new(0);
-        let done = Mutex::new(Results { results: BTreeMap::new(), count: 0, json: self.json, printed: Ok(()) });
+        let done = Mutex::new(InOrder { results: BTreeMap::new(), count: 0, json: self.json, printed: Ok(()) });
         let work = || loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(i) = mine.get(number) else { return };
@@ -184,7 +184,7 @@ impl Work<'_> {
 }
 
 /// Results as they come, their lines printed in order.
-struct Results<T> {
+struct InOrder<T> {
     results: BTreeMap<usize, Result<(T, String)>>,
     count: usize,
     /// Whether standard output is for the one object.
@@ -192,7 +192,7 @@ struct Results<T> {
     printed: tunenet_core::Result<()>,
 }
 
-impl<T> Results<T> {
+impl<T> InOrder<T> {
     fn add(&mut self, number: usize, result: Result<(T, String)>) {
         self.results.insert(number, result);
         while let Some(result) = self.results.get(&self.count) {

@@ -1,9 +1,9 @@
 //! `tunenet inspect`.
 
-mod video;
 mod joints;
 mod motion;
 mod settings;
+mod video;
 
 use std::path::Path;
 
@@ -19,8 +19,8 @@ use tunenet_formats::{kind_name, load_model};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
-use super::video::is_video;
 use super::load;
+use super::video::is_video;
 use crate::args::Inspect;
 use crate::failure::{Exit, sentence};
 use crate::files::{hash, names};

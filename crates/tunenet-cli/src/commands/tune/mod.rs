@@ -28,12 +28,12 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, Session, SimulationFile, observed, simulator};
 
 use self::model::Chosen;
-use self::text::{as_json, printout, sentence, render_end, render_start};
+use self::text::{as_json, printout, render_end, render_start, sentence};
 use self::written::write_tuned;
 use super::each::{Answered, Work};
 use super::model_cache::Cache;
 use super::refusal::{self, Asked};
-use super::{video, load, start};
+use super::{load, start, video};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
