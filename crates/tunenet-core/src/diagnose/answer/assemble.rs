@@ -40,7 +40,7 @@ pub(in crate::diagnose) fn assemble(
             "",
         ));
     }
-    let places = found.places.iter().zip(&decision.alternatives).filter(|_| judged.told());
+    let places = found.places.iter().zip(&decision.alternatives).filter(|_| judged.reports_effects());
     let effects = places.map(|(place, alternatives)| named(context, last, &intervals, place, alternatives)).collect();
     let gap = gap(judged)?;
     let (description, remains) = match decision.verdict {
@@ -149,7 +149,7 @@ fn gap(judged: &Judgement) -> Result<Gap> {
     };
     let pair = |of: fn(&HeldOut) -> f64| {
         let (before, after) = (judged.before.as_ref()?, judged.after.as_ref()?);
-        Some(Change { before: of(before), after: if judged.told() { of(after) } else { of(before) } })
+        Some(Change { before: of(before), after: if judged.reports_effects() { of(after) } else { of(before) } })
     };
     Ok(Gap {
         unit: context.subjects[0].simulator.channels()[0].unit.clone(),
@@ -209,7 +209,7 @@ fn explained(judged: &Judgement, recordings: &[Recording]) -> Result<Vec<Explain
         .map(|d| one(&context.sets()[d], &before[d], &after[d], &last.fit.point.nuisances[d]))
         .collect();
     if let (Some(before), Some(after)) = (&judged.before, &judged.after) {
-        let after = if judged.told() { after } else { before };
+        let after = if judged.reports_effects() { after } else { before };
         for (d, set) in context.evidence.validation.iter().enumerate() {
             all.push(one(set, &before.residuals[d], &after.residuals[d], &after.nuisances[d]));
         }

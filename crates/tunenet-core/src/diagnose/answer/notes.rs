@@ -35,7 +35,7 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
         notes.push(Note::new(findings::NOISE_COLOURED, text, ""));
     }
     note_unidentifiable(&judged.context, judged.best(), notes);
-    if judged.told() {
+    if judged.reports_effects() {
         note_less_plausible(&judged.context, &judged.found, judged.decision.margin, notes);
     }
 }

@@ -17,12 +17,12 @@ pub(in crate::diagnose) fn by_object(judged: &Judgement, intervals: &Intervals) 
     let (whole, alternatives) = (judged.decision.verdict, &judged.decision.alternatives);
     let several = objects.len() > 1;
     let of = |object: usize| {
-        let each = judged.found.places.iter().filter(|_| judged.told());
+        let each = judged.found.places.iter().filter(|_| judged.reports_effects());
         let effects: Vec<OwnEffect> = each.map(|place| own(judged, intervals, place, object)).collect();
         let shown = || effects.iter().zip(alternatives).filter(|(effect, _)| effect.shown);
         // Doubt about the whole that names no other is doubt about each.
         let doubt = whole == Verdict::OneOf && alternatives.iter().all(Vec::is_empty);
-        let verdict = if !judged.told() || !several {
+        let verdict = if !judged.reports_effects() || !several {
             whole
         } else if shown().next().is_none() {
             Verdict::None

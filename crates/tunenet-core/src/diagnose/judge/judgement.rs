@@ -79,7 +79,7 @@ impl<'a> Judgement<'a> {
     }
 
     /// Whether effects are reported, be it with others in their place.
-    pub fn told(&self) -> bool {
+    pub fn reports_effects(&self) -> bool {
         matches!(self.decision.verdict, Verdict::Named | Verdict::OneOf)
     }
 
@@ -90,7 +90,7 @@ impl<'a> Judgement<'a> {
 
     /// The hypothesis that the answer tells: without effects where none are reported.
     pub fn last(&self) -> &Hypothesis<'a> {
-        if self.told() { self.best() } else { &self.found.base }
+        if self.reports_effects() { self.best() } else { &self.found.base }
     }
 
     /// Whether what lies between events is explained, and the events are not.
@@ -117,14 +117,14 @@ mod tests {
     fn what_is_told_is_the_hypothesis_with_its_effects() {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
             let judged = Judgement::new(explain(context, &|_| {}).unwrap()).unwrap();
-            assert_eq!((judged.decision.verdict, judged.told()), (Verdict::Named, true));
+            assert_eq!((judged.decision.verdict, judged.reports_effects()), (Verdict::Named, true));
             assert_eq!(judged.last().structure.effects.len(), 1);
             assert!(judged.control.wrong.is_some() && !judged.practical && !judged.events_open());
             assert!(judged.tests.iter().all(|t| t.passed), "{:?}", judged.tests);
         });
         in_swings(&[], 3, 0, |context| {
             let judged = Judgement::new(explain(context, &|_| {}).unwrap()).unwrap();
-            assert!(!judged.told() && judged.last().structure.effects.is_empty());
+            assert!(!judged.reports_effects() && judged.last().structure.effects.is_empty());
         });
     }
 }

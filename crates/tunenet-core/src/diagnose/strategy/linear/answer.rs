@@ -63,16 +63,16 @@ pub(super) fn answer(
 ) -> Result<Diagnosis> {
     let judged = logs.judge(chosen)?;
     let verdict = verdict(chosen, &judged, settings.margin);
-    let told = matches!(verdict, Verdict::Named | Verdict::OneOf);
-    let last = if told { &chosen.best } else { &chosen.base };
+    let reported = matches!(verdict, Verdict::Named | Verdict::OneOf);
+    let last = if reported { &chosen.best } else { &chosen.base };
     let covariance = covariance(logs, last)?;
     let names = names(logs, chosen, verdict, settings.margin);
-    if told && !judged.adequate {
+    if reported && !judged.adequate {
         let text = "something is left beyond noise; the effects take the larger part away, on the stretches that were not \
                     fitted as well";
         notes.push(Note::new(findings::ADEQUACY_PRACTICAL, text, ""));
     }
-    let effects: Vec<NamedEffect> = if told {
+    let effects: Vec<NamedEffect> = if reported {
         chosen.effects.iter().map(|s| named(logs, last, &covariance, s, settings.margin)).collect()
     } else {
         Vec::new()
@@ -88,7 +88,7 @@ pub(super) fn answer(
         after: logs.rmse(&last.point, false)?.unwrap_or(0.0),
         noise_floor: logs.noise_floor(false),
         held_out,
-        control: control(logs, chosen, told)?,
+        control: control(logs, chosen, reported)?,
         forecast: None,
     };
     let description = (verdict == Verdict::Unknown).then(|| describe(logs, &chosen.best)).transpose()?;
@@ -254,10 +254,12 @@ fn candidates(logs: &Logs, chosen: &Chosen) -> Result<Vec<Candidate>> {
 }
 
 /// What the best wrong effect reaches on what was held out.
-fn control(logs: &Logs, chosen: &Chosen, told: bool) -> Result<Option<(&'static str, f64)>> {
+fn control(logs: &Logs, chosen: &Chosen, reported: bool) -> Result<Option<(&'static str, f64)>> {
     let mine = |e: usize| chosen.effects.iter().any(|s| s.entry == e || s.near(f64::INFINITY).take(1).any(|o| o == e));
     let wrong = chosen.alone.iter().find(|t| t.excluded.is_none() && t.fit.is_some() && !mine(t.entry));
-    let Some((trial, fit)) = wrong.and_then(|t| Some((t, t.fit.as_ref()?))).filter(|_| told) else { return Ok(None) };
+    let Some((trial, fit)) = wrong.and_then(|t| Some((t, t.fit.as_ref()?))).filter(|_| reported) else {
+        return Ok(None);
+    };
     Ok(logs.rmse(&fit.point, true)?.map(|after| (logs.entries[trial.entry].effect.name, after)))
 }
 
