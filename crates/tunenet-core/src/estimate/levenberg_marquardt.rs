@@ -30,6 +30,21 @@ pub(crate) struct Settings {
     pub predicts: bool,
 }
 
+impl Settings {
+    /// To the last digit: an interval is cut from differences of the cost.
+    pub const EXACT: Self = Self {
+        steps: 40,
+        damping: 1e-3,
+        least_damping: 1e-12,
+        greatest_damping: 1e12,
+        still: 1e-12,
+        tolerance_share: 1e-12,
+        tolerance: 0.0,
+        small_steps: 2,
+        predicts: false,
+    };
+}
+
 /// What a fit ended with.
 pub(crate) struct Minimum {
     pub point: Point,
@@ -145,18 +160,6 @@ mod tests {
     use super::*;
     use crate::estimate::problem::tests::Lines;
 
-    const EXACT: Settings = Settings {
-        steps: 40,
-        damping: 1e-3,
-        least_damping: 1e-12,
-        greatest_damping: 1e12,
-        still: 1e-12,
-        tolerance_share: 1e-12,
-        tolerance: 0.0,
-        small_steps: 2,
-        predicts: false,
-    };
-
     fn fitted(lines: &Lines, settings: &Settings) -> (Minimum, usize) {
         let start = lines.start();
         let left = residuals_at(lines, &start).unwrap();
@@ -167,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_line_is_found_with_the_level_of_each_recording() {
-        let (found, accepted) = fitted(&Lines::new(1.5, &[2.0, -1.0]), &EXACT);
+        let (found, accepted) = fitted(&Lines::new(1.5, &[2.0, -1.0]), &Settings::EXACT);
         assert!((found.point.parameters[1] - 1.5).abs() < 1e-6, "{:?}", found.point);
         assert!((found.point.nuisances[0][0] - 2.0).abs() < 1e-6, "{:?}", found.point);
         assert!(accepted > 0 && found.rollouts >= accepted * 2);
@@ -176,22 +179,22 @@ mod tests {
     #[test]
     fn a_bound_holds_and_what_is_refused_is_only_a_step_too_long() {
         // The slope that fits best, −12, lies beyond the bound at −10; above 9 the simulator refuses.
-        let (low, _) = fitted(&Lines::new(-12.0, &[0.0]), &EXACT);
+        let (low, _) = fitted(&Lines::new(-12.0, &[0.0]), &Settings::EXACT);
         assert_eq!(low.point.parameters[1], -10.0);
-        let (high, _) = fitted(&Lines::new(9.5, &[0.0]), &EXACT);
+        let (high, _) = fitted(&Lines::new(9.5, &[0.0]), &Settings::EXACT);
         assert!((8.5..=9.0).contains(&high.point.parameters[1]), "{:?}", high.point);
     }
 
     #[test]
     fn without_a_step_the_equations_are_those_of_the_start() {
-        let (found, accepted) = fitted(&Lines::new(1.0, &[0.0]), &Settings { steps: 0, ..EXACT });
+        let (found, accepted) = fitted(&Lines::new(1.0, &[0.0]), &Settings { steps: 0, ..Settings::EXACT });
         assert_eq!((accepted, found.point.parameters[1]), (0, 0.0));
         assert!((found.equations.covariance()[(0, 0)] - 0.2).abs() < 1e-6);
     }
 
     #[test]
     fn small_steps_end_it_as_early_as_they_are_told_to() {
-        let two = Settings { tolerance: f64::INFINITY, ..EXACT };
+        let two = Settings { tolerance: f64::INFINITY, ..Settings::EXACT };
         assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &two).1, 2);
         assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &Settings { small_steps: 1, ..two }).1, 1);
     }

@@ -11,19 +11,6 @@ use super::problem::{LeastSquares, Point, leading_samples, prior_cost, residuals
 use crate::Result;
 use crate::simulator::{Parameter, Prepared, Simulator, predict};
 
-/// To the last digit: an interval is cut from differences of the cost.
-const SETTINGS: Settings = Settings {
-    steps: 40,
-    damping: 1e-3,
-    least_damping: 1e-12,
-    greatest_damping: 1e12,
-    still: 1e-12,
-    tolerance_share: 1e-12,
-    tolerance: 0.0,
-    small_steps: 2,
-    predicts: false,
-};
-
 /// What a fit ended with.
 #[derive(Debug, Clone)]
 pub struct Fit {
@@ -128,7 +115,7 @@ impl Problem<'_> {
     /// As [`fit`](Problem::fit), but ends as well after two steps in a row that each gain no more than `enough` of the cost:
     /// a profile needs its cost, not the place in full precision.
     pub(crate) fn fit_until(&self, start: Point, horizon: f64, enough: f64) -> Result<Fit> {
-        self.fit_with(start, horizon, &Settings { tolerance: enough, ..SETTINGS })
+        self.fit_with(start, horizon, &Settings { tolerance: enough, ..Settings::EXACT })
     }
 
     fn fit_with(&self, start: Point, horizon: f64, settings: &Settings) -> Result<Fit> {
@@ -149,7 +136,7 @@ impl Problem<'_> {
     /// # Errors
     /// Where the simulator refuses it.
     pub fn evaluate(&self, point: Point) -> Result<Fit> {
-        self.fit_with(point, 1.0, &Settings { steps: 0, ..SETTINGS })
+        self.fit_with(point, 1.0, &Settings { steps: 0, ..Settings::EXACT })
     }
 
     /// What the data say of the free parameters at `fit`, each recording's nuisance parameters fitted: the Schur complement of the
