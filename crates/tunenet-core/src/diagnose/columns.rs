@@ -1,6 +1,6 @@
 //! Columns of effects, less what start states and parameters can do in their stead.
 
-use super::derivatives::Columns;
+use crate::estimate::jacobian::Columns;
 use crate::statistics::dot;
 
 /// A direction whose projection keeps less than this share of its square is taken for dependent.

@@ -1,4 +1,5 @@
-//! Rollouts of a structure beside its recordings, and what hangs together in them.
+//! A hypothesis as a least-squares problem: shared parameters and coefficients of all objects with every recording's nuisance
+//! parameters.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -7,16 +8,60 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::evidence::recording::Set;
 use super::hypothesis::structure::Structure;
 use crate::Result;
-use crate::estimate::problem::robust_scale;
-use crate::simulator::{every, predict};
+use crate::estimate::huber::huber_cost;
+use crate::estimate::jacobian::{Columns, jacobian};
+use crate::estimate::levenberg_marquardt::{Settings, minimise};
+use crate::estimate::problem::{
+    DIFFERENCE_STEP, LeastSquares, leading_samples, prior_cost, residuals as residuals_at, robust_scale,
+};
+use crate::simulator::{Parameter, every, predict};
 
-/// Where a fit stands.
-#[derive(Debug, Clone)]
-pub(super) struct Point {
-    /// In the structure's order.
-    pub globals: Vec<f64>,
-    /// Shape `[recording][unknown]`.
-    pub nuisances: Vec<Vec<f64>>,
+pub(super) use crate::estimate::Point;
+
+/// Difference step of a coefficient, as a share of a small visible one.
+const COEFFICIENT_STEP: f64 = 1e-3;
+/// Candidates are compared by costs in steps of 0.5, so that a fit ends early.
+const SETTINGS: Settings = Settings {
+    steps: 12,
+    damping: 1e-4,
+    least_damping: 1e-10,
+    greatest_damping: 1e8,
+    still: 1e-11,
+    tolerance_share: 5e-5,
+    tolerance: 0.02,
+    small_steps: 1,
+    predicts: true,
+};
+/// How far a refused start is moved, as shares of the bounds.
+const MOVES: [f64; 4] = [1e-4, 1e-3, 1e-2, 0.1];
+/// A step of a parameter that would cross a bound goes so much of the way there.
+const NEARER: f64 = 0.9;
+
+/// How far a fit goes.
+#[derive(Clone, Copy)]
+pub(super) struct Effort {
+    pub steps: usize,
+    /// A step that gains less than this in cost ends it; a half of 1 is what the noise of one sample is worth.
+    pub tolerance: f64,
+    /// The share of each recording that is fitted.
+    pub horizon: f64,
+}
+
+/// Which derivatives.
+#[derive(Clone, Copy)]
+pub(super) struct Which {
+    /// Over this share of each recording.
+    pub horizon: f64,
+    /// By shared parameters from this one on ...
+    pub first: usize,
+    /// ... and by the nuisance parameters.
+    pub nuisances: bool,
+    /// By steps of a visible size: some coefficients (the time a shutter is open) have no slope at all where they are absent.
+    pub visibly: bool,
+}
+
+impl Which {
+    pub const ALL: Self = Self { horizon: 1.0, first: 0, nuisances: true, visibly: false };
 }
 
 /// What a fit ended with.
@@ -25,19 +70,19 @@ pub(super) struct Outcome {
     pub point: Point,
     /// White residuals in units of the noise, shape `[recording][sample · channel]`.
     pub residuals: Vec<Vec<f64>>,
-    /// Half the robust sum of squares with the pull of the guesses.
+    /// Half the robust sum of squares with that of the nuisance parameters from their priors.
     pub cost: f64,
-    /// The part of the cost that is the pull of the guesses.
+    /// The part of the cost that the priors have.
     pub pull: f64,
-    /// Covariance of the free numbers for noise as stated.
+    /// Covariance of the shared parameters for noise as stated.
     pub covariance: DMatrix<f64>,
 }
 
-/// Recordings that share free numbers, and those numbers.
+/// Recordings that have shared parameters in common, and those parameters.
 pub(super) struct Part {
     /// Positions among the recordings.
     pub sets: Vec<usize>,
-    /// Positions among the structure's free numbers.
+    /// Positions among the structure's shared parameters.
     pub places: Vec<usize>,
 }
 
@@ -49,12 +94,83 @@ pub(super) struct Joint<'a> {
     pub rollouts: &'a AtomicUsize,
 }
 
+/// A part of a joint problem.
+struct Portion<'a> {
+    joint: &'a Joint<'a>,
+    part: &'a Part,
+    which: Which,
+}
+
+impl LeastSquares for Portion<'_> {
+    fn free(&self) -> &[usize] {
+        &self.part.places
+    }
+
+    fn recordings(&self) -> &[usize] {
+        &self.part.sets
+    }
+
+    fn parameter(&self, position: usize) -> &Parameter {
+        &self.joint.structure.globals[position].parameter
+    }
+
+    fn touched(&self, recording: usize) -> Vec<usize> {
+        let mut touched = self.joint.structure.places(self.joint.sets[recording].object);
+        touched.retain(|place| self.part.places.contains(place));
+        touched
+    }
+
+    fn nuisances(&self, recording: usize) -> &[Parameter] {
+        if self.which.nuisances { &self.joint.sets[recording].prepared.nuisances } else { &[] }
+    }
+
+    fn prior_sd(&self, recording: usize, i: usize) -> f64 {
+        self.joint.sets[recording].pull[i]
+    }
+
+    fn residual(&self, recording: usize, parameters: &[f64], nuisances: &[f64]) -> Result<Vec<f64>> {
+        let samples = self.joint.samples(recording, self.which.horizon);
+        let mut values = self.joint.plain(recording, parameters, nuisances, samples)?;
+        self.joint.sets[recording].filter.apply(&mut values);
+        Ok(values)
+    }
+
+    fn scale(&self, residuals: &[Vec<f64>]) -> f64 {
+        spread(residuals)
+    }
+
+    fn step(&self, position: usize) -> f64 {
+        let global = &self.joint.structure.globals[position];
+        match global.absent {
+            Some((_, typical)) if self.which.visibly => typical,
+            Some((_, typical)) => COEFFICIENT_STEP * typical,
+            None => DIFFERENCE_STEP * global.parameter.span(),
+        }
+    }
+
+    /// A coefficient on which the data are silent stays put.
+    fn ridge(&self, position: usize) -> f64 {
+        let global = &self.joint.structure.globals[position];
+        if global.effect.is_some() { global.parameter.span().powi(-2) } else { 0.0 }
+    }
+
+    /// Where a system loses nothing, a rollout may take for ever; a parameter goes only near such a bound.
+    fn stepped(&self, position: usize, value: f64, step: f64) -> f64 {
+        let global = &self.joint.structure.globals[position];
+        let bound = (value + step).clamp(global.parameter.min, global.parameter.max);
+        let short = global.effect.is_none() && bound != value + step;
+        value + if short { NEARER * (bound - value) } else { bound - value }
+    }
+
+    /// Nothing is known of a direction that is refused on both sides.
+    fn flat_where_refused(&self) -> bool {
+        true
+    }
+}
+
 impl Joint<'_> {
-    pub fn samples(&self, d: usize, horizon: f64) -> usize {
-        let all = self.sets[d].clock().len();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
-        let share = (all as f64 * horizon).ceil() as usize;
-        share.clamp(crate::observation::FEWEST_SAMPLES.min(all), all)
+    fn samples(&self, d: usize, horizon: f64) -> usize {
+        leading_samples(self.sets[d].clock().len(), horizon)
     }
 
     /// Measured − predicted of one recording in its own unit, over its first `samples`.
@@ -68,34 +184,36 @@ impl Joint<'_> {
         Ok(values)
     }
 
-    pub fn white(&self, d: usize, globals: &[f64], nuisances: &[f64], samples: usize) -> Result<Vec<f64>> {
-        let mut values = self.plain(d, globals, nuisances, samples)?;
-        self.sets[d].filter.apply(&mut values);
-        Ok(values)
-    }
-
     /// Measured − predicted in the channels' own units, shape `[recording][sample · channel]`.
     pub fn plain_residuals(&self, point: &Point) -> Result<Vec<Vec<f64>>> {
-        let each = |d: usize| self.plain(d, &point.globals, &point.nuisances[d], self.sets[d].clock().len());
+        let each = |d: usize| self.plain(d, &point.parameters, &point.nuisances[d], self.sets[d].clock().len());
         every((0..self.sets.len()).into_par_iter().map(each))
     }
 
     /// White residuals over the first share `horizon` of each recording.
     pub fn residuals(&self, point: &Point, horizon: f64) -> Result<Vec<Vec<f64>>> {
-        let each = |d: usize| self.residual(d, point, horizon);
-        every((0..self.sets.len()).into_par_iter().map(each))
+        let part = self.whole();
+        residuals_at(&Portion { joint: self, part: &part, which: Which { horizon, ..Which::ALL } }, point)
     }
 
-    pub fn residual(&self, d: usize, point: &Point, horizon: f64) -> Result<Vec<f64>> {
-        self.white(d, &point.globals, &point.nuisances[d], self.samples(d, horizon))
+    /// Derivatives of the white residuals at `point`, where they are `residuals`.
+    pub fn columns(&self, point: &Point, residuals: &[Vec<f64>], which: Which) -> Vec<Columns> {
+        let mut part = self.whole();
+        part.places.retain(|place| *place >= which.first);
+        // Flat where refused, so that there is no error.
+        jacobian(&Portion { joint: self, part: &part, which }, point, residuals).unwrap_or_default()
     }
 
-    /// Recordings and free numbers that hang together. A number that all objects share joins all.
+    fn whole(&self) -> Part {
+        Part { sets: (0..self.sets.len()).collect(), places: (0..self.structure.globals.len()).collect() }
+    }
+
+    /// Recordings and shared parameters that hang together. A parameter that all objects share joins all.
     pub fn parts(&self) -> Vec<Part> {
         let globals = &self.structure.globals;
         let objects = self.sets.iter().map(|s| s.object).max().map_or(0, |o| o + 1);
         if objects < 2 || globals.iter().any(|g| g.object.is_none()) {
-            return vec![Part { sets: (0..self.sets.len()).collect(), places: (0..globals.len()).collect() }];
+            return vec![self.whole()];
         }
         let part = |object: usize| Part {
             sets: (0..self.sets.len()).filter(|&d| self.sets[d].object == object).collect(),
@@ -104,12 +222,86 @@ impl Joint<'_> {
         (0..objects).map(part).filter(|part| !part.sets.is_empty()).collect()
     }
 
-    /// A weak pull of the nuisance parameters towards their guesses, so that a direction on which the data are silent stays put.
-    pub fn pull(&self, point: &Point, sets: impl Iterator<Item = usize>) -> f64 {
-        let each = sets.map(|d| (&self.sets[d], &point.nuisances[d]));
-        each.flat_map(|(s, nuisances)| s.prepared.nuisances.iter().zip(&s.pull).zip(nuisances))
-            .map(|((p, pull), v)| 0.5 * ((v - p.value) / pull).powi(2))
-            .sum()
+    /// Fits from `start`.
+    ///
+    /// # Errors
+    /// Where the simulator refuses the start; a refused step is only shortened.
+    pub fn fit(&self, mut start: Point, effort: Effort) -> Result<Outcome> {
+        let residuals = self.residuals(&start, effort.horizon).or_else(|_| {
+            (0..self.sets.len()).for_each(|d| self.admit(d, &mut start, effort.horizon));
+            self.residuals(&start, effort.horizon)
+        })?;
+        self.fit_from(start, residuals, effort, None)
+    }
+
+    /// Where `point` stands, without a step.
+    pub fn stand(&self, point: Point) -> Result<Outcome> {
+        let residuals = self.residuals(&point, 1.0)?;
+        self.fit_from(point, residuals, Effort { steps: 0, tolerance: 0.0, horizon: 1.0 }, None)
+    }
+
+    /// Moves the start of a recording that the simulator refuses (a body inside a surface that tilts) to the nearest one
+    /// that it takes, one nuisance parameter at a time.
+    fn admit(&self, d: usize, start: &mut Point, horizon: f64) {
+        let samples = self.samples(d, horizon);
+        let taken = |nuisances: &[f64]| self.plain(d, &start.parameters, nuisances, samples).is_ok();
+        if taken(&start.nuisances[d]) {
+            return;
+        }
+        for share in MOVES {
+            for (i, unknown) in self.sets[d].prepared.nuisances.iter().enumerate() {
+                for direction in [1.0, -1.0] {
+                    let mut nuisances = start.nuisances[d].clone();
+                    nuisances[i] = (nuisances[i] + direction * share * unknown.span()).clamp(unknown.min, unknown.max);
+                    if taken(&nuisances) {
+                        start.nuisances[d] = nuisances;
+                        return;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The same where the residuals at the start are known, and `first`, the derivatives there, may be.
+    ///
+    /// Objects that share no parameter are fitted each on its own: a step that one of them refuses holds up no other,
+    /// and costs no rollout of it.
+    pub fn fit_from(
+        &self,
+        start: Point,
+        mut residuals: Vec<Vec<f64>>,
+        effort: Effort,
+        first: Option<&[Columns]>,
+    ) -> Result<Outcome> {
+        let settings = Settings { steps: effort.steps, tolerance: effort.tolerance, ..SETTINGS };
+        let parts = self.parts();
+        let one = |part: &Part| {
+            let residuals = part.sets.iter().map(|&d| residuals[d].clone()).collect();
+            let first = first.map(|all| part.sets.iter().map(|&d| all[d].clone()).collect());
+            let portion = Portion { joint: self, part, which: Which { horizon: effort.horizon, ..Which::ALL } };
+            minimise(&portion, start.clone(), residuals, first, &settings, &mut |_, _| {})
+        };
+        let fitted = every(parts.par_iter().map(one))?;
+        let size = self.structure.globals.len();
+        let mut covariance = DMatrix::from_diagonal_element(size, size, f64::INFINITY);
+        let mut point = start;
+        for (part, fitted) in parts.iter().zip(fitted) {
+            let among = fitted.equations.covariance();
+            for (i, &row) in part.places.iter().enumerate() {
+                point.parameters[row] = fitted.point.parameters[row];
+                for (j, &column) in part.places.iter().enumerate() {
+                    covariance[(row, column)] = among[(i, j)];
+                }
+            }
+            for (&d, left) in part.sets.iter().zip(fitted.residuals) {
+                point.nuisances[d].clone_from(&fitted.point.nuisances[d]);
+                residuals[d] = left;
+            }
+        }
+        let part = self.whole();
+        let pull = prior_cost(&Portion { joint: self, part: &part, which: Which::ALL }, &point);
+        let cost = huber_cost(&residuals, spread(&residuals)) + pull;
+        Ok(Outcome { point, residuals, cost, pull, covariance })
     }
 }
 

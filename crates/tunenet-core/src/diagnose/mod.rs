@@ -10,10 +10,7 @@
 
 mod answer;
 mod columns;
-mod derivatives;
-mod equations;
 mod evidence;
-mod fit;
 mod hypothesis;
 mod input;
 mod joint;

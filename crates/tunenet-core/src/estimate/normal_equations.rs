@@ -22,11 +22,11 @@ pub(crate) fn normal_equations(
         let weights: Vec<f64> = left.iter().map(|r| huber_weight(*r, scale)).collect();
         let all: Vec<&Vec<f64>> = one.shared.iter().chain(&one.nuisances).collect();
         let (shared, nuisances) = (one.shared.len(), one.nuisances.len());
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&weights).map(|((a, b), w)| a * b * w).sum::<f64>();
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&weights).map(|((a, b), w)| a * w * b).sum::<f64>();
         let mut normal = DMatrix::zeros(all.len(), all.len());
         for i in 0..all.len() {
             for j in 0..=i {
-                normal[(i, j)] = product(all[j], all[i]);
+                normal[(i, j)] = product(all[i], all[j]);
                 normal[(j, i)] = normal[(i, j)];
             }
         }

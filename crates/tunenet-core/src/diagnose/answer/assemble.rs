@@ -99,7 +99,7 @@ fn named(
         let places = mine.iter().copied().filter(|&g| globals[g].effect.is_some_and(|e| e.1 == k));
         let values = places.map(|g| Value {
             object: globals[g].object,
-            value: model.fit.point.globals[g],
+            value: model.fit.point.parameters[g],
             interval95: intervals.of(g),
         });
         let values = match context.random_tilts {
@@ -175,8 +175,8 @@ fn parameters(context: &Context, found: &Selection, last: &Hypothesis, intervals
                 name: global.parameter.name.clone(),
                 unit: global.parameter.unit.clone(),
                 given: given.map_or(global.parameter.value, |p| p.value),
-                before: found.base.fit.point.globals[g],
-                value: last.fit.point.globals[g],
+                before: found.base.fit.point.parameters[g],
+                value: last.fit.point.parameters[g],
                 interval95: intervals.of(g),
             }
         })

@@ -35,7 +35,7 @@ impl<'a> Intervals<'a> {
 
     /// That of shared parameter `g`, within the bounds of what can be simulated.
     pub fn of(&self, g: usize) -> (f64, f64) {
-        let (p, value) = (&self.model.structure.globals[g].parameter, self.model.fit.point.globals[g]);
+        let (p, value) = (&self.model.structure.globals[g].parameter, self.model.fit.point.parameters[g]);
         ((value - self.half[g]).max(p.min), (value + self.half[g]).min(p.max))
     }
 
@@ -47,7 +47,7 @@ impl<'a> Intervals<'a> {
             places.len(),
             places.iter().map(|&g| {
                 let absent = globals[g].absent.map_or(0.0, |(value, _)| value);
-                NORMAL_95 * (self.model.fit.point.globals[g] - absent) / self.half[g].max(f64::MIN_POSITIVE)
+                NORMAL_95 * (self.model.fit.point.parameters[g] - absent) / self.half[g].max(f64::MIN_POSITIVE)
             }),
         );
         let correlation = DMatrix::from_fn(places.len(), places.len(), |i, j| {

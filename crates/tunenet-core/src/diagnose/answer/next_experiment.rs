@@ -4,13 +4,13 @@ use crate::Result;
 use crate::diagnose::answer::NextExperiment;
 use crate::diagnose::answer::wording::{is_segmented, words};
 use crate::diagnose::columns::{Projector, orthonormal, stack};
-use crate::diagnose::derivatives::{Columns, Which};
 use crate::diagnose::evidence::ar1_prewhitening::Filter;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
-use crate::diagnose::joint::{Joint, Point};
+use crate::diagnose::joint::{Joint, Point, Which};
 use crate::diagnose::judge::verdict::unique;
+use crate::estimate::jacobian::Columns;
 use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, rollout};
 use crate::statistics::dot;
@@ -117,7 +117,7 @@ fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
         return Ok(Vec::new());
     };
     let (simulator, parameters) =
-        (best.structure.simulator(set.object), best.structure.parameters(set.object, &best.fit.point.globals));
+        (best.structure.simulator(set.object), best.structure.parameters(set.object, &best.fit.point.parameters));
     let mut all = Vec::new();
     // An axis that was not measured will not be next time either.
     let unmeasured = set.unmeasured();
@@ -174,10 +174,10 @@ fn gaps(
 ) -> Result<Vec<Vec<f64>>> {
     let effects: Vec<usize> = best.structure.effects.iter().copied().chain(others.iter().copied()).collect();
     let structure = context.structure(&effects)?;
-    let globals = structure.carry(&best.structure, &best.fit.point.globals);
+    let globals = structure.carry(&best.structure, &best.fit.point.parameters);
     let columns = |sets: &[Set], nuisances: Vec<Vec<f64>>| -> Result<(Vec<Columns>, Vec<usize>)> {
         let joint = Joint { structure: &structure, sets, rollouts: &context.rollouts };
-        let point = Point { globals: globals.clone(), nuisances };
+        let point = Point { parameters: globals.clone(), nuisances };
         let residuals = joint.residuals(&point, 1.0)?;
         let lengths = residuals.iter().map(Vec::len).collect();
         Ok((joint.columns(&point, &residuals, Which::ALL), lengths))

@@ -51,7 +51,7 @@ fn note_unidentifiable(context: &Context<'_>, model: &Hypothesis, notes: &mut Ve
         }
         let remedy = "bring a recording in which it matters";
         notes.push(if moves_something(context, model, g) {
-            let (name, value) = (&parameter.name, with_decimals(model.fit.point.globals[g], 3));
+            let (name, value) = (&parameter.name, with_decimals(model.fit.point.parameters[g], 3));
             let text = format!("the recordings do not determine `{name}`: near {value} they do not depend on it");
             Note::new(findings::PARAMETER_NOT_IDENTIFIABLE, text, remedy)
         } else {
@@ -69,7 +69,7 @@ fn moves_something(context: &Context<'_>, model: &Hypothesis, g: usize) -> bool 
     let parameter = &model.structure.globals[g].parameter;
     ACROSS.iter().any(|share| {
         let mut point = model.fit.point.clone();
-        point.globals[g] = parameter.min + share * parameter.span();
+        point.parameters[g] = parameter.min + share * parameter.span();
         // What cannot be simulated is no less than a change.
         context.joint(&model.structure).residuals(&point, 1.0).map_or(true, |moved| {
             let both = moved.iter().flatten().zip(model.fit.residuals.iter().flatten());

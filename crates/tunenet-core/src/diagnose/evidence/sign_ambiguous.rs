@@ -35,7 +35,7 @@ fn mirrored(context: &Context<'_>, sets: &[Set]) -> Result<Vec<Vec<bool>>> {
     let structure = context.structure(&[])?;
     let joint = crate::diagnose::joint::Joint { structure: &structure, sets, rollouts: &context.rollouts };
     let guess = Point {
-        globals: structure.globals.iter().map(|g| g.parameter.value).collect(),
+        parameters: structure.globals.iter().map(|g| g.parameter.value).collect(),
         nuisances: sets.iter().map(|s| s.prepared.nuisance_values()).collect(),
     };
     // What cannot be simulated from the guesses is left to the fit.

@@ -2,12 +2,11 @@
 
 use crate::Result;
 use crate::diagnose::columns::stack;
-use crate::diagnose::derivatives::Which;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::joint::{Joint, Point};
+use crate::diagnose::joint::{Joint, Point, Which};
 use crate::statistics::dot;
 
 /// A coefficient that moves the recordings by less than this share of what another of its effect does is not seen.
@@ -30,7 +29,7 @@ pub(in crate::diagnose) fn without_unmeasured<'a>(context: Context<'a>, base: &H
     {
         let nuisances =
             nuisances.cloned().unwrap_or_else(|| sets.iter().map(|s| s.prepared.nuisance_values()).collect());
-        let here = Point { globals: base.fit.point.globals.clone(), nuisances };
+        let here = Point { parameters: base.fit.point.parameters.clone(), nuisances };
         let joint = Joint { structure: &structure, sets, rollouts: &context.rollouts };
         let residuals = joint.residuals(&here, 1.0)?;
         let columns = joint.columns(&here, &residuals, Which::ALL);
@@ -50,8 +49,8 @@ pub(in crate::diagnose) fn without_unmeasured<'a>(context: Context<'a>, base: &H
 fn observable(context: &Context<'_>, entry: usize, base: &Hypothesis) -> Result<Vec<bool>> {
     let structure = context.structure(&[entry])?;
     let known = base.structure.globals.len();
-    let globals = structure.carry(&base.structure, &base.fit.point.globals);
-    let point = Point { globals, nuisances: base.fit.point.nuisances.clone() };
+    let globals = structure.carry(&base.structure, &base.fit.point.parameters);
+    let point = Point { parameters: globals, nuisances: base.fit.point.nuisances.clone() };
     let which = Which { first: known, nuisances: false, ..Which::ALL };
     let columns = context.joint(&structure).columns(&point, &base.fit.residuals, which);
     let lengths: Vec<usize> = base.fit.residuals.iter().map(Vec::len).collect();

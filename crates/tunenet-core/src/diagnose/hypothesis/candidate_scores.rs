@@ -7,12 +7,11 @@ use rayon::prelude::*;
 use crate::Result;
 use crate::diagnose::answer::wording::done_already;
 use crate::diagnose::columns::{Projector, orthonormal, stack};
-use crate::diagnose::derivatives::{Columns, Which};
-use crate::diagnose::fit::Effort;
 use crate::diagnose::hypothesis::canonical_correlation::canonical_correlation;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::plausibility::implausible;
-use crate::diagnose::joint::Point;
+use crate::diagnose::joint::{Effort, Point, Which};
+use crate::estimate::jacobian::Columns;
 use crate::statistics::dot;
 
 /// One step with derivatives that are known already.
@@ -130,8 +129,8 @@ fn try_score(
     let known = model.structure.globals.len();
     let structure = context.structure(&[model.structure.effects.as_slice(), &[scored.entry]].concat())?;
     let joint = context.joint(&structure);
-    let globals = structure.carry(&model.structure, &model.fit.point.globals);
-    let point = Point { globals, nuisances: model.fit.point.nuisances.clone() };
+    let globals = structure.carry(&model.structure, &model.fit.point.parameters);
+    let point = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
     let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
     let mut projected = Vec::new();
     let (mut whole, mut rest, mut seen) = (0.0, 0.0, false);
@@ -180,15 +179,15 @@ fn one_step<'a>(
 ) {
     let fitted = || -> Result<Hypothesis<'a>> {
         let structure = context.structure(&[model.structure.effects.as_slice(), &[trial.entry]].concat())?;
-        let globals = structure.carry(&model.structure, &model.fit.point.globals);
-        let point = Point { globals, nuisances: model.fit.point.nuisances.clone() };
+        let globals = structure.carry(&model.structure, &model.fit.point.parameters);
+        let point = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
         let columns = base.iter().zip(&scored.columns).map(|(base, new)| Columns {
             places: [base.places.as_slice(), &new.places].concat(),
             shared: base.shared.iter().chain(&new.shared).cloned().collect(),
             nuisances: base.nuisances.clone(),
         });
-        let first = Some(columns.collect());
-        let fit = context.joint(&structure).fit_from(point, model.fit.residuals.clone(), ONE_STEP, first);
+        let first: Vec<Columns> = columns.collect();
+        let fit = context.joint(&structure).fit_from(point, model.fit.residuals.clone(), ONE_STEP, Some(&first))?;
         Ok(Hypothesis { structure, fit })
     };
     match fitted() {
@@ -250,7 +249,7 @@ fn fit_fully<'a>(context: &Context<'a>, trial: &CandidateFit<'a>, model: &Hypoth
     let effects = [model.structure.effects.as_slice(), &[trial.entry]].concat();
     let from = |point: Point| -> Option<Hypothesis<'a>> {
         let structure = context.structure(&effects).ok()?;
-        let fit = context.joint(&structure).fit(point, FULL, None).ok()?;
+        let fit = context.joint(&structure).fit(point, FULL).ok()?;
         Some(Hypothesis { structure, fit })
     };
     let mut best = trial.model.as_ref().and_then(|start| from(start.fit.point.clone()));
@@ -263,16 +262,16 @@ fn fit_fully<'a>(context: &Context<'a>, trial: &CandidateFit<'a>, model: &Hypoth
     let known = model.structure.globals.len();
     for size in LARGER {
         let structure = context.structure(&effects).ok()?;
-        let mut globals = structure.carry(&model.structure, &model.fit.point.globals);
+        let mut globals = structure.carry(&model.structure, &model.fit.point.parameters);
         for (place, global) in structure.globals.iter().enumerate().skip(known) {
             let (absent, typical) = global.absent.unwrap_or((0.0, 0.0));
-            let way = step.fit.point.globals[place] - absent;
+            let way = step.fit.point.parameters[place] - absent;
             let value = absent + size * typical * if way < 0.0 { -1.0 } else { 1.0 };
             globals[place] = value.clamp(global.parameter.min, global.parameter.max);
         }
-        let start = Point { globals, nuisances: model.fit.point.nuisances.clone() };
+        let start = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
         // A few steps tell whether this local minimum is a better one.
-        let tried = context.joint(&structure).fit(start, FEW_STEPS, None).ok()?;
+        let tried = context.joint(&structure).fit(start, FEW_STEPS).ok()?;
         let tried = Some(Hypothesis { structure, fit: tried });
         if gain(&tried) > gain(&best) {
             best = tried.and_then(|t| from(t.fit.point));

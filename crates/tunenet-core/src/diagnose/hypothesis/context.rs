@@ -8,11 +8,10 @@ use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::ar1_correlation;
 use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::fit::Effort;
 use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::information_criterion::{bic_gain, likelihood_gain};
 use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
-use crate::diagnose::joint::{Joint, Outcome, Point, spread};
+use crate::diagnose::joint::{Effort, Joint, Outcome, Point, spread};
 use crate::diagnose::outliers;
 use crate::diagnose::{Settings, Subject};
 use crate::estimate::huber::huber_cost;
@@ -144,10 +143,10 @@ impl<'a> Context<'a> {
     pub fn fit_near(&self, effects: &[usize], near: &Hypothesis) -> Result<Hypothesis<'a>> {
         let structure = self.structure(effects)?;
         let point = Point {
-            globals: structure.carry(&near.structure, &near.fit.point.globals),
+            parameters: structure.carry(&near.structure, &near.fit.point.parameters),
             nuisances: near.fit.point.nuisances.clone(),
         };
-        let fit = self.joint(&structure).fit(point, FULL, None)?;
+        let fit = self.joint(&structure).fit(point, FULL)?;
         Ok(Hypothesis { structure, fit })
     }
 

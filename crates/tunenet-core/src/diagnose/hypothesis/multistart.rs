@@ -1,10 +1,9 @@
 //! Multistart fit of the simulation without any effect, from Halton's points where needed (Halton 1960).
 
 use crate::Result;
-use crate::diagnose::fit::Effort;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::structure::Structure;
-use crate::diagnose::joint::{Joint, Outcome, Point, spread};
+use crate::diagnose::joint::{Effort, Joint, Outcome, Point, spread};
 
 /// Shares of the recordings that are fitted one after the other: the count of events stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];
@@ -50,20 +49,19 @@ impl Tries {
     /// From the first few of `ranked`, until one leaves no suspicion.
     fn fit(&mut self, joint: &Joint, structure: &Structure, ranked: Vec<Point>) {
         for start in ranked.into_iter().take(MOST_STARTS) {
-            let early =
-                |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }, None).map(|f| f.point);
+            let early = |point: Point, horizon: f64| joint.fit(point, Effort { horizon, ..EARLY }).map(|f| f.point);
             let first = early(start, HORIZONS[0]);
             if let Ok(point) = &first {
                 let spans = || structure.globals.iter().map(|g| g.parameter.span());
                 let same = |other: &Vec<f64>| {
-                    other.iter().zip(&point.globals).zip(spans()).all(|((a, b), span)| (a - b).abs() < SAME * span)
+                    other.iter().zip(&point.parameters).zip(spans()).all(|((a, b), span)| (a - b).abs() < SAME * span)
                 };
                 if self.seen.iter().any(same) {
                     continue;
                 }
-                self.seen.push(point.globals.clone());
+                self.seen.push(point.parameters.clone());
             }
-            let fit = first.and_then(|point| early(point, HORIZONS[1])).and_then(|point| joint.fit(point, FULL, None));
+            let fit = first.and_then(|point| early(point, HORIZONS[1])).and_then(|point| joint.fit(point, FULL));
             match fit {
                 Ok(fit) => {
                     if self.best.as_ref().is_none_or(|b| fit.cost < b.cost) {
@@ -111,7 +109,7 @@ fn halton_starts(context: &Context<'_>, structure: &Structure) -> Vec<Point> {
         let each = structure.globals.iter().map(|g| &g.parameter).zip(primes);
         each.map(|(p, prime)| p.min + radical_inverse(number, prime) * p.span()).collect()
     };
-    (1..=SCATTERED).map(|number| Point { globals: place(number), nuisances: nuisances.clone() }).collect()
+    (1..=SCATTERED).map(|number| Point { parameters: place(number), nuisances: nuisances.clone() }).collect()
 }
 
 /// The starts that simulate, best first; every object has its own order where objects share no shared parameter.
@@ -128,7 +126,7 @@ fn ranked(joint: &Joint, starts: Vec<Point>) -> Vec<Point> {
         let mut order: Vec<(f64, &Point)> = rolled.iter().map(|(r, point)| (size(r), point)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (to, (_, from)) in ranked.iter_mut().zip(order) {
-            part.places.iter().for_each(|&g| to.globals[g] = from.globals[g]);
+            part.places.iter().for_each(|&g| to.parameters[g] = from.parameters[g]);
         }
     }
     ranked
@@ -153,7 +151,7 @@ fn starts(context: &Context<'_>, structure: &Structure) -> Vec<Point> {
         );
     }
     all.dedup();
-    all.into_iter().map(|globals| Point { globals, nuisances: nuisances.clone() }).collect()
+    all.into_iter().map(|globals| Point { parameters: globals, nuisances: nuisances.clone() }).collect()
 }
 
 /// What the neighbourhood of the events alone says of a parameter.
@@ -185,7 +183,7 @@ mod tests {
     fn the_parameter_is_found_from_afar() {
         in_swings(&[], 3, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            assert!((base.fit.point.globals[0] - 0.8).abs() < 1e-3, "{:?}", base.fit.point.globals);
+            assert!((base.fit.point.parameters[0] - 0.8).abs() < 1e-3, "{:?}", base.fit.point.parameters);
             assert!((base.scale() - 1.0).abs() < 0.2, "{}", base.scale());
         });
     }

@@ -14,7 +14,7 @@ pub(in crate::diagnose) fn implausible(context: &Context<'_>, model: &Hypothesis
             let mine: Vec<usize> =
                 places.into_iter().filter(|&g| globals[g].object.is_none_or(|o| o == object)).collect();
             for g in mine {
-                let (value, p) = (model.fit.point.globals[g], &globals[g].parameter);
+                let (value, p) = (model.fit.point.parameters[g], &globals[g].parameter);
                 let k = globals[g].effect.map_or(0, |e| e.1);
                 let coefficient = &effect.coefficients[k];
                 let slack = 2.0 * spread * model.fit.covariance[(g, g)].max(0.0).sqrt();
@@ -84,7 +84,7 @@ mod tests {
             let base = fit_without_effects(context).unwrap();
             let mut model = context.fit_near(&[entry(context, "viscous_friction")], &base).unwrap();
             assert_eq!(implausible(context, &model), None);
-            model.fit.point.globals[1] = -0.2;
+            model.fit.point.parameters[1] = -0.2;
             assert!(implausible(context, &model).unwrap().contains("outside 0 to 1.5"));
         });
     }

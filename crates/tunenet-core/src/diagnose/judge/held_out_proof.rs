@@ -2,9 +2,8 @@
 
 use crate::Result;
 use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::fit::Effort;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
-use crate::diagnose::joint::{Joint, Point};
+use crate::diagnose::joint::{Effort, Joint, Point};
 
 const EARLY: Effort = Effort { steps: 6, tolerance: 0.5, horizon: 0.45 };
 /// The share of a recording from which the rest is forecast.
@@ -31,13 +30,14 @@ pub(in crate::diagnose) fn validate(context: &Context, model: &Hypothesis) -> Re
     if sets.is_empty() {
         return Ok(None);
     }
-    let structure = context.structure(&model.structure.effects)?.frozen(&model.fit.point.globals);
+    let structure = context.structure(&model.structure.effects)?.frozen(&model.fit.point.parameters);
     let joint = Joint { structure: &structure, sets, rollouts: &context.rollouts };
-    let start = Point { globals: Vec::new(), nuisances: sets.iter().map(|s| s.prepared.nuisance_values()).collect() };
-    let early = joint.fit(start, EARLY, None)?.point;
-    let whole = joint.fit(early.clone(), FULL, None)?.point;
+    let start =
+        Point { parameters: Vec::new(), nuisances: sets.iter().map(|s| s.prepared.nuisance_values()).collect() };
+    let early = joint.fit(start, EARLY)?.point;
+    let whole = joint.fit(early.clone(), FULL)?.point;
     let plain = joint.plain_residuals(&whole)?;
-    let known = joint.fit(early, Effort { horizon: KNOWN, ..FULL }, None)?.point;
+    let known = joint.fit(early, Effort { horizon: KNOWN, ..FULL })?.point;
     let ahead = joint.plain_residuals(&known)?;
     let mut residuals = plain.clone();
     for (set, values) in sets.iter().zip(&mut residuals) {

@@ -16,7 +16,7 @@ pub(in crate::diagnose) fn relative_heterogeneity(context: &Context<'_>, model: 
     let globals = &model.structure.globals;
     let size = |place: usize| {
         let coefficient = globals[place].effect.is_some();
-        coefficient.then(|| model.fit.point.globals[place] - globals[place].absent.map_or(0.0, |a| a.0))
+        coefficient.then(|| model.fit.point.parameters[place] - globals[place].absent.map_or(0.0, |a| a.0))
     };
     share_moved(&recording_scores(context, model), &size, context.effective_fraction().recip())
 }

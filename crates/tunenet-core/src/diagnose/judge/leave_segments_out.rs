@@ -20,7 +20,7 @@ pub(in crate::diagnose) fn leave_segments_out(context: &Context<'_>, model: &Hyp
             continue;
         }
         let joint = Joint { structure: &model.structure, sets: &shown, rollouts: &context.rollouts };
-        let point = joint.fit(model.fit.point.clone(), FULL, None)?.point;
+        let point = joint.fit(model.fit.point.clone(), FULL)?.point;
         for (set, plain) in judged.iter().zip(joint.plain_residuals(&point)?) {
             let kept = plain.iter().enumerate().filter(|(i, _)| set.keep[*i]);
             squares += kept.map(|(i, v)| (v / set.noise[i % set.width()]).powi(2)).sum::<f64>();

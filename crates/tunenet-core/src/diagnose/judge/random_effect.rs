@@ -8,12 +8,12 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::Result;
 use crate::diagnose::columns::Projector;
-use crate::diagnose::derivatives::Which;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::catalogue::carrier;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
 use crate::diagnose::hypothesis::information_criterion::p_value;
+use crate::diagnose::joint::Which;
 use crate::simulator::{Parameter, Preparation, Simulator, predict};
 use crate::statistics::dot;
 
@@ -60,7 +60,7 @@ pub(in crate::diagnose) fn random_tilts(context: &Context<'_>, model: &Hypothesi
     for (d, set) in context.sets().iter().enumerate() {
         let simulator = &*carriers[set.object];
         let tilts = tilts(simulator, set)?;
-        let base = model.structure.parameters(set.object, &model.fit.point.globals);
+        let base = model.structure.parameters(set.object, &model.fit.point.parameters);
         let names = model.structure.simulator(set.object).parameters();
         // The coefficient of chance itself stays at its absent value.
         let parameters: Vec<f64> = simulator

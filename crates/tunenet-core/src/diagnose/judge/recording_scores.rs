@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnose::columns::orthonormal;
-use crate::diagnose::derivatives::Which;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::joint::Which;
 use crate::statistics::dot;
 
 /// The normal equations of one recording, its nuisance parameters eliminated.
@@ -24,7 +24,7 @@ pub(in crate::diagnose) fn recording_scores(context: &Context<'_>, model: &Hypot
     let residuals = &model.fit.residuals;
     let columns = context.joint(&model.structure).columns(&model.fit.point, residuals, Which::ALL);
     let one = |((set, one), residual): (
-        (&crate::diagnose::evidence::recording::Set, crate::diagnose::derivatives::Columns),
+        (&crate::diagnose::evidence::recording::Set, crate::estimate::jacobian::Columns),
         &Vec<f64>,
     )| {
         let nuisances = orthonormal(one.nuisances);

@@ -78,7 +78,7 @@ fn with_chance<'a>(
     let near = Hypothesis {
         structure: context.structure(&[])?,
         fit: Outcome {
-            point: Point { globals: plain.base.fit.point.globals.clone(), nuisances },
+            point: Point { parameters: plain.base.fit.point.parameters.clone(), nuisances },
             ..plain.base.fit.clone()
         },
     };

@@ -98,7 +98,7 @@ fn apart<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Optio
         let found = events.values.iter().find(|(object, name, _)| *object == g.object && *name == g.parameter.name);
         found.map(|f| f.2).or_else(|| stands(&segments_alone, g.object, &g.parameter.name)).unwrap_or(g.parameter.value)
     });
-    let point = Point { globals: globals.collect(), nuisances: events.point.nuisances };
+    let point = Point { parameters: globals.collect(), nuisances: events.point.nuisances };
     let fit = context.joint(&structure).stand(point)?;
     // What segments alone distinguish is distinguished.
     let between = segments_alone.places.into_iter().map(|place| place.within(segments_alone.margin));
@@ -128,7 +128,7 @@ fn events(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress))
     prune(&context, &mut found)?;
     let (tests, confirmed) = confirmed(&context, &found)?;
     let best = found.best.as_ref().filter(|_| confirmed).unwrap_or(&found.base);
-    let globals = best.structure.globals.iter().zip(&best.fit.point.globals);
+    let globals = best.structure.globals.iter().zip(&best.fit.point.parameters);
     let of = |entry: &usize| found.places.iter().find(|p| p.entry == *entry);
     let places = best.structure.effects.iter().filter_map(of).map(|place| ByName::of(&context, place));
     Ok(Events {

@@ -137,7 +137,7 @@ fn values(model: &Hypothesis, position: usize, entry: &Entry, object: usize) -> 
         let mine = |g: &usize| {
             globals[*g].effect == Some((position, k)) && globals[*g].object.is_none_or(|owner| owner == object)
         };
-        (0..globals.len()).find(mine).map(|g| model.fit.point.globals[g])
+        (0..globals.len()).find(mine).map(|g| model.fit.point.parameters[g])
     };
     entry.of[object].coefficients.iter().enumerate().map(|(k, c)| of(k).unwrap_or(c.absent)).collect()
 }
