@@ -217,19 +217,18 @@ fn a_calibrated_arm_weighs_its_payload() {
         .call(&[&all[..], &fixed, &["--observation", &bare, "--columns", &columns, "--json"]].concat())
         .ends(0)
         .json();
-    // Both kinds of friction are there, and nothing could stand in their place. What swings to and fro has an acceleration
-    // that follows its position, so that a rotor's inertia and a spring cannot be told apart beside them: that is told.
+    // Both kinds of friction are there, and nothing could stand in their place. So are torque gains: the constants above are
+    // published ones, and those that the recordings' authors found are smaller, by 13 % in the last joint to 49 % in the first.
     let effects = answer["effects"].as_array().unwrap();
-    for name in ["coulomb_friction", "viscous_friction"] {
+    for name in ["coulomb_friction", "viscous_friction", "torque_gain"] {
         let found = effects.iter().find(|e| e["name"] == name).unwrap_or_else(|| panic!("no {name}: {answer}"));
         assert!(found["alternatives"].as_array().unwrap().is_empty(), "{found}");
+        let coefficient = found["coefficients"].as_object().unwrap().values().next().unwrap();
+        assert_eq!(coefficient["value"].as_array().unwrap().len(), 6, "{found}");
     }
-    assert_eq!((&answer["verdict"], effects.len()), (&"named".into(), 2), "{answer}");
-    let warnings = answer["warnings"].as_array().unwrap();
-    assert!(warnings.iter().any(|w| w["code"] == "effects.further"), "{answer}");
-    assert!(answer["next_experiment"]["text"].as_str().unwrap().contains("joint"), "{answer}");
+    assert_eq!((&answer["verdict"], effects.len()), (&"named".into(), 3), "{answer}");
     let unseen = &answer["gap"]["held_out"];
-    assert!(unseen["after"].as_f64().unwrap() < 0.5 * unseen["before"].as_f64().unwrap(), "{unseen}");
+    assert!(unseen["after"].as_f64().unwrap() < 0.3 * unseen["before"].as_f64().unwrap(), "{unseen}");
 }
 
 /// Verdict, names and the gap on what was not fitted.

@@ -42,9 +42,6 @@ finding_kinds! {
     ADEQUACY_PRACTICAL = "adequacy.practical",
         "a small discrepancy remains; the effects remove most of it, and held-out recordings confirm them",
         "none needed; the coefficients absorb a small part of what remains";
-    EFFECTS_FURTHER = "effects.further",
-        "of an arm: one of these effects would explain more, and the recordings do not determine which; none is added",
-        "record the motion that `next_experiment` names, then diagnose again";
     CONTACT_UNEXPLAINED = "contact.unexplained",
         "the named effects explain the motion between contacts; contacts leave a discrepancy that no effect explains",
         "vary height and surface, to see which of them changes it";

@@ -32,14 +32,13 @@ pub use input::{Progress, Recording, Settings, Subject};
 pub use pipeline::{Explanation, Problem, Strategy};
 
 use crate::findings;
-use crate::observation::{Kind, Note};
+use crate::observation::Note;
 use crate::simulator::Preparation;
 use crate::{Error, Origin, Result};
 use evidence::copies;
 use evidence::recording::Set;
 use judge::held_out_proof;
 use pipeline::Preparations;
-use strategy::linear;
 
 /// Finds which effects are missing from the simulators of `subjects`, given what was seen of them.
 ///
@@ -76,11 +75,6 @@ pub fn diagnose_with(
             (format!("one of {} subjects", subjects.len()), format!("{} of {}", lost.object, lost.name));
         return Err(Error::Setting { origin: Origin::Caller, name: "object", expected, found });
     }
-    if !subjects.is_empty()
-        && subjects.iter().all(|s| s.simulator.kind() == Kind::Joints && !s.simulator.effects().is_empty())
-    {
-        return linear::diagnose(subjects, recordings, settings, progress);
-    }
     let mut uses = Vec::new();
     let mut sets = Vec::new();
     for (i, recording) in recordings.iter().enumerate() {
@@ -100,7 +94,12 @@ pub fn diagnose_with(
     }
     copies::label(&mut sets);
     let mut notes = Vec::new();
-    if settings.set_aside && !sets.iter().any(|s| s.held_out) {
+    if settings.set_aside && !sets.iter().any(|s| s.held_out) && sets.iter().all(Set::driven) {
+        let ends = sets.iter_mut().map(held_out_proof::hold_end_out).collect::<Result<Vec<_>>>()?;
+        sets.extend(ends.into_iter().flatten());
+        let text = "the last third of each recording is held out for validation";
+        notes.push(Note::new(findings::HELD_OUT_CHOSEN, text, ""));
+    } else if settings.set_aside && !sets.iter().any(|s| s.held_out) {
         let objects: Vec<usize> = sets.iter().map(|s| s.object).collect();
         for i in held_out_proof::set_aside(&objects, settings.seed) {
             sets[i].held_out = true;

@@ -31,6 +31,8 @@ pub struct Coefficient {
     pub max: f64,
     /// A value that is small but visible, as a distance from [`absent`](Self::absent): fits begin this far from it.
     pub typical: f64,
+    /// Which of several under this key it is, from 1: that of joint 2, say. `None` where there is but one.
+    pub number: Option<usize>,
 }
 
 impl Coefficient {
@@ -38,7 +40,13 @@ impl Coefficient {
     /// from absent.
     #[must_use]
     pub const fn new(key: &'static str, unit: &'static str, absent: f64, (min, max): (f64, f64), typical: f64) -> Self {
-        Self { key, unit, absent, min, max, typical }
+        Self { key, unit, absent, min, max, typical, number: None }
+    }
+
+    /// The same as number `number` of several, from 1.
+    #[must_use]
+    pub const fn numbered(self, number: usize) -> Self {
+        Self { number: Some(number), ..self }
     }
 }
 
@@ -91,10 +99,12 @@ impl Effect {
         self.coefficients.iter().enumerate().map(one).collect()
     }
 
-    /// The parameter name of coefficient `i` in a simulator that carries this effect: `quadratic_drag.c_1_m`.
+    /// The parameter name of coefficient `i` in a simulator that carries this effect: `quadratic_drag.c_1_m`, or
+    /// `viscous_friction.nms_rad.2` where the coefficient has a number.
     #[must_use]
     pub fn parameter_name(&self, i: usize) -> String {
-        format!("{}.{}", self.name, self.coefficients[i].key)
+        let Coefficient { key, number, .. } = self.coefficients[i];
+        number.map_or_else(|| format!("{}.{key}", self.name), |number| format!("{}.{key}.{number}", self.name))
     }
 }
 

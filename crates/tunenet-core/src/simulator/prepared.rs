@@ -39,6 +39,12 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// Whether a measured input drives it from the first sample to the last, so that it has no start state to fit.
+    #[must_use]
+    pub fn driven(&self) -> bool {
+        self.input.is_some() && self.nuisances.is_empty()
+    }
+
     /// `seen` as it is, without nuisance parameters.
     #[must_use]
     pub fn whole(seen: Observation, parameters: usize) -> Self {

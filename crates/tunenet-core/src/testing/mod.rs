@@ -12,6 +12,9 @@
 //! | [`DrivenOscillator`] | x'' = −ω² x + a cos Ωt | `damping`, `drive_detuning` |
 //! | [`Shuttle`] | y' = v, and v → −r v at known instants | `friction`, `push` between events, `kick`, `slip` at events |
 //!
+//! [`Levers`] are driven: two joints whose motion is an input and whose torques are seen, with `viscous_friction` and `torque_bias`
+//! of each joint.
+//!
 //! [`reflected_point`] is a point that falls and is reflected, with the data set of pairs that a network learns from.
 //!
 //! ```
@@ -35,6 +38,7 @@
 
 mod decay;
 mod driven_oscillator;
+mod levers;
 mod line;
 mod oscillation;
 mod pendulum;
@@ -43,6 +47,7 @@ mod shuttle;
 
 pub use decay::Decay;
 pub use driven_oscillator::DrivenOscillator;
+pub use levers::Levers;
 pub use line::Line;
 pub use pendulum::Pendulum;
 pub use reflected_point::ReflectedPoint;

@@ -333,14 +333,7 @@ impl Simulator for ReplayedArm {
             }
             let at = arm.fixed.iter().position(|(e, _)| e.name == *name);
             let present = at.map(|i| arm.fixed.remove(i).1);
-            let joints = effect.numbers(self.arm.joints());
-            let entry = effect.entry(self.arm.joints());
-            for (i, mut parameter) in entry.parameters(present.as_deref())?.into_iter().enumerate() {
-                if effect.per_joint {
-                    parameter.name = format!("{}.{}", parameter.name, i % joints + 1);
-                }
-                arm.parameters.push(parameter);
-            }
+            arm.parameters.extend(effect.entry(self.arm.joints()).parameters(present.as_deref())?);
             arm.free.push(effect);
         }
         Ok(Box::new(arm))

@@ -4,6 +4,7 @@ use std::sync::atomic::Ordering;
 
 use crate::Result;
 use crate::diagnose::Recording;
+use crate::diagnose::answer::driven_experiment;
 use crate::diagnose::answer::intervals::Intervals;
 use crate::diagnose::answer::next_experiment;
 use crate::diagnose::answer::per_object::by_object;
@@ -32,7 +33,7 @@ pub(in crate::diagnose) fn assemble(
 ) -> Result<Diagnosis> {
     let Judgement { context, found, decision, .. } = judged;
     let last = judged.last();
-    let intervals = Intervals::new(context, last, judged.heterogeneous);
+    let intervals = Intervals::new(context, last, judged.heterogeneous)?;
     if intervals.widened {
         notes.push(Note::new(
             findings::INTERVALS_WIDENED,
@@ -79,6 +80,7 @@ fn next(judged: &Judgement) -> Result<Option<NextExperiment>> {
     Ok(match judged.decision.verdict {
         Verdict::OneOf => next_experiment::next(context, &judged.found, &judged.decision.alternatives)?
             .or_else(|| plain(words(context).add)),
+        Verdict::Unknown if context.evidence.driven() => Some(driven_experiment::vary(context, judged.best())?),
         Verdict::Unknown => plain(words(context).vary),
         _ => None,
     })
@@ -94,6 +96,9 @@ fn named(
     let entry = &context.catalogue[place.entry];
     let position = model.structure.effects.iter().position(|&e| e == place.entry);
     let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
+    let mut objects: Vec<Option<usize>> = mine.iter().map(|&g| model.structure.globals[g].object).collect();
+    objects.sort_unstable();
+    objects.dedup();
     let coefficients = entry.of[0].coefficients.iter().enumerate().map(|(k, coefficient)| {
         let globals = &model.structure.globals;
         let places = mine.iter().copied().filter(|&g| globals[g].effect.is_some_and(|e| e.1 == k));
@@ -109,6 +114,13 @@ fn named(
                 vec![Value { object: None, value: sd, interval95: ((sd - reach).max(0.0), sd + reach) }]
             }
             _ => values.collect(),
+        };
+        // Of a joint in which the effect cannot be seen, nothing is known.
+        let values = if values.is_empty() && coefficient.number.is_some() {
+            let unknown = (coefficient.min, coefficient.max);
+            objects.iter().map(|&object| Value { object, value: coefficient.absent, interval95: unknown }).collect()
+        } else {
+            values
         };
         Fitted { key: coefficient.key, unit: coefficient.unit, values }
     });

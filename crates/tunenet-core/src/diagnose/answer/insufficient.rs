@@ -1,9 +1,9 @@
 //! Recordings that cannot give an answer.
 
-use crate::diagnose::answer::{Diagnosis, Use, Verdict};
+use crate::diagnose::answer::{Diagnosis, Use, Verdict, driven_experiment};
 use crate::diagnose::hypothesis::context::Context;
 use crate::findings;
-use crate::observation::Note;
+use crate::observation::{Kind, Note};
 
 /// Fewer values than this beyond the unknowns say nothing of what is missing.
 const LEAST_FREEDOM: usize = 12;
@@ -23,6 +23,7 @@ pub(in crate::diagnose) fn too_little(context: &Context, uses: &[Use], notes: &[
     } else {
         return None;
     };
+    let joints = context.subjects.iter().all(|s| s.simulator.kind() == Kind::Joints);
     Some(Diagnosis {
         verdict: Verdict::Insufficient,
         objects: Vec::new(),
@@ -31,7 +32,7 @@ pub(in crate::diagnose) fn too_little(context: &Context, uses: &[Use], notes: &[
         candidates: Vec::new(),
         gap: None,
         adequacy: Vec::new(),
-        next_experiment: None,
+        next_experiment: joints.then(driven_experiment::first),
         margin: context.margin(),
         least_gain: context.settings.margin,
         doubt: None,

@@ -2,8 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::judge::cluster_robust::cluster_robust_half_widths;
+use crate::diagnose::judge::cluster_robust::{cluster_robust_half_widths, stretch_robust_half_widths};
+use crate::diagnose::judge::recording_scores::calibration_moves;
 use crate::statistics::NORMAL_95;
 
 /// The intervals of a model's shared parameters.
@@ -15,22 +17,34 @@ pub(in crate::diagnose) struct Intervals<'a> {
 }
 
 impl<'a> Intervals<'a> {
-    /// By the curvature of the fit, the noise's size taken from what is left; where recordings `differ` among themselves, at
-    /// least as wide as their scatter.
-    pub fn new(context: &Context, model: &'a Hypothesis<'a>, differ: bool) -> Self {
+    /// By the curvature of the fit, the noise's size taken from what is left; where recordings `differ` among themselves, or
+    /// stretches of a driven one, at least as wide as their scatter; and by what is not known of parameters that stay fixed.
+    ///
+    /// # Errors
+    /// Where the simulator refuses.
+    pub fn new(context: &Context, model: &'a Hypothesis<'a>, differ: bool) -> Result<Self> {
         let size = model.structure.globals.len();
         let freedom = context.count() as f64 - size as f64;
         let variance = model.deviance(model.scale()) / freedom.max(1.0) / context.effective_fraction();
         let mut half: Vec<f64> =
             (0..size).map(|g| NORMAL_95 * (variance * model.fit.covariance[(g, g)].max(0.0)).sqrt()).collect();
-        let between = if differ { cluster_robust_half_widths(context, model) } else { Vec::new() };
+        let between = if context.evidence.driven() {
+            stretch_robust_half_widths(context, model)
+        } else if differ {
+            cluster_robust_half_widths(context, model)
+        } else {
+            Vec::new()
+        };
         let mut widened = false;
         for (half, between) in half.iter_mut().zip(&between) {
             if let Some(between) = between.filter(|between| between > half) {
                 (*half, widened) = (between, true);
             }
         }
-        Self { model, half, widened }
+        for moves in calibration_moves(context, model)? {
+            half.iter_mut().zip(moves).for_each(|(half, moved)| *half = half.hypot(NORMAL_95 * moved));
+        }
+        Ok(Self { model, half, widened: widened && !context.evidence.driven() })
     }
 
     /// That of shared parameter `g`, within the bounds of what can be simulated.

@@ -1,6 +1,7 @@
 //! What a diagnosis ends with.
 
 pub(in crate::diagnose) mod assemble;
+pub(in crate::diagnose) mod driven_experiment;
 pub(in crate::diagnose) mod insufficient;
 pub(in crate::diagnose) mod intervals;
 pub(in crate::diagnose) mod next_experiment;

@@ -1,8 +1,8 @@
 //! Next experiment, maximin T-optimal (Atkinson and Fedorov 1975): where the confusable effects differ most.
 
 use crate::Result;
-use crate::diagnose::answer::NextExperiment;
 use crate::diagnose::answer::wording::{is_segmented, words};
+use crate::diagnose::answer::{NextExperiment, driven_experiment};
 use crate::diagnose::columns::{Projector, orthonormal, stack};
 use crate::diagnose::evidence::ar1_prewhitening::Filter;
 use crate::diagnose::evidence::recording::Set;
@@ -51,6 +51,9 @@ pub(in crate::diagnose) fn next(
         let text = std::iter::once(words.add).chain(known).collect::<Vec<_>>().join("; or ");
         return Ok(Some(NextExperiment { text, settings: Vec::new() }));
     };
+    if context.evidence.driven() {
+        return driven_experiment::next(context, best, place.entry, others).map(Some);
+    }
     let designs = designs(context, best)?;
     let chance = |entry: usize| context.catalogue[entry].chance();
     let gaps = if chance(place.entry) || others.iter().any(|&other| chance(other)) {

@@ -75,14 +75,20 @@ impl Evidence {
         self.training.iter().map(Set::count).sum()
     }
 
-    /// Whether all that is fitted shows one motion, however often.
+    /// Whether measured inputs drive all that is fitted, so that no start state of it is unknown.
+    pub fn driven(&self) -> bool {
+        !self.training.is_empty() && self.training.iter().all(Set::driven)
+    }
+
+    /// Whether all that is fitted shows one motion, however often. A driven recording is many: its input visits what a start
+    /// state would have to choose.
     pub fn shows_one_motion(&self) -> bool {
-        self.training.iter().all(|set| set.motion == self.training[0].motion)
+        self.training.iter().all(|set| !set.driven() && set.motion == self.training[0].motion)
     }
 
     /// Whether no object shows a second motion, against which the values of its nuisance parameters could be held.
     pub fn shows_one_motion_per_object(&self) -> bool {
         let one = |a: &Set| self.training.iter().all(|b| a.object != b.object || a.motion == b.motion);
-        self.training.iter().all(one)
+        self.training.iter().all(|set| !set.driven() && one(set))
     }
 }

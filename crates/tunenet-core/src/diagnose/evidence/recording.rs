@@ -110,7 +110,9 @@ impl PreparedRecording {
         let width = seen.channels().len();
         let ranges: Vec<f64> = (0..width).map(|c| range(seen.column(c))).collect();
         let widest = ranges.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
-        let noise: Vec<f64> = noise(seen).iter().map(|sd| sd.max(PRACTICAL_SHARE * widest)).collect();
+        let known = prepared.noise.clone().filter(|_| prepared.driven());
+        let noise: Vec<f64> =
+            known.unwrap_or_else(|| noise(seen)).iter().map(|sd| sd.max(PRACTICAL_SHARE * widest)).collect();
         let keep: Vec<bool> =
             (0..seen.values().len()).map(|i| ranges[i % width] > STILL_SHARE * widest || width == 1).collect();
         let events = segmentation.map_or_else(Vec::new, |known| known.events(seen));
@@ -164,6 +166,11 @@ impl PreparedRecording {
 
     pub(in crate::diagnose) fn clock(&self) -> &[f64] {
         self.prepared.seen.clock()
+    }
+
+    /// Whether it is [driven](Prepared::driven).
+    pub(in crate::diagnose) fn driven(&self) -> bool {
+        self.prepared.driven()
     }
 
     /// How many values count.

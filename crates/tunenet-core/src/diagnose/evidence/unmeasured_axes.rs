@@ -11,7 +11,10 @@ use crate::statistics::dot;
 
 /// A coefficient that moves the recordings by less than this share of what another of its effect does is not seen.
 const UNSEEN_SHARE: f64 = 1e-3;
-/// An nuisance parameter whose whole range moves nothing by more than this (in units of the noise) is held at its guess ...
+/// ... nor is one of a driven recording that moves it by less than this over all its physical range (root of the summed squares, in
+/// units of the noise).
+const VISIBLE: f64 = 2.0;
+/// A nuisance parameter whose whole range moves nothing by more than this (in units of the noise) is held at its guess ...
 pub(in crate::diagnose) const SILENT: f64 = 0.01;
 /// ... by a pull of this share of its range.
 const HELD_SHARE: f64 = 1e-6;
@@ -20,7 +23,8 @@ const HELD_SHARE: f64 = 1e-6;
 /// alone. A start velocity across the picture would otherwise turn spin into any force within it.
 pub(in crate::diagnose) fn without_unmeasured<'a>(context: Context<'a>, base: &Hypothesis) -> Result<Context<'a>> {
     let mut evidence = Evidence::clone(&context.evidence);
-    if evidence.training.iter().chain(&evidence.validation).all(|set| set.unmeasured().is_empty()) {
+    let complete = |set: &Set| set.unmeasured().is_empty() && !set.driven();
+    if evidence.training.iter().chain(&evidence.validation).all(complete) {
         return Ok(context);
     }
     let structure = context.structure(&[])?;
@@ -49,17 +53,34 @@ pub(in crate::diagnose) fn without_unmeasured<'a>(context: Context<'a>, base: &H
 fn observable(context: &Context<'_>, entry: usize, base: &Hypothesis) -> Result<Vec<bool>> {
     let structure = context.structure(&[entry])?;
     let known = base.structure.globals.len();
-    let globals = structure.carry(&base.structure, &base.fit.point.parameters);
+    let mut globals = structure.carry(&base.structure, &base.fit.point.parameters);
+    let driven = context.evidence.driven();
+    // The speed at which friction falls has no slope where there is no friction.
+    for (value, global) in globals.iter_mut().zip(&structure.globals).skip(known).filter(|_| driven) {
+        let present = global.absent.map_or(*value, |(absent, typical)| absent + typical);
+        *value = present.clamp(global.parameter.min, global.parameter.max);
+    }
     let point = Point { parameters: globals, nuisances: base.fit.point.nuisances.clone() };
     let which = Which { first: known, nuisances: false, ..Which::ALL };
-    let columns = context.joint(&structure).columns(&point, &base.fit.residuals, which);
+    let joint = context.joint(&structure);
+    let residuals = if driven { joint.residuals(&point, 1.0)? } else { base.fit.residuals.clone() };
+    let columns = joint.columns(&point, &residuals, which);
     let lengths: Vec<usize> = base.fit.residuals.iter().map(Vec::len).collect();
     let mut sizes = vec![0.0f64; context.catalogue[entry].seen.len()];
+    let mut visible = vec![false; sizes.len()];
     for (place, global) in structure.globals.iter().enumerate().skip(known) {
         let column = stack(&columns, &lengths, place);
         if let Some((_, k)) = global.effect {
-            sizes[k] = sizes[k].max(dot(&column, &column).sqrt());
+            let size = dot(&column, &column).sqrt();
+            let (low, high) = context.catalogue[entry].of[global.object.unwrap_or(0)].plausible[k];
+            visible[k] |= size * (high - low) > VISIBLE;
+            sizes[k] = sizes[k].max(size);
         }
+    }
+    // A joint whose axis stands upright has no offset to see; where none of an effect is visible, that is said of the effect.
+    if driven {
+        let none = visible.iter().all(|seen| !seen);
+        return Ok(visible.into_iter().map(|seen| seen || none).collect());
     }
     let largest = sizes.iter().copied().fold(0.0, f64::max);
     Ok(sizes.into_iter().map(|size| largest <= 0.0 || size > UNSEEN_SHARE * largest).collect())
@@ -93,8 +114,22 @@ impl Set {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+    use crate::diagnose::tests::zoo::{LEVER_FRICTION, entry, in_levers};
     use crate::observation::Observation;
     use crate::simulator::{Parameter, Prepared};
+    use crate::testing::Levers;
+
+    /// The second lever is held: its friction cannot be seen, its bias can.
+    #[test]
+    fn friction_of_a_joint_that_is_held_is_not_free() {
+        in_levers(&Levers::new().unwrap(), &[(LEVER_FRICTION, 0.5)], |context| {
+            let base = fit_without_effects(context).unwrap();
+            let context = without_unmeasured(context.clone(), &base).unwrap();
+            assert_eq!(context.catalogue[entry(&context, "viscous_friction")].seen, [true, false]);
+            assert_eq!(context.catalogue[entry(&context, "torque_bias")].seen, [true, true]);
+        });
+    }
 
     fn seen_along_x_and_z() -> Set {
         let clock: Vec<f64> = (0..30).map(|k| f64::from(k) * 0.02).collect();

@@ -121,6 +121,12 @@ impl<'a> Structure<'a> {
         self
     }
 
+    /// The same with another value of a parameter that is not free.
+    pub fn with_value(mut self, object: usize, parameter: usize, value: f64) -> Self {
+        self.values[object][parameter] = value;
+        self
+    }
+
     fn add(&mut self, global: Global, object: usize) {
         let name = global.parameter.name.clone();
         self.globals.push(global);
@@ -176,6 +182,8 @@ mod tests {
             assert_eq!(more.carry(&bare, &[1.7]), [1.7, 0.0]);
             assert_eq!((more.places(0), more.of_effect(0)), (vec![0, 1], vec![1]));
             assert_eq!(more.parameters(0, &[1.7, 0.2]), [1.7, 0.2]);
+            let moved = context.structure(&[]).unwrap().with_value(0, 0, 9.0);
+            assert_eq!(moved.parameters(0, &[1.7]), [1.7], "a free parameter has its own value");
             let frozen = more.frozen(&[1.7, 0.2]);
             assert!(frozen.globals.is_empty());
             assert_eq!(frozen.parameters(0, &[]), [1.7, 0.2]);

@@ -74,13 +74,20 @@ fn is_rounding(context: &Context<'_>, model: &Hypothesis) -> bool {
     })
 }
 
-/// Of lists of events, too short for any test of shape: whether the residual is no larger than the noise of single
-/// intervals, by the same limit as in tuning.
+/// Whether the residual is no larger than the noise, by the same limit as in tuning. Of lists of events, too short for any test
+/// of shape, and of driven recordings without any effect. Not of those with one: filtered logs understate their noise, and what an effect
+/// leaves white is not held against it.
 fn residual_size(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
-    let heard =
-        context.sets().iter().zip(&model.fit.residuals).filter(|(s, _)| s.prepared.seen.kind() == Kind::EventTimes);
+    let bare = model.structure.effects.is_empty();
+    let tested = |set: &Set| set.driven() && bare || set.prepared.seen.kind() == Kind::EventTimes;
+    if !context.sets().iter().any(tested) {
+        return None;
+    }
+    // Prewhitened residuals of a driven recording would hide how large they are.
+    let weighted = if context.evidence.driven() { Some(context.weighted(model).ok()?) } else { None };
+    let residuals = weighted.as_ref().unwrap_or(&model.fit.residuals);
     let share = model.structure.globals.len().div_ceil(context.sets().len().max(1));
-    let each = heard.map(|(set, residual)| {
+    let each = context.sets().iter().zip(residuals).filter(|(set, _)| tested(set)).map(|(set, residual)| {
         Adequacy::of(&set.prepared.seen, &set.noise, residual, set.prepared.nuisances.len() + share)
     });
     let worst = each.filter(|a| a.tested).max_by(|a, b| (a.ratio / a.limit).total_cmp(&(b.ratio / b.limit)))?;

@@ -10,13 +10,18 @@ use crate::statistics::{UPPER_95, student_quantile};
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::judge::recording_scores::Score;
-use crate::diagnose::judge::recording_scores::recording_scores;
+use crate::diagnose::judge::recording_scores::{Score, recording_scores, stretch_scores};
 use crate::estimate::block_arrow::inverse;
 
 /// Half the 95 % interval of each shared parameter by the scatter between recordings; `None` where fewer than two bear on it.
 pub(in crate::diagnose) fn cluster_robust_half_widths(context: &Context<'_>, model: &Hypothesis) -> Vec<Option<f64>> {
     half_widths(&recording_scores(context, model), model.structure.globals.len())
+}
+
+/// The same by the scatter between stretches of driven recordings: what a model of an arm leaves (ripple, play, friction that
+/// changes with load) is correlated for seconds.
+pub(in crate::diagnose) fn stretch_robust_half_widths(context: &Context<'_>, model: &Hypothesis) -> Vec<Option<f64>> {
+    half_widths(&stretch_scores(context, model), model.structure.globals.len())
 }
 
 fn half_widths(scores: &[Score], size: usize) -> Vec<Option<f64>> {

@@ -2,10 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::Result;
 use crate::diagnose::columns::orthonormal;
+use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::joint::Which;
-use crate::statistics::dot;
+use crate::estimate::jacobian::Columns;
+use crate::statistics::{NORMAL_95, dot};
+
+/// Stretches of a driven recording: long against what its residual remembers, enough for a variance.
+const STRETCHES: usize = 15;
 
 /// The normal equations of one recording, its nuisance parameters eliminated.
 pub(in crate::diagnose) struct Score {
@@ -19,36 +25,133 @@ pub(in crate::diagnose) struct Score {
     pub pull: DVector<f64>,
 }
 
+/// Derivatives of one recording's white residuals by the shared parameters, its nuisance parameters projected out.
+struct Reduced {
+    places: Vec<usize>,
+    columns: Vec<Vec<f64>>,
+    nuisances: Vec<Vec<f64>>,
+}
+
+fn reduced(context: &Context<'_>, model: &Hypothesis) -> Vec<Reduced> {
+    let columns = context.joint(&model.structure).columns(&model.fit.point, &model.fit.residuals, Which::ALL);
+    let one = |one: Columns| {
+        let nuisances = orthonormal(one.nuisances);
+        let mut columns = one.shared;
+        columns.iter_mut().for_each(|column| project(&nuisances, column));
+        Reduced { places: one.places, columns, nuisances }
+    };
+    columns.into_iter().map(one).collect()
+}
+
+/// Takes these directions out of `column`.
+fn project(directions: &[Vec<f64>], column: &mut [f64]) {
+    // Twice, since once leaves rounding of the size of what was taken out.
+    for direction in directions.iter().chain(directions) {
+        let part = dot(direction, column);
+        column.iter_mut().zip(direction).for_each(|(c, d)| *c -= part * d);
+    }
+}
+
+fn score(recording: usize, places: &[usize], columns: &[&[f64]], residual: &[f64]) -> Score {
+    let normal = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(columns[i], columns[j]));
+    let pull = DVector::from_fn(columns.len(), |i, _| -dot(columns[i], residual));
+    Score { recording, places: places.to_vec(), normal, pull }
+}
+
 /// The scores of all recordings at `model`.
 pub(in crate::diagnose) fn recording_scores(context: &Context<'_>, model: &Hypothesis) -> Vec<Score> {
-    let residuals = &model.fit.residuals;
-    let columns = context.joint(&model.structure).columns(&model.fit.point, residuals, Which::ALL);
-    let one = |((set, one), residual): (
-        (&crate::diagnose::evidence::recording::Set, crate::estimate::jacobian::Columns),
-        &Vec<f64>,
-    )| {
-        let nuisances = orthonormal(one.nuisances);
-        let mut reduced = one.shared;
-        for column in &mut reduced {
-            // Twice, since once leaves rounding of the size of what was taken out.
-            for direction in nuisances.iter().chain(&nuisances) {
-                let part = dot(direction, column);
-                column.iter_mut().zip(direction).for_each(|(c, d)| *c -= part * d);
+    let all = context.sets().iter().zip(reduced(context, model)).zip(&model.fit.residuals);
+    let one = |((set, one), residual): ((&Set, Reduced), &Vec<f64>)| {
+        let columns: Vec<&[f64]> = one.columns.iter().map(Vec::as_slice).collect();
+        score(set.recording, &one.places, &columns, residual)
+    };
+    all.map(one).collect()
+}
+
+/// The same of stretches of the recordings, [`STRETCHES`] of each, numbered through.
+pub(in crate::diagnose) fn stretch_scores(context: &Context<'_>, model: &Hypothesis) -> Vec<Score> {
+    let mut scores = Vec::new();
+    for ((set, one), residual) in context.sets().iter().zip(reduced(context, model)).zip(&model.fit.residuals) {
+        let (width, samples) = (set.width(), set.clock().len());
+        let stretches = STRETCHES.min(samples);
+        for b in 0..stretches {
+            let range = b * samples / stretches * width..(b + 1) * samples / stretches * width;
+            let columns: Vec<&[f64]> = one.columns.iter().map(|c| &c[range.clone()]).collect();
+            scores.push(score(scores.len(), &one.places, &columns, &residual[range.clone()]));
+        }
+    }
+    scores
+}
+
+/// How far each shared parameter moves as a parameter that stays fixed and is not exact (a calibrated gain, say) moves by its
+/// standard deviation: one list for each such parameter.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub(in crate::diagnose) fn calibration_moves(context: &Context<'_>, model: &Hypothesis) -> Result<Vec<Vec<f64>>> {
+    let objects = (0..context.subjects.len()).filter(|&o| context.sets().iter().any(|set| set.object == o));
+    let uncertain: Vec<(usize, usize, f64)> = objects
+        .flat_map(|object| {
+            let all = context.subjects[object].simulator.parameters().iter().enumerate().filter(|(_, p)| !p.tune);
+            all.filter_map(move |(i, p)| {
+                let sd = p.known95.map(|(low, high)| (high - low) / (2.0 * NORMAL_95))?;
+                // Inward where a bound is near: the fit is taken for linear.
+                Some((object, i, if p.value + sd > p.max { p.value - sd } else { p.value + sd }))
+            })
+        })
+        .collect();
+    if uncertain.is_empty() {
+        return Ok(Vec::new());
+    }
+    let reduced = reduced(context, model);
+    let one = |(object, i, value): (usize, usize, f64)| -> Result<Vec<f64>> {
+        let structure = context.structure(&model.structure.effects)?.with_value(object, i, value);
+        let there = context.joint(&structure).residuals(&model.fit.point, 1.0)?;
+        let mut right = DVector::zeros(model.structure.globals.len());
+        for ((moved, here), one) in there.into_iter().zip(&model.fit.residuals).zip(&reduced) {
+            let mut column: Vec<f64> = moved.iter().zip(here).map(|(a, b)| a - b).collect();
+            project(&one.nuisances, &mut column);
+            for (&place, shared) in one.places.iter().zip(&one.columns) {
+                right[place] += dot(shared, &column);
             }
         }
-        let normal = DMatrix::from_fn(reduced.len(), reduced.len(), |i, j| dot(&reduced[i], &reduced[j]));
-        let pull = DVector::from_fn(reduced.len(), |i, _| -dot(&reduced[i], residual));
-        Score { recording: set.recording, places: one.places, normal, pull }
+        let finite = model.fit.covariance.map(|v| if v.is_finite() { v } else { 0.0 });
+        Ok((finite * right).iter().copied().collect())
     };
-    context.sets().iter().zip(columns).zip(residuals).map(one).collect()
+    uncertain.into_iter().map(one).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::zoo::in_swings;
+    use crate::diagnose::tests::zoo::{in_levers, in_swings};
+    use crate::testing::Levers;
 
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
+
+    /// τ = I q'' + W cos q: an error of W moves I by −Σ q'' cos q / Σ q''² times that error.
+    #[test]
+    fn a_calibration_error_moves_what_is_fitted_beside_it() {
+        let levers = Levers::new().unwrap().with_weight_known_to((2.8, 3.2));
+        in_levers(&levers, &[], |context| {
+            let base = fit_without_effects(context).unwrap();
+            let moves = calibration_moves(context, &base).unwrap();
+            let input = context.sets()[0].prepared.input.clone().unwrap();
+            let (mut product, mut square) = (0.0, 0.0);
+            for k in 0..context.sets()[0].clock().len() {
+                let row = input.row(k);
+                product += row[2] * row[0].cos();
+                square += row[2] * row[2];
+            }
+            let expected = (product / square * 0.4 / (2.0 * NORMAL_95)).abs();
+            assert!((moves[0][0].abs() / expected - 1.0).abs() < 0.02, "{moves:?} {expected}");
+            assert_eq!(stretch_scores(context, &base).len(), STRETCHES);
+        });
+        in_levers(&Levers::new().unwrap(), &[], |context| {
+            let base = fit_without_effects(context).unwrap();
+            assert!(calibration_moves(context, &base).unwrap().is_empty(), "the weight is exact");
+        });
+    }
 
     #[test]
     fn scores_of_all_recordings_cancel_where_the_fit_has_arrived() {

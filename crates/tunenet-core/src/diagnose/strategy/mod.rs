@@ -4,7 +4,6 @@
 mod attempt;
 mod by_name;
 mod discrepancy_as_noise;
-pub(in crate::diagnose) mod linear;
 mod random_contacts;
 mod required_effects_first;
 mod segment_wise;

@@ -4,8 +4,10 @@ mod glider;
 pub(in crate::diagnose) mod zoo;
 
 use super::*;
+use crate::diagnose::tests::zoo::{LEVER_FRICTION, NOISE_NM};
 use crate::findings;
 use crate::observation::Observation;
+use crate::testing::Levers;
 use glider::{Glider, Truth, glides};
 
 fn ask(seen: &[&[Observation]], settings: &Settings) -> Diagnosis {
@@ -120,4 +122,20 @@ fn settings_out_of_range_are_refused() {
     let seen = &glides(Truth::default(), 1, 60, 1)[0];
     let lost = [Recording { name: "a".into(), object: 3, held_out: false, seen }];
     assert!(diagnose(&subjects, &lost, &Settings::default(), &|_| {}).is_err());
+}
+
+/// A driven recording needs no second one: its end is held out, and a joint in which the effect cannot be seen says so.
+#[test]
+fn a_single_driven_recording_names_an_effect_in_the_joint_that_shows_it() {
+    let levers = Levers::new().unwrap();
+    let seen = levers.observe(&[("inertia", 1.4), (LEVER_FRICTION, 0.5)], NOISE_NM, 3).unwrap();
+    let subjects = [Subject { name: "levers".into(), simulator: &levers }];
+    let recordings = [Recording { name: "run".into(), object: 0, held_out: false, seen: &seen }];
+    let found = diagnose(&subjects, &recordings, &Settings::default(), &|_| {}).unwrap();
+    assert_eq!((found.verdict, found.names.as_slice()), (Verdict::Named, ["viscous_friction"].as_slice()));
+    let values: Vec<_> =
+        found.effects[0].coefficients.iter().map(|c| (c.values[0].value, c.values[0].interval95)).collect();
+    assert!((values[0].0 - 0.5).abs() < 0.01 && values[0].1.0 < 0.5 && 0.5 < values[0].1.1, "{values:?}");
+    assert_eq!(values[1], (0.0, (0.0, 20.0)), "the second lever is held");
+    assert!(found.gap.unwrap().held_out.is_some_and(|gap| gap.after < 1.2 * NOISE_NM * 2.0f64.sqrt()));
 }

@@ -4,10 +4,11 @@ use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::evidence::{Evidence, copies};
 use crate::diagnose::hypothesis::catalogue::catalogue;
 use crate::diagnose::hypothesis::context::Context;
+use crate::diagnose::judge::held_out_proof::hold_end_out;
 use crate::diagnose::{Settings, Subject};
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};
-use crate::testing::{Exact, Pendulum, Shuttle};
+use crate::testing::{Exact, Levers, Pendulum, Shuttle};
 
 /// Standard deviation of the noise of [`swings`].
 pub const NOISE_RAD: f64 = 1e-3;
@@ -58,6 +59,21 @@ pub fn in_shuttles(truth: &[(&str, f64)], test: impl FnOnce(&Context)) {
     let seen: Vec<Observation> =
         (0u64..).zip(starts).map(|(k, start)| shuttle.observe(&all, &start, SHUTTLE_NOISE_M, k).unwrap()).collect();
     in_context(&shuttle, &seen, 0, test);
+}
+
+/// Standard deviation of the noise of [`levers`].
+pub const NOISE_NM: f64 = 0.02;
+/// A coefficient of levers.
+pub const LEVER_FRICTION: &str = "viscous_friction.nms_rad.1";
+
+/// The context of one recording of driven levers with these coefficients, its end held out.
+pub fn in_levers(levers: &Levers, truth: &[(&str, f64)], test: impl FnOnce(&Context)) {
+    let (subjects, settings) = ([Subject { name: "levers".into(), simulator: levers }], Settings::default());
+    let seen = levers.observe(truth, NOISE_NM, 5).unwrap();
+    let Preparation::Usable(prepared) = levers.prepare(&seen).unwrap() else { panic!("usable") };
+    let mut set = Set::new(0, 0, false, *prepared);
+    let end = hold_end_out(&mut set).unwrap().unwrap();
+    test(&Context::new(&subjects, Evidence::new(vec![set, end]), catalogue(&subjects), &settings));
 }
 
 /// The position of an effect in the catalogue.

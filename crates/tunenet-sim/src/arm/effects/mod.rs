@@ -72,14 +72,18 @@ impl ArmEffect {
         if self.per_joint { joints } else { 1 }
     }
 
-    /// Its entry for an arm of so many joints: each coefficient stands there once for every joint, under the same key.
+    /// Its entry for an arm of so many joints: each coefficient stands there once for every joint, under the same key and
+    /// numbered by the joint.
     #[must_use]
     pub fn entry(&self, joints: usize) -> Effect {
         let each = self.numbers(joints);
+        let of_joints = |c: &Coefficient| -> Vec<Coefficient> {
+            if self.per_joint { (1..=joints).map(|joint| c.numbered(joint)).collect() } else { vec![*c] }
+        };
         Effect {
             name: self.name,
             phase: self.phase,
-            coefficients: self.coefficients.iter().flat_map(|c| std::iter::repeat_n(*c, each)).collect(),
+            coefficients: self.coefficients.iter().flat_map(of_joints).collect(),
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
             sentence: self.sentence,
             random: false,

@@ -1,12 +1,12 @@
-//! What to record next of an arm: the motion in which the effects that are left together differ.
+//! Next experiment of a driven mechanism, by what each effect's torque follows: the motion in which confusable effects differ.
 //!
 //! Effects are distinguished by what their torque follows: speed, the rate at which motion changes, the pose, or the load. The
 //! joint is the one in which the contested effect shows most, and speeds and poses are those that the recordings reach.
 
-use super::choose::Chosen;
-use super::logs::Logs;
 use crate::Result;
-use crate::diagnose::answer::{NextExperiment, Verdict};
+use crate::diagnose::answer::NextExperiment;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 
 /// What a torque follows.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -55,64 +55,65 @@ struct Reach {
     fastest_rad_s: f64,
 }
 
-/// The experiment that tells `names` apart, or shows more of what none of them explains.
+/// Where nothing usable was recorded.
+pub(in crate::diagnose) fn first() -> NextExperiment {
+    NextExperiment {
+        text: "correct what is noted of each recording, or record half a minute or more in which every joint moves over its \
+               range, with positions and torques"
+            .into(),
+        settings: vec![("duration_s".into(), 30.0)],
+    }
+}
+
+/// The experiment that distinguishes the effect `contested` of `best` from `others`.
 ///
 /// # Errors
 /// Where a simulator refuses.
-pub(super) fn next(
-    logs: &Logs,
-    chosen: &Chosen,
-    verdict: Verdict,
-    names: &[&'static str],
-    margin: f64,
-) -> Result<Option<NextExperiment>> {
-    match verdict {
-        Verdict::OneOf => {
-            let open = chosen.effects.iter().find(|s| s.doubtful(margin));
-            let Some(stood) = open else { return Ok(None) };
-            let contested: Vec<&'static str> = std::iter::once(stood.entry)
-                .chain(stood.near(margin))
-                .map(|entry| logs.entries[entry].effect.name)
-                .filter(|name| names.contains(name))
-                .collect();
-            let mut without = chosen.best.point.clone();
-            for (object, i) in logs.places(stood.entry) {
-                without[object][i] = logs.parameter((object, i)).value;
-            }
-            let joint = strongest(logs, |run| {
-                let (there, gone) = (logs.prediction(run, &chosen.best.point)?, logs.prediction(run, &without)?);
-                Ok(there
-                    .iter()
-                    .zip(&gone)
-                    .enumerate()
-                    .map(|(i, (a, b))| (a - b) / run.noise[i % run.width()])
-                    .collect())
-            })?;
-            Ok(Some(apart(&contested, &reach(logs, joint))))
-        }
-        Verdict::Unknown => {
-            let joint = strongest(logs, |run| logs.in_noise(run, &chosen.best.point))?;
-            Ok(Some(alone(&reach(logs, joint))))
-        }
-        _ => Ok(None),
+pub(in crate::diagnose) fn next(
+    context: &Context,
+    best: &Hypothesis,
+    contested: usize,
+    others: &[usize],
+) -> Result<NextExperiment> {
+    let position = best.structure.effects.iter().position(|&e| e == contested);
+    let mut without = best.fit.point.clone();
+    for g in position.map_or_else(Vec::new, |p| best.structure.of_effect(p)) {
+        without.parameters[g] = best.structure.globals[g].absent.map_or(0.0, |(absent, _)| absent);
     }
+    let joint = context.joint(&best.structure);
+    let (there, gone) = (joint.plain_residuals(&best.fit.point)?, joint.plain_residuals(&without)?);
+    let differences = there.iter().zip(&gone).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
+    let joint = strongest(context.sets(), &differences.collect::<Vec<_>>());
+    let names: Vec<&'static str> =
+        std::iter::once(&contested).chain(others).map(|&entry| context.catalogue[entry].name).collect();
+    Ok(apart(&names, &reach(context.sets(), joint)))
 }
 
-/// The joint in which such values have the largest squares.
-fn strongest(logs: &Logs, of: impl Fn(&super::logs::Run) -> Result<Vec<f64>>) -> Result<usize> {
-    let mut sums = vec![0.0; logs.runs[0].width()];
-    for run in logs.fitted() {
-        for (i, value) in of(run)?.iter().enumerate() {
-            sums[i % run.width()] += value * value;
+/// The experiment that shows more of what no known effect explains, beside `best`.
+///
+/// # Errors
+/// Where a simulator refuses.
+pub(in crate::diagnose) fn vary(context: &Context, best: &Hypothesis) -> Result<NextExperiment> {
+    let plain = context.joint(&best.structure).plain_residuals(&best.fit.point)?;
+    Ok(alone(&reach(context.sets(), strongest(context.sets(), &plain))))
+}
+
+/// The joint in which such values have the largest squares in units of the noise.
+fn strongest(sets: &[Set], values: &[Vec<f64>]) -> usize {
+    let mut sums = vec![0.0; sets.first().map_or(0, Set::width)];
+    for (set, values) in sets.iter().zip(values) {
+        let width = set.width();
+        for (i, value) in values.iter().enumerate() {
+            sums[i % width] += (value / set.noise[i % width]).powi(2);
         }
     }
-    Ok((0..sums.len()).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0))
+    (0..sums.len()).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0)
 }
 
 /// How far and how fast the recordings move a joint, where their inputs name positions and speeds.
-fn reach(logs: &Logs, joint: usize) -> Reach {
+fn reach(sets: &[Set], joint: usize) -> Reach {
     let mut found = Reach { joint: joint + 1, low_rad: f64::INFINITY, high_rad: f64::NEG_INFINITY, fastest_rad_s: 0.0 };
-    for input in logs.fitted().filter_map(|run| run.prepared.input.as_ref()) {
+    for input in sets.iter().filter_map(|set| set.prepared.input.as_ref()) {
         let column = |name: String| input.channels().iter().position(|c| c.name == name);
         if let Some(q) = column(format!("q{}", joint + 1)) {
             let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
@@ -199,6 +200,25 @@ fn alone(reach: &Reach) -> NextExperiment {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+    use crate::diagnose::tests::zoo::{LEVER_FRICTION, entry, in_levers};
+    use crate::testing::Levers;
+
+    /// Friction of the lever that swings is asked of that one, within what the recording reaches.
+    #[test]
+    fn the_joint_that_shows_the_effect_is_asked_for() {
+        in_levers(&Levers::new().unwrap(), &[(LEVER_FRICTION, 0.5)], |context| {
+            let base = fit_without_effects(context).unwrap();
+            let contested = entry(context, "viscous_friction");
+            let best = context.fit_near(&[contested], &base).unwrap();
+            let asked = next(context, &best, contested, &[entry(context, "torque_bias")]).unwrap();
+            assert!(asked.settings.contains(&("joint".to_owned(), 1.0)), "{asked:?}");
+            let fastest = asked.settings.iter().find(|(name, _)| name == "fast_rad_s").unwrap().1;
+            assert!((2.5..3.3).contains(&fastest), "{asked:?}");
+            assert!(vary(context, &base).unwrap().text.starts_with("move joint 1 alone"));
+        });
+    }
 
     const REACH: Reach = Reach { joint: 3, low_rad: -1.5, high_rad: 0.5, fastest_rad_s: 0.8 };
 
