@@ -1,10 +1,11 @@
 //! The answer of `tunenet diagnose`: what was read, what was found, and what changes in the simulation file.
 
 use toml_edit::InlineTable;
-use tunenet_core::diagnose::{self, Diagnosis, NamedEffect, OfObject, Value, Verdict};
+use tunenet_core::diagnose::{self, Diagnosis, Fitted, Gap, GapOf, NamedEffect, OfObject, Value, Verdict};
 use tunenet_core::findings;
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
+use tunenet_sim::arm::effects::ArmEffect;
 use tunenet_sim::{Session, SimulationFile};
 
 /// What could be in the place of a lone effect that earns no name.
@@ -157,4 +158,23 @@ impl Answer<'_> {
     pub fn object(&self, value: &Value) -> Option<&str> {
         Some(self.loaded.objects.get(value.object?)?.name.as_str())
     }
+}
+
+/// Whether an effect has numbers of each joint of an arm.
+pub fn is_per_joint(named: &NamedEffect) -> bool {
+    ArmEffect::find(named.effect.name).is_some_and(|effect| effect.per_joint)
+}
+
+/// What the gap was measured on.
+pub fn gap_of(gap: &Gap) -> &'static str {
+    match gap.of {
+        GapOf::Recordings => "recordings",
+        GapOf::Segments => "flights",
+        GapOf::Events => "contacts",
+    }
+}
+
+/// The value of an object, or the one that all share.
+pub fn value_of(fitted: &Fitted, object: usize) -> Option<&Value> {
+    fitted.values.iter().find(|v| v.object.is_none_or(|o| o == object))
 }

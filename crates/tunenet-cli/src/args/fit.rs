@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use tunenet_core::{Error, Origin};
 
-use super::{Common, Leave, Reading, Sharing, Simulation, Writing, jobs, pair};
+use super::{Common, Permission, Reading, Sharing, Simulation, Writing, jobs, pair};
 
 pub const TUNE_EXAMPLES: &str = "\
 Examples:
@@ -57,7 +57,7 @@ pub struct Tune {
     #[command(flatten)]
     pub simulation: Simulation,
     #[command(flatten)]
-    pub leave: Leave,
+    pub permission: Permission,
     /// Recordings (CSV, MCAP, video); several are fitted jointly
     #[arg(value_name = "RECORDING", required_unless_present = "observation")]
     pub recordings: Vec<PathBuf>,
@@ -113,7 +113,7 @@ pub struct Diagnose {
     #[command(flatten)]
     pub simulation: Simulation,
     #[command(flatten)]
-    pub leave: Leave,
+    pub permission: Permission,
     /// Recordings (CSV, MCAP, video) of one object
     #[arg(value_name = "RECORDING", required_unless_present_any = ["observation", "manifest"], conflicts_with = "manifest")]
     pub recordings: Vec<PathBuf>,

@@ -149,7 +149,7 @@ pub struct Simulation {
 
 /// Permission to execute the simulator program, wherever a command simulates with one.
 #[derive(Debug, Clone, Copy, Args)]
-pub struct Leave {
+pub struct Permission {
     /// Allow the simulation file (`kind = "process"`) to run its program; use only with files that you trust
     #[arg(long)]
     pub allow_process: bool,
@@ -234,7 +234,7 @@ pub struct Simulate {
     #[command(flatten)]
     pub simulation: Simulation,
     #[command(flatten)]
-    pub leave: Leave,
+    pub permission: Permission,
     /// Recording to write: .csv or .mcap
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
@@ -311,7 +311,7 @@ pub struct Gen {
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
     #[command(flatten)]
-    pub leave: Leave,
+    pub permission: Permission,
     /// Dataset to write (MCAP)
     #[arg(short, long, value_name = "FILE.mcap")]
     pub out: PathBuf,

@@ -13,7 +13,7 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{Session, SimulationFile, process};
 
 use super::video;
-use crate::args::{Leave, Reading, Simulation};
+use crate::args::{self, Reading, Simulation};
 use crate::files::destination::urdf_beside;
 use crate::files::hash;
 use crate::files::names::file_name;
@@ -30,8 +30,8 @@ pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
 
 /// The same, and the session in which the program that it names runs; without permission such a file is refused before anything
 /// else is done.
-pub fn simulation_with(options: &Simulation, leave: Leave) -> Result<(SimulationFile, Session)> {
-    let (file, session) = (simulation(options)?, session(leave));
+pub fn simulation_with(options: &Simulation, given: args::Permission) -> Result<(SimulationFile, Session)> {
+    let (file, session) = (simulation(options)?, session(given));
     if file.domain() == Domain::Process {
         session.require_permission(&file)?;
     }
@@ -39,8 +39,8 @@ pub fn simulation_with(options: &Simulation, leave: Leave) -> Result<(Simulation
 }
 
 /// A session with the permission that the command line gives.
-pub fn session(leave: Leave) -> Session {
-    Session::new(if leave.allow_process { Permission::Granted } else { Permission::Denied })
+pub fn session(given: args::Permission) -> Session {
+    Session::new(if given.allow_process { Permission::Granted } else { Permission::Denied })
 }
 
 /// Refuses a simulation file of another kind than a command needs.

@@ -10,7 +10,6 @@ mod inspect;
 pub(crate) mod load;
 mod man;
 mod merge;
-mod model_cache;
 pub(crate) mod plan;
 mod refusal;
 mod simulate;

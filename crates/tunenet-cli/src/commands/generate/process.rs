@@ -30,7 +30,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         file.set(assignment)?;
     }
     load::of_kind(&file, simulation_file::Domain::Process)?;
-    let session = load::session(options.leave);
+    let session = load::session(options.permission);
     let program = observed::simulator(&file, tunenet_core::observation::Kind::Other, &session)?;
     if !program.parameters().iter().any(|p| p.tune) {
         let message = "expected at least one parameter with `tune = true`, found none";

@@ -1,7 +1,5 @@
 //! `tunenet plan`.
 
-mod json;
-
 use std::path::Path;
 use std::time::Instant;
 
@@ -22,6 +20,7 @@ use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::findings;
 use crate::view::answer::Printout;
+use crate::view::json::plan::object as plan_json;
 use crate::view::text::stage;
 use crate::view::{html, sentence};
 
@@ -55,7 +54,7 @@ pub fn run(options: &Plan) -> Result<Exit> {
         html::shot::write(report, &names::file_name(&options.task), &answer, &provenance)?;
         stage("report", &report.display().to_string());
     }
-    printout(&answer).show(options.common.json, || json::object(&answer))?;
+    printout(&answer).show(options.common.json, || plan_json(&answer))?;
     let count = answer.plan.candidates.len();
     stage("planned", &format!("{count} heights, {:.1} s, seed {}", answer.seconds, answer.settings.seed));
     Ok(if answer.plan.reachable { Exit::Done } else { Exit::Inconclusive })
