@@ -6,3 +6,5 @@ pub(crate) mod manifest;
 pub(crate) mod model_cache;
 pub mod names;
 pub mod programs;
+pub(crate) mod track_csv;
+pub(crate) mod videos;

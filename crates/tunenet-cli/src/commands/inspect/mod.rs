@@ -17,11 +17,11 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
 use super::load;
-use super::video::is_video;
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
 use crate::failure::Exit;
 use crate::files::names;
+use crate::files::videos::is_video;
 use crate::view::answer::Printout;
 use crate::view::inspect::learned;
 

@@ -10,7 +10,8 @@ use tunenet_core::{Error, Origin};
 use tunenet_sim::{Session, SimulationFile};
 
 use super::paths::provenance;
-use super::{answer, fit, read};
+use super::read::read;
+use super::{answer, fit};
 use crate::args::Tune;
 use crate::commands::each::{Answered, Work};
 use crate::commands::load;

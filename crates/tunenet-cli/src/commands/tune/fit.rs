@@ -4,25 +4,19 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
+use tunenet_core::Error;
 use tunenet_core::network::Model;
-use tunenet_core::observation::{Kind, Note};
+use tunenet_core::observation::Kind;
 use tunenet_core::tune::{Outcome, Settings, tune};
-use tunenet_core::{Error, findings};
 use tunenet_formats::{Recording, kind_name};
-use tunenet_sim::replayed_arm::{replays, suspect};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ChosenNetwork, ObservedBall, Session, SimulationFile, observed, simulator};
 
-use super::network;
+use super::{network, notes};
 use crate::args::Tune;
-use crate::commands::load;
 use crate::commands::refusal::{self, Asked};
 use crate::files::names;
 use crate::view::text::rolling;
-
-/// What to type where a fit is poor.
-const DIAGNOSE: &str =
-    "`tunenet diagnose` with the same files names the effect that is missing, or says that it is none it knows";
 
 /// Tunes to recordings together.
 pub fn tune_to(
@@ -69,7 +63,7 @@ pub fn tune_to(
         return Err(refusal.into());
     }
     let mut outcome = tuned.with_context(|| names(paths))?;
-    add_notes(options, file, recordings, paths, &mut outcome)?;
+    notes::add(options, file, recordings, paths, &mut outcome)?;
     outcome.notes.extend(chosen.notes.iter().cloned());
     outcome.notes.extend(session.notes());
     Ok((outcome, chosen))
@@ -91,31 +85,6 @@ fn bare_ball(options: &Tune, file: &SimulationFile, kind: Kind, paths: &[PathBuf
     }
     let ball = ObservedBall::new(file, kind).with_context(|| names(paths))?;
     Ok(Some(ball.forced(options.force)))
-}
-
-/// Adds what reading the recordings, the URDF and the fit showed.
-fn add_notes(
-    options: &Tune,
-    file: &SimulationFile,
-    recordings: &[Recording],
-    paths: &[PathBuf],
-    outcome: &mut Outcome,
-) -> Result<()> {
-    let poor = outcome.notes.iter_mut().filter(|note| note.kind == findings::FIT_POOR);
-    poor.for_each(|note| note.remedy = DIAGNOSE.into());
-    if replays(file) {
-        suspect(file, outcome, options.reference.is_some());
-        outcome.notes.splice(0..0, load::lacks(file)?);
-    }
-    let several = recordings.len() > 1;
-    let named = paths.iter().zip(recordings).flat_map(|(path, recording)| {
-        recording.notes.iter().map(move |note| {
-            let which = if several { format!("{}: ", names::file_name(path)) } else { String::new() };
-            Note { text: format!("{which}{}", note.text), ..note.clone() }
-        })
-    });
-    outcome.notes.splice(0..0, named);
-    Ok(())
 }
 
 /// Whether it may take long and nothing else shows that it goes on: the built-in simulators take no longer in all than a slow

@@ -4,14 +4,18 @@
 //! |---|---|
 //! | `fit` | one fit: which simulator, which network, and what to say of it |
 //! | `network` | which network it starts with |
+//! | `notes` | what it says besides its numbers |
 //! | `paths` | what is read and written |
+//! | `read` | a recording and its reference run |
 //! | `each` | every recording separately |
 //! | `written` | the simulation file with the answer in it |
 
 mod each;
 mod fit;
 mod network;
+mod notes;
 mod paths;
+mod read;
 mod written;
 
 use std::path::Path;
@@ -19,19 +23,22 @@ use std::time::Instant;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::observation::Observation;
 use tunenet_core::tune::{Outcome, Verdict};
 use tunenet_formats::Recording;
 use tunenet_formats::load_model;
 use tunenet_sim::{Session, SimulationFile, simulator};
 
 use self::paths::{inputs, outputs, provenance};
+use self::read::read;
 use self::written::write_tuned;
-use super::{load, start, video};
+use super::video::Unseen;
+use super::{load, start};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
 use crate::files::destination;
 use crate::files::{hash, names};
+use crate::view::answer::Printout;
 use crate::view::html::{self, tune::Answer};
 use crate::view::json::tune as json;
 use crate::view::text::tune::{printout, render_end, render_start};
@@ -55,7 +62,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let recordings = threads.install(all);
     let recordings = match recordings {
         Ok(recordings) => recordings,
-        Err(error) => return video::render_unseen(error, json::SCHEMA, options.common.json),
+        Err(error) => return unseen(error, options.common.json),
     };
     let (outcome, chosen) = threads
         .install(|| fit::tune_to(options, &file, &session, model.as_ref(), &recordings, &options.observation))?;
@@ -91,22 +98,16 @@ fn answer(
     Ok(Answer::new(&ball, names, seen, outcome)?)
 }
 
-fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording> {
-    let recording = load::recording_of(file, path, &options.reading, load::MOST_SAMPLES)?;
-    let recording = load::beside(file, recording, options.reference.as_deref(), &options.reading)?;
-    let seen = &recording.observation;
-    let clock = seen.clock();
-    let span = if seen.kind() == Kind::EventTimes {
-        format!("{} bounces", seen.len())
-    } else {
-        format!("{} samples, {:.2} s", seen.len(), clock[clock.len() - 1] - clock[0])
-    };
-    if !options.each {
-        stage("read", &format!("{}, {span}", names::file_name(path)));
-    }
-    Ok(recording)
-}
-
 fn exit(verdict: Verdict) -> Exit {
     if verdict == Verdict::Tuned { Exit::Done } else { Exit::Inconclusive }
+}
+
+/// A video that shows no ball to tune to is an answer; every other error stays one.
+fn unseen(error: anyhow::Error, as_json: bool) -> Result<Exit> {
+    let unseen = error.downcast::<Unseen>()?;
+    let mut shown = Printout::default();
+    shown.verdict(&format!("REJECTED  {unseen}"));
+    shown.warn(&unseen.note);
+    shown.show(as_json, || json::rejected(&unseen.note))?;
+    Ok(Exit::Inconclusive)
 }

@@ -1,14 +1,14 @@
 //! The answer of `tunenet tune` as JSON; docs/json.md lists the keys.
 
 use serde_json::{Map, Value, json};
+use tunenet_core::observation::Note;
 use tunenet_core::tune::{Outcome, Region};
 use tunenet_sim::ChosenNetwork;
 
 use super::warning;
 use crate::answers::tune::forced;
 
-/// What the JSON of `tune` is.
-pub const SCHEMA: &str = "tunenet.tune/1";
+const SCHEMA: &str = "tunenet.tune/1";
 
 /// The object of `--json`.
 pub fn object(outcome: &Outcome, chosen: &ChosenNetwork, seconds: f64) -> Value {
@@ -73,5 +73,13 @@ fn region_json(region: &Region) -> Value {
     json!({
         "parameters": region.parameters, "centre": region.centre, "covariance": covariance,
         "quantile": region.quantile, "boundary": region.boundary,
+    })
+}
+
+/// The object of a recording that nothing could be read from, and why.
+pub fn rejected(why: &Note) -> Value {
+    json!({
+        "schema": SCHEMA, "verdict": "rejected", "parameters": {}, "iterations": [], "gap": null, "rollouts": 0,
+        "seconds": 0.0, "warnings": [warning(why)],
     })
 }
