@@ -31,7 +31,7 @@ pub struct Recorded {
     pub object: usize,
     pub held_out: bool,
     pub seen: Observation,
-    /// The run without payload that was laid beside it, as the provenance names it.
+    /// The run without payload that was aligned with it, as the provenance names it.
     pub reference: Option<InlineTable>,
 }
 
@@ -107,8 +107,8 @@ impl Answer<'_> {
         Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
     }
 
-    /// Where coefficient `i` of an effect has to lie to be believed, for the object that a value belongs to.
-    pub fn believed(&self, named: &NamedEffect, i: usize, value: &Value) -> (f64, f64) {
+    /// Where coefficient `i` of an effect has to lie to be plausible, for the object that a value belongs to.
+    pub fn plausible(&self, named: &NamedEffect, i: usize, value: &Value) -> (f64, f64) {
         let own = value.object.and_then(|object| self.loaded.objects.get(object));
         let own = own.and_then(|o| o.simulator.effects().into_iter().find(|e| e.name == named.effect.name));
         let effect = own.as_ref().unwrap_or(&named.effect);
@@ -147,7 +147,7 @@ impl Answer<'_> {
         named.filter(|_| all.len() > 1)
     }
 
-    /// Names of objects whose own recordings do not need what is told of all together.
+    /// Names of objects whose own recordings do not need what is reported for all together.
     pub fn without_effect(&self) -> Vec<&str> {
         let whole = self.diagnosis.verdict;
         let spared = |one: &OfObject| one.verdict == Verdict::None && whole != Verdict::None;

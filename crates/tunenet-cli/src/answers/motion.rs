@@ -44,7 +44,7 @@ impl Motion {
     /// What it is good for, where it bounces less than its kind promises.
     pub fn purpose(&self) -> Option<&'static str> {
         let flies_only = self.kind == Kind::Positions && self.bounces == 0;
-        flies_only.then_some("forces of flight alone; without a bounce neither restitution nor friction")
+        flies_only.then_some("forces in flight only; restitution and friction need a bounce")
     }
 
     /// What may be behind a gravity that is off.

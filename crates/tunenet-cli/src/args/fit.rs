@@ -45,8 +45,13 @@ impl Apart {
     /// [`Error::Setting`] where `--shard` stands without `--each`.
     pub fn check(&self, each: bool) -> tunenet_core::Result<()> {
         let Some(shard) = self.sharing.shard.filter(|_| !each) else { return Ok(()) };
-        let expected = "`--each` beside it, with a share of the recordings for every shard".into();
-        Err(Error::Setting { origin: Origin::Flag, name: "--shard", expected, found: format!("{shard} alone") })
+        let expected = "`--each`, since shards divide recordings".into();
+        Err(Error::Setting {
+            origin: Origin::Flag,
+            name: "--shard",
+            expected,
+            found: format!("only `--shard {shard}`"),
+        })
     }
 }
 

@@ -20,6 +20,8 @@ pub use plan::{Plan, PlanRule};
 pub use shard::{Merge, Sharing};
 pub use track::Track;
 
+use crate::view::text::{Verbosity, set_verbosity};
+
 /// Estimate simulator parameters from recorded motion.
 ///
 /// tunenet fits a simulation file to recordings and reports each parameter with a 95 % confidence interval.
@@ -30,12 +32,35 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    #[command(flatten)]
+    pub detail: Detail,
+}
+
+/// How much a program prints besides its answer.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Detail {
     /// Print only the answer and errors: no notes, warnings or progress
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Print details too, such as the iterations of `tune` and all candidates of `diagnose`
     #[arg(short, long, global = true)]
     pub verbose: bool,
+}
+
+impl Detail {
+    /// Makes this process print so much.
+    pub fn apply(self) {
+        set_verbosity(match (self.quiet, self.verbose) {
+            (true, _) => Verbosity::Quiet,
+            (_, true) => Verbosity::Verbose,
+            _ => Verbosity::Normal,
+        });
+    }
+
+    /// The same as flags, for a program that is started.
+    pub fn flags(self) -> impl Iterator<Item = &'static str> {
+        [(self.quiet, "--quiet"), (self.verbose, "--verbose")].into_iter().filter(|(is, _)| *is).map(|(_, flag)| flag)
+    }
 }
 
 /// The commands.
@@ -375,4 +400,34 @@ fn pair(text: &str) -> Result<(String, String), String> {
         return Err(format!("expected OURS=THEIRS, found `{text}`"));
     }
     Ok((ours.into(), theirs.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    /// The words of an example as a shell would split them, without comment, pipe and redirection.
+    fn words(example: &str) -> Vec<String> {
+        let line = example.split("   ").next().unwrap_or_default();
+        let command = line.split(['|', '>']).next().unwrap_or_default();
+        // Only Slurm knows which shard `auto` is.
+        let command = command.replace("--shard auto", "--shard 0/2");
+        command.split_whitespace().map(|word| word.trim_matches('\'').to_owned()).collect()
+    }
+
+    #[test]
+    fn every_example_in_the_help_is_accepted() {
+        let tool = Arguments::command();
+        let texts = tool.get_subcommands().chain([&tool]).filter_map(|command| command.get_after_help());
+        let texts: Vec<String> = texts.map(ToString::to_string).collect();
+        let examples: Vec<&str> = texts.iter().flat_map(|text| text.lines()).map(str::trim).collect();
+        let examples: Vec<&str> = examples.into_iter().filter(|line| line.starts_with("tunenet ")).collect();
+        assert!(examples.len() > 40, "{}", examples.len());
+        for example in examples {
+            let parsed = Arguments::try_parse_from(words(example));
+            assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Videos: what `tunenet-video`, which alone knows OpenCV, says of them.
+//! Videos: what `tunenet-video`, the only program that knows OpenCV, says of them.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ impl Asked {
             .args(&self.arguments)
             .arg("--")
             .arg(path)
-            // What FFmpeg finds wrong is told in the answer, in our own words.
+            // What FFmpeg finds wrong is reported in the answer, in our own words.
             .env("OPENCV_FFMPEG_LOGLEVEL", "-8")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())

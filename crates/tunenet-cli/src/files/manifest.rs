@@ -9,7 +9,7 @@ use tunenet_core::Error;
 /// The object of files that nobody groups: it is called by its kind in the end.
 pub const ONLY: &str = "";
 
-/// What an entry may say beside keys of the scene.
+/// What an entry may contain in addition to keys of the scene.
 const KEYS: &str = "`file`, `object`, `held_out`, `reference`, `payload_mass_kg`";
 /// What the arm of an object is known to hold, kg: the one key of a scene that has no table of its own.
 pub const KNOWN_PAYLOAD: &str = "payload_mass_kg";
@@ -54,7 +54,9 @@ pub fn read(path: &Path) -> Result<Vec<Source>> {
             ("observation", _) => {
                 return Err(wrong(path, "expected [[observation]] tables, found another `observation`").into());
             }
-            _ => return Err(wrong(path, &format!("expected [[observation]] tables, found `{key}` beside them")).into()),
+            _ => {
+                return Err(wrong(path, &format!("expected [[observation]] tables, found `{key}` next to them")).into());
+            }
         }
     }
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -134,7 +136,7 @@ mod tests {
     fn what_is_wrong_is_said_with_its_place() {
         for (text, expected) in [
             ("", "at least one [[observation]]"),
-            ("x = 1\n", "found `x` beside"),
+            ("x = 1\n", "found `x` next to"),
             ("observation = 3\n", "another `observation`"),
             ("[[observation]]\nobject = \"a\"\n", "[[observation]] 1: expected `file`"),
             ("[[observation]]\nfile = 3\n", "a name in quotes for `file`"),

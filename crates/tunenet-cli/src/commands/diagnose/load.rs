@@ -60,7 +60,7 @@ fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
     let Some(other) = recorded.iter().position(|r| r.seen.kind() != kind) else { return Ok(kind) };
     let found = kind_name(recorded[other].seen.kind());
     let message = format!("expected {} as in {first}, found {found}", kind_name(kind));
-    Err(Error::file(&sources[other].path, message, "diagnose recordings of each kind alone").into())
+    Err(Error::file(&sources[other].path, message, "diagnose recordings of each kind separately").into())
 }
 
 fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {

@@ -43,7 +43,7 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
 /// A file for each object in the folder `out`.
 fn of_objects(options: &Diagnose, out: &Path, sources: &[Source]) -> Result<Vec<Output>> {
     if out.is_file() {
-        let message = "expected a folder, since every object gets a file of its own, found a file";
+        let message = "expected a folder, since each object gets its own file, found a file";
         return Err(Error::file(out, message, "name a folder with --out").into());
     }
     let objects: BTreeSet<&str> = sources.iter().map(|s| s.object.as_str()).collect();

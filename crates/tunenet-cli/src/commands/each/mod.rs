@@ -42,7 +42,7 @@ pub struct Work<'a> {
 pub struct Answered<C> {
     /// As `--json` prints it, but for `file` and errors, which are added.
     pub object: Value,
-    /// For people, in one line.
+    /// For users, in one line.
     pub line: String,
     /// What a report draws of it.
     pub case: Option<C>,
@@ -60,8 +60,7 @@ impl Work<'_> {
     ) -> Result<(Exit, Vec<Case<C>>)> {
         let shard = self.apart.sharing.shard;
         if shard.is_some() && self.apart.out_dir.is_none() {
-            let (expected, found) =
-                ("--out-dir beside it, where the answers of a shard are kept".into(), "none".into());
+            let (expected, found) = ("--out-dir with it, the folder for the results of a shard".into(), "none".into());
             return Err(Error::Setting { origin: Origin::Flag, name: "--shard", expected, found }.into());
         }
         let folder = self.apart.out_dir.as_deref().map(|out| shard::folder(out, shard));

@@ -68,7 +68,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         if session.drifted() {
             DatasetWriter::forget(&out)?;
         }
-        // A rollout that fails is not kept; a program that is gone is the reason that is told.
+        // A rollout that fails is not kept; a program that is gone is the reason that is reported.
         session.failed()?;
         generated.map_err(|error| refusal::of_program(&file, Asked::Within, &error).unwrap_or(error))
     })

@@ -32,7 +32,7 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
         if let Some((expected, found)) = foreign(like, mark) {
             let message =
                 format!("expected a shard of {expected} as {}, found one of {found}", names::file_name(first));
-            return Err(Error::file(*folder, message, "merge the shards of one command alone").into());
+            return Err(Error::file(*folder, message, "merge only shards of one command").into());
         }
     }
     complete(&marks.iter().map(|(folder, mark)| (*folder, mark.shard)).collect::<Vec<_>>())?;
@@ -81,7 +81,7 @@ fn gather(folder: &Path, mark: &Mark, all: &[(&Path, Mark)], out: &Path) -> Resu
             let ending = Path::new(path).extension().and_then(|e| e.to_str()).unwrap_or_default();
             if known != hash && LEARNED.contains(&ending) {
                 let message = format!("expected the same as in {}, found something else", names::file_name(from));
-                let hint = "run all shards on one kind of processor: the same seed gives the same bytes there alone";
+                let hint = "run all shards on one kind of processor: only there the same seed gives the same bytes";
                 return Err(Error::file(folder.join(path), message, hint).into());
             }
             continue;

@@ -25,12 +25,12 @@ use crate::view::text::tune::sentence;
 /// Fits each recording separately.
 pub fn run(options: &Tune, file: &SimulationFile, session: &Session, model: Option<&Model>) -> Result<Exit> {
     if options.out.is_some() {
-        let (expected, found) = ("no `--out` beside `--each`, which has several answers".into(), "both".into());
+        let (expected, found) = ("no `--out` with `--each`, which has several results".into(), "both".into());
         return Err(Error::Setting { origin: Origin::Flag, name: "--out", expected, found }.into());
     }
     if options.apart.out_dir.is_some() && options.report.is_some() {
         let (expected, found) =
-            ("no `--report` beside `--out-dir`, which keeps answers without drawings".into(), "both".into());
+            ("no `--report` with `--out-dir`, which stores results without drawings".into(), "both".into());
         return Err(Error::Setting { origin: Origin::Flag, name: "--report", expected, found }.into());
     }
     let work = Work {

@@ -24,7 +24,7 @@ pub fn dataset(header: &DatasetHeader, shard: Option<Shard>, broken: Option<&Err
     shown.table(&rows);
     match (broken, shard) {
         (None, None) => shown.row("usable", "train a network"),
-        (None, Some(_)) => shown.row("unusable", "a shard alone: `tunenet merge` puts shards together"),
+        (None, Some(_)) => shown.row("unusable", "a single shard: combine all shards with `tunenet merge`"),
         (Some(error), _) => shown.row("unusable", &error.to_string()),
     }
     json!({

@@ -32,7 +32,7 @@ pub fn contents(found: &Table, shown: &mut Printout) {
     if let Some((first, last)) = whole_lines(found) {
         let header = if first > 1 && has_header(found) { "1p;" } else { "" };
         shown.row("whole", &format!("lines {first} to {last}: `sed -n '{header}{first},{last}p'` cuts them out"));
-        shown.line("  try: where single cells are bad, empty them; a line with an empty cell is left out");
+        shown.line("  try: clear single bad cells; a line with an empty cell is skipped");
     }
 }
 
@@ -87,7 +87,7 @@ fn purpose(kind: Kind) -> &'static str {
         Kind::EventTimes => "tune a ball's restitution",
         Kind::Pixels => "tune a ball's restitution, the camera found from the fall",
         Kind::Joints => "tune an arm's payload",
-        _ => "tune a simulator of your own",
+        _ => "tune your own simulator",
     }
 }
 

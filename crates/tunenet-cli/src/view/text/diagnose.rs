@@ -138,7 +138,7 @@ pub fn sentence(answer: &Answer) -> String {
         Verdict::None => "NONE  nothing is missing that these recordings could show".into(),
         Verdict::Named => format!("NAMED  {}", diagnosis.effects.iter().map(lone).collect::<Vec<_>>().join(" and ")),
         Verdict::OneOf => {
-            let why = diagnosis.doubt.map_or("these recordings cannot tell".into(), |doubt| {
+            let why = diagnosis.doubt.map_or("these recordings cannot distinguish them".into(), |doubt| {
                 format!("{} by far, but {doubt}", answer.chosen().join(" and "))
             });
             format!("ONE OF  {}: {why}", choices(answer))
@@ -151,7 +151,7 @@ pub fn sentence(answer: &Answer) -> String {
     }
 }
 
-/// What is left to choose from, place by place: `wind, magnus; beside quadratic_drag`.
+/// What is left to choose from, place by place: `wind, magnus; in addition to quadratic_drag`.
 fn choices(answer: &Answer) -> String {
     let (open, firm) = answer.open_and_firm();
     let one = |names: &Vec<&str>| match names.as_slice() {
@@ -159,7 +159,7 @@ fn choices(answer: &Answer) -> String {
         names => names.join(", "),
     };
     let open: Vec<String> = open.iter().map(one).collect();
-    let beside = if firm.is_empty() { String::new() } else { format!("; beside {}", firm.join(" and ")) };
+    let beside = if firm.is_empty() { String::new() } else { format!("; in addition to {}", firm.join(" and ")) };
     format!("{}{beside}", open.join("; and one of "))
 }
 

@@ -9,7 +9,7 @@ use crate::view::answer::Printout;
 pub fn printout(name: &str, facts: &Facts, notes: &[Note]) -> Printout {
     let mut shown = Printout::default();
     let Facts { width_px, height_px, frames, fps, seen, whole, radius_px, .. } = facts;
-    shown.row("film", &format!("{name}, {width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
+    shown.row("video", &format!("{name}, {width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
     shown.row("ball", &format!("seen in {seen} frames, whole in {whole}, radius {radius_px:.1} px"));
     match &facts.scale {
         None => shown.row("scale", "none: the ball does not fly freely, and no length is given"),
