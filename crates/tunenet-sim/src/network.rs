@@ -50,6 +50,7 @@ pub enum NetworkSource {
 
 impl NetworkSource {
     /// As it is written in files.
+    #[must_use]
     pub fn code(self) -> &'static str {
         match self {
             Self::Given => "given",
@@ -82,6 +83,7 @@ impl ChosenNetwork {
     }
 
     /// The one that the caller gives.
+    #[must_use]
     pub fn given(model: &Model) -> Self {
         Self::new(Some(model.clone()), NetworkSource::Given, format!("as given, preset `{}`", model.preset().name))
     }
@@ -92,6 +94,7 @@ impl ChosenNetwork {
     }
 
     /// Whether a network was chosen here, so that a fit may fall back to none if it fails.
+    #[must_use]
     pub fn is_own_choice(&self) -> bool {
         self.model.is_some() && self.source != NetworkSource::Given
     }

@@ -66,7 +66,7 @@ pub struct Tune {
     /// Recordings (CSV, MCAP, video); several are fitted jointly
     #[arg(value_name = "RECORDING", required_unless_present = "observation")]
     pub recordings: Vec<PathBuf>,
-    /// Recordings, as an option
+    /// Recordings, as an option instead of arguments
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub observation: Vec<PathBuf>,
     #[command(flatten)]
@@ -80,7 +80,7 @@ pub struct Tune {
     #[command(flatten)]
     pub apart: Apart,
     /// Number of threads [default: number of cores]
-    #[arg(long, value_parser = jobs)]
+    #[arg(long, value_name = "N", value_parser = jobs)]
     pub jobs: Option<usize>,
     /// Use recordings that failed the checks; the result may be meaningless
     #[arg(long)]
@@ -95,7 +95,7 @@ pub struct Tune {
     #[arg(long, value_name = "NAME=VALUE", value_parser = start, value_delimiter = ',')]
     pub initial: Vec<(String, f64)>,
     /// Network iterations before the fit, one rollout each (no effect without a network)
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub iterations: u16,
     /// Clamp values to their bounds in every iteration (only `--model` with preset `paper`)
     #[arg(long)]
@@ -122,7 +122,7 @@ pub struct Diagnose {
     /// Recordings (CSV, MCAP, video) of one object
     #[arg(value_name = "RECORDING", required_unless_present_any = ["observation", "manifest"], conflicts_with = "manifest")]
     pub recordings: Vec<PathBuf>,
-    /// Recordings, as an option
+    /// Recordings, as an option instead of arguments
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub observation: Vec<PathBuf>,
     /// Recordings for validation only [default: chosen automatically from four or more]
@@ -151,7 +151,7 @@ pub struct Diagnose {
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     /// Number of threads [default: number of cores]
-    #[arg(long, value_parser = jobs)]
+    #[arg(long, value_name = "N", value_parser = jobs)]
     pub jobs: Option<usize>,
     #[command(flatten)]
     pub writing: Writing,

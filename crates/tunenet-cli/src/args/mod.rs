@@ -40,10 +40,10 @@ pub struct Arguments {
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Detail {
     /// Print only the answer and errors: no notes, warnings or progress
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    #[arg(short, long, global = true, display_order = 900, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Print details too, such as the iterations of `tune` and all candidates of `diagnose`
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = 901)]
     pub verbose: bool,
 }
 
@@ -200,10 +200,10 @@ pub struct Reading {
     /// MCAP topic to read [default: the only suitable one]
     #[arg(long)]
     pub topic: Option<String>,
-    /// True capture rate in Hz, for slow-motion video or folders of images
-    #[arg(long, value_name = "1/S", value_parser = track::positive)]
+    /// True capture rate in frames per second, for slow-motion video or folders of images
+    #[arg(long, value_name = "HZ", value_parser = track::positive)]
     pub camera_rate: Option<f64>,
-    /// Skip malformed lines of a CSV file where they are few, and list them
+    /// Skip malformed lines of a CSV file (at most 5 %) and list them
     #[arg(long)]
     pub skip_broken: bool,
 }
@@ -215,8 +215,8 @@ pub struct Common {
     #[serde(skip)]
     #[arg(long)]
     pub json: bool,
-    /// Random seed
-    #[arg(long, default_value_t = 0)]
+    /// Random seed; equal seeds give equal results
+    #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
 }
 
@@ -327,7 +327,7 @@ pub struct Gen {
     #[arg(long, value_enum)]
     pub preset: Option<Pairs>,
     /// Number of pairs
-    #[arg(long, default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
     pub pairs: u64,
     /// Simulation file [default: the paper's ball]
     #[arg(long = "sim", value_name = "FILE.toml", required_if_eq_any([("domain", "arm"), ("domain", "process")]))]
@@ -376,10 +376,10 @@ pub struct Train {
     /// Dataset written by `tunenet gen`
     #[arg(long, value_name = "FILE.mcap")]
     pub data: PathBuf,
-    /// Hyper-parameters
+    /// Training hyper-parameters
     #[arg(long, value_enum, default_value = "default")]
     pub preset: Training,
-    /// Model to write
+    /// Network to write
     #[arg(short, long, value_name = "MODEL.safetensors")]
     pub out: PathBuf,
     /// Memory limit in MiB for training data; the rest is kept in a temporary file next to `--out`, with the same result

@@ -44,11 +44,11 @@ pub struct Track {
     /// MCAP topic to read [default: the only suitable one]
     #[arg(long)]
     pub topic: Option<String>,
-    /// True capture rate in Hz, for slow-motion video or folders of images
-    #[arg(long, value_name = "1/S", value_parser = positive)]
+    /// True capture rate in frames per second, for slow-motion video or folders of images
+    #[arg(long, value_name = "HZ", value_parser = positive)]
     pub camera_rate: Option<f64>,
     /// Sample rate of the track in Hz, from the release on, by linear interpolation; also the rate of a folder of images
-    #[arg(long, value_name = "1/S", value_parser = positive)]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
     pub rate: Option<f64>,
     /// Maximum number of frames to track [default: all]. With `--rate`: number of samples to write; the last one is repeated
     /// if the video is shorter

@@ -32,7 +32,7 @@ pub fn write(path: &Path, name: &str, found: &Tracked, notes: &[Note]) -> Result
                 "ball, and the frame is not used." }
             div.grid { @for picture in &found.pictures { (frame(picture)) } }
         }
-        section { h2 { "Over time" } (curves(&found.samples, &facts.bounces_s)) }
+        section { h2 { "Position over time" } (curves(&found.samples, &facts.bounces_s)) }
         section { h2 { "Warnings" } (warnings(notes)) }
         section { h2 { "Video" } (table(facts)) }
     };

@@ -60,7 +60,7 @@ pub fn object(
     remedy: &str,
 ) -> Value {
     let mut object = json!({
-        "kind": usable.map(|k| k.name()).ok(),
+        "kind": usable.map(Kind::name).ok(),
         "reason": usable.err(),
         "remedy": usable.err().map(|_| remedy),
         "for": usable.ok().map(|k| motion.and_then(Motion::purpose).unwrap_or_else(|| purpose(k))),
