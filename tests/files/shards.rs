@@ -343,7 +343,7 @@ fn recordings_are_tuned_to_in_shards() {
     let merge = "merge out.shard-0-of-3 other.shard-1-of-3 out.shard-2-of-3 --out mixed";
     refused(&folder, merge, &["found one of another simulation, seed or setting"]);
     misused(&folder, &format!("{line} --shard 0/3"), "expected --out-dir with it");
-    misused(&folder, &format!("{line} --out-dir out --report r.html"), "no `--report` beside `--out-dir`");
+    misused(&folder, &format!("{line} --out-dir out --report r.html"), "no `--report` with `--out-dir`");
     misused(&folder, "tune --sim scene.toml --observation logs/*/none.csv --each", "which none matches");
     misused(&folder, "tune --sim scene.toml --observation logs/a/drop0.csv --out-dir out", "--each");
 }
