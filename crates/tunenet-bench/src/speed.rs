@@ -116,9 +116,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row("the same by the chance among 256 balls", format!("{:.0} ms", probability_s * 1e3)),
     ]);
     rows.extend(videos.rows());
-    if !options.common.json {
-        answer::line(&table(&rows))?;
-    } else {
+    if options.common.json {
         // For whoever keeps both of one run.
         note(&table(&rows));
         print_json(&json!({
@@ -131,6 +129,8 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
             "film": videos.as_json(),
             "warnings": [],
         }))?;
+    } else {
+        answer::line(&table(&rows))?;
     }
     Ok(Exit::Done)
 }
