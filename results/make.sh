@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures again what this folder holds, and pastes it into the pages that show it:
 #     results/make.sh [paper|shot|diagnose|arm|intervals|regions|preflight|grow|speed]…
-# Each takes minutes; all but `speed` and `grow` go on where they were stopped. Nothing else should run beside these two.
+# Each takes minutes; all but `speed` and `grow` resume where they were stopped. Nothing else should run at the same time as these two.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export PATH="$PATH:$HOME/.cargo/bin"
@@ -33,8 +33,8 @@ body() { # FILE: without its title and the command below it, which the page has 
 measure() { # NAME COMMAND…: runs it and notes how
     local name=$1 began=$SECONDS folder=results/$1
     shift
-    mkdir -p "$folder"
-    "$tool" "$@" --out "target/results/$name" > /dev/null
+    mkdir -p "$folder" target/results
+    "$tool" "$@" --out "target/results/$name" > "target/results/$name.txt"
     for file in target/results/"$name"/*.{md,csv,json,svg}; do
         # What is given for every single drop is too much to keep here.
         if [[ -f $file ]] && (($(stat -c %s "$file") < 200000)); then
@@ -44,12 +44,10 @@ measure() { # NAME COMMAND…: runs it and notes how
     note "$folder" "tunenet $*" $((SECONDS - began))
 }
 
-listen() { # NAME COMMAND…: as `measure`, and keeps the tables that it prints
+listen() { # NAME COMMAND…: as `measure`, and keeps what it prints on standard output
     local name=$1
-    mkdir -p target/results
-    measure "$@" 2> "target/results/$name.txt"
-    # Progress is told beside them.
-    grep -v -e '^wrote ' -e '^hint: ' "target/results/$name.txt" | sed -e '/./,$!d' > "results/$name/told.md"
+    measure "$@"
+    sed -e '/./,$!d' "target/results/$name.txt" > "results/$name/printed.md"
 }
 
 fenced() { # FILE: as it stands
@@ -88,11 +86,11 @@ for what in "${@:-paper}"; do
             ;;
         arm)
             listen arm bench diagnose --arm --seed "$seed"
-            paste arm docs/evidence.md <(fenced results/arm/told.md)
+            paste arm docs/evidence.md <(fenced results/arm/printed.md)
             ;;
         intervals)
             listen intervals bench intervals --seed "$seed"
-            paste intervals docs/evidence.md <(fenced results/intervals/told.md)
+            paste intervals docs/evidence.md <(fenced results/intervals/printed.md)
             ;;
         regions)
             measure regions bench regions --draws 400 --seed "$seed"
@@ -100,13 +98,13 @@ for what in "${@:-paper}"; do
             ;;
         preflight)
             listen preflight bench preflight --seed "$seed"
-            paste preflight docs/evidence.md results/preflight/told.md
+            paste preflight docs/evidence.md results/preflight/printed.md
             ;;
         speed)
-            mkdir -p results/speed
+            mkdir -p results/speed target
             began=$SECONDS
             "$tool" bench speed --json > results/speed/speed.json 2> target/results-speed.txt
-            # Two columns, far apart, below what is told of each stage.
+            # Two columns, far apart, below the line of each stage.
             {
                 printf '| what | figure |\n|---|---|\n'
                 sed -nE 's/^  (.*[^ ])  +([^ ].*)$/| \1 | \2 |/p' target/results-speed.txt

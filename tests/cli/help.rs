@@ -37,6 +37,14 @@ fn help_of_the_tool_and_of_every_command() {
     }
 }
 
+#[test]
+fn quiet_benches_print_no_notes() {
+    for line in ["bench preflight --records 2 --quiet", "-q bench preflight --records 2"] {
+        let ran = Folder::new().run(line).ends(0);
+        assert!(ran.stderr.is_empty(), "{line}: {}", ran.stderr);
+    }
+}
+
 /// Seconds and the version change from run to run; everything else stays.
 fn filtered(check: impl FnOnce()) {
     insta::with_settings!({ filters => [

@@ -46,7 +46,7 @@ fn kinds() -> Vec<(&'static str, String, i32, &'static [&'static str])> {
     let tune = |rest: &str| format!("tune --sim scene.toml --observation {rest}");
     let mut all = diagnoses();
     let tuned: Vec<(&'static str, String, i32, &'static [&'static str])> = vec![
-        ("drop", tune("drop.csv"), 0, &["Tuned", "residual / \u{3c3}", "pinned", "95 %", "release.late"]),
+        ("drop", tune("drop.csv"), 0, &["Tuned", "residual / \u{3c3}", "determined", "95 %", "release.late"]),
         ("throw", tune(&format!("throw.csv {FREE}")), 0, &["Tuned", "friction", "50 %", "The closed lines"]),
         ("bounces", tune("bounces.csv"), 0, &["Tuned", "interval before it, s"]),
         ("poor", tune("table_tennis.csv"), 3, &["Poor fit", "fit.poor", "estimated from the contacts only"]),

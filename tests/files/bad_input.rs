@@ -301,13 +301,13 @@ fn outputs_that_cannot_be_written() {
         "simulate --sim drop.toml --out",
     ] {
         let ending = if line.starts_with("gen") { "mcap" } else { "csv" };
-        let beyond = format!("none/../../a.{ending}: expected a folder at none to go on from with `..`, found none");
+        let beyond = format!("none/../../a.{ending}: expected a folder at none before `..`, found none");
         refused(&folder, &format!("{line} none/../../a.{ending}"), &[&beyond]);
         refused(&folder, &format!("{line} none/a.{ending}"), &[&format!("none/a.{ending}"), "make the folder first"]);
         refused(&folder, &format!("{line} folder.{ending}"), &[&format!("folder.{ending}"), "name a file"]);
     }
     for (out, wanted) in
-        [("none/../../a", "go on from with `..`"), ("drop.csv/a", "a folder at drop.csv, found a file")]
+        [("none/../../a", "a folder at none before `..`"), ("drop.csv/a", "a folder at drop.csv, found a file")]
     {
         refused(&folder, &format!("bench preflight --records 1 --out {out}"), &[wanted]);
     }

@@ -310,7 +310,7 @@ fn recordings_are_tuned_to_in_shards() {
     let line = "tune --sim scene.toml --observation logs/*/*.csv --each";
     for tool in ["tune", "diagnose"] {
         let alone = format!("{tool} --sim scene.toml --observation logs/a/drop0.csv --shard 0/2");
-        misused(&folder, &alone, "`--shard`: expected `--each` beside it");
+        misused(&folder, &alone, "`--shard`: expected `--each`, since shards divide recordings");
     }
     let whole = folder.run(&format!("{line} --out-dir whole --jobs 2 --json")).ends(1);
     // In the order of their names, whichever was done first.
@@ -342,8 +342,8 @@ fn recordings_are_tuned_to_in_shards() {
     folder.run(&format!("{line} --out-dir other --seed 4 --shard 1/3")).ends(0);
     let merge = "merge out.shard-0-of-3 other.shard-1-of-3 out.shard-2-of-3 --out mixed";
     refused(&folder, merge, &["found one of another simulation, seed or setting"]);
-    misused(&folder, &format!("{line} --shard 0/3"), "expected --out-dir beside it");
-    misused(&folder, &format!("{line} --out-dir out --report r.html"), "no `--report` beside `--out-dir`");
+    misused(&folder, &format!("{line} --shard 0/3"), "expected --out-dir with it");
+    misused(&folder, &format!("{line} --out-dir out --report r.html"), "no `--report` with `--out-dir`");
     misused(&folder, "tune --sim scene.toml --observation logs/*/none.csv --each", "which none matches");
     misused(&folder, "tune --sim scene.toml --observation logs/a/drop0.csv --out-dir out", "--each");
 }

@@ -161,7 +161,7 @@ fn three_bounces_leave_nothing_to_judge_by() {
     assert_eq!(json["verdict"], "not_identifiable");
     assert_eq!(json["parameters"]["restitution"]["interval95"], serde_json::json!([0.0, 1.0]));
     assert!(codes(&json["warnings"]).contains(&"recordings.short"));
-    assert!(ran.stderr.contains("bring at least 1 more bounce\n"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("bring at least 1 more event time\n"), "{}", ran.stderr);
     // A known height of fall is one unknown less.
     folder.run("tune --sim scene.toml --set release.height_m=0.98 --observation three.csv").ends(0);
 }

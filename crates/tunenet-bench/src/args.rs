@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde::{Deserialize, Serialize};
 
-use tunenet_cli::{Common, Sharing, jobs};
+use tunenet_cli::{Common, Detail, Sharing, jobs};
 
 pub const EXAMPLES: &str = "\
 Examples:
@@ -13,17 +13,19 @@ Examples:
   tunenet bench speed --json
   tunenet bench tuning --quick --only easy-0 easy-2cm
   tunenet bench diagnose --quick --only clean ratio-10
-  tunenet bench diagnose --shard 0/8        one of eight shares, which `tunenet merge` puts together
-All but `speed` and `grow` go on where they stopped when the same command is given again.";
+  tunenet bench diagnose --shard 0/8        one of eight shards; `tunenet merge` combines them
+All but `speed` and `grow` resume an interrupted run when the same command is given again.";
 
-/// Measure what is claimed
+/// Run the benchmarks
 #[derive(Debug, Parser)]
 #[command(name = "tunenet-bench", bin_name = "tunenet bench", version, about, max_term_width = 100)]
 #[command(propagate_version = true, arg_required_else_help = true, after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Which
+    /// Benchmark to run
     #[command(subcommand)]
     pub command: Command,
+    #[command(flatten)]
+    pub detail: Detail,
 }
 
 /// What this program is asked for.
@@ -31,12 +33,12 @@ pub struct Arguments {
 pub enum Command {
     #[command(flatten)]
     Measure(Measured),
-    /// Print the whole answer from the pieces that shards have brought together
+    /// Print the merged result of shards
     #[command(hide = true)]
     Merged {
-        /// The bench as its shards have noted it
+        /// Benchmark as its shards recorded it
         bench: String,
-        /// Where the pieces lie
+        /// Folder with the pieces
         #[arg(long)]
         out: PathBuf,
         #[arg(long)]
@@ -56,21 +58,21 @@ pub enum Command {
 pub enum Measured {
     /// Rollouts, training and tuning per second
     Speed(BenchSpeed),
-    /// Error against rollouts, beside rivals, a maximum-likelihood fit and the Cramér–Rao bound
+    /// Tuning error over rollouts, compared with other methods and the Cramér–Rao bound
     Tuning(BenchTuning),
-    /// Whether the effect that is named is the one that was hidden, and what is said where none was
+    /// Accuracy of `diagnose` on synthetic recordings
     Diagnose(BenchDiagnose),
-    /// How often the stated intervals hold the truth, and how often a good drop is called a poor fit
+    /// Interval coverage and false-alarm rate of `tune`
     Intervals(BenchIntervals),
-    /// How often intervals and joint regions of several parameters hold the truth
+    /// Coverage of intervals and joint regions of several parameters
     Regions(BenchRegions),
-    /// How many spoilt records are found, and how many good ones are blamed
+    /// Detection and false-alarm rate of the recording checks
     Preflight(BenchPreflight),
-    /// The tables and figures of the paper, beside what is reached here
+    /// Reproduce the tables and figures of the paper
     Paper(BenchPaper),
-    /// How often a ball that was filmed once goes through a hoop
+    /// Success rate of shots planned from one video
     Shot(BenchShot),
-    /// What more pairs cost in seconds, memory and bytes, and what a cluster would need
+    /// Scaling of data generation and training
     Grow(BenchGrow),
 }
 
@@ -104,15 +106,15 @@ impl BenchRegions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PaperTable {
-    /// How far a tuned payload is from the real one
+    /// Error of the tuned payload
     Table1,
-    /// The error of a tuned restitution after 1, 5, 10 and 100 rollouts
+    /// Error of the tuned restitution after 1, 5, 10 and 100 rollouts
     Table2,
-    /// How far a tuned ball is from the real one, from positions and from films
+    /// Error of the tuned ball, from positions and from videos
     Table3,
-    /// The error of a tuned restitution against the rollouts spent, drawn
+    /// Figure: error of the tuned restitution over rollouts
     Figure2,
-    /// How often a ball that was filmed goes through a hoop, ball by ball; takes as long as the rest together
+    /// Figure: success rate of the shot for each ball (takes as long as the others together)
     Figure3,
 }
 
@@ -123,14 +125,14 @@ impl PaperTable {
 /// `tunenet bench paper`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchPaper {
-    /// Where finished cells and results are kept
+    /// Folder for finished cells and results
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-paper")]
     pub out: PathBuf,
-    /// Only these
+    /// Run only these
     #[arg(long, value_enum, value_name = "TABLE", num_args = 1..)]
     pub only: Vec<PaperTable>,
-    /// One seed, few drops, short trainings
+    /// Quick run: one seed, few drops, short trainings
     #[arg(long)]
     pub quick: bool,
     #[serde(skip)]
@@ -143,14 +145,14 @@ pub struct BenchPaper {
 /// `tunenet bench shot`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchShot {
-    /// Where finished pieces and results are kept
+    /// Folder for finished pieces and results
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-shot")]
     pub out: PathBuf,
-    /// Trials of each ball [default: 200, with `--quick` 10]
+    /// Number of trials per ball [default: 200, with `--quick` 10]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub trials: Option<u64>,
-    /// Few trials, and none in richer worlds
+    /// Quick run: few trials, none in richer worlds
     #[arg(long)]
     pub quick: bool,
     #[serde(skip)]
@@ -163,22 +165,22 @@ pub struct BenchShot {
 /// `tunenet bench grow`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchGrow {
-    /// Sizes that are measured
+    /// Numbers of pairs to measure
     #[arg(long, value_name = "N", num_args = 1.., default_values_t = [1_000, 10_000, 100_000], value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub pairs: Vec<u64>,
-    /// Threads of every process
+    /// Number of threads per process
     #[arg(long, default_value_t = 2, value_parser = jobs)]
     pub threads: usize,
-    /// Say what a cluster would need for so many pairs
+    /// Number of pairs for which to estimate the needs of a cluster
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub want: Option<u64>,
-    /// Of so many nodes
+    /// Number of nodes of that cluster
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub nodes: u32,
-    /// Of so many cores each
+    /// Number of cores per node
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub cores: u32,
-    /// Where data sets lie while they are measured, and results are kept
+    /// Folder for temporary datasets and results
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-grow")]
     pub out: PathBuf,
@@ -192,14 +194,14 @@ pub struct BenchGrow {
 /// `tunenet bench regions`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchRegions {
-    /// Recordings in each cell [default: 1000; 100 with --quick]
+    /// Number of recordings per cell [default: 1000; 100 with --quick]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub draws: Option<u32>,
-    /// Where finished cells and results are kept
+    /// Folder for finished cells and results
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-regions")]
     pub out: PathBuf,
-    /// Few draws, to see that it works
+    /// Quick run with few draws
     #[arg(long)]
     pub quick: bool,
     #[serde(skip)]
@@ -212,14 +214,14 @@ pub struct BenchRegions {
 /// `tunenet bench preflight`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchPreflight {
-    /// Records of each kind [default: 1000; 100 with --quick]
+    /// Number of recordings of each kind [default: 1000; 100 with --quick]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub records: Option<u32>,
-    /// Where finished pieces are kept
+    /// Folder for finished pieces
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-preflight")]
     pub out: PathBuf,
-    /// Few records, to see that it works
+    /// Quick run with few records
     #[arg(long)]
     pub quick: bool,
     #[serde(skip)]
@@ -232,13 +234,13 @@ pub struct BenchPreflight {
 /// A row of `bench diagnose`: what is hidden in its recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 pub enum DiagnoseRow {
-    /// Nothing
+    /// No effect
     Clean,
-    /// Nothing; the noise is coloured
+    /// No effect; autocorrelated noise
     Coloured,
-    /// Nothing; 1 % of the samples are far off
+    /// No effect; 1 % outliers
     Outliers,
-    /// Nothing; 15 % of the frames are missing
+    /// No effect; 15 % of the frames missing
     Dropped,
     /// One effect, as large as the noise
     #[value(name = "ratio-1")]
@@ -254,31 +256,31 @@ pub enum DiagnoseRow {
     Ratio30,
     /// Two effects
     Two,
-    /// An effect that is in no catalogue
+    /// An effect that is not in the catalogue
     Outside,
-    /// One effect in one drop, then the experiment that was asked for
+    /// One effect in one drop, then the suggested experiment
     Experiment,
-    /// One effect in three drops; what the answer costs
+    /// One effect in three drops; rollouts and time
     Cost,
 }
 
 /// `tunenet bench diagnose`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchDiagnose {
-    /// Where finished pieces and results are kept
+    /// Folder for finished pieces and results
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-diagnose")]
     pub out: PathBuf,
-    /// Only these rows
+    /// Run only these rows
     #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
     pub only: Vec<DiagnoseRow>,
-    /// Logs of an arm instead of drops of a ball
+    /// Use logs of an arm instead of drops of a ball
     #[arg(long, conflicts_with = "only")]
     pub arm: bool,
-    /// Few sets of each kind
+    /// Quick run with few recordings of each kind
     #[arg(long)]
     pub quick: bool,
-    /// Threads [default: one for each core]
+    /// Number of threads [default: number of cores]
     #[serde(skip)]
     #[arg(long, value_parser = jobs)]
     pub jobs: Option<usize>,
@@ -292,14 +294,14 @@ pub struct BenchDiagnose {
 /// `tunenet bench intervals`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchIntervals {
-    /// Drops in each cell [default: 1000; 100 with --quick]
+    /// Number of drops per cell [default: 1000; 100 with --quick]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub drops: Option<u32>,
-    /// Where finished pieces are kept
+    /// Folder for finished pieces
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-intervals")]
     pub out: PathBuf,
-    /// Few drops, to see that it works
+    /// Quick run with few drops
     #[arg(long)]
     pub quick: bool,
     #[serde(skip)]
@@ -334,7 +336,7 @@ pub enum TuningRow {
     Hard5mm,
     #[value(name = "hard-2cm")]
     Hard2cm,
-    /// Drops from 0.3 to 10 m at 24 to 240 Hz, nothing known but the data: the built-in network
+    /// Drops from 0.3 to 10 m at 24 to 240 Hz with unknown release: the built-in network
     General,
     /// Drops from other engines, in the folder that the environment variable `TUNENET_PEERS` names
     Cross,
@@ -343,17 +345,17 @@ pub enum TuningRow {
 /// `tunenet bench tuning`.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct BenchTuning {
-    /// Where finished cells, models and results are kept
+    /// Folder for finished cells, models and results
     #[serde(skip)]
     #[arg(long, value_name = "FOLDER", default_value = "target/bench-tuning")]
     pub out: PathBuf,
-    /// Only these rows
+    /// Run only these rows
     #[arg(long, value_enum, value_name = "ROW", num_args = 1..)]
     pub only: Vec<TuningRow>,
-    /// Targets in each row [default: 1000; 200 with --quick]
+    /// Number of targets per row [default: 1000; 200 with --quick]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub targets: Option<u64>,
-    /// One short training of each preset instead of three whole ones
+    /// Quick run: one short training of each preset
     #[arg(long)]
     pub quick: bool,
     #[serde(skip)]

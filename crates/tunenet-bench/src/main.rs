@@ -32,12 +32,15 @@ use crate::args::{Arguments, Command, Measured};
 use tunenet_cli::failure::Exit;
 
 fn main() -> ExitCode {
-    tunenet_cli::process(|arguments: Arguments| match arguments.command {
-        Command::Measure(bench) => measure(&bench),
-        Command::Merged { bench, out, json } => {
-            merged(serde_json::from_str(&bench).context("what the shards were of")?, &out, json)
+    tunenet_cli::process(|arguments: Arguments| {
+        arguments.detail.apply();
+        match arguments.command {
+            Command::Measure(bench) => measure(&bench),
+            Command::Merged { bench, out, json } => {
+                merged(serde_json::from_str(&bench).context("the benchmark of the shards")?, &out, json)
+            }
+            Command::Man => man(),
         }
-        Command::Man => man(),
     })
 }
 

@@ -20,7 +20,7 @@ use crate::scene::{PAPER_BALL, SHOT, URDF};
 use tunenet_cli::failure::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
-use tunenet_cli::view::text::{stage, table};
+use tunenet_cli::view::text::{note, stage, table};
 
 const FRAMES: usize = 400;
 const RATE_HZ: f64 = 60.0;
@@ -116,8 +116,9 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row("the same by the chance among 256 balls", format!("{:.0} ms", probability_s * 1e3)),
     ]);
     rows.extend(videos.rows());
-    answer::text(options.common.json, &table(&rows))?;
     if options.common.json {
+        // For whoever keeps both of one run.
+        note(&table(&rows));
         print_json(&json!({
             "schema": "tunenet.bench.speed/1",
             "ball": { "mean_frames_s": mean, "worst_frames_s": worst, "worst_restitution": worst_restitution },
@@ -128,6 +129,8 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
             "film": videos.as_json(),
             "warnings": [],
         }))?;
+    } else {
+        answer::line(&table(&rows))?;
     }
     Ok(Exit::Done)
 }

@@ -1,4 +1,4 @@
-//! What went wrong, told once, and the exit codes.
+//! Errors, printed once, and the exit codes.
 
 use std::process::ExitCode;
 
@@ -16,7 +16,7 @@ pub enum Exit {
     Refused = 1,
     /// The command line is wrong.
     Usage = 2,
-    /// Finished, and the honest answer is no.
+    /// Completed, result inconclusive.
     Inconclusive = 3,
 }
 
@@ -55,7 +55,7 @@ fn hint(error: &Error) -> Option<&str> {
         Error::Setting { name: "device", .. } => {
             Some("install one with it: `cargo install --locked --path crates/tunenet-cli --features cuda`")
         }
-        Error::Device { .. } => Some("look at what `nvidia-smi` says, or train with `--device cpu`"),
+        Error::Device { .. } => Some("check `nvidia-smi`, or train with `--device cpu`"),
         Error::Model { .. } => Some("train a model for this scene: `tunenet gen`, then `tunenet train`"),
         other => other.hint(),
     }

@@ -1,13 +1,13 @@
-//! The command line of tunenet: makes a simulator behave like a measured real thing.
+//! The command line of tunenet: estimates simulator parameters from recorded motion.
 //!
 //! Arguments are read in `args`; each of `commands` loads, calls the libraries and renders; `answers` say what was
-//! found, [`view`] shows it; [`files`] knows names, hashes and what may be written over. What goes wrong is told by
-//! [`failure`]. No mathematics here.
+//! found, [`view`] shows it; [`files`] knows names, hashes and what may be written over. [`failure`] reports
+//! errors. No mathematics here.
 
 #![allow(
     clippy::missing_errors_doc,
     clippy::must_use_candidate,
-    reason = "a library for the programs of this workspace alone"
+    reason = "a library only for the programs of this workspace"
 )]
 
 mod answers;
@@ -24,14 +24,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-pub use args::{Common, Sharing, jobs, pool};
+pub use args::{Common, Detail, Sharing, jobs, pool};
 use failure::Exit;
 
 /// Runs the command that this process was started with.
 pub fn main() -> ExitCode {
     let given: Vec<OsString> = std::env::args_os().skip(1).collect();
     match commands::bench::help(&given) {
-        Some(asked) => ended(commands::bench::run(&asked)),
+        Some(asked) => ended(commands::bench::run(&asked, [])),
         None => process(commands::run),
     }
 }

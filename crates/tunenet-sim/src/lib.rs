@@ -13,6 +13,7 @@
 //! | [`open_drag`] | the drag that recordings leave open |
 //! | [`phase`] | where effects act, in words |
 //! | [`process`] | a simulator of any language: a program that speaks lines of JSON |
+//! | [`network`] | which network a fit starts with |
 //! | [`built_in`] | the network that comes with the tool |
 //! | [`video_drops`] | drops in front of an uncalibrated camera |
 //! | [`video_ball`] | a drop from a known height, tuned to pixels |
@@ -24,6 +25,7 @@ pub mod ball;
 pub mod built_in;
 pub mod drawn;
 pub mod findings;
+pub mod network;
 pub mod observed;
 pub mod observed_arm;
 pub mod observed_ball;
@@ -38,6 +40,7 @@ pub mod video_ball;
 pub mod video_drops;
 
 pub use drawn::Drawn;
+pub use network::{ChosenNetwork, NetworkSource, NetworkStore, choose_network};
 pub use observed::simulator;
 pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;

@@ -1,10 +1,11 @@
 //! The answer of `tunenet diagnose`: what was read, what was found, and what changes in the simulation file.
 
 use toml_edit::InlineTable;
-use tunenet_core::diagnose::{self, Diagnosis, NamedEffect, OfObject, Value, Verdict};
+use tunenet_core::diagnose::{self, Diagnosis, Fitted, Gap, GapOf, NamedEffect, OfObject, Value, Verdict};
 use tunenet_core::findings;
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
+use tunenet_sim::arm::effects::ArmEffect;
 use tunenet_sim::{Session, SimulationFile};
 
 /// What could be in the place of a lone effect that earns no name.
@@ -30,7 +31,7 @@ pub struct Recorded {
     pub object: usize,
     pub held_out: bool,
     pub seen: Observation,
-    /// The run without payload that was laid beside it, as the provenance names it.
+    /// The run without payload that was aligned with it, as the provenance names it.
     pub reference: Option<InlineTable>,
 }
 
@@ -106,8 +107,8 @@ impl Answer<'_> {
         Some(Value { object: value.object, value: value.value / unit, interval95: (low / unit, high / unit) })
     }
 
-    /// Where coefficient `i` of an effect has to lie to be believed, for the object that a value belongs to.
-    pub fn believed(&self, named: &NamedEffect, i: usize, value: &Value) -> (f64, f64) {
+    /// Where coefficient `i` of an effect has to lie to be plausible, for the object that a value belongs to.
+    pub fn plausible(&self, named: &NamedEffect, i: usize, value: &Value) -> (f64, f64) {
         let own = value.object.and_then(|object| self.loaded.objects.get(object));
         let own = own.and_then(|o| o.simulator.effects().into_iter().find(|e| e.name == named.effect.name));
         let effect = own.as_ref().unwrap_or(&named.effect);
@@ -146,7 +147,7 @@ impl Answer<'_> {
         named.filter(|_| all.len() > 1)
     }
 
-    /// Names of objects whose own recordings do not need what is told of all together.
+    /// Names of objects whose own recordings do not need what is reported for all together.
     pub fn without_effect(&self) -> Vec<&str> {
         let whole = self.diagnosis.verdict;
         let spared = |one: &OfObject| one.verdict == Verdict::None && whole != Verdict::None;
@@ -157,4 +158,23 @@ impl Answer<'_> {
     pub fn object(&self, value: &Value) -> Option<&str> {
         Some(self.loaded.objects.get(value.object?)?.name.as_str())
     }
+}
+
+/// Whether an effect has numbers of each joint of an arm.
+pub fn is_per_joint(named: &NamedEffect) -> bool {
+    ArmEffect::find(named.effect.name).is_some_and(|effect| effect.per_joint)
+}
+
+/// What the gap was measured on.
+pub fn gap_of(gap: &Gap) -> &'static str {
+    match gap.of {
+        GapOf::Recordings => "recordings",
+        GapOf::Segments => "flights",
+        GapOf::Events => "contacts",
+    }
+}
+
+/// The value of an object, or the one that all share.
+pub fn value_of(fitted: &Fitted, object: usize) -> Option<&Value> {
+    fitted.values.iter().find(|v| v.object.is_none_or(|o| o == object))
 }

@@ -25,3 +25,8 @@ pub fn forced(outcome: &Outcome) -> bool {
     let failed = |checks: &[Check]| checks.iter().any(|c| c.state == State::Failed);
     outcome.used.iter().zip(&outcome.preflight).any(|(used, checks)| *used && failed(checks))
 }
+
+/// Only an answer is worth a file.
+pub fn is_written(outcome: &Outcome) -> bool {
+    matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
+}

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use tunenet_core::{Error, Origin};
 
-use super::{Common, Leave, Reading, Sharing, Simulation, Writing, jobs, pair};
+use super::{Common, Permission, Reading, Sharing, Simulation, Writing, jobs, pair};
 
 pub const TUNE_EXAMPLES: &str = "\
 Examples:
@@ -45,8 +45,13 @@ impl Apart {
     /// [`Error::Setting`] where `--shard` stands without `--each`.
     pub fn check(&self, each: bool) -> tunenet_core::Result<()> {
         let Some(shard) = self.sharing.shard.filter(|_| !each) else { return Ok(()) };
-        let expected = "`--each` beside it, with a share of the recordings for every shard".into();
-        Err(Error::Setting { origin: Origin::Flag, name: "--shard", expected, found: format!("{shard} alone") })
+        let expected = "`--each`, since shards divide recordings".into();
+        Err(Error::Setting {
+            origin: Origin::Flag,
+            name: "--shard",
+            expected,
+            found: format!("only `--shard {shard}`"),
+        })
     }
 }
 
@@ -57,11 +62,11 @@ pub struct Tune {
     #[command(flatten)]
     pub simulation: Simulation,
     #[command(flatten)]
-    pub leave: Leave,
+    pub permission: Permission,
     /// Recordings (CSV, MCAP, video); several are fitted jointly
     #[arg(value_name = "RECORDING", required_unless_present = "observation")]
     pub recordings: Vec<PathBuf>,
-    /// Recordings, as an option
+    /// Recordings, as an option instead of arguments
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub observation: Vec<PathBuf>,
     #[command(flatten)]
@@ -75,7 +80,7 @@ pub struct Tune {
     #[command(flatten)]
     pub apart: Apart,
     /// Number of threads [default: number of cores]
-    #[arg(long, value_parser = jobs)]
+    #[arg(long, value_name = "N", value_parser = jobs)]
     pub jobs: Option<usize>,
     /// Use recordings that failed the checks; the result may be meaningless
     #[arg(long)]
@@ -90,7 +95,7 @@ pub struct Tune {
     #[arg(long, value_name = "NAME=VALUE", value_parser = start, value_delimiter = ',')]
     pub initial: Vec<(String, f64)>,
     /// Network iterations before the fit, one rollout each (no effect without a network)
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub iterations: u16,
     /// Clamp values to their bounds in every iteration (only `--model` with preset `paper`)
     #[arg(long)]
@@ -113,11 +118,11 @@ pub struct Diagnose {
     #[command(flatten)]
     pub simulation: Simulation,
     #[command(flatten)]
-    pub leave: Leave,
+    pub permission: Permission,
     /// Recordings (CSV, MCAP, video) of one object
     #[arg(value_name = "RECORDING", required_unless_present_any = ["observation", "manifest"], conflicts_with = "manifest")]
     pub recordings: Vec<PathBuf>,
-    /// Recordings, as an option
+    /// Recordings, as an option instead of arguments
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub observation: Vec<PathBuf>,
     /// Recordings for validation only [default: chosen automatically from four or more]
@@ -146,7 +151,7 @@ pub struct Diagnose {
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     /// Number of threads [default: number of cores]
-    #[arg(long, value_parser = jobs)]
+    #[arg(long, value_name = "N", value_parser = jobs)]
     pub jobs: Option<usize>,
     #[command(flatten)]
     pub writing: Writing,

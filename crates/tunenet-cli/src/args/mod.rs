@@ -20,6 +20,8 @@ pub use plan::{Plan, PlanRule};
 pub use shard::{Merge, Sharing};
 pub use track::Track;
 
+use crate::view::text::{Verbosity, set_verbosity};
+
 /// Estimate simulator parameters from recorded motion.
 ///
 /// tunenet fits a simulation file to recordings and reports each parameter with a 95 % confidence interval.
@@ -30,12 +32,35 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    #[command(flatten)]
+    pub detail: Detail,
+}
+
+/// How much a program prints besides its answer.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Detail {
     /// Print only the answer and errors: no notes, warnings or progress
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    #[arg(short, long, global = true, display_order = 900, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Print details too, such as the iterations of `tune` and all candidates of `diagnose`
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = 901)]
     pub verbose: bool,
+}
+
+impl Detail {
+    /// Makes this process print so much.
+    pub fn apply(self) {
+        set_verbosity(match (self.quiet, self.verbose) {
+            (true, _) => Verbosity::Quiet,
+            (_, true) => Verbosity::Verbose,
+            _ => Verbosity::Normal,
+        });
+    }
+
+    /// The same as flags, for a program that is started.
+    pub fn flags(self) -> impl Iterator<Item = &'static str> {
+        [(self.quiet, "--quiet"), (self.verbose, "--verbose")].into_iter().filter(|(is, _)| *is).map(|(_, flag)| flag)
+    }
 }
 
 /// The commands.
@@ -149,7 +174,7 @@ pub struct Simulation {
 
 /// Permission to execute the simulator program, wherever a command simulates with one.
 #[derive(Debug, Clone, Copy, Args)]
-pub struct Leave {
+pub struct Permission {
     /// Allow the simulation file (`kind = "process"`) to run its program; use only with files that you trust
     #[arg(long)]
     pub allow_process: bool,
@@ -175,10 +200,10 @@ pub struct Reading {
     /// MCAP topic to read [default: the only suitable one]
     #[arg(long)]
     pub topic: Option<String>,
-    /// True capture rate in Hz, for slow-motion video or folders of images
-    #[arg(long, value_name = "1/S", value_parser = track::positive)]
+    /// True capture rate in frames per second, for slow-motion video or folders of images
+    #[arg(long, value_name = "HZ", value_parser = track::positive)]
     pub camera_rate: Option<f64>,
-    /// Skip malformed lines of a CSV file where they are few, and list them
+    /// Skip malformed lines of a CSV file (at most 5 %) and list them
     #[arg(long)]
     pub skip_broken: bool,
 }
@@ -190,8 +215,8 @@ pub struct Common {
     #[serde(skip)]
     #[arg(long)]
     pub json: bool,
-    /// Random seed
-    #[arg(long, default_value_t = 0)]
+    /// Random seed; equal seeds give equal results
+    #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
 }
 
@@ -234,7 +259,7 @@ pub struct Simulate {
     #[command(flatten)]
     pub simulation: Simulation,
     #[command(flatten)]
-    pub leave: Leave,
+    pub permission: Permission,
     /// Recording to write: .csv or .mcap
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
@@ -302,7 +327,7 @@ pub struct Gen {
     #[arg(long, value_enum)]
     pub preset: Option<Pairs>,
     /// Number of pairs
-    #[arg(long, default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
     pub pairs: u64,
     /// Simulation file [default: the paper's ball]
     #[arg(long = "sim", value_name = "FILE.toml", required_if_eq_any([("domain", "arm"), ("domain", "process")]))]
@@ -311,7 +336,7 @@ pub struct Gen {
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
     #[command(flatten)]
-    pub leave: Leave,
+    pub permission: Permission,
     /// Dataset to write (MCAP)
     #[arg(short, long, value_name = "FILE.mcap")]
     pub out: PathBuf,
@@ -351,10 +376,10 @@ pub struct Train {
     /// Dataset written by `tunenet gen`
     #[arg(long, value_name = "FILE.mcap")]
     pub data: PathBuf,
-    /// Hyper-parameters
+    /// Training hyper-parameters
     #[arg(long, value_enum, default_value = "default")]
     pub preset: Training,
-    /// Model to write
+    /// Network to write
     #[arg(short, long, value_name = "MODEL.safetensors")]
     pub out: PathBuf,
     /// Memory limit in MiB for training data; the rest is kept in a temporary file next to `--out`, with the same result
@@ -375,4 +400,34 @@ fn pair(text: &str) -> Result<(String, String), String> {
         return Err(format!("expected OURS=THEIRS, found `{text}`"));
     }
     Ok((ours.into(), theirs.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    /// The words of an example as a shell would split them, without comment, pipe and redirection.
+    fn words(example: &str) -> Vec<String> {
+        let line = example.split("   ").next().unwrap_or_default();
+        let command = line.split(['|', '>']).next().unwrap_or_default();
+        // Only Slurm knows which shard `auto` is.
+        let command = command.replace("--shard auto", "--shard 0/2");
+        command.split_whitespace().map(|word| word.trim_matches('\'').to_owned()).collect()
+    }
+
+    #[test]
+    fn every_example_in_the_help_is_accepted() {
+        let tool = Arguments::command();
+        let texts = tool.get_subcommands().chain([&tool]).filter_map(|command| command.get_after_help());
+        let texts: Vec<String> = texts.map(ToString::to_string).collect();
+        let examples: Vec<&str> = texts.iter().flat_map(|text| text.lines()).map(str::trim).collect();
+        let examples: Vec<&str> = examples.into_iter().filter(|line| line.starts_with("tunenet ")).collect();
+        assert!(examples.len() > 40, "{}", examples.len());
+        for example in examples {
+            let parsed = Arguments::try_parse_from(words(example));
+            assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+        }
+    }
 }

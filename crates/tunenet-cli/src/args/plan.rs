@@ -30,14 +30,14 @@ pub struct Plan {
     /// Task file (TOML): plane, hoop, heights, robot
     #[arg(long, value_name = "TASK.toml")]
     pub task: PathBuf,
-    /// Number of candidate heights
-    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    /// Number of candidate release heights, evenly spaced over `release.heights_m` of the task
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub heights: u32,
     /// Rule that chooses the height
     #[arg(long, value_enum, default_value = "probability")]
     pub rule: PlanRule,
-    /// Number of Monte Carlo samples
-    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// Number of Monte Carlo samples of the uncertain parameters
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub draws: u32,
     /// Write the robot's approach to the release (MCAP)
     #[arg(short, long, value_name = "FILE.mcap")]

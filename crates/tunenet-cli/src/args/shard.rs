@@ -49,7 +49,7 @@ fn read(text: &str) -> Result<Shard, String> {
             Ok(count) => of_environment(&variable, Some(count)),
             Err(_) => Err(format!("expected `auto` or `auto/N`, such as `auto/8`, found `{text}`")),
         },
-        _ => text.parse().map_err(|error| told(&error)),
+        _ => text.parse().map_err(|error| without_name(&error)),
     };
     shard.map_err(|text| text.trim_start_matches("`shard`: ").to_owned())
 }
@@ -70,12 +70,13 @@ fn of_environment(variable: &dyn Fn(&str) -> Option<String>, count: Option<u32>)
         text.parse().map_err(|_| format!("expected a whole number in {name}, found `{text}`"))
     };
     let of_slurm = |name: &str| -> Result<u32, String> {
-        let text = variable(name).ok_or_else(|| format!("expected {name} beside {TASK}, as in every Slurm array"))?;
+        let text =
+            variable(name).ok_or_else(|| format!("expected {name} in addition to {TASK}, as in every Slurm array"))?;
         number(name, &text)
     };
     match (variable(TASK), variable(COMPLETION), count) {
         (Some(_), Some(_), _) => Err(format!(
-            "expected {TASK} (Slurm) or {COMPLETION} (Kubernetes), found both: write the shard out, such as `0/8`"
+            "expected {TASK} (Slurm) or {COMPLETION} (Kubernetes), found both: give the shard, such as `0/8`"
         )),
         (Some(task), None, None) => {
             let (task, first, tasks, step) =
@@ -89,27 +90,29 @@ fn of_environment(variable: &dyn Fn(&str) -> Option<String>, count: Option<u32>)
             let last = variable(LAST).map(|text| number(LAST, &text)).transpose()?;
             let gaps = last.is_some_and(|last| last.checked_sub(first).and_then(|n| n.checked_add(1)) != Some(tasks));
             match task.checked_sub(first) {
-                Some(index) if !gaps => Shard::new(index, tasks).map_err(|error| told(&error)),
+                Some(index) if !gaps => Shard::new(index, tasks).map_err(|error| without_name(&error)),
                 _ => Err(format!(
-                    "expected an array without gaps, found task {task} of {tasks} from {first}: say of how many with `auto/N`"
+                    "expected an array without gaps, found task {task} of {tasks} from {first}: give the number of shards with `auto/N`"
                 )),
             }
         }
-        (Some(task), None, Some(count)) => Shard::new(number(TASK, &task)?, count).map_err(|error| told(&error)),
+        (Some(task), None, Some(count)) => {
+            Shard::new(number(TASK, &task)?, count).map_err(|error| without_name(&error))
+        }
         (None, Some(index), Some(count)) => {
-            Shard::new(number(COMPLETION, &index)?, count).map_err(|error| told(&error))
+            Shard::new(number(COMPLETION, &index)?, count).map_err(|error| without_name(&error))
         }
         (None, Some(_), None) => Err(format!(
-            "expected `auto/N` beside {COMPLETION}, since Kubernetes does not say of how many, found `auto`"
+            "expected `auto/N` with {COMPLETION}, since Kubernetes does not report the number of shards, found `auto`"
         )),
         (None, None, _) => Err(format!(
-            "expected {TASK} (Slurm) or {COMPLETION} (Kubernetes) in the environment, found neither: write the shard out, such as `0/8`"
+            "expected {TASK} (Slurm) or {COMPLETION} (Kubernetes) in the environment, found neither: give the shard, such as `0/8`"
         )),
     }
 }
 
 /// Without the flag's name, which clap says itself.
-fn told(error: &tunenet_core::Error) -> String {
+fn without_name(error: &tunenet_core::Error) -> String {
     let text = error.to_string();
     text.strip_prefix("`shard`: ").map(str::to_owned).unwrap_or(text)
 }
@@ -150,7 +153,7 @@ mod tests {
             let refused = with(&variables, None).unwrap_err();
             assert!(refused.contains(wanted), "{refused}");
         }
-        assert!(with(&[(TASK, "1")], None).unwrap_err().contains("expected SLURM_ARRAY_TASK_MIN beside"));
+        assert!(with(&[(TASK, "1")], None).unwrap_err().contains("expected SLURM_ARRAY_TASK_MIN in addition to"));
         assert!(with(&array("4", "0", "4", "5", "1"), Some(4)).unwrap_err().contains("from 0/4 to 3/4"));
     }
 

@@ -11,7 +11,7 @@ Examples:
   tunenet track drop.mp4 --out track.csv
   tunenet track drop.mp4 --out track.csv --report track.html --overlay drawn.mp4
   tunenet track drop.mp4 --bounces --out bounces.csv
-  tunenet track drop.mp4 --color green --radius 0.0335 --out track.csv
+  tunenet track drop.mp4 --ball-color green --radius 0.0335 --out track.csv
   tunenet track drop.mp4 --rate 60 --frames 400 --out track.csv
   tunenet track frames/ --camera-rate 120 --out track.csv
   tunenet track log.mcap --topic /camera/image_raw --out track.csv
@@ -39,19 +39,19 @@ pub struct Track {
     pub overlay: Option<PathBuf>,
     /// Colour of the ball: red, orange, yellow, green, cyan, blue, purple, white, black, or an HSV window such as
     /// 170,90,60:8,255,255 on OpenCV's scales [default: detected]
-    #[arg(long, value_name = "COLOUR")]
+    #[arg(long = "ball-color", visible_alias = "color", value_name = "COLOUR")]
     pub color: Option<String>,
     /// MCAP topic to read [default: the only suitable one]
     #[arg(long)]
     pub topic: Option<String>,
-    /// True capture rate in Hz, for slow-motion video or folders of images
-    #[arg(long, value_name = "1/S", value_parser = positive)]
+    /// True capture rate in frames per second, for slow-motion video or folders of images
+    #[arg(long, value_name = "HZ", value_parser = positive)]
     pub camera_rate: Option<f64>,
     /// Sample rate of the track in Hz, from the release on, by linear interpolation; also the rate of a folder of images
-    #[arg(long, value_name = "1/S", value_parser = positive)]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
     pub rate: Option<f64>,
-    /// With `--rate`: number of samples to write, repeating the last one if the video is shorter. Without it: maximum number
-    /// of frames to track
+    /// Maximum number of frames to track [default: all]. With `--rate`: number of samples to write; the last one is repeated
+    /// if the video is shorter
     #[arg(long, value_name = "N", value_parser = frames)]
     pub frames: Option<usize>,
     /// Radius of the ball in m, which gives the length scale [default: from the fall of the ball]

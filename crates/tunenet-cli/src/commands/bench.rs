@@ -1,4 +1,4 @@
-//! `tunenet bench`: started as a program of its own, which brings rivals that nothing else needs.
+//! `tunenet bench`: starts the separate program `tunenet-bench`, which contains competing methods that nothing else needs.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -19,15 +19,15 @@ pub fn help(arguments: &[OsString]) -> Option<Vec<OsString>> {
     Some([std::slice::from_ref(help), about].concat())
 }
 
-/// Becomes the program that measures, where the system can do that, so that signals and memory are its own.
-pub fn run(arguments: &[impl AsRef<OsStr>]) -> Result<Exit> {
+/// Becomes the program that measures, with `flags` before its arguments, where the system can do that, so that signals and memory are its own.
+pub fn run(arguments: &[impl AsRef<OsStr>], flags: impl IntoIterator<Item = &'static str>) -> Result<Exit> {
     let program = programs::beside(BENCH)?;
     if !program.is_file() {
-        let message = format!("expected the part of tunenet that measures beside it, found no `{BENCH}`");
+        let message = format!("expected the benchmark program next to tunenet, found no `{BENCH}`");
         return Err(Error::file(program, message, "`make build` makes it").into());
     }
     let mut command = Command::new(&program);
-    command.args(arguments);
+    command.args(flags).args(arguments);
     started(command).with_context(|| format!("starting {}", program.display()))
 }
 
@@ -35,7 +35,7 @@ pub fn run(arguments: &[impl AsRef<OsStr>]) -> Result<Exit> {
 pub fn merged(bench: &Value, out: &Path, as_json: bool) -> Result<Exit> {
     let mut arguments: Vec<OsString> = vec!["merged".into(), bench.to_string().into(), "--out".into(), out.into()];
     arguments.extend(as_json.then(|| "--json".into()));
-    run(&arguments)
+    run(&arguments, [])
 }
 
 #[cfg(unix)]

@@ -11,7 +11,7 @@ use crate::view::json;
 
 pub fn run(command: Option<&str>) -> Result<Exit> {
     if command == Some("bench") {
-        return bench::run(&["man"]);
+        return bench::run(&["man"], []);
     }
     let mut tool = Arguments::command();
     tool.build();

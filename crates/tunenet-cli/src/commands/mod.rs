@@ -10,7 +10,6 @@ mod inspect;
 pub(crate) mod load;
 mod man;
 mod merge;
-mod model_cache;
 pub(crate) mod plan;
 mod refusal;
 mod simulate;
@@ -27,15 +26,11 @@ use clap::CommandFactory;
 use crate::args::{Arguments, Command};
 use crate::failure::Exit;
 use crate::view::json;
-use crate::view::text::{Verbosity, set_verbosity};
 
 /// Runs what the command line asks for.
 pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
-    set_verbosity(match (arguments.quiet, arguments.verbose) {
-        (true, _) => Verbosity::Quiet,
-        (_, true) => Verbosity::Verbose,
-        _ => Verbosity::Normal,
-    });
+    arguments.detail.apply();
+    let detail = arguments.detail;
     match arguments.command {
         Command::Tune(mut options) => {
             options.observation = recordings(options.recordings.drain(..), &options.observation)?;
@@ -56,7 +51,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
         Command::Gen(options) => generate::run(&options),
         Command::Train(options) => train::run(&options),
         Command::Merge(options) => merge::run(&options),
-        Command::Bench { arguments } => bench::run(&arguments),
+        Command::Bench { arguments } => bench::run(&arguments, detail.flags()),
         Command::Init(options) => init::run(&options),
         Command::Man { command } => man::run(command.as_deref()),
         Command::Completions { shell } => {

@@ -1,4 +1,4 @@
-//! What a program refuses, told as its own: neither the recording nor the fit is to blame.
+//! What a program refuses, reported as its own error: neither the recording nor the fit is to blame.
 
 use tunenet_core::Error;
 use tunenet_sim::SimulationFile;

@@ -28,7 +28,7 @@ pub enum Product {
     Model,
     /// An answer, or several, as JSON.
     Answer,
-    /// Something that nobody can tell from a person's own file, such as a recording.
+    /// Something that cannot be distinguished from a user's own file, such as a recording.
     Unmarked,
 }
 
@@ -68,7 +68,7 @@ impl Product {
     }
 }
 
-/// Whether a file that begins so is a page of ours, of any version.
+/// Whether a file that begins so is a report of tunenet, of any version.
 pub fn is_page(start: &str) -> bool {
     start.starts_with("<!DOCTYPE html>") && start.contains("<meta name=\"generator\" content=\"tunenet ")
 }
@@ -170,7 +170,7 @@ pub fn leads_somewhere(named: &Path, folder: &Path, makes: bool) -> Result<()> {
             Err(_) => {}
         }
         if parts.clone().any(|later| later == Component::ParentDir) {
-            let message = format!("expected a folder at {} to go on from with `..`, found none", way.display());
+            let message = format!("expected a folder at {} before `..`, found none", way.display());
             let hint = "make it, or write the path without it";
             return Err(Error::file(named, message, hint).into());
         }

@@ -1,4 +1,4 @@
-//! The programs of tunenet, which lie beside each other in one folder.
+//! The programs of tunenet, which are installed in one folder.
 
 use std::path::PathBuf;
 
@@ -11,10 +11,10 @@ pub const VIDEO: &str = "tunenet-video";
 /// Runs the benchmarks.
 pub const BENCH: &str = "tunenet-bench";
 
-/// Where the program `name` must lie: beside this one.
+/// Where the program `name` must be: next to this one.
 ///
 /// # Errors
-/// Where the system does not say where this one lies.
+/// If the system does not report the path of this program.
 pub fn beside(name: &str) -> Result<PathBuf> {
     let own = std::env::current_exe().context("this program's own path")?;
     Ok(own.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX)))

@@ -2,6 +2,7 @@
 
 pub mod answer;
 pub mod html;
+pub(crate) mod inspect;
 pub mod json;
 pub(crate) mod sentence;
 pub mod shard;

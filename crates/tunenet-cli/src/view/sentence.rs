@@ -8,10 +8,10 @@ use crate::answers::plan::Answer;
 /// The answer of `tunenet plan`.
 pub fn plan(answer: &Answer) -> String {
     let best = answer.plan.best();
-    let chance = best.probability.map_or(String::new(), |p| format!(", goes in {:.0} of 100 times", 100.0 * p));
+    let chance = best.probability.map_or(String::new(), |p| format!(", success probability {:.0} %", 100.0 * p));
     if answer.plan.reachable {
         let passes = in_words(best.pass.miss_m, "m");
-        return format!("PLANNED  let go at {:.3} m: passes {passes} from the hoop's centre{chance}", best.height_m);
+        return format!("PLANNED  release at {:.3} m: passes {passes} from the hoop's centre{chance}", best.height_m);
     }
     format!("OUT OF REACH  {}", missing(best))
 }
@@ -21,7 +21,7 @@ fn missing(best: &Candidate) -> String {
     let by = in_words(best.pass.miss_m, "m");
     let height = best.height_m;
     if best.pass.falls {
-        format!("no height brings the ball through the hoop; from {height:.3} m it falls {by} from its centre")
+        format!("no height brings the ball through the hoop; from {height:.3} m it misses the centre by {by}")
     } else {
         format!("no height brings the ball up to the hoop; from {height:.3} m it comes within {by} of its centre")
     }

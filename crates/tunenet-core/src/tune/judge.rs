@@ -82,9 +82,7 @@ impl Tuning<'_> {
             let text = format!(
                 "{values} measured numbers for {unknowns} unknowns fit whatever they are, so nothing says how sure the answer is"
             );
-            // The channel of event times says what is timed.
-            let timed = self.simulator.channels()[0].name.strip_suffix("_time");
-            let one = timed.filter(|_| self.simulator.kind() == Kind::EventTimes).unwrap_or("sample");
+            let one = if self.simulator.kind() == Kind::EventTimes { "event time" } else { "sample" };
             let more = (unknowns + 1 - values).div_ceil(self.simulator.channels().len());
             let least = if more == 1 { format!("1 more {one}") } else { format!("{more} more {one}s") };
             Note::new(findings::RECORDINGS_SHORT, text, format!("bring at least {least}"))

@@ -6,13 +6,13 @@ use tunenet_core::observation::{Kind, Note};
 use tunenet_core::simulator::Simulator;
 use tunenet_formats::kind_name;
 use tunenet_sim::replayed_arm::replays;
-use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{SimulationFile, simulator};
+use tunenet_sim::simulator;
 
-use super::manifest::{KNOWN_PAYLOAD, Source};
+use super::scene::{in_scene, same_scene};
 use crate::answers::diagnose::{Loaded, Object, Recorded};
 use crate::args::Diagnose;
 use crate::commands::load;
+use crate::files::manifest::Source;
 use crate::files::{hash, names};
 
 /// Most samples of one recording that are used; more would not sharpen the answer by as much as they cost.
@@ -20,7 +20,7 @@ const MOST_SAMPLES: usize = 4_000;
 
 pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
-    let (file, _) = load::simulation_with(&options.simulation, options.leave)?;
+    let (file, _) = load::simulation_with(&options.simulation, options.permission)?;
     for source in sources {
         let name = names::file_name(&source.path);
         // A video's scale goes by what its own entry says of the ball.
@@ -60,34 +60,11 @@ fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
     let Some(other) = recorded.iter().position(|r| r.seen.kind() != kind) else { return Ok(kind) };
     let found = kind_name(recorded[other].seen.kind());
     let message = format!("expected {} as in {first}, found {found}", kind_name(kind));
-    Err(Error::file(&sources[other].path, message, "diagnose recordings of each kind alone").into())
-}
-
-/// The simulation file with what a manifest entry says of the scene.
-fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> Result<SimulationFile> {
-    let mut file = file.clone();
-    let program = source.scene.iter().find(|(key, _)| file.domain() == Domain::Process && key.starts_with("process."));
-    if let Some((key, _)) = program {
-        // Leave was given to the program of the simulation file, and to no other.
-        let message = format!("{}: expected settings and parameters, found `{key}`", source.path.display());
-        let hint = "which program runs, and how, stands in the simulation file alone";
-        return Err(Error::file(options.manifest.clone().unwrap_or_default(), message, hint).into());
-    }
-    for (key, value) in source.scene.iter().flat_map(|(key, value)| known_payload(key, value)) {
-        file.set(&format!("{key}={value}")).map_err(|e| match e {
-            // Not the command line's fault.
-            Error::Setting { expected, found, .. } => {
-                let message = format!("{}: expected {expected}, found {found}", source.path.display());
-                Error::file(options.manifest.clone().unwrap_or_default(), message, "see docs/files.md for the keys")
-            }
-            other => other,
-        })?;
-    }
-    Ok(file)
+    Err(Error::file(&sources[other].path, message, "diagnose recordings of each kind separately").into())
 }
 
 fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
-    let (file, session) = load::simulation_with(&options.simulation, options.leave)?;
+    let (file, session) = load::simulation_with(&options.simulation, options.permission)?;
     let file = in_scene(options, source, &file)?;
     let mut simulator = simulator(&file, kind, &session).with_context(|| names::file_name(&source.path))?;
     // A coefficient that stands there may be wrong, and is tuned with the parameters; else it looks like something missing.
@@ -98,33 +75,4 @@ fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
         simulator = simulator.with_effects(&shown)?;
     }
     Ok(Object { name: source.object.clone(), file, session, simulator, scene: source.scene.clone() })
-}
-
-/// A key of the scene; the payload of an arm, where it is known, is a parameter that is not tuned.
-fn known_payload(key: &str, value: &str) -> Vec<(String, String)> {
-    if key != KNOWN_PAYLOAD {
-        return vec![(key.to_owned(), value.to_owned())];
-    }
-    let of = |field: &str| format!("parameters.payload_mass.{field}");
-    vec![(of("value"), value.to_owned()), (of("tune"), "false".to_owned())]
-}
-
-/// Recordings of one object share its scene.
-fn same_scene(options: &Diagnose, source: &Source, object: &Object) -> Result<()> {
-    if source.scene == object.scene {
-        return Ok(());
-    }
-    let told = |scene: &[(String, String)]| {
-        let each: Vec<String> = scene.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-        if each.is_empty() { "no keys of the scene".into() } else { each.join(", ") }
-    };
-    let message = format!(
-        "{}: expected {} as for the other recordings of `{}`, found {}",
-        source.path.display(),
-        told(&object.scene),
-        object.name,
-        told(&source.scene)
-    );
-    let hint = "give it another `object`, or say the same of all";
-    Err(Error::file(options.manifest.clone().unwrap_or_default(), message, hint).into())
 }

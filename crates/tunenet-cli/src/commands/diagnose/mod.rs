@@ -1,15 +1,14 @@
 //! `tunenet diagnose`: where simulation and measurement disagree, which effect is missing, and the file with it.
 //!
 //! ```text
-//! manifest → load → tunenet_core::diagnose → json, text, improve, crate::view::html
+//! sources → load → tunenet_ball::diagnose → improve, crate::view::{json, text, html}
 //! ```
 
-pub(crate) mod alternatives;
-pub(crate) mod improve;
-mod json;
-pub(crate) mod load;
-mod manifest;
-mod text;
+mod improve;
+mod load;
+mod outputs;
+mod scene;
+mod sources;
 
 use std::time::Instant;
 
@@ -18,14 +17,19 @@ use serde_json::json;
 use tunenet_ball::diagnose;
 use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict};
 use tunenet_core::observation::Note;
+use tunenet_sim::SimulationFile;
 
 use super::each::{Answered, Work};
 use super::refusal::{self, Asked};
 use crate::answers::diagnose::{Answer, Loaded};
+use crate::answers::improved::edits;
 use crate::args::{Diagnose, pool};
 use crate::failure::Exit;
 use crate::files::hash;
+use crate::files::manifest::Source;
 use crate::view::html;
+use crate::view::json::diagnose as json;
+use crate::view::text::diagnose as text;
 use crate::view::text::stage;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
@@ -33,8 +37,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     if options.each {
         return each(options);
     }
-    let sources = manifest::sources(options)?;
-    improve::writable(options, &sources)?;
+    let sources = sources::sources(options)?;
+    outputs::writable(options, &sources)?;
     let loaded = load::load(options, &sources)?;
     text::read(&loaded);
     let began = Instant::now();
@@ -45,9 +49,9 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         stage("urdf", &path.display().to_string());
     }
     text::answer(&answer).show(options.common.json, || json::object(&answer))?;
-    text::end(options, &answer, &wrote);
+    text::end(options.out.as_deref(), options.common.seed, &answer, &wrote);
     if let Some(path) = &options.report {
-        let edits = improve::edits(options, &answer)?;
+        let edits = edits(&SimulationFile::read(&options.simulation.sim)?, &answer)?;
         html::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
         stage("report", &path.display().to_string());
     }
@@ -69,7 +73,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
     let (apart, overwrite) = (&options.apart, options.writing.overwrite);
     let work = Work { tool: "diagnose", observation, apart, jobs, json, overwrite, run };
     let (exit, _) = work.run::<()>(&|path, _| {
-        let sources = [manifest::Source::alone(path, file.domain().name(), options.reference.clone())];
+        let sources = [Source::alone(path, file.domain().name(), options.reference.clone())];
         let loaded = load::load(options, &sources)?;
         let began = Instant::now();
         let diagnosis = ask(&loaded, options.common.seed)?;
@@ -79,7 +83,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
     Ok(exit)
 }
 
-fn provenance(options: &Diagnose, sources: &[manifest::Source]) -> html::Provenance {
+fn provenance(options: &Diagnose, sources: &[Source]) -> html::Provenance {
     let scene = [options.simulation.sim.as_path()].into_iter().chain(options.manifest.as_deref());
     let sources = sources.iter().flat_map(|s| [s.path.as_path()].into_iter().chain(s.reference.as_deref()));
     let read: Vec<&std::path::Path> = scene.chain(sources).collect();

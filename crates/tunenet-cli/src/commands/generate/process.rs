@@ -30,7 +30,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         file.set(assignment)?;
     }
     load::of_kind(&file, simulation_file::Domain::Process)?;
-    let session = load::session(options.leave);
+    let session = load::session(options.permission);
     let program = observed::simulator(&file, tunenet_core::observation::Kind::Other, &session)?;
     if !program.parameters().iter().any(|p| p.tune) {
         let message = "expected at least one parameter with `tune = true`, found none";
@@ -68,7 +68,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         if session.drifted() {
             DatasetWriter::forget(&out)?;
         }
-        // A rollout that fails is not kept; a program that is gone is the reason that is told.
+        // A rollout that fails is not kept; a program that is gone is the reason that is reported.
         session.failed()?;
         generated.map_err(|error| refusal::of_program(&file, Asked::Within, &error).unwrap_or(error))
     })

@@ -39,7 +39,7 @@ pub fn place(options: &Gen) -> PathBuf {
     options.sharing.shard.map_or_else(|| options.out.clone(), |shard| shard::file(&options.out, shard))
 }
 
-/// Whether the shard is complete already, as of a task that is sent off again. One that is not is made again, and told.
+/// Whether the shard is complete already, as of a task that is sent off again. One that is not is made again, with a note.
 ///
 /// # Errors
 /// Where it is a shard of something else, which somebody may still want.
@@ -53,8 +53,8 @@ fn there(options: &Gen, header: &DatasetHeader) -> Result<bool> {
         && other.header() != header
         && !options.writing.overwrite
     {
-        let told = |h: &DatasetHeader| format!("{} pairs of preset {}, seed {}", h.pairs, h.preset, h.seed);
-        let message = format!("expected a shard of {}, found one of {}", told(header), told(other.header()));
+        let described = |h: &DatasetHeader| format!("{} pairs of preset {}, seed {}", h.pairs, h.preset, h.seed);
+        let message = format!("expected a shard of {}, found one of {}", described(header), described(other.header()));
         let hint = "give the command that made it, choose another --out, or replace it with --overwrite";
         return Err(Error::file(&out, message, hint).into());
     }

@@ -49,7 +49,7 @@ fn simulation(file: &SimulationFile, shown: &mut Printout) -> Result<Value> {
     let program = (file.domain() == Domain::Process).then(|| process::command(file));
     match &program {
         Some(program) => {
-            shown.row("process", &format!("a simulation file that runs {program}, with `--allow-process` alone"));
+            shown.row("process", &format!("a simulation file that runs {program}, only with `--allow-process`"));
         }
         None => shown.row(file.domain().name(), "a simulation file"),
     }

@@ -28,7 +28,7 @@ pub fn look(path: &Path, camera_rate: Option<f64>, shown: &mut Printout) -> Resu
     };
     let facts = found.facts;
     let Facts { width_px, height_px, frames, fps, seen, .. } = facts;
-    shown.row("film", &format!("{width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
+    shown.row("video", &format!("{width_px} × {height_px} px, {frames} frames, {fps:.2} a second"));
     let bounces = facts.bounces_s.len();
     shown.row("ball", &format!("seen in {seen} frames, {bounces} bounces"));
     facts.warnings.iter().for_each(|finding| shown.warn(&finding.note()));

@@ -3,16 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use serde_json::Value;
 use tunenet_core::Error;
 
 use super::complete;
+use super::foreign::foreign;
 use crate::args::Merge;
 use crate::commands::{bench, each};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::{hash, names};
-use crate::shard::differing::{differing, sides};
 use crate::shard::{self, Job, Mark};
 use crate::view::text::stage;
 
@@ -33,7 +32,7 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
         if let Some((expected, found)) = foreign(like, mark) {
             let message =
                 format!("expected a shard of {expected} as {}, found one of {found}", names::file_name(first));
-            return Err(Error::file(*folder, message, "merge the shards of one command alone").into());
+            return Err(Error::file(*folder, message, "merge only shards of one command").into());
         }
     }
     complete(&marks.iter().map(|(folder, mark)| (*folder, mark.shard)).collect::<Vec<_>>())?;
@@ -71,44 +70,6 @@ pub fn run(options: &Merge, folders: &[PathBuf]) -> Result<Exit> {
     }
 }
 
-/// The first thing in which a shard differs from the others, as it should be and as it is.
-fn foreign(like: &Mark, mark: &Mark) -> Option<(String, String)> {
-    if like.program != mark.program {
-        return Some(("one build of tunenet".into(), "another build".into()));
-    }
-    let count = |mark: &Mark| format!("{} shards", mark.shard.count());
-    if like.job == mark.job {
-        return (like.shard.count() != mark.shard.count()).then(|| (count(like), count(mark)));
-    }
-    Some(match (&like.job, &mark.job) {
-        (Job::Bench(like), Job::Bench(found)) => of_benches(like, found),
-        (Job::Each { tool, run, recordings }, Job::Each { tool: other, run: ran, recordings: treated }) => {
-            if tool != other {
-                (format!("`{tool} --each`"), format!("`{other} --each`"))
-            } else if recordings != treated {
-                (format!("{} recordings", recordings.len()), format!("{} others", treated.len()))
-            } else {
-                debug_assert_ne!(run, ran);
-                ("the same simulation, seed and settings".into(), "another simulation, seed or setting".into())
-            }
-        }
-        (Job::Bench(like), Job::Each { tool, .. }) => (named(like).0, format!("`{tool} --each`")),
-        (Job::Each { tool, .. }, Job::Bench(found)) => (format!("`{tool} --each`"), named(found).0),
-    })
-}
-
-/// The options in which two benches differ, or their names where they are not the same.
-fn of_benches(like: &Value, found: &Value) -> (String, String) {
-    let ((name, options), (other, others)) = (named(like), named(found));
-    if name == other { sides(&differing(&options, &others)) } else { (name, other) }
-}
-
-/// A bench's name, and everything on its command line that decides its result.
-fn named(bench: &Value) -> (String, Value) {
-    let only = bench.as_object().and_then(|object| object.iter().next());
-    only.map_or_else(Default::default, |(name, options)| (format!("`bench {name}`"), options.clone()))
-}
-
 /// Copies what a shard has kept into `out`. What an earlier shard brought already stays.
 fn gather(folder: &Path, mark: &Mark, all: &[(&Path, Mark)], out: &Path) -> Result<()> {
     for (path, hash) in &mark.files {
@@ -120,7 +81,7 @@ fn gather(folder: &Path, mark: &Mark, all: &[(&Path, Mark)], out: &Path) -> Resu
             let ending = Path::new(path).extension().and_then(|e| e.to_str()).unwrap_or_default();
             if known != hash && LEARNED.contains(&ending) {
                 let message = format!("expected the same as in {}, found something else", names::file_name(from));
-                let hint = "run all shards on one kind of processor: the same seed gives the same bytes there alone";
+                let hint = "run all shards on one kind of processor: only there the same seed gives the same bytes";
                 return Err(Error::file(folder.join(path), message, hint).into());
             }
             continue;

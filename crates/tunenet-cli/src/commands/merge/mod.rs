@@ -1,6 +1,7 @@
-//! `tunenet merge`: shards, put together to what one run would have written.
+//! `tunenet merge`: combines shards to what one run would have written.
 
 mod folders;
+mod foreign;
 
 use std::path::{Path, PathBuf};
 

@@ -27,7 +27,7 @@ pub fn run(options: &Simulate) -> Result<Exit> {
     let output = Output::new(&options.out, "--out", Product::Unmarked);
     // What stands there may be the very same; that shows only when it is made.
     destination::check(std::slice::from_ref(&output), &[&options.simulation.sim], true)?;
-    let (mut file, session) = load::simulation_with(&options.simulation, options.leave)?;
+    let (mut file, session) = load::simulation_with(&options.simulation, options.permission)?;
     let observation = match file.domain() {
         Domain::Arm => arm::simulated(options, &file)?,
         Domain::Process => process::simulated(options, &file, &session)?,

@@ -10,15 +10,10 @@ use tunenet_formats::{Recording, write_atomically};
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
-use crate::answers::tune::forced;
+use crate::answers::tune::{forced, is_written};
 use crate::args::Tune;
 use crate::files::hash;
 use crate::view::toml::alternatives;
-
-/// Only an answer is worth a file.
-pub fn is_written(outcome: &Outcome) -> bool {
-    matches!(outcome.verdict, Verdict::Tuned | Verdict::PoorFit)
-}
 
 /// Writes the tuned file; `out` never holds half of one.
 pub fn write_tuned(

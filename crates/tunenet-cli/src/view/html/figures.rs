@@ -49,7 +49,7 @@ pub fn ladder(rungs: &[Rung], label: &str) -> Markup {
         svg.line("limit", (at, 8.0), (at, bottom));
     }
     svg.line("axis", (left, 8.0), (left, bottom));
-    let scale = if logarithmic { "scale: powers of ten" } else { "scale: from 0" };
+    let scale = if logarithmic { "log scale" } else { "linear scale from 0" };
     svg.text("name", (left, bottom + 18.0), Anchor::Start, scale);
     svg.finish("small", label)
 }

@@ -24,7 +24,7 @@ fn status(estimate: &Estimate, outcome: &Outcome) -> &'static str {
     } else if high - low > (WEAK_SHARE * (max - min)).min(estimate.value.abs()) {
         "weak"
     } else {
-        "pinned"
+        "determined"
     }
 }
 

@@ -199,7 +199,7 @@ pub fn drawings(series: &[Series]) -> Markup {
                  in the band, without a pattern."
                 @if events { " Ticks on the lower edges mark bounces." }
             } @else {
-                "What was read. Nothing was simulated beside it."
+                "The recording; nothing was simulated."
             }
             @if thinned { " Of long recordings an even choice of at most " (MOST_DOTS) " samples is drawn." }
         }

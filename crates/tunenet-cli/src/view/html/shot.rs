@@ -45,14 +45,14 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
     let body = html! {
         section class=(class) { div { p.word { (word) } p { (told) } } }
         section {
-            h2 { "The shot" }
+            h2 { "Shot" }
             p.how { "To scale, seen from the side. The dark line is the ball's centre with the values of the file, the circles are that "
                 "ball at the bounce and in the hoop; the pale lines are balls sampled from the uncertainty, and dashed ones "
                 "touch the rim or miss." }
             figure { (shot(answer)) }
         }
         section {
-            h2 { "All heights" }
+            h2 { "Candidate heights" }
             p.how { "Chosen by " (rule) ". The upright line is the height that was chosen; where the curve of the miss distance "
                 "is bold, the ball of the file goes in. Heights that the arm does not reach are left out." }
             figure { (curve(answer, "miss distance in cm", |c| Some(100.0 * c.pass.miss_m), |c| c.pass.goes_in())) }
@@ -60,7 +60,7 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
                 figure { (curve(answer, "success probability in percent", chance, |_| true)) }
             }
         }
-        section { h2 { "The release" } (release(answer)) }
+        section { h2 { "Release" } (release(answer)) }
         section { h2 { "Warnings" } (warnings(&answer.notes)) }
         section { h2 { "Provenance" } (provenance.section(&rollouts)) }
     };

@@ -29,10 +29,10 @@ pub fn write(path: &Path, name: &str, found: &Tracked, notes: &[Note]) -> Result
         section {
             h2 { "Track in the video" }
             p.how { "The circle is the position of the ball, the line its path. A thin circle: the border cuts the "
-                "ball, and the frame is left out." }
+                "ball, and the frame is not used." }
             div.grid { @for picture in &found.pictures { (frame(picture)) } }
         }
-        section { h2 { "Over time" } (curves(&found.samples, &facts.bounces_s)) }
+        section { h2 { "Position over time" } (curves(&found.samples, &facts.bounces_s)) }
         section { h2 { "Warnings" } (warnings(notes)) }
         section { h2 { "Video" } (table(facts)) }
     };
@@ -108,7 +108,7 @@ fn curve(name: &str, times: &[f64], values: &[f64], bounces: &[f64]) -> Markup {
 
 fn table(facts: &Facts) -> Markup {
     let scale = facts.scale.as_ref().map(|s| format!("{:.4} mm a pixel, by {}", 1e3 * s.m_per_px, s.words));
-    let restitution = facts.restitution.map(|r| format!("{:.3} of the speed, from the flights alone", r.value));
+    let restitution = facts.restitution.map(|r| format!("{:.3} of the speed, from the flights only", r.value));
     let rows = [
         ("size", format!("{} × {} px", facts.width_px, facts.height_px)),
         ("rate", format!("{:.3} frames a second", facts.fps)),

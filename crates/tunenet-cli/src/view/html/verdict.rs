@@ -72,7 +72,7 @@ fn sentence(outcome: &Outcome, names: &str) -> String {
     match outcome.verdict {
         Verdict::Tuned => format!("The tuned simulation follows {names} to {after}; the noise floor is {floor}."),
         Verdict::PoorFit => format!(
-            "The tuned simulation stays {after} away from {names}, and noise alone would leave {floor}: an effect is missing from \
+            "The tuned simulation differs from {names} by {after}, but the noise floor is {floor}: an effect is missing from \
              the simulation, or the recording is of something else."
         ),
         Verdict::NotIdentifiable => {

@@ -1,3 +1,4 @@
 //! Parts of the simulation files that are written.
 
 pub mod alternatives;
+pub(crate) mod diagnose;

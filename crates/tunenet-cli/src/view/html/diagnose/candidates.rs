@@ -37,8 +37,8 @@ pub fn confusable(diagnosis: &Diagnosis) -> Vec<&'static str> {
 
 /// Bars of the gain, with the line that an explanation has to reach to be left.
 pub fn gains(diagnosis: &Diagnosis) -> Markup {
-    let told = |(i, c): &(usize, &Candidate)| *i < MOST || diagnosis.names.contains(&c.name);
-    let shown: Vec<&Candidate> = left(diagnosis).enumerate().filter(told).map(|(_, c)| c).collect();
+    let is_shown = |(i, c): &(usize, &Candidate)| *i < MOST || diagnosis.names.contains(&c.name);
+    let shown: Vec<&Candidate> = left(diagnosis).enumerate().filter(is_shown).map(|(_, c)| c).collect();
     let width = Size::Narrow.width();
     let best = shown.iter().map(|c| c.bic_gain).fold(0.0, f64::max);
     let needed = (best - diagnosis.margin).max(diagnosis.least_gain);

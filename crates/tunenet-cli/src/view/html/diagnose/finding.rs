@@ -77,8 +77,11 @@ pub fn sentence(answer: &Answer) -> String {
                 if open.iter().any(|names| names.len() == 1) { format!(", or {NAMELESS}") } else { String::new() };
             let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
             let place = common_place(answer).map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
-            let beside =
-                if firm.is_empty() { String::new() } else { format!(", beside {}", joined(&words(&firm), "and")) };
+            let beside = if firm.is_empty() {
+                String::new()
+            } else {
+                format!(", in addition to {}", joined(&words(&firm), "and"))
+            };
             let why = diagnosis.doubt.map_or("not distinguishable in these recordings".into(), |doubt| {
                 format!("the first by far, but {doubt}")
             });
@@ -115,7 +118,7 @@ fn gap(answer: &Answer) -> Option<String> {
             words(gap.noise_floor)
         ));
     }
-    let unseen = match gap.held_out {
+    let held_out = match gap.held_out {
         Some(Change { before, after }) => {
             format!(" On recordings that were not fitted: from {} to {}.", words(before), words(after))
         }
@@ -128,7 +131,7 @@ fn gap(answer: &Answer) -> Option<String> {
         "With it".into()
     };
     Some(format!(
-        "{which} the gap{of} falls from {} to {}; the noise floor is {}.{unseen}",
+        "{which} the gap{of} falls from {} to {}; the noise floor is {}.{held_out}",
         words(gap.before),
         words(gap.after),
         words(gap.noise_floor)

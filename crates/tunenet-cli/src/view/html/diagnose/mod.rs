@@ -153,9 +153,9 @@ fn evidence(answer: &Answer) -> Markup {
             h2 { "Gap before and after" }
             div.grid {
                 figure { figcaption.above { "All recordings" } (pairs(&totals(answer), Some((gap.noise_floor, "noise floor")), "gap before and after")) }
-                @let unseen = held_out(diagnosis);
-                @if !unseen.is_empty() {
-                    figure { figcaption.above { "Held out, one by one" } (pairs(&unseen, Some((gap.noise_floor, "noise floor")), "held-out gap of each recording")) }
+                @let held = held_out(diagnosis);
+                @if !held.is_empty() {
+                    figure { figcaption.above { "Held out, one by one" } (pairs(&held, Some((gap.noise_floor, "noise floor")), "held-out gap of each recording")) }
                 }
                 p.how {
                     "Root mean square of measured \u{2212} simulated, all channels as one distance"
@@ -177,9 +177,9 @@ fn evidence(answer: &Answer) -> Markup {
 
 fn totals(answer: &Answer) -> Vec<Pair> {
     let Some(gap) = &answer.diagnosis.gap else { return Vec::new() };
-    let told = !answer.diagnosis.effects.is_empty();
+    let named = !answer.diagnosis.effects.is_empty();
     let one =
-        |name: &str, before: f64, after: f64| pair(name, told.then_some(before), after, |v| quantity(v, &gap.unit));
+        |name: &str, before: f64, after: f64| pair(name, named.then_some(before), after, |v| quantity(v, &gap.unit));
     let mut rows = vec![one("fitted", gap.before, gap.after)];
     rows.extend(gap.held_out.map(|h| one("held out", h.before, h.after)));
     if let (Some(h), Some((name, after))) = (&gap.held_out, gap.control) {
@@ -192,14 +192,13 @@ fn totals(answer: &Answer) -> Vec<Pair> {
 /// The gap of every held-out recording.
 fn held_out(diagnosis: &Diagnosis) -> Vec<Pair> {
     let unit = diagnosis.gap.as_ref().map_or("m", |g| g.unit.as_str());
-    let told = !diagnosis.effects.is_empty();
-    let unseen = diagnosis.explained.iter().filter(|one| one.held_out).take(MOST_PAIRS);
-    unseen
-        .map(|one| {
-            let before = told.then(|| distance(one, &one.before));
-            pair(&left_over::label(one), before, distance(one, &one.after), |v| quantity(v, unit))
-        })
-        .collect()
+    let named = !diagnosis.effects.is_empty();
+    let held = diagnosis.explained.iter().filter(|one| one.held_out).take(MOST_PAIRS);
+    held.map(|one| {
+        let before = named.then(|| distance(one, &one.before));
+        pair(&left_over::label(one), before, distance(one, &one.after), |v| quantity(v, unit))
+    })
+    .collect()
 }
 
 /// Root mean square of what counted, a sample of several channels counted once.

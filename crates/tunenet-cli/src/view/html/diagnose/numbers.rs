@@ -14,7 +14,7 @@ fn unit(unit: &str) -> String {
     if unit == "1" { String::new() } else { format!("\u{a0}{unit}") }
 }
 
-fn told(value: &Value) -> (String, String) {
+fn value_and_interval(value: &Value) -> (String, String) {
     let (low, high) = value.interval95;
     let half = (high - low) / 2.0;
     let of = |v: f64| signed(&rounded(v, half));
@@ -36,7 +36,7 @@ struct Row<'a> {
     key: &'static str,
     unit: &'static str,
     value: &'a Value,
-    believed: (f64, f64),
+    plausible: (f64, f64),
 }
 
 fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
@@ -50,7 +50,7 @@ fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
                 key: fitted.key,
                 unit: fitted.unit,
                 value,
-                believed: answer.believed(named, i, value),
+                plausible: answer.plausible(named, i, value),
             })
         })
         .collect()
@@ -79,16 +79,16 @@ pub fn coefficients(answer: &Answer) -> Markup {
             (heads(answer, "effect", &["value", "95 % interval", "physical bounds", "equivalent"]))
             tbody {
                 @for row in rows(answer) {
-                    @let (value, interval) = told(row.value);
+                    @let (value, interval) = value_and_interval(row.value);
                     tr {
                         th scope="row" { code { (row.named.effect.name) } br; code.key { (row.key) } }
                         (of_object(answer, row.value.object))
                         td data-name="value" { span.value { (value) (unit(row.unit)) } }
                         td data-name="95 % interval" { (interval) }
-                        td data-name="physical bounds" { (short(row.believed.0)) " to " (short(row.believed.1)) (unit(row.unit)) }
+                        td data-name="physical bounds" { (short(row.plausible.0)) " to " (short(row.plausible.1)) (unit(row.unit)) }
                         td data-name="equivalent" {
                             @if let Some(drag) = answer.drag_coefficient(row.named, row.value) {
-                                @let (value, interval) = told(&drag);
+                                @let (value, interval) = value_and_interval(&drag);
                                 "drag coefficient " span.value { (value) } " (95 %: " (interval) ")"
                             }
                         }
@@ -124,7 +124,7 @@ pub fn parameters(answer: &Answer) -> Markup {
                 (heads(answer, "parameter", &["given", "tuned without effects", "now", "95 % interval"]))
                 tbody {
                     @for p in own {
-                        @let of = |v: f64| told(&Value { object: None, value: v, interval95: p.interval95 });
+                        @let of = |v: f64| value_and_interval(&Value { object: None, value: v, interval95: p.interval95 });
                         tr {
                             th scope="row" { (p.name) }
                             (of_object(answer, Some(p.object)))

@@ -47,7 +47,7 @@ pub fn pairs(rows: &[Pair], floor: Option<(f64, &str)>, label: &str) -> Markup {
             svg.line("limit", (x.at(of(value)), line - 11.0), (x.at(of(value)), line + 11.0));
         }
     }
-    let scale = if logarithmic { "scale: powers of ten" } else { "scale: from 0" };
+    let scale = if logarithmic { "log scale" } else { "linear scale from 0" };
     let text = floor.map_or_else(|| scale.into(), |(_, name)| format!("{scale}; dotted: {name}"));
     svg.text("name", (0.0, bottom + 18.0), Anchor::Start, &text);
     svg.finish("small", label)

@@ -1,5 +1,10 @@
 //! Standard error: progress, notes and warnings; and how numbers, lists and tables read.
 
+pub(crate) mod diagnose;
+pub(crate) mod plan;
+pub(crate) mod track;
+pub(crate) mod tune;
+
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 

@@ -1,19 +1,15 @@
-//! Which files to diagnose: from the command line, or from a manifest that groups them into objects.
+//! The manifest of a diagnosis: recordings grouped into objects, each with its keys of the scene.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use toml_edit::{Document, Item, TableLike};
 use tunenet_core::Error;
-use tunenet_sim::SimulationFile;
-
-use crate::args::Diagnose;
-use crate::files::hash;
 
 /// The object of files that nobody groups: it is called by its kind in the end.
-const ONLY: &str = "";
+pub const ONLY: &str = "";
 
-/// What an entry may say beside keys of the scene.
+/// What an entry may contain in addition to keys of the scene.
 const KEYS: &str = "`file`, `object`, `held_out`, `reference`, `payload_mass_kg`";
 /// What the arm of an object is known to hold, kg: the one key of a scene that has no table of its own.
 pub const KNOWN_PAYLOAD: &str = "payload_mass_kg";
@@ -38,36 +34,8 @@ impl Source {
     }
 }
 
-/// Everything that is to be read, in the order given. A recording that is given twice is refused, be it for training, held
-/// out or as both.
-pub fn sources(options: &Diagnose) -> Result<Vec<Source>> {
-    let mut sources = Vec::new();
-    if let Some(path) = &options.manifest {
-        sources = read(path)?;
-    }
-    let given = options.observation.iter().map(|path| (path, false));
-    for (path, held_out) in given.chain(options.held_out.iter().map(|path| (path, true))) {
-        let (object, scene, reference) = (ONLY.to_owned(), vec![], options.reference.clone());
-        sources.push(Source { path: path.clone(), object, held_out, reference, scene });
-    }
-    // What cannot be read is refused by whoever reads it.
-    let kind = SimulationFile::read(&options.simulation.sim).map_or("ball", |file| file.domain().name());
-    for source in sources.iter_mut().filter(|source| source.object == ONLY) {
-        kind.clone_into(&mut source.object);
-    }
-    hash::refuse_copies(sources.iter().map(|s| s.path.as_path()))?;
-    if let Some(first) = sources.first().filter(|_| sources.iter().all(|s| s.held_out)) {
-        let message = "expected at least one recording to fit to, found only held-out ones";
-        let (place, hint) = match &options.manifest {
-            Some(manifest) => (manifest, "leave `held_out = true` out of those that are to be fitted"),
-            None => (&first.path, "give one with --observation"),
-        };
-        return Err(Error::file(place, message, hint).into());
-    }
-    Ok(sources)
-}
-
-fn read(path: &Path) -> Result<Vec<Source>> {
+/// The recordings that a manifest lists, in its order.
+pub fn read(path: &Path) -> Result<Vec<Source>> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
     let document = Document::parse(text.as_str()).map_err(|e| {
         let start = e.span().map_or(0, |span| span.start);
@@ -86,7 +54,9 @@ fn read(path: &Path) -> Result<Vec<Source>> {
             ("observation", _) => {
                 return Err(wrong(path, "expected [[observation]] tables, found another `observation`").into());
             }
-            _ => return Err(wrong(path, &format!("expected [[observation]] tables, found `{key}` beside them")).into()),
+            _ => {
+                return Err(wrong(path, &format!("expected [[observation]] tables, found `{key}` next to them")).into());
+            }
         }
     }
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -166,7 +136,7 @@ mod tests {
     fn what_is_wrong_is_said_with_its_place() {
         for (text, expected) in [
             ("", "at least one [[observation]]"),
-            ("x = 1\n", "found `x` beside"),
+            ("x = 1\n", "found `x` next to"),
             ("observation = 3\n", "another `observation`"),
             ("[[observation]]\nobject = \"a\"\n", "[[observation]] 1: expected `file`"),
             ("[[observation]]\nfile = 3\n", "a name in quotes for `file`"),

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 use tunenet_sim::shot::{Candidate, Rule};
 
+use super::warning;
 use crate::answers::plan::Answer;
-use crate::view::json::warning;
 
 pub fn object(answer: &Answer) -> Value {
     let best = answer.plan.best();

@@ -1,13 +1,10 @@
 //! `tunenet plan`.
 
-mod json;
-
 use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
 use tunenet_core::Error;
-use tunenet_core::observation::Note;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
@@ -15,15 +12,15 @@ use tunenet_sim::shot::reach::Anywhere;
 use tunenet_sim::shot::{self, ArmReach, Belief, NoPlan, Reach, Rule, Settings, ShotScene, Task};
 
 use super::load;
-use crate::answers::plan::Answer;
+use crate::answers::plan::{Answer, notice};
 use crate::args::{Plan, PlanRule};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
-use crate::findings;
-use crate::view::answer::Printout;
+use crate::view::html;
+use crate::view::json::plan::object as plan_json;
+use crate::view::text::plan::printout;
 use crate::view::text::stage;
-use crate::view::{html, sentence};
 
 pub fn run(options: &Plan) -> Result<Exit> {
     let out = options.out.iter().map(|out| Output::new(out, "--out", Product::Unmarked));
@@ -55,7 +52,7 @@ pub fn run(options: &Plan) -> Result<Exit> {
         html::shot::write(report, &names::file_name(&options.task), &answer, &provenance)?;
         stage("report", &report.display().to_string());
     }
-    printout(&answer).show(options.common.json, || json::object(&answer))?;
+    printout(&answer).show(options.common.json, || plan_json(&answer))?;
     let count = answer.plan.candidates.len();
     stage("planned", &format!("{count} heights, {:.1} s, seed {}", answer.seconds, answer.settings.seed));
     Ok(if answer.plan.reachable { Exit::Done } else { Exit::Inconclusive })
@@ -100,58 +97,4 @@ fn write_approach(answer: &Answer, task: &Path, out: &Path) -> Result<()> {
     tunenet_formats::write_approach(arm.base_name(), &arm.joint_names(), &way, out)?;
     stage("wrote", &format!("{}, {} points", out.display(), way.len()));
     Ok(())
-}
-
-/// What a person should know of the plan.
-fn notice(plan: &shot::Plan, task: &Task) -> Vec<Note> {
-    let mut notes = Vec::new();
-    let out_of_reach = plan.candidates.iter().filter(|c| c.joints_rad.is_none()).count();
-    if out_of_reach > 0 {
-        notes.push(Note::new(
-            findings::PLAN_ARM_REACH,
-            format!("the arm reaches {} of {} heights", plan.candidates.len() - out_of_reach, plan.candidates.len()),
-            "move its base in the task file, or narrow `release.heights_m`",
-        ));
-    }
-    let at_end = plan.best == 0 || plan.best + 1 == plan.candidates.len();
-    if plan.reachable && at_end {
-        let (low, high) = task.release.heights_m;
-        notes.push(Note::new(
-            findings::PLAN_AT_END,
-            format!(
-                "the best height is the {} that the task allows",
-                if plan.best == 0 { "lowest" } else { "highest" }
-            ),
-            format!("widen `release.heights_m` beyond {low} to {high} m where there is room"),
-        ));
-    }
-    notes
-}
-
-/// The answer for readers.
-fn printout(answer: &Answer) -> Printout {
-    let mut shown = Printout::default();
-    shown.verdict(&sentence::plan(answer));
-    let best = answer.plan.best();
-    if !answer.plan.reachable {
-        shown.line(&format!("  try: {}", what_to_move(answer)));
-    } else if let Some(joints) = best.joints_rad.as_deref().filter(|j| !j.is_empty()) {
-        let each: Vec<String> = joints.iter().map(|q| format!("{q:.4}")).collect();
-        shown.line(&format!("  joints {} rad", each.join(", ")));
-    }
-    shown.warn_all(&answer.notes);
-    shown
-}
-
-/// What would bring the ball through a hoop that no height brings it through.
-fn what_to_move(answer: &Answer) -> &'static str {
-    let plan = &answer.plan;
-    let reached = || (0..plan.candidates.len()).filter(|i| plan.candidates[*i].joints_rad.is_some());
-    if plan.best().pass.falls && reached().next_back() == Some(plan.best) {
-        "higher releases in `release.heights_m` that the arm reaches, or a hoop that is nearer"
-    } else if plan.best().pass.falls && reached().next() == Some(plan.best) {
-        "lower releases in `release.heights_m` that the arm reaches, or a hoop that is farther away"
-    } else {
-        "a hoop that stands lower or nearer, or a plane of another tilt"
-    }
 }

@@ -1,5 +1,10 @@
 //! What standard output holds: the one JSON object of a command, or a text that is its answer.
 
+pub(crate) mod diagnose;
+pub(crate) mod plan;
+pub(crate) mod track;
+pub(crate) mod tune;
+
 use std::io::{ErrorKind, Write};
 
 use serde_json::{Value, json};

@@ -1,17 +1,17 @@
 //! The answer for readers, and the notes with it.
 
 use std::cmp::Ordering;
+use std::path::Path;
 
 use indicatif::ProgressBar;
 use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, Progress, Value, Verdict};
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
-use super::improve::Written;
-use crate::answers::diagnose::{Answer, Loaded, NAMELESS};
-use crate::args::Diagnose;
+use super::{four_digits, in_words, list, note, rounded, stage, verbose};
+use crate::answers::diagnose::{Answer, Loaded, NAMELESS, is_per_joint};
+use crate::answers::improved::Written;
 use crate::view::answer::Printout;
-use crate::view::text::{four_digits, in_words, list, note, rounded, stage, verbose};
 
 /// Candidates that are shown without `--verbose`; the JSON has all of them.
 const SHOWN: usize = 6;
@@ -88,7 +88,7 @@ pub fn answer(answer: &Answer) -> Printout {
 }
 
 /// What was written, and what it cost, on standard error.
-pub fn end(options: &Diagnose, answer: &Answer, written: &Written) {
+pub fn end(out: Option<&Path>, seed: u64, answer: &Answer, written: &Written) {
     let diagnosis = answer.diagnosis;
     let wrote = match written {
         Written::NotAsked => String::new(),
@@ -103,11 +103,11 @@ pub fn end(options: &Diagnose, answer: &Answer, written: &Written) {
             format!("wrote {}{with}; ", paths.join(", "))
         }
         Written::Not(why) => {
-            let out = options.out.as_deref().map(|out| out.display().to_string()).unwrap_or_default();
+            let out = out.map(|out| out.display().to_string()).unwrap_or_default();
             format!("{out} not written: {why}; ")
         }
     };
-    let (rollouts, seed) = (diagnosis.rollouts, options.common.seed);
+    let rollouts = diagnosis.rollouts;
     note(&format!("{wrote}{rollouts} rollouts, {:.1} s, seed {seed}", answer.seconds));
 }
 
@@ -138,7 +138,7 @@ pub fn sentence(answer: &Answer) -> String {
         Verdict::None => "NONE  nothing is missing that these recordings could show".into(),
         Verdict::Named => format!("NAMED  {}", diagnosis.effects.iter().map(lone).collect::<Vec<_>>().join(" and ")),
         Verdict::OneOf => {
-            let why = diagnosis.doubt.map_or("these recordings cannot tell".into(), |doubt| {
+            let why = diagnosis.doubt.map_or("these recordings cannot distinguish them".into(), |doubt| {
                 format!("{} by far, but {doubt}", answer.chosen().join(" and "))
             });
             format!("ONE OF  {}: {why}", choices(answer))
@@ -151,7 +151,7 @@ pub fn sentence(answer: &Answer) -> String {
     }
 }
 
-/// What is left to choose from, place by place: `wind, magnus; beside quadratic_drag`.
+/// What is left to choose from, place by place: `wind, magnus; in addition to quadratic_drag`.
 fn choices(answer: &Answer) -> String {
     let (open, firm) = answer.open_and_firm();
     let one = |names: &Vec<&str>| match names.as_slice() {
@@ -159,7 +159,7 @@ fn choices(answer: &Answer) -> String {
         names => names.join(", "),
     };
     let open: Vec<String> = open.iter().map(one).collect();
-    let beside = if firm.is_empty() { String::new() } else { format!("; beside {}", firm.join(" and ")) };
+    let beside = if firm.is_empty() { String::new() } else { format!("; in addition to {}", firm.join(" and ")) };
     format!("{}{beside}", open.join("; and one of "))
 }
 
@@ -172,7 +172,7 @@ fn details(answer: &Answer) -> Vec<String> {
     let diagnosis = answer.diagnosis;
     let mut lines: Vec<String> = diagnosis.description.iter().cloned().collect();
     for named in &diagnosis.effects {
-        let joints = super::json::is_per_joint(named);
+        let joints = is_per_joint(named);
         for (i, fitted) in named.coefficients.iter().enumerate() {
             let joint = 1 + named.coefficients[..i].iter().filter(|other| other.key == fitted.key).count();
             let key = if joints { format!("{} of joint {joint}", fitted.key) } else { fitted.key.to_owned() };

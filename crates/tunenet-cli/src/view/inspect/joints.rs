@@ -6,6 +6,7 @@ use tunenet_core::observation::{Kind, Observation};
 use tunenet_sim::replayed_arm::suspect_units;
 
 use crate::view::answer::Printout;
+use crate::view::json::warning;
 
 /// The check of units, added to what is shown; nothing where `seen` is no log of joints.
 pub fn units(seen: &Observation, shown: &mut Printout) -> Option<Check> {
@@ -24,6 +25,6 @@ pub fn units(seen: &Observation, shown: &mut Printout) -> Option<Check> {
 pub fn add_to(check: &Check, object: &mut Value) {
     object["preflight"] = json!([check]);
     if let (Some(note), Some(warnings)) = (check.note(), object["warnings"].as_array_mut()) {
-        warnings.push(crate::view::json::warning(&note));
+        warnings.push(warning(&note));
     }
 }

@@ -2,13 +2,12 @@
 
 use serde_json::{Map, Value as Json, json};
 use tunenet_core::diagnose::{
-    Candidate, Change, Explained, Fitted, Gap, GapOf, NamedEffect, OfObject, OwnEffect, Test, Tuned, Use, Value,
+    Candidate, Change, Explained, Fitted, Gap, NamedEffect, OfObject, OwnEffect, Test, Tuned, Use, Value,
 };
 use tunenet_sim::phase;
 
-use crate::answers::diagnose::Answer;
-use crate::view::json::warning;
-use tunenet_sim::arm::effects::ArmEffect;
+use super::warning;
+use crate::answers::diagnose::{Answer, gap_of, is_per_joint};
 
 pub fn object(answer: &Answer) -> Json {
     let diagnosis = answer.diagnosis;
@@ -67,11 +66,6 @@ fn effect(answer: &Answer, named: &NamedEffect) -> Json {
         },
         "alternatives": named.alternatives,
     })
-}
-
-/// Whether an effect has numbers of each joint of an arm.
-pub(super) fn is_per_joint(named: &NamedEffect) -> bool {
-    ArmEffect::find(named.effect.name).is_some_and(|effect| effect.per_joint)
 }
 
 /// The coefficients by their keys; numbers of joints, which share a key, as lists in the order of the joints.
@@ -141,15 +135,6 @@ fn gap(gap: &Gap) -> Json {
         "forecast": gap.forecast.as_ref().map(change),
         "control": gap.control.map(|(name, after)| json!({ "name": name, "after": after })),
     })
-}
-
-/// What the gap was measured on.
-pub fn gap_of(gap: &Gap) -> &'static str {
-    match gap.of {
-        GapOf::Recordings => "recordings",
-        GapOf::Segments => "flights",
-        GapOf::Events => "contacts",
-    }
 }
 
 fn test(test: &Test) -> Json {

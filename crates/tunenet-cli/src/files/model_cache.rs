@@ -1,7 +1,5 @@
 //! Networks trained for a scene, kept for the next run.
 
-use crate::files::names;
-use crate::findings;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -9,6 +7,10 @@ use tunenet_core::network::Model;
 use tunenet_core::observation::Note;
 use tunenet_formats::write_atomically;
 use tunenet_formats::{model_from_bytes, model_to_bytes};
+use tunenet_sim::NetworkStore;
+
+use crate::files::names;
+use crate::findings;
 
 /// Names another folder; empty for none.
 const FOLDER: &str = "TUNENET_CACHE";
@@ -43,9 +45,11 @@ impl Cache {
         let name = format!("{}.network", hex::encode(Sha256::digest(key)));
         self.folder.as_ref().map(|folder| folder.join(name))
     }
+}
 
+impl NetworkStore for Cache {
     /// The network of this key, where there is one; a note where there is something else in its place.
-    pub fn find(&self, key: &str) -> (Option<Model>, Vec<Note>) {
+    fn find(&self, key: &str) -> (Option<Model>, Vec<Note>) {
         let Some(path) = self.path(key) else { return (None, Vec::new()) };
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
@@ -65,7 +69,7 @@ impl Cache {
     }
 
     /// Keeps a network; a note where that is not possible.
-    pub fn keep(&self, key: &str, model: &Model) -> Option<Note> {
+    fn keep(&self, key: &str, model: &Model) -> Option<Note> {
         let path = self.path(key)?;
         let written = model_to_bytes(model).and_then(|bytes| {
             let failed = |source| tunenet_core::Error::io(&path, "writing", source);

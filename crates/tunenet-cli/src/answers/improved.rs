@@ -1,0 +1,85 @@
+//! The improved simulation file: tuned parameters and the named effects.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use toml_edit::DocumentMut;
+use tunenet_core::diagnose::{Diagnosis, Verdict};
+use tunenet_core::simulator::Simulator;
+use tunenet_sim::SimulationFile;
+use tunenet_sim::simulation_file::Domain;
+
+use super::diagnose::{Answer, Edited, Object, value_of};
+
+/// What was written, and why nothing was where nothing was.
+pub enum Written {
+    NotAsked,
+    Files(Vec<PathBuf>),
+    Not(&'static str),
+}
+
+/// Why there is no improved file.
+pub fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
+    match diagnosis.verdict {
+        Verdict::Unknown => Some("no known effect explains the recordings"),
+        Verdict::Insufficient => Some("the recordings do not suffice for an answer"),
+        Verdict::None | Verdict::Named | Verdict::OneOf => diagnosis.gap.is_none().then_some(UNFITTED),
+    }
+}
+
+/// The file of an object with the tuned parameters and the named effects.
+pub fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
+    let diagnosis = answer.diagnosis;
+    let mut file = answer.loaded.objects[number].file.clone();
+    if file.domain() == Domain::Arm {
+        return improved_arm(answer, number, file);
+    }
+    for tuned in diagnosis.parameters.iter().filter(|p| p.object == number) {
+        // A coefficient of an effect that the file has already bears both names.
+        match tuned.name.split_once('.') {
+            Some((effect, key)) => file.add_effect(effect, &[(key, tuned.value)])?,
+            None => file.set_value(&tuned.name, tuned.value),
+        }
+    }
+    for effect in &diagnosis.effects {
+        let values: Vec<(&str, f64)> =
+            effect.coefficients.iter().filter_map(|c| Some((c.key, value_of(c, number)?.value))).collect();
+        file.add_effect(effect.effect.name, &values)?;
+    }
+    Ok(file)
+}
+
+/// The same of an arm, whose effects have numbers for each joint.
+fn improved_arm(answer: &Answer, number: usize, mut file: SimulationFile) -> Result<SimulationFile> {
+    let joints = answer.loaded.objects[number].simulator.channels().len();
+    for tuned in answer.diagnosis.parameters.iter().filter(|p| p.object == number) {
+        file.set_arm_value(&tuned.name, tuned.value, joints)?;
+    }
+    for effect in &answer.diagnosis.effects {
+        let values: Vec<f64> = effect.coefficients.iter().filter_map(|c| Some(value_of(c, number)?.value)).collect();
+        file.add_arm_effect(effect.effect.name, &values)?;
+    }
+    Ok(file)
+}
+
+fn without_provenance(text: &str) -> Result<String> {
+    let mut document: DocumentMut = text.parse()?;
+    document.remove("provenance");
+    Ok(document.to_string())
+}
+
+/// Where no fit was possible.
+pub const UNFITTED: &str = "nothing could be fitted";
+
+/// What the answer changes in the simulation file of every object, or why it changes nothing.
+pub fn edits(given: &SimulationFile, answer: &Answer) -> Result<std::result::Result<Vec<Edited>, &'static str>> {
+    if let Some(why) = why_not(answer.diagnosis) {
+        return Ok(Err(why));
+    }
+    let given = without_provenance(&given.text())?;
+    let one = |(number, object): (usize, &Object)| {
+        let improved = without_provenance(&improved(answer, number)?.text())?;
+        Ok(Edited { object: object.name.clone(), given: given.clone(), improved })
+    };
+    answer.loaded.objects.iter().enumerate().map(one).collect::<Result<_>>().map(Ok)
+}

@@ -1,0 +1,66 @@
+//! What `diagnose` is asked to write, refused before anything is spent on it where it cannot be written.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use anyhow::Result;
+use tunenet_core::{Error, Origin};
+
+use crate::args::Diagnose;
+use crate::files::destination::{self, Output, Product};
+use crate::files::manifest::Source;
+use crate::files::names;
+
+/// Refuses outputs that cannot be written, or would replace what is read, before anything is spent on them. For several
+/// objects `--out` is a folder, which is made.
+pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
+    let several = several(sources.iter().map(|s| s.object.as_str()));
+    let mut outputs: Vec<Output> = Vec::new();
+    match &options.out {
+        Some(out) if several => outputs.extend(of_objects(options, out, sources)?),
+        Some(out) => outputs.push(Output::new(out, "--out", Product::Simulation)),
+        None => {}
+    }
+    outputs.extend(options.out_urdf.iter().map(|out| Output::new(out, "--out-urdf", Product::Unmarked)));
+    outputs.extend(options.report.iter().map(|report| Output::new(report, "--report", Product::Page)));
+    let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
+    let references = sources.iter().filter_map(|s| s.reference.as_deref());
+    let urdf = options.simulation.urdf_set();
+    let inputs: Vec<&Path> =
+        inputs.chain(options.manifest.as_deref()).chain(references).chain(urdf.as_deref()).collect();
+    destination::check(&outputs, &inputs, options.writing.overwrite)?;
+    if let (Some(out), true) = (&options.out, several) {
+        // The page may not be the folder itself either.
+        if options.report.as_deref() == Some(out) {
+            let (expected, found) = ("another file than `--out`".into(), names::file_name(out));
+            return Err(Error::Setting { origin: Origin::Flag, name: "--report", expected, found }.into());
+        }
+        std::fs::create_dir_all(out).map_err(|e| Error::io(out, "creating", e))?;
+    }
+    Ok(())
+}
+
+/// A file for each object in the folder `out`.
+fn of_objects(options: &Diagnose, out: &Path, sources: &[Source]) -> Result<Vec<Output>> {
+    if out.is_file() {
+        let message = "expected a folder, since each object gets its own file, found a file";
+        return Err(Error::file(out, message, "name a folder with --out").into());
+    }
+    let objects: BTreeSet<&str> = sources.iter().map(|s| s.object.as_str()).collect();
+    let one = |object: &str| {
+        let plain = object.chars().all(|c| c.is_alphanumeric() || "-_. ".contains(c));
+        if !plain || object.starts_with('.') {
+            let message = format!("`{object}` makes no file name for --out");
+            let path = options.manifest.clone().unwrap_or_default();
+            return Err(Error::file(path, message, "use letters, digits, -, _ and spaces in `object`").into());
+        }
+        let path = out.join(format!("{object}.toml"));
+        Ok(Output { makes_folder: true, ..Output::new(&path, "--out", Product::Simulation) })
+    };
+    objects.into_iter().map(one).collect()
+}
+
+fn several<'a>(mut objects: impl Iterator<Item = &'a str>) -> bool {
+    let first = objects.next();
+    objects.any(|object| Some(object) != first)
+}

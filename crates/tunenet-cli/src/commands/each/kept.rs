@@ -1,0 +1,85 @@
+//! Answers in files: those of each recording, and all of them together.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde_json::{Value, json};
+use tunenet_core::Error;
+use tunenet_core::network::Shard;
+use tunenet_formats::write_atomically;
+
+use crate::failure::Exit;
+use crate::view::answer;
+use crate::view::json::print_json;
+use crate::view::text::stage;
+
+/// The answer that lies at `path`, where it was made by this very run and is no error.
+pub fn kept(path: &Path, run: &str) -> Option<Value> {
+    let text = std::fs::read_to_string(path).ok()?;
+    let value: Value = serde_json::from_str(&text).ok()?;
+    if value[RUN] != run || value.get("error").is_some() {
+        return None;
+    }
+    Some(without_run(value))
+}
+
+fn without_run(mut value: Value) -> Value {
+    if let Some(object) = value.as_object_mut() {
+        object.shift_remove(RUN);
+    }
+    value
+}
+
+/// Writes an answer, and makes its folder.
+pub fn write(path: &Path, value: &Value) -> Result<()> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|source| Error::io(folder, "creating", source))?;
+    }
+    let text = format!("{value:#}\n");
+    Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
+}
+
+/// The one object of all answers, and how the command ends with them.
+pub fn together(tool: &str, objects: Vec<Value>, shard: Option<Shard>) -> (Exit, Value) {
+    let refused = objects.iter().filter(|object| object.get("error").is_some()).count();
+    let certain = |object: &Value| matches!(object["verdict"].as_str(), Some("tuned" | "none" | "named"));
+    let exit = if refused > 0 {
+        Exit::Refused
+    } else if objects.iter().all(certain) {
+        Exit::Done
+    } else {
+        Exit::Inconclusive
+    };
+    stage("done", &format!("{} observations, {refused} refused", objects.len()));
+    let mut all = json!({ "schema": format!("tunenet.{tool}.each/1") });
+    if let Some(shard) = shard {
+        all["shard"] = json!(shard.to_string());
+    }
+    all["observations"] = Value::Array(objects);
+    (exit, all)
+}
+
+/// What one run would have answered, from the answers that shards have brought to `folder`.
+pub fn merged(tool: &str, recordings: &[String], folder: &Path, as_json: bool) -> Result<Exit> {
+    let mut objects = Vec::with_capacity(recordings.len());
+    for name in recordings {
+        let path = folder.join(name);
+        let text = std::fs::read_to_string(&path).map_err(|source| Error::io(&path, "reading", source))?;
+        let value = serde_json::from_str(&text).with_context(|| format!("{} is no answer", path.display()))?;
+        objects.push(without_run(value));
+    }
+    let (exit, all) = together(tool, objects, None);
+    write(&folder.join(ALL), &all)?;
+    if as_json {
+        print_json(&all)?;
+    } else {
+        answer::line(&format!("wrote    {}", folder.display()))?;
+    }
+    Ok(exit)
+}
+
+/// The key of an answer's file that says what it was made by; the answer itself is everything else.
+pub const RUN: &str = "run";
+
+/// All answers together, beside those to each recording.
+pub const ALL: &str = "each.json";

@@ -1,0 +1,51 @@
+//! A table of numbers: whether it can be read as a recording, and used.
+
+use std::path::Path;
+
+use tunenet_core::observation::Channel;
+use tunenet_formats::Table;
+
+use super::{Found, recording};
+use crate::answers::motion::Motion;
+use crate::args::Inspect;
+use crate::failure::sentence;
+use crate::view::answer::Printout;
+use crate::view::inspect::{joints, motion as render, table};
+
+pub fn look(found: &Table, path: &Path, options: &Inspect, shown: &mut Printout) -> Found {
+    // With `--columns` the file is what the mapping makes of it.
+    let mapped = !options.reading.columns.is_empty();
+    let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()) };
+    let read = readable.and_then(|()| recording(path, options).map_err(|e| sentence(&e)));
+    // What reading it as a recording says goes further than what the table alone shows.
+    let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
+    let motion = read.as_ref().ok().and_then(|r| Motion::of(&r.observation));
+    table::contents(found, shown);
+    shown.warn_all(&notes);
+    let units = read.as_ref().ok().and_then(|r| joints::units(&r.observation, shown));
+    if let Some(motion) = &motion {
+        render::render(motion, shown);
+    }
+    let usable = match (&read, motion.as_ref().and_then(Motion::rejected)) {
+        (Err(reason), _) => Err(reason.as_str()),
+        (Ok(_), Some(reason)) => Err(reason),
+        (Ok(recording), None) => Ok(recording.observation.kind()),
+    };
+    let remedy = remedy(found, options);
+    table::verdict(usable, motion.as_ref(), &remedy, shown);
+    let object = table::object(found, usable, motion.as_ref(), units.as_ref(), &notes, &remedy);
+    Found { object, usable: usable.is_ok(), motion }
+}
+
+/// What to type; where columns could be the channels of a program, that as well.
+fn remedy(found: &Table, options: &Inspect) -> String {
+    let timed = found.columns.iter().any(|c| c.read_as.as_deref() == Some("t_s"));
+    let named = found.columns.iter().filter(|c| c.read_as.is_none() && Channel::from_header(&c.name).is_some());
+    let channels: Vec<String> = named.map(|c| format!("`{}`", c.name)).collect();
+    if options.sim.is_some() || !timed || channels.is_empty() {
+        return found.remedy.clone();
+    }
+    let program =
+        format!("if your own program simulates {}, pass its simulation file with `--sim`", channels.join(", "));
+    if found.remedy.is_empty() { program } else { format!("{}; {program}", found.remedy) }
+}

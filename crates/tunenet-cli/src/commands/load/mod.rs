@@ -1,0 +1,60 @@
+//! Loading what several commands need.
+
+mod joints;
+mod options;
+mod recording;
+mod thinned;
+mod video;
+
+use anyhow::Result;
+use tunenet_core::Error;
+use tunenet_sim::process::Permission;
+use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{Session, SimulationFile};
+
+use crate::args::{self, Simulation};
+use crate::files::destination::urdf_beside;
+use crate::files::hash;
+pub use joints::{beside, lacks};
+pub use options::reading;
+pub use recording::{of_channels, recording, recording_of};
+pub use thinned::MOST_SAMPLES;
+
+/// A simulation file with its overrides.
+pub fn simulation(options: &Simulation) -> Result<SimulationFile> {
+    let mut file = SimulationFile::read(&options.sim)?;
+    for assignment in &options.set {
+        file.set(assignment)?;
+    }
+    Ok(file)
+}
+
+/// The same, and the session in which the program that it names runs; without permission such a file is refused before anything
+/// else is done.
+pub fn simulation_with(options: &Simulation, given: args::Permission) -> Result<(SimulationFile, Session)> {
+    let (file, session) = (simulation(options)?, session(given));
+    if file.domain() == Domain::Process {
+        session.require_permission(&file)?;
+    }
+    Ok((file, session))
+}
+
+/// A session with the permission that the command line gives.
+pub fn session(given: args::Permission) -> Session {
+    Session::new(if given.allow_process { Permission::Granted } else { Permission::Denied })
+}
+
+/// Refuses a simulation file of another kind than a command needs.
+pub fn of_kind(file: &SimulationFile, needed: Domain) -> Result<()> {
+    if file.domain() == needed {
+        return Ok(());
+    }
+    let message = format!("expected `kind = \"{}\"` here, found \"{}\"", needed.name(), file.domain().name());
+    Err(Error::file(file.path(), message, format!("`tunenet init {}` writes one to start from", needed.name())).into())
+}
+
+/// The SHA-256 of the URDF that a simulation names, where it names one that is there.
+pub fn urdf_hash(options: &Simulation) -> Result<Option<String>> {
+    let named = options.urdf_set().or_else(|| urdf_beside(&options.sim));
+    named.filter(|path| path.is_file()).map(|path| hash::sha256(&path)).transpose()
+}

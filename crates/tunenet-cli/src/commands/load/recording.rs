@@ -1,0 +1,71 @@
+//! Recordings, as the command line says how to read them.
+
+use std::path::Path;
+
+use anyhow::Result;
+use toml_edit::DocumentMut;
+use tunenet_core::{Error, Origin};
+use tunenet_formats::{ReadOptions, Recording, read, read_text};
+use tunenet_sim::replayed_arm::replays;
+use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{SimulationFile, process};
+
+use super::joints::log;
+use super::options::reading as read_options;
+use super::thinned::{MOST_SAMPLES, at_most};
+use super::video::positions;
+use crate::args::Reading;
+use crate::commands::video;
+use crate::files::videos::is_video;
+
+/// A recording from a file of numbers, as `tune` and `inspect` alike look at it.
+pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
+    at_most(MOST_SAMPLES, read(path, &read_options(reading))?)
+}
+
+/// A recording of what `file` simulates, from a file of numbers or a video, with at most so many samples.
+pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+    no_manifest(path)?;
+    if replays(file) {
+        return log(file, path, reading);
+    }
+    if file.domain() == Domain::Process {
+        return of_channels(file, path, reading, most);
+    }
+    if !is_video(path) {
+        return at_most(most, read(path, &read_options(reading))?);
+    }
+    if !reading.columns.is_empty() {
+        let (expected, found) = ("a CSV file".into(), format!("the video {}", path.display()));
+        return Err(Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
+    }
+    let asked = video::Asked::default()
+        .with("--topic", reading.topic.as_ref())
+        .with("--camera-rate", reading.camera_rate.map(|r| r.to_string()));
+    let found = asked.of(file).track(path)?;
+    at_most(most, positions(path, &found)?)
+}
+
+/// Refuses a manifest where a recording is asked for.
+fn no_manifest(path: &Path) -> Result<()> {
+    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        return Ok(());
+    }
+    let document = read_text(path)?.parse::<DocumentMut>().unwrap_or_default();
+    let Some(all) = document.get("observation").and_then(|all| all.as_array_of_tables()) else { return Ok(()) };
+    let message = format!("expected a recording, found a manifest of {}", all.len());
+    let hint =
+        "`tunenet diagnose --manifest` takes it; give `tune` its recordings one by one, each with `--observation`";
+    Err(Error::file(path, message, hint).into())
+}
+
+/// A series on the channels that the program of `file` predicts; it is not run for that.
+pub fn of_channels(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+    if is_video(path) {
+        let message = "expected a series on the channels of the simulation, found a video";
+        let hint = "`tunenet track` makes a CSV file of a ball's positions in it";
+        return Err(Error::file(path, message, hint).into());
+    }
+    let options = ReadOptions { channels: process::channels(file)?, ..read_options(reading) };
+    at_most(most, read(path, &options)?)
+}

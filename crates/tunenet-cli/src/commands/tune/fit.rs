@@ -1,0 +1,98 @@
+//! One fit: the simulator and the network for the recordings, the fit, and what it should say besides its numbers.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use indicatif::ProgressBar;
+use tunenet_core::Error;
+use tunenet_core::network::Model;
+use tunenet_core::observation::Kind;
+use tunenet_core::tune::{Outcome, Settings, tune};
+use tunenet_formats::{Recording, kind_name};
+use tunenet_sim::simulation_file::Domain;
+use tunenet_sim::{ChosenNetwork, ObservedBall, Session, SimulationFile, observed, simulator};
+
+use super::{network, notes};
+use crate::args::Tune;
+use crate::commands::refusal::{self, Asked};
+use crate::files::names;
+use crate::view::text::rolling;
+
+/// Tunes to recordings together.
+pub fn tune_to(
+    options: &Tune,
+    file: &SimulationFile,
+    session: &Session,
+    model: Option<&Model>,
+    recordings: &[Recording],
+    paths: &[PathBuf],
+) -> Result<(Outcome, ChosenNetwork)> {
+    // With `--each` several fits may run at a time.
+    let session = &session.counted_apart();
+    let kind = one_kind(recordings, paths)?;
+    if let Some(model) = model {
+        network::require_use(model, file, kind, recordings.len())?;
+    }
+    let bare = bare_ball(options, file, kind, paths)?;
+    let simulator = match &bare {
+        Some(bare) => observed::around(file, bare.clone())?,
+        // What it refuses is the simulation file's or the URDF's, and says so.
+        None if file.domain() != Domain::Ball => simulator(file, kind, session)?,
+        None => simulator(file, kind, session).with_context(|| names(paths))?,
+    };
+    let paper = model.is_some_and(|m| m.preset().name == "paper");
+    let settings = Settings {
+        iterations: usize::from(options.iterations),
+        initial: options.initial.clone(),
+        // A payload below 0 cannot be simulated.
+        clamp: options.clamp || !paper || file.domain() == Domain::Arm,
+        finish: !paper,
+        names: if options.each { Vec::new() } else { paths.iter().map(|p| names::file_name(p)).collect() },
+    };
+    let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
+    let chosen = network::choose(options, file, model, bare.as_ref(), &seen);
+    let working = is_slow(file, options).then(|| rolling("tuning", session));
+    let tuned = tune(&simulator, &seen, chosen.model.as_ref(), &settings);
+    // What the tool chose by itself must not be what fails.
+    let again = tuned.is_err() && chosen.is_own_choice();
+    let tuned = if again { tune(&simulator, &seen, None, &settings) } else { tuned };
+    working.inspect(ProgressBar::finish_and_clear);
+    // A fit takes a rollout that fails for bad values; a program that is gone is none of that.
+    session.settle()?;
+    if let Some(refusal) = tuned.as_ref().err().and_then(|error| refusal::of_program(file, Asked::Present, error)) {
+        return Err(refusal.into());
+    }
+    let mut outcome = tuned.with_context(|| names(paths))?;
+    notes::add(options, file, recordings, paths, &mut outcome)?;
+    outcome.notes.extend(chosen.notes.iter().cloned());
+    outcome.notes.extend(session.notes());
+    Ok((outcome, chosen))
+}
+
+/// All recordings have to be of one kind.
+fn one_kind(recordings: &[Recording], paths: &[PathBuf]) -> Result<Kind> {
+    let kind = recordings[0].observation.kind();
+    let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) else { return Ok(kind) };
+    let found = kind_name(recordings[other].observation.kind());
+    let message = format!("expected {} as in {}, found {found}", kind_name(kind), names::file_name(&paths[0]));
+    Err(Error::file(&paths[other], message, "tune to each kind separately, or use `--each`").into())
+}
+
+/// The ball of the file without measurement effects, where a ball simulates the recordings.
+fn bare_ball(options: &Tune, file: &SimulationFile, kind: Kind, paths: &[PathBuf]) -> Result<Option<ObservedBall>> {
+    if file.domain() != Domain::Ball || matches!(kind, Kind::Pixels | Kind::Joints) {
+        return Ok(None);
+    }
+    let ball = ObservedBall::new(file, kind).with_context(|| names(paths))?;
+    Ok(Some(ball.forced(options.force)))
+}
+
+/// Whether it may take long and nothing else shows that it goes on: the built-in simulators take no longer in all than a slow
+/// program for one rollout.
+pub fn is_slow(file: &SimulationFile, options: &Tune) -> bool {
+    file.domain() == Domain::Process && !options.each && !options.common.json
+}
+
+fn names(paths: &[PathBuf]) -> String {
+    if paths.len() == 1 { names::file_name(&paths[0]) } else { "these recordings".into() }
+}

@@ -1,0 +1,44 @@
+//! What a fit should say besides its numbers.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use tunenet_core::findings;
+use tunenet_core::observation::Note;
+use tunenet_core::tune::Outcome;
+use tunenet_formats::Recording;
+use tunenet_sim::SimulationFile;
+use tunenet_sim::replayed_arm::{replays, suspect};
+
+use crate::args::Tune;
+use crate::commands::load;
+use crate::files::names;
+
+/// Adds what reading the recordings, the URDF and the fit showed.
+pub fn add(
+    options: &Tune,
+    file: &SimulationFile,
+    recordings: &[Recording],
+    paths: &[PathBuf],
+    outcome: &mut Outcome,
+) -> Result<()> {
+    let poor = outcome.notes.iter_mut().filter(|note| note.kind == findings::FIT_POOR);
+    poor.for_each(|note| note.remedy = DIAGNOSE.into());
+    if replays(file) {
+        suspect(file, outcome, options.reference.is_some());
+        outcome.notes.splice(0..0, load::lacks(file)?);
+    }
+    let several = recordings.len() > 1;
+    let named = paths.iter().zip(recordings).flat_map(|(path, recording)| {
+        recording.notes.iter().map(move |note| {
+            let which = if several { format!("{}: ", names::file_name(path)) } else { String::new() };
+            Note { text: format!("{which}{}", note.text), ..note.clone() }
+        })
+    });
+    outcome.notes.splice(0..0, named);
+    Ok(())
+}
+
+/// What to type where a fit is poor.
+const DIAGNOSE: &str =
+    "`tunenet diagnose` with the same files names the effect that is missing, or says that it is none it knows";

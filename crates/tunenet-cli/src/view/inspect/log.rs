@@ -1,0 +1,71 @@
+//! What `inspect` says of an MCAP log.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tunenet_core::observation::{Check, Note};
+use tunenet_formats::{Log, kind_name};
+
+use super::joints;
+use super::motion::add_to;
+use crate::answers::motion::Motion;
+use crate::view::answer::Printout;
+use crate::view::json::warning;
+
+/// The topics of a log.
+pub fn contents(found: &Log, shown: &mut Printout) {
+    shown.row(
+        "log",
+        &format!("{}, profile `{}`, written by `{}`", topics(found.topics.len()), found.profile, found.library),
+    );
+    let rows: Vec<Vec<String>> = found
+        .topics
+        .iter()
+        .map(|t| {
+            let usable =
+                t.usable.as_ref().map_or_else(|reason| format!("- {reason}"), |kind| kind_name(*kind).to_string());
+            vec![t.name.clone(), t.schema.clone(), t.encoding.clone(), t.messages.to_string(), usable]
+        })
+        .collect();
+    shown.table(&rows);
+}
+
+/// Whether it can be used: `rejected` says why its only recording cannot.
+pub fn verdict(found: &Log, path: &Path, rejected: Option<&str>, shown: &mut Printout) {
+    let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
+    match (usable.as_slice(), &found.ended) {
+        (_, Some(reason)) => {
+            let seconds = found.span_s.map_or_else(String::new, |s| format!(" and span {s:.2} s"));
+            shown.row("unusable", &format!("{reason}{seconds}; the rest is missing, so `tune` refuses the file"));
+            shown.line(&format!("  try: `mcap recover {} -o recovered.mcap`, which keeps them", path.display()));
+        }
+        ([], _) => shown.row("unusable", "no topic carries positions, joints or bounces"),
+        _ if rejected.is_some() => shown.row("unusable", rejected.unwrap_or_default()),
+        ([one], _) => shown.row("usable", &one.name),
+        (several, _) => shown.row("usable", &format!("{} topics, choose one with --topic", several.len())),
+    }
+}
+
+/// The object of a log.
+pub fn object(found: &Log, motion: Option<&Motion>, units: Option<&Check>, notes: &[Note]) -> Value {
+    let mut object = json!({
+        "kind": "log", "profile": found.profile, "library": found.library,
+        "topics": found.topics.iter().map(|t| json!({
+            "name": t.name, "schema": t.schema, "encoding": t.encoding, "messages": t.messages,
+            "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(),
+        })).collect::<Vec<_>>(),
+        "ended": found.ended,
+        "warnings": notes.iter().map(warning).collect::<Vec<_>>(),
+    });
+    if let Some(motion) = motion {
+        add_to(motion, &mut object);
+    }
+    if let Some(units) = units {
+        joints::add_to(units, &mut object);
+    }
+    object
+}
+
+fn topics(count: usize) -> String {
+    if count == 1 { "1 topic".into() } else { format!("{count} topics") }
+}

@@ -1,0 +1,100 @@
+//! The answer of `tunenet tune` for readers, and the notes with it.
+
+use std::path::{Path, PathBuf};
+
+use tunenet_core::tune::{Iteration, Outcome, Verdict};
+use tunenet_sim::ChosenNetwork;
+
+use super::{between, four_digits, in_words, list, note, rounded, stage, tally, verbose};
+use crate::answers::tune::{forced, is_written, reason};
+use crate::files::names;
+use crate::view::answer::Printout;
+
+/// The verdict in one sentence.
+pub fn sentence(outcome: &Outcome) -> String {
+    let word = match outcome.verdict {
+        Verdict::Tuned => "TUNED",
+        Verdict::Rejected => "REJECTED",
+        Verdict::PoorFit => "POOR FIT",
+        Verdict::NotIdentifiable => "NOT IDENTIFIABLE",
+    };
+    let values: Vec<String> = outcome
+        .parameters
+        .iter()
+        .map(|p| {
+            let (low, high) = p.interval95;
+            let half = (high - low) / 2.0;
+            let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+            if p.identified {
+                let range = between(&rounded(low, half), &rounded(high, half));
+                let before = four_digits(p.before);
+                format!("{} {}{unit} (95 %: {range}), was {before}", p.name, rounded(p.value, half))
+            } else {
+                format!("{} unknown", p.name)
+            }
+        })
+        .collect();
+    let reason = reason(outcome);
+    let forced = if forced(outcome) { "FORCED, " } else { "" };
+    match (values.is_empty(), reason) {
+        (true, Some(note)) => format!("{word}  {}", note.text),
+        (false, Some(note)) => format!("{forced}{word}  {}: {}", values.join(", "), note.text),
+        _ => format!("{forced}{word}  {}", values.join(", ")),
+    }
+}
+
+/// Which checks the recordings passed and which network was used, on standard error.
+pub fn render_start(paths: &[PathBuf], outcome: &Outcome, chosen: &ChosenNetwork) {
+    for (path, checks) in paths.iter().zip(&outcome.preflight).filter(|(_, checks)| !checks.is_empty()) {
+        let which = if paths.len() > 1 { format!("{}: ", names::file_name(path)) } else { String::new() };
+        stage("checked", &format!("{which}{}", tally(checks)));
+    }
+    stage("model", &chosen.text);
+    note("");
+}
+
+/// The answer for readers.
+pub fn printout(outcome: &Outcome) -> Printout {
+    let mut shown = Printout::default();
+    shown.verdict(&sentence(outcome));
+    if let Some(gap) = &outcome.gap {
+        let unit = &gap.unit;
+        let (before, after, floor) =
+            (in_words(gap.before, unit), in_words(gap.after, unit), in_words(gap.noise_floor, unit));
+        let rows = [
+            vec!["gap (RMS)".into(), "before".into(), "after".into(), "noise floor".into()],
+            vec![String::new(), before, after, floor],
+        ];
+        shown.table(&rows);
+        shown.line("");
+    }
+    for own in outcome.nuisances.iter().filter(|own| !own.is_empty()) {
+        let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
+        shown.line(&list("  also from the data:", &each));
+    }
+    if verbose() {
+        shown.table(&iterations(outcome));
+    }
+    shown.warn_all(&outcome.notes);
+    shown
+}
+
+/// The parameters and the RMSE of every iteration.
+fn iterations(outcome: &Outcome) -> Vec<Vec<String>> {
+    let head = ["iteration".to_owned(), "RMSE".to_owned()].into_iter().chain(outcome.free.iter().cloned());
+    let row = |i: &Iteration| {
+        let values = i.parameters.iter().copied().map(four_digits);
+        [i.k.to_string(), four_digits(i.rmse)].into_iter().chain(values).collect()
+    };
+    std::iter::once(head.collect()).chain(outcome.iterations.iter().map(row)).collect()
+}
+
+/// What was written, and what it cost, on standard error.
+pub fn render_end(out: Option<&Path>, seed: u64, outcome: &Outcome, seconds: f64) {
+    let wrote = match out {
+        Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
+        Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),
+        None => String::new(),
+    };
+    note(&format!("{wrote}{} rollouts, {seconds:.1} s, seed {seed}", outcome.rollouts));
+}

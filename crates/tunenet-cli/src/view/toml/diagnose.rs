@@ -1,0 +1,126 @@
+//! The provenance of an improved simulation file: the evidence for each effect, and what the recordings leave open.
+
+use anyhow::Result;
+use toml_edit::{Array, InlineTable, Value as Toml};
+use tunenet_core::diagnose::{Change, Gap, GapOf, NamedEffect, Verdict};
+use tunenet_core::observation::Observation;
+use tunenet_sim::SimulationFile;
+
+use super::alternatives::{fitted, open_to};
+use crate::answers::diagnose::{Answer, gap_of, is_per_joint, value_of};
+
+/// The table `[provenance]`: what was read, which effects were named, and on what evidence.
+pub fn provenance(
+    seed: u64,
+    answer: &Answer,
+    gap: &Gap,
+    object: usize,
+    file: &SimulationFile,
+) -> Result<Vec<(&'static str, Toml)>> {
+    let diagnosis = answer.diagnosis;
+    let verdict = serde_json::to_value(diagnosis.verdict)?;
+    let mut observations = Array::new();
+    for recorded in answer.loaded.recorded.iter().filter(|r| r.object == object) {
+        let mut one = InlineTable::new();
+        one.insert("file", recorded.name.as_str().into());
+        one.insert("sha256", recorded.hash.as_str().into());
+        let held_out =
+            diagnosis.uses.iter().find(|u| u.name == recorded.name).map_or(recorded.held_out, |u| u.held_out);
+        one.insert("held_out", held_out.into());
+        if let Some(reference) = &recorded.reference {
+            one.insert("reference", reference.clone().into());
+        }
+        observations.push(one);
+    }
+    let intervals: InlineTable = diagnosis
+        .parameters
+        .iter()
+        .filter(|p| p.object == object)
+        .map(|p| (p.name.replace('.', "_"), Array::from_iter([p.interval95.0, p.interval95.1])))
+        .collect();
+    let effects: Array = diagnosis.effects.iter().map(|e| evidence(e, object)).collect();
+    let mut entries: Vec<(&str, Toml)> = vec![
+        ("tool", concat!("tunenet ", env!("CARGO_PKG_VERSION")).into()),
+        ("command", "diagnose".into()),
+        ("seed", i64::try_from(seed).unwrap_or(i64::MAX).into()),
+        ("verdict", verdict.as_str().unwrap_or_default().into()),
+        ("observations", observations.into()),
+        ("interval95", intervals.into()),
+        ("effects", effects.into()),
+    ];
+    if diagnosis.verdict == Verdict::OneOf {
+        entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
+        // Of what cannot be told apart only one is written, never all together.
+        entries.push(("chosen", answer.chosen().into_iter().collect::<Array>().into()));
+        // Numbers of flights alone are not those that a fit to whole recordings finds, where these are not explained.
+        if gap.of == GapOf::Recordings {
+            entries.push(("alternatives", alternatives(answer, object).into()));
+        }
+    }
+    if matches!(diagnosis.verdict, Verdict::None | Verdict::Named) {
+        let open = open(answer, object, file)?;
+        entries.extend((!open.is_empty()).then(|| ("open_drag", open.into())));
+    }
+    entries.extend([
+        ("gap_of", Toml::from(gap_of(gap))),
+        ("gap_unit", gap.unit.as_str().into()),
+        ("gap_before", gap.before.into()),
+        ("gap_after", gap.after.into()),
+        ("gap_noise_floor", gap.noise_floor.into()),
+    ]);
+    let pairs = [
+        (["held_out_before", "held_out_after"], &gap.held_out),
+        (["forecast_before", "forecast_after"], &gap.forecast),
+    ];
+    for ([before, after], change) in pairs {
+        if let Some(Change { before: old, after: new }) = change {
+            entries.extend([(before, Toml::from(*old)), (after, Toml::from(*new))]);
+        }
+    }
+    Ok(entries)
+}
+
+/// What an effect stands there for.
+fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
+    let mut one = InlineTable::new();
+    one.insert("name", named.effect.name.into());
+    one.insert("bic_gain", named.evidence.bic_gain.into());
+    if let Some(other) = named.evidence.runner_up {
+        one.insert("runner_up", other.into());
+        one.insert("runner_up_bic_gap", named.evidence.runner_up_bic_gap.into());
+    }
+    for fitted in &named.coefficients {
+        let same = named.coefficients.iter().filter(|other| other.key == fitted.key);
+        let ranges: Vec<Array> = same
+            .filter_map(|c| value_of(c, object))
+            .map(|value| Array::from_iter([value.interval95.0, value.interval95.1]))
+            .collect();
+        let key = format!("{}_interval95", fitted.key);
+        match <[Array; 1]>::try_from(ranges) {
+            Ok([alone]) if !is_per_joint(named) => one.insert(key, alone.into()),
+            Ok([alone]) => one.insert(key, [alone].into_iter().collect::<Array>().into()),
+            Err(ranges) => one.insert(key, ranges.into_iter().collect::<Array>().into()),
+        };
+    }
+    one
+}
+
+/// Each candidate with the parameters and coefficients that fit an object's recordings best with it, for whoever plans with
+/// all of them, and how well it then fits. One that cannot be fitted alone is left out.
+fn alternatives(answer: &Answer, object: usize) -> Array {
+    let candidates = answer.candidates();
+    let sure = answer.diagnosis.effects.iter().map(|e| e.effect.name).filter(|name| !candidates.contains(name));
+    let sure: Vec<&str> = sure.collect();
+    fitted(answer.loaded.objects[object].simulator.as_ref(), candidates, &sure, &seen_of(answer, object))
+}
+
+/// The drag that an object's recordings leave open beside the effects that are certain, which its `improved` file holds.
+fn open(answer: &Answer, object: usize, improved: &SimulationFile) -> Result<Array> {
+    let sure: Vec<&str> = answer.diagnosis.effects.iter().map(|e| e.effect.name).collect();
+    Ok(open_to(improved, &sure, &seen_of(answer, object))?)
+}
+
+fn seen_of(answer: &Answer, object: usize) -> Vec<Observation> {
+    let recorded = answer.loaded.recorded.iter().filter(|r| r.object == object && !r.held_out);
+    recorded.map(|r| r.seen.clone()).collect()
+}
