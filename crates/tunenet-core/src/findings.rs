@@ -28,7 +28,7 @@ finding_kinds! {
         "a combination of parameters is not determined",
         "fix one of them, or use a recording that separates them";
     PARAMETER_AT_BOUND = "parameter.at_bound",
-        "a parameter ends on its bound, and the data pull it beyond",
+        "a parameter ends on its bound, and the data favour values beyond it",
         "widen the bound if the value may lie beyond; otherwise check units, surface height and missing effects";
     PARAMETER_ONE_SIDED = "parameter.one_sided",
         "a parameter lies on its bound, which is allowed",

@@ -7,7 +7,7 @@
 use tunenet_core::Result;
 use tunenet_core::observation::Observation;
 use tunenet_core::simulator::Simulator;
-use tunenet_core::tune::{Held, held};
+use tunenet_core::tune::{FixedValueFit, fit_at_fixed_values};
 
 use crate::SimulationFile;
 use crate::ball::effects::{BallEffect, DRAG};
@@ -28,7 +28,7 @@ const NAME: &str = "quadratic_drag.c_1_m";
 ///
 /// # Errors
 /// As [`simulator`] and [`held`].
-pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> Result<Vec<Held>> {
+pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> Result<Vec<FixedValueFit>> {
     let there = file.effects().iter().any(|e| e.name == DRAG);
     if there || seen.is_empty() || file.domain() != Domain::Ball {
         return Ok(Vec::new());
@@ -40,8 +40,8 @@ pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> R
     let share = |i: usize| i as f64 / (STRENGTHS - 1) as f64;
     let coarse: Vec<f64> =
         std::iter::once(0.0).chain((0..STRENGTHS).map(|i| low * (high / low).powf(share(i)))).collect();
-    let mut found = held(&ball, seen, NAME, &coarse)?;
-    let counts = |h: &Held| h.share > LEAST;
+    let mut found = fit_at_fixed_values(&ball, seen, NAME, &coarse)?;
+    let counts = |h: &FixedValueFit| h.share > LEAST;
     let (Some(first), Some(last)) = (found.iter().position(counts), found.iter().rposition(counts)) else {
         return Ok(Vec::new());
     };
@@ -49,7 +49,7 @@ pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> R
     if 2 * (last - first + 1) <= STRENGTHS {
         let (from, to) = (coarse[first.saturating_sub(1)], coarse[(last + 1).min(STRENGTHS)]);
         let finer: Vec<f64> = (0..=STRENGTHS).map(|i| from + (to - from) * i as f64 / STRENGTHS as f64).collect();
-        found = held(&ball, seen, NAME, &finer)?;
+        found = fit_at_fixed_values(&ball, seen, NAME, &finer)?;
     }
     found.retain(counts);
     let total: f64 = found.iter().map(|h| h.share).sum();

@@ -83,7 +83,7 @@ impl Simulator for VideoBall {
             rejected @ Preparation::Rejected(_) => return Ok(rejected),
         };
         let first = seen.clock().partition_point(|t| *t < prepared.seen.clock()[0]);
-        prepared.film = seen.slice(first..(first + prepared.seen.len()).min(seen.len())).ok();
+        prepared.video = seen.slice(first..(first + prepared.seen.len()).min(seen.len())).ok();
         let reach = scale.length;
         for (name, unit, value, low, high) in [
             ("camera.stretch", "1", 1.0, 0.5, 2.0),

@@ -156,7 +156,7 @@ impl VideoDrops {
         })?;
         let rows: Vec<[f64; 3]> = v_px.iter().map(|v| [0.0, 0.0, camera.height(*v)]).collect();
         let seen = Observation::positions(self.clock.clone(), &rows)?;
-        Ok(Prepared { film: Some(video), ..self.known(top_m, seen)? })
+        Ok(Prepared { video: Some(video), ..self.known(top_m, seen)? })
     }
 
     /// Positions of a drop from a known height.

@@ -31,8 +31,8 @@ impl Adequacy {
         let (mut worst, mut place) = (0.0, 0);
         for (channel, noise) in noise.iter().enumerate() {
             let column = || residuals.iter().skip(channel).step_by(width);
-            let freedom = (samples as f64 - unknowns as f64 / width as f64).max(1.0);
-            let ratio = (column().map(|r| r * r).sum::<f64>() / freedom).sqrt();
+            let degrees_of_freedom = (samples as f64 - unknowns as f64 / width as f64).max(1.0);
+            let ratio = (column().map(|r| r * r).sum::<f64>() / degrees_of_freedom).sqrt();
             let (low, high) =
                 seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             if ratio * noise > PRACTICAL_SHARE * (high - low) && ratio > worst {

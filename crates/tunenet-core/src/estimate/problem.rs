@@ -142,7 +142,7 @@ pub(crate) fn distance(problem: &dyn LeastSquares, a: &Point, b: &Point) -> f64 
     shared.chain(nuisances).fold(0.0, f64::max)
 }
 
-/// The residuals' own spread where it exceeds the stated noise, so that a misfit of the whole is not taken for outliers.
+/// The residuals' own scale estimate where it exceeds the stated noise, so that a misfit of the whole is not taken for outliers.
 pub(crate) fn robust_scale(residuals: &[Vec<f64>]) -> f64 {
     mad_sd(residuals.iter().flatten().copied()).max(1.0)
 }

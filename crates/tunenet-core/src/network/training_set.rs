@@ -112,7 +112,7 @@ fn fit_inputs(data: &dyn DataSet, preset: &Preset) -> Result<(Input, Option<Inpu
         }
         InputChoice::Dimensionless { channel: None, bins, tau_max } => {
             let (bins, tau_max) = (*bins, *tau_max);
-            let seen = Input::Filmed { channel: v, bins, tau_max };
+            let seen = Input::Pixels { channel: v, bins, tau_max };
             Ok((Input::Dimensionless { channel: z, bins, tau_max }, Some(seen)))
         }
         _ => {

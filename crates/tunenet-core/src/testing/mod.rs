@@ -133,8 +133,8 @@ impl<S: ClosedForm + Clone> Exact<S> {
             });
         }
         let value = |name: &str| {
-            let told = truth.iter().find(|(n, _)| *n == name).map(|(_, value)| *value);
-            told.or_else(|| known.iter().find(|p| p.name == name).map(|p| p.value)).unwrap_or(0.0)
+            let given = truth.iter().find(|(n, _)| *n == name).map(|(_, value)| *value);
+            given.or_else(|| known.iter().find(|p| p.name == name).map(|p| p.value)).unwrap_or(0.0)
         };
         let mut draw = ChaCha8Rng::seed_from_u64(seed);
         let clock: Vec<f64> = (0..SAMPLES).map(|k| f64::from(k) / RATE_HZ).collect();

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::Outcome;
 use crate::Result;
-use crate::estimate::{Adequacy, Contour, Fit, LEVEL, Point, Problem, Profile, Spread, contour, profile};
+use crate::estimate::{Adequacy, Contour, Fit, LEVEL, Point, Problem, Profile, ScaleEstimate, contour, profile};
 use crate::estimate::{floor, free, weighted, weights};
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Prepared, Simulator, every, predict};
@@ -25,7 +25,7 @@ const MOST_PAIRS: usize = 3;
 /// Levels of the joint regions.
 const LEVELS: [f64; 2] = [0.5, LEVEL];
 
-/// One recording beside what the simulator makes of it.
+/// One recording and its simulation.
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// What was fitted to.
@@ -91,7 +91,7 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
         return Ok(found);
     }
     let problem = Problem { simulator, recordings, noise: &noise, free: &free };
-    // The record's own best: where the contacts alone or the paper's last iterate stand, that is elsewhere.
+    // The record's own best; the estimate from the contacts only and the paper's last iterate differ from it.
     let fit = problem.fit(after.clone(), 1.0)?;
     found.rollouts += fit.rollouts;
     for i in 0..free.len() {
@@ -119,11 +119,11 @@ fn range(problem: &Problem, fit: &Fit, i: usize, outcome: &Outcome, after: &Poin
     let p = &problem.simulator.parameters()[position];
     let (value, best) = (after.parameters[position], fit.point.parameters[position]);
     let interval = outcome.parameters.iter().find(|e| e.name == p.name).map_or((p.min, p.max), |e| e.interval95);
-    let sd = Spread::of(problem, fit).sd(fit.covariance[(i, i)]);
-    let reach = if sd.is_finite() { 3.5 * sd } else { p.span() };
+    let sd = ScaleEstimate::of(problem, fit).sd(fit.covariance[(i, i)]);
+    let half_width = if sd.is_finite() { 3.5 * sd } else { p.span() };
     (
-        (value - BEYOND * (value - interval.0)).min(best - reach).max(p.min),
-        (value + BEYOND * (interval.1 - value)).max(best + reach).min(p.max),
+        (value - BEYOND * (value - interval.0)).min(best - half_width).max(p.min),
+        (value + BEYOND * (interval.1 - value)).max(best + half_width).min(p.max),
     )
 }
 
