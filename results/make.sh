@@ -48,8 +48,8 @@ listen() { # NAME COMMAND…: as `measure`, and keeps the tables that it prints
     local name=$1
     mkdir -p target/results
     measure "$@" 2> "target/results/$name.txt"
-    # Progress is told beside them.
-    grep -v -e '^wrote ' -e '^hint: ' "target/results/$name.txt" | sed -e '/./,$!d' > "results/$name/told.md"
+    # Progress is printed next to them.
+    grep -v -e '^wrote ' -e '^hint: ' "target/results/$name.txt" | sed -e '/./,$!d' > "results/$name/printed.md"
 }
 
 fenced() { # FILE: as it stands
@@ -88,11 +88,11 @@ for what in "${@:-paper}"; do
             ;;
         arm)
             listen arm bench diagnose --arm --seed "$seed"
-            paste arm docs/evidence.md <(fenced results/arm/told.md)
+            paste arm docs/evidence.md <(fenced results/arm/printed.md)
             ;;
         intervals)
             listen intervals bench intervals --seed "$seed"
-            paste intervals docs/evidence.md <(fenced results/intervals/told.md)
+            paste intervals docs/evidence.md <(fenced results/intervals/printed.md)
             ;;
         regions)
             measure regions bench regions --draws 400 --seed "$seed"
@@ -100,7 +100,7 @@ for what in "${@:-paper}"; do
             ;;
         preflight)
             listen preflight bench preflight --seed "$seed"
-            paste preflight docs/evidence.md results/preflight/told.md
+            paste preflight docs/evidence.md results/preflight/printed.md
             ;;
         speed)
             mkdir -p results/speed

@@ -57,12 +57,12 @@ fn pages_show_what_the_other_results_hold() {
     for (page, mark, file) in [
         ("docs/evidence.md", "speed", "speed/speed.md"),
         ("docs/grow.md", "grow", "grow/grow.md"),
-        ("docs/evidence.md", "preflight", "preflight/told.md"),
+        ("docs/evidence.md", "preflight", "preflight/printed.md"),
     ] {
         assert_eq!(pasted(page, mark), text(format!("results/{file}")), "{page}: `results/make.sh`, {mark}");
     }
     for (page, mark, file) in
-        [("docs/evidence.md", "arm", "arm/told.md"), ("docs/evidence.md", "intervals", "intervals/told.md")]
+        [("docs/evidence.md", "arm", "arm/printed.md"), ("docs/evidence.md", "intervals", "intervals/printed.md")]
     {
         let fenced = format!("```text\n{}\n```\n", text(format!("results/{file}")).trim_end());
         assert_eq!(pasted(page, mark), fenced, "{page}: `results/make.sh`, {mark}");

@@ -28,7 +28,7 @@ fn knowledge(name: &str) -> Option<&'static str> {
         "length_scale" | "aspect_ratio" | "perspective" | "lens_distortion" => {
             "put objects of known length in view, upright and lying, low and high"
         }
-        "time_scale" => "film a clock, or look up the true frame rate",
+        "time_scale" => "record a clock on video, or look up the true frame rate",
         "time_offset" => "record the instant of release",
         "camera_tilt" => "hang a plumb line in view",
         "surface_tilt" => "lay a spirit level on the surface",

@@ -64,11 +64,11 @@ pub enum Measured {
     Intervals(BenchIntervals),
     /// How often intervals and joint regions of several parameters hold the truth
     Regions(BenchRegions),
-    /// How many spoilt records are found, and how many good ones are blamed
+    /// How many faulty records are found, and how many good ones are rejected
     Preflight(BenchPreflight),
     /// The tables and figures of the paper, beside what is reached here
     Paper(BenchPaper),
-    /// How often a ball that was filmed once goes through a hoop
+    /// How often a ball recorded on one video goes through a hoop
     Shot(BenchShot),
     /// What more pairs cost in seconds, memory and bytes, and what a cluster would need
     Grow(BenchGrow),
@@ -108,11 +108,11 @@ pub enum PaperTable {
     Table1,
     /// The error of a tuned restitution after 1, 5, 10 and 100 rollouts
     Table2,
-    /// How far a tuned ball is from the real one, from positions and from films
+    /// How far a tuned ball is from the real one, from positions and from videos
     Table3,
     /// The error of a tuned restitution against the rollouts spent, drawn
     Figure2,
-    /// How often a ball that was filmed goes through a hoop, ball by ball; takes as long as the rest together
+    /// How often a ball recorded on video goes through a hoop, ball by ball; takes as long as the rest together
     Figure3,
 }
 

@@ -33,7 +33,7 @@ pub const SHOT_TUNED: (f64, f64) = (0.86, 0.92);
 pub const SHOT_DIAGNOSED: (f64, f64) = (0.88, 0.93);
 /// ... and of the planner that knows everything.
 pub const SHOT_OF_KNOWN: f64 = 0.97;
-/// Least share of drops that spoil the estimate to be flagged, greatest share of the others.
+/// Least share of uninformative drops to be flagged, greatest share of the others.
 pub const SHOT_FLAGS: (f64, f64) = (0.90, 0.03);
 
 /// `results/diagnose`, percent of the sets: where nothing is hidden, greatest share in which an effect is named.

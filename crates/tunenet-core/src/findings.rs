@@ -36,7 +36,7 @@ finding_kinds! {
     HELD_OUT_CHOSEN = "held_out.chosen",
         "which recordings were held out for validation",
         "none needed; you can also choose them yourself";
-    NOISE_COLOURED = "noise.coloured",
+    NOISE_AUTOCORRELATED = "noise.coloured",
         "the noise is autocorrelated; residuals were prewhitened. Above a correlation of 0.7 a model error looks the same: the search is then repeated with white noise, and its answer is taken if the effects found remove the correlation; without any effect the answer is `unknown`, never `none`",
         "none needed below 0.7; more recordings above";
     ADEQUACY_PRACTICAL = "adequacy.practical",

@@ -12,7 +12,7 @@ const STANDS: usize = 5;
 
 /// The check of single outliers.
 pub(crate) fn outliers(places: &[usize], kept: bool) -> Check {
-    const KIND: FindingKind = findings::SAMPLES_WILD;
+    const KIND: FindingKind = findings::SAMPLES_OUTLIERS;
     if places.is_empty() {
         return Check::passed(KIND, "no outliers");
     }

@@ -32,7 +32,7 @@ pub struct VideoDrop {
     pub camera: Pinhole,
     /// What can be seen of the ball's centre, m.
     pub path_m: Vec<Three>,
-    /// Whether the ball fell off the table while it was filmed.
+    /// Whether the ball fell off the table during the recording.
     pub left: bool,
     /// How often it hit the table before that.
     pub impacts: usize,

@@ -1,4 +1,4 @@
-//! One trial: a ball is dropped and filmed, everybody plans, and all shoot in the hidden world.
+//! One trial: a ball is dropped and recorded, everybody plans, and all shoot in the hidden world.
 
 use std::cmp::Reverse;
 use std::path::Path;
@@ -69,12 +69,12 @@ pub struct Shot {
 /// A trial from its first drop to its shots.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ShotTrial {
-    /// Whether the ball fell off the table while it was filmed.
+    /// Whether the ball fell off the table during the recording.
     pub left: bool,
     /// How often it hit the table, and how often it was seen to.
     pub impacts: usize,
     pub bounces: usize,
-    /// Whether the shot planned with the restitution alone misses although chance turns no rebound, where that of who knows
+    /// Whether the shot planned with the restitution alone misses even without random deflection of the rebound, where that of who knows
     /// everything goes in.
     pub misplanned: bool,
     /// How far the tuned restitution is from what an undisturbed drop shows.
@@ -112,7 +112,7 @@ impl Planner {
     }
 }
 
-/// A shot as it would be if nothing were left to chance.
+/// A shot as it would be without random deflection.
 fn goes_straight_in(ball: &ShotBall, height_m: f64, random: &ChaCha8Rng) -> bool {
     let smooth = ShotBall { scatter_rad: 0.0, ..ball.clone() };
     shoot(&smooth, height_m, [0.0; 3], &mut random.clone()).goes_in
@@ -142,7 +142,7 @@ struct Planned {
 }
 
 impl ShotTrial {
-    /// From the videos of up to three drops. `random` decides what chance does to the shots, the same for all who shoot.
+    /// From the videos of up to three drops. `random` draws the deflections of the shots, the same for all who shoot.
     pub fn run(
         target: &ShotTarget,
         videos: &[(VideoDrop, Option<Places>)],

@@ -148,7 +148,7 @@ impl ObservedBall {
         }
         prepared.checks = preflight.checks;
         prepared.silent[self.place(BallParameters::FRICTION)] = Some(Note::new(
-            findings::FRICTION_UNSEEN,
+            findings::FRICTION_NOT_OBSERVABLE,
             "bounce times do not depend on friction",
             "record positions of a throw along the surface",
         ));
