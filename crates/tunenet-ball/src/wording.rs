@@ -9,7 +9,7 @@ pub static WORDING: Wording = Wording {
     otherwise: "throw from other heights, in other directions, faster and slower",
     add: "add recordings of the same ball from other heights and in other directions",
     vary: "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
-    inseparable: "no throw tells",
+    inseparable: "no throw distinguishes",
     knowledge,
     start,
     segment: ["flight", "flights"],

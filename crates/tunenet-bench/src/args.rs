@@ -234,8 +234,9 @@ pub struct BenchPreflight {
 pub enum DiagnoseRow {
     /// Nothing
     Clean,
-    /// Nothing; the noise is coloured
-    Coloured,
+    /// Nothing; the noise is autocorrelated
+    #[value(name = "coloured")]
+    Autocorrelated,
     /// Nothing; 1 % of the samples are far off
     Outliers,
     /// Nothing; 15 % of the frames are missing

@@ -52,7 +52,7 @@ fn finished_alike(folder: &Path, run: &Value) -> Result<()> {
     Err(Error::file(folder, message, "choose another folder with --out, or remove this one").into())
 }
 
-/// This program, as a digest of its bytes: the version alone would not tell a rebuilt program from the one that made a piece.
+/// This program, as a digest of its bytes: the version number does not distinguish a rebuilt program from the one that made a piece.
 ///
 /// # Errors
 /// Where it cannot be read.

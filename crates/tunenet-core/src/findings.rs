@@ -7,7 +7,7 @@ finding_kinds! {
         "no recording can be used for the fit",
         "see the notes of each recording";
     RECORDINGS_SHORT = "recordings.short",
-        "no more values than unknowns, so any fit is exact",
+        "no more values than fitted parameters, so any fit is exact",
         "use longer recordings, or more of them";
     FIT_POOR = "fit.poor",
         "the tuned simulation leaves more than noise explains",

@@ -103,7 +103,7 @@ mod tests {
     use crate::testing::{error_text, file};
 
     #[test]
-    fn a_change_is_told_instead_of_what_it_broke() {
+    fn a_change_is_reported_instead_of_what_it_broke() {
         let (_folder, path) = file("a.csv", "t_s,z_m\n0,1\n");
         assert_eq!(unchanged(&path, || Ok(7)).unwrap(), 7);
         let grows = || {

@@ -12,7 +12,7 @@ const LOST_FRAMES: usize = 3;
 const NEAR_BORDER: f64 = 2.5;
 
 /// A path this straight and this long, in radii, is none of a ball that flies ...
-const STRAIGHT: f64 = 0.15;
+const MAX_DEVIATION: f64 = 0.15;
 const LONG: f64 = 4.0;
 /// ... nor one that rises and falls by less than this share of its length.
 const LEVEL: f64 = 0.6;
@@ -26,7 +26,7 @@ fn rolls(track: &Track) -> Option<VideoFinding> {
     let off = mean(places.iter().map(|p| (p.1 - v - slope * (p.0 - u)).powi(2))).sqrt();
     let (across, down) = (range(places.iter().map(|p| p.0)), range(places.iter().map(|p| p.1)));
     let radius = track.radius_px();
-    (across > LONG * radius && down < LEVEL * across && off < STRAIGHT * radius).then(|| {
+    (across > LONG * radius && down < LEVEL * across && off < MAX_DEVIATION * radius).then(|| {
         let text = format!(
             "the ball moves along a straight line, {across:.0} px across and {down:.0} px down: it rolls and never flies"
         );

@@ -131,7 +131,7 @@ pub struct Facts {
     pub radius_px: f64,
     /// The colour that was looked for.
     pub color: Colour,
-    /// How large a pixel is, where something tells.
+    /// Size of a pixel, where it is known.
     pub scale: Option<Scale>,
     /// When the ball bounces, s.
     pub bounces_s: Vec<f64>,

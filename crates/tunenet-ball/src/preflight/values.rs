@@ -7,7 +7,7 @@ use tunenet_core::observation::Check;
 use tunenet_core::observation::Observation;
 use tunenet_core::observation::{noise_sd, step};
 
-/// Fewest equal values in a row that are no chance.
+/// Fewest equal values in a row that noise does not explain.
 const STANDS: usize = 5;
 
 /// The check of single outliers.

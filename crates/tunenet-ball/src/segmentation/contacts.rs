@@ -82,9 +82,9 @@ fn local_restitution(
                 // What the nearer samples alone would say shows how far a parabola fails here; the scatter of few samples
                 // is little known.
                 let stray = fit(length * 2 / 3).map_or(0.0, |nearer| nearer.slope(time_s) - slope);
-                let spread = whole.residual_sd.max(sd) * whole.slope_gain(time_s);
-                let spread = widened(spread.hypot(stray), length as f64 - 3.0);
-                return (length >= 4).then_some((slope, spread));
+                let slope_sd = whole.residual_sd.max(sd) * whole.slope_gain(time_s);
+                let slope_sd = widened(slope_sd.hypot(stray), length as f64 - 3.0);
+                return (length >= 4).then_some((slope, slope_sd));
             }
             length = (length * 4 / 5).max(LOCAL_SAMPLES).min(length - 1);
         }

@@ -62,7 +62,7 @@ pub struct Blows {
 impl Kinks {
     pub(crate) fn find(clock: &[f64], axes: &[Vec<f64>; 3], gravity: f64) -> Self {
         let samples = clock.len();
-        let straight: Vec<f64> = clock.iter().zip(&axes[2]).map(|(t, z)| z + gravity / 2.0 * t * t).collect();
+        let without_gravity: Vec<f64> = clock.iter().zip(&axes[2]).map(|(t, z)| z + gravity / 2.0 * t * t).collect();
         let sd = [0, 1, 2].map(|axis| noise_sd(&axes[axis]));
         let half = window(clock, &axes[2], sd[2], gravity);
         if samples < 2 * half + 1 {
@@ -89,7 +89,7 @@ impl Kinks {
             };
             profile.iter().map(|p| (p.0, p.0 > limit(p))).collect()
         };
-        let up = judged(&profile(&straight), sd[2], 0.0);
+        let up = judged(&profile(&without_gravity), sd[2], 0.0);
         let speed = median(range.clone().map(|k| {
             let along = |axis: usize| {
                 (axes[axis][k + half] - axes[axis][k + 1 - half]) / (clock[k + half] - clock[k + 1 - half])
@@ -113,7 +113,8 @@ impl Kinks {
         let (mut impacts, mut blows) = (Vec::new(), Vec::new());
         let mut surface: Option<f64> = None;
         let (sharp, aside) = (peaks(&up), peaks(&across));
-        let lasting = lasting(clock, [&axes[0], &axes[1], &straight], &[sharp.as_slice(), &aside].concat(), half);
+        let lasting =
+            lasting(clock, [&axes[0], &axes[1], &without_gravity], &[sharp.as_slice(), &aside].concat(), half);
         let stays = |mut kinks: Vec<usize>| {
             kinks.retain(|k| lasting.contains(k));
             kinks
@@ -122,7 +123,7 @@ impl Kinks {
         // A weak rebound, seen by few frames, stands out from nothing; the fewest parabolas still end there.
         let places = if sharp.is_empty() { cuts(clock, &axes[2], &range) } else { sharp };
         for k in places {
-            let lines = (slope(&straight, k + 1 - half..k + 1), slope(&straight, k + 1..k + 1 + half));
+            let lines = (slope(&without_gravity, k + 1 - half..k + 1), slope(&without_gravity, k + 1..k + 1 + half));
             let (Some(before), Some(after)) = lines else { continue };
             let time = crossing(&before, &after, clock[k], clock[k + 1]);
             let height = before.at(time) - gravity / 2.0 * time * time;
@@ -168,8 +169,8 @@ impl Kinks {
         let clear = LATE_RISE * noise_sd(heights) + LATE_SHARE * span(heights);
         let highest = heights[low..].iter().fold(f64::NEG_INFINITY, |high, z| high.max(*z));
         let falls = heights[low - 2] > heights[low - 1] && heights[low - 1] > heights[low] + clear;
-        let beside = |k: &usize| k + self.blind + 1 >= low;
-        if !falls || highest < heights[low] + clear || !self.impacts.iter().all(beside) {
+        let near_end = |k: &usize| k + self.blind + 1 >= low;
+        if !falls || highest < heights[low] + clear || !self.impacts.iter().all(near_end) {
             return None;
         }
         let blind = self.blind;

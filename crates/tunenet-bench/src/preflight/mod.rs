@@ -72,7 +72,7 @@ impl Said {
 
 pub fn run(options: &BenchPreflight) -> Result<Exit> {
     let (records, seed) = (options.count() as usize, options.common.seed);
-    // The version alone would not tell a rebuilt program from the one that made a piece.
+    // The version number does not distinguish a rebuilt program from the one that made a piece.
     let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
     let bar = progress((records * (KINDS.len() + 1)) as u64, "records");
     let random = |kind: usize, number: usize| {

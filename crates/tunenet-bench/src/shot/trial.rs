@@ -113,7 +113,7 @@ impl Planner {
 }
 
 /// A shot as it would be without random deflection.
-fn goes_straight_in(ball: &ShotBall, height_m: f64, random: &ChaCha8Rng) -> bool {
+fn goes_in_without_deflection(ball: &ShotBall, height_m: f64, random: &ChaCha8Rng) -> bool {
     let smooth = ShotBall { scatter_rad: 0.0, ..ball.clone() };
     shoot(&smooth, height_m, [0.0; 3], &mut random.clone()).goes_in
 }
@@ -197,12 +197,12 @@ impl ShotTrial {
         let Planned { heights_m, tuned_m, restitution } = planned(0)?;
         let first = shots(&heights_m);
         let repeated = if flagged && videos.len() > 1 { shots(&planned(1)?.heights_m) } else { first.clone() };
-        let straight = |height_m: f64| goes_straight_in(&target.ball, height_m, random);
+        let undeflected = |height_m: f64| goes_in_without_deflection(&target.ball, height_m, random);
         Ok(Self {
             left: videos[0].0.left,
             impacts: videos[0].0.impacts,
             bounces: reads[0].bounces_s.len(),
-            misplanned: straight(target.known_m) && !straight(tuned_m),
+            misplanned: undeflected(target.known_m) && !undeflected(tuned_m),
             off: restitution - target.shown,
             flagged,
             shots: first,

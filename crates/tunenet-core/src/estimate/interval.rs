@@ -31,7 +31,7 @@ const SMALL_RISE: f64 = 0.25;
 /// A fit along a profile may leave this much of the misfit, in squares of standard deviations.
 const MISFIT_TOLERANCE: f64 = 1e-4;
 /// The misfit at the ends of an interval from the curvature may stray from its quantile by this share.
-const STRAIGHT: f64 = 0.2;
+const QUADRATIC: f64 = 0.2;
 /// A bound farther from the estimate than this share of the bounds, and as good, leaves the estimate open.
 const OPEN_SHARE: f64 = 0.25;
 
@@ -81,7 +81,7 @@ impl ScaleEstimate {
         self.one_sided(UPPER_95)
     }
 
-    /// How many standard deviations chance stays below with this probability.
+    /// One-sided quantile of Student's t at this probability, in standard deviations.
     #[must_use]
     pub fn one_sided(&self, level: f64) -> f64 {
         student_quantile(level, self.degrees_of_freedom)
@@ -206,7 +206,7 @@ pub(crate) fn ends_with(
             continue;
         }
         // Values that the simulator refuses cannot be compared with the curvature.
-        if !near && alone && profile.is_straight(half_width, &mut rollouts).unwrap_or(true) {
+        if !near && alone && profile.is_quadratic(half_width, &mut rollouts).unwrap_or(true) {
             all.push(curved());
             continue;
         }
@@ -245,14 +245,14 @@ struct Profile<'a> {
 
 impl Profile<'_> {
     /// Whether the misfit at both ends of the interval of the curvature is the quantile. At a kink it is not.
-    fn is_straight(&self, half_width: f64, rollouts: &mut usize) -> Result<bool> {
+    fn is_quadratic(&self, half_width: f64, rollouts: &mut usize) -> Result<bool> {
         let position = self.problem.free[self.i];
         for side in [-half_width, half_width] {
             let start = self.fit.point.with(&[position], &[self.fit.point.parameters[position] + side]);
             let there = fit_with_fixed(self.problem, start, &[position], self.scale)?;
             *rollouts += there.rollouts;
             let excess = self.scale.excess(there.cost - self.fit.cost);
-            if (excess / self.scale.quantile().powi(2) - 1.0).abs() > STRAIGHT {
+            if (excess / self.scale.quantile().powi(2) - 1.0).abs() > QUADRATIC {
                 return Ok(false);
             }
         }

@@ -151,7 +151,7 @@ pub(crate) fn robust_scale(residuals: &[Vec<f64>]) -> f64 {
 pub(super) mod tests {
     use super::*;
 
-    /// `y = a + b t + u_d`: two shared parameters and a level of each recording, which is not told apart from `a` but by its
+    /// `y = a + b t + u_d`: two shared parameters and a level of each recording, which differs from `a` only by its
     /// prior. Linear, so that every answer has a closed form.
     pub struct Lines {
         pub parameters: Vec<Parameter>,

@@ -139,7 +139,7 @@ pub enum Course {
         epochs: u64,
     },
     /// Pairs drawn anew at every step. Where a rollout can stand beside any other (dimensionless inputs, or a dataset
-    /// without unknowns of its own) any two rollouts make a pair; otherwise the dataset's pairs, either way round.
+    /// without nuisance parameters) any two rollouts make a pair; otherwise the dataset's pairs, either way round.
     Remixed {
         /// How many steps.
         steps: u64,

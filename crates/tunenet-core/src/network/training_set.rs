@@ -45,7 +45,7 @@ impl<'a> TrainingSet<'a> {
             set.mixable &= own.get_or_insert_with(|| pair.own.clone()) == &pair.own;
         }
         set.rollouts.finish()?;
-        // In units of its own scale a rollout no longer remembers its height.
+        // In units of its own scale a rollout no longer depends on its height.
         set.mixable |= matches!(set.input, Input::Dimensionless { .. });
         if set.pairs() == 0 {
             return Err(refuse("at least one pair", "none", ""));

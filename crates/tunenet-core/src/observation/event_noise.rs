@@ -28,9 +28,9 @@ pub fn event_time_sd(index: &[f64], time_s: &[f64]) -> f64 {
         places.iter().map(|&i| (index[i], (time_s[i + 1] - time_s[i]).ln(), time_s[i + 1] - time_s[i])).collect();
     let Some(fit) = robust_quadratic(&logs) else { return SHORT_LIST_SD_S };
     let left: Vec<f64> = logs.iter().map(|&(x, y, interval)| (y - quadratic(&fit, x)) * interval).collect();
-    let freedom = ((left.len() as f64) / (left.len() as f64 - 3.0)).sqrt();
+    let correction = ((left.len() as f64) / (left.len() as f64 - 3.0)).sqrt();
     let mean_interval = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
-    (mad_sd(left) * freedom / 2f64.sqrt()).max(1e-6).min(WORST_SHARE * mean_interval)
+    (mad_sd(left) * correction / 2f64.sqrt()).max(1e-6).min(WORST_SHARE * mean_interval)
 }
 
 fn quadratic(c: &nalgebra::Vector3<f64>, x: f64) -> f64 {

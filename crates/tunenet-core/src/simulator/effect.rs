@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_believed_to_exclude_absence_has_to_be_there() {
+    fn an_effect_whose_plausible_range_excludes_absence_is_required() {
         let effect = |low: f64, high: f64| Effect {
             name: "drag",
             phase: Phase::Segment,

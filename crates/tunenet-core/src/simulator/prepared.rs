@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Parameter, Scale, Segmentation};
 use crate::observation::{Check, LocalEstimate, Note, Observation};
 
-/// The usable part of a recording, with the unknowns that it brings of its own.
+/// The usable part of a recording, with its nuisance parameters.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     /// The samples to explain.
@@ -17,7 +17,7 @@ pub struct Prepared {
     pub noise: Option<Vec<f64>>,
     /// Scale estimate of each channel's residual, where it exceeds the noise: residuals are divided by it.
     pub residual_scale: Option<Vec<f64>>,
-    /// Unknowns of this recording alone (its release, its floor), each with a first guess as `value`.
+    /// Nuisance parameters of this recording (its release, its floor), each with a first guess as `value`.
     pub nuisances: Vec<Parameter>,
     /// For each parameter of the simulator: what the neighbourhood of the events alone says of it, independent of what happens in
     /// between. It starts the fit, and stands in for it where the record as a whole cannot be explained.

@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_topics_and_short_messages_are_told() {
+    fn wrong_topics_and_short_messages_are_refused() {
         let (_folder, path) =
             file("a.mcap", bag(None, &[made("/a", image(1, &[1; 6])), made("/b", image(1, &[1, 2]))]));
         let error = |topic| pictures(&path, topic).err().unwrap().to_string();

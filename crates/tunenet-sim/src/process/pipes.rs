@@ -12,7 +12,7 @@ use std::time::Duration;
 /// How much of standard error is kept, bytes.
 const KEPT: usize = 4096;
 /// Lines of it that are reported.
-const LINES_TOLD: usize = 5;
+const LINES_REPORTED: usize = 5;
 /// How long its end is waited for once a program is gone.
 const LAST_WORDS: Duration = Duration::from_millis(200);
 
@@ -125,7 +125,7 @@ impl Troubles {
         let bytes: Vec<u8> = self.kept.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
         let text = String::from_utf8_lossy(&bytes).into_owned();
         let lines: Vec<String> = text.lines().map(super::failure::printable).filter(|line| !line.is_empty()).collect();
-        lines[lines.len().saturating_sub(LINES_TOLD)..].to_vec()
+        lines[lines.len().saturating_sub(LINES_REPORTED)..].to_vec()
     }
 }
 

@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_told_apart() {
+    fn words_are_distinguished() {
         let words = ["sh", "-c", "touch a; cat", "", "it's", "--x=1", "~", "*"].map(str::to_owned);
         assert_eq!(line(&words), r"sh -c 'touch a; cat' '' 'it'\''s' --x=1 '~' '*'");
         assert_eq!(shown(&["a\nb".to_owned()]), "`'a\u{fffd}b'`");

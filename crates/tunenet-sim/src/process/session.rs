@@ -125,7 +125,7 @@ impl Session {
     /// The same session with a tally of its own, for one of several recordings that are worked on at a time. A failure still
     /// counts for all of them.
     #[must_use]
-    pub fn counted_apart(&self) -> Self {
+    pub fn counted_separately(&self) -> Self {
         Self { tally: Arc::default(), ..self.clone() }
     }
 

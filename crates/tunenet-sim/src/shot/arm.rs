@@ -97,8 +97,8 @@ impl ArmReach {
         let away = away.try_normalize(1e-9).unwrap_or_else(Vector3::zeros) * APPROACH_M;
         // Where that is too near to the base, from above or from below; at worst the arm stands ready already.
         let ways = [away, Vector3::z() * APPROACH_M, Vector3::z() * -APPROACH_M];
-        let beside = |way: &Vector3<f64>| self.near((Vector3::from(point_m) + way).into(), release);
-        let start = ways.iter().find_map(beside).unwrap_or_else(|| release.to_vec());
+        let nearby = |way: &Vector3<f64>| self.near((Vector3::from(point_m) + way).into(), release);
+        let start = ways.iter().find_map(nearby).unwrap_or_else(|| release.to_vec());
         let joints = self.model.joints();
         let limit = |i: usize| Some(joints[i].limits.velocity).filter(|v| v.is_finite()).unwrap_or(UNSAID_RAD_S);
         let change: Vec<f64> = release.iter().zip(&start).map(|(to, from)| to - from).collect();

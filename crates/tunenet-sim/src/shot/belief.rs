@@ -17,7 +17,7 @@ use crate::findings;
 use crate::scene::BallParameters;
 use crate::simulation_file::schema::number;
 
-/// The effect that turns every bounce by chance.
+/// The effect that deflects every bounce at random.
 const SCATTER: &str = "bounce_scatter";
 
 /// Where a file keeps the drag that recordings leave open.
@@ -158,13 +158,13 @@ impl Belief {
             velocity_m_s: std::array::from_fn(|_| speed * normal()),
             ..State::default()
         };
-        let kick = [normal(), normal()];
+        let deflection = [normal(), normal()];
         let values: Vec<f64> = alternative.quantities.iter().map(|q| q.draw(normal())).collect();
-        Draw { ball: self.scene(&alternative.quantities, &values, Some(kick)), offset }
+        Draw { ball: self.scene(&alternative.quantities, &values, Some(deflection)), offset }
     }
 
-    /// The ball with these values; `kick` are standard normal numbers for the tilt of its bounce.
-    fn scene(&self, quantities: &[Quantity], values: &[f64], kick: Option<[f64; 2]>) -> Scene {
+    /// The ball with these values; `deflection` are standard normal numbers for the tilt of its bounce.
+    fn scene(&self, quantities: &[Quantity], values: &[f64], deflection: Option<[f64; 2]>) -> Scene {
         let mut scene = self.base.clone();
         let mut i = 0;
         while let Some(quantity) = quantities.get(i) {
@@ -174,10 +174,9 @@ impl Belief {
                 Role::Coefficient(effect) => {
                     let coefficients = &values[i..i + effect.coefficients.len()];
                     if effect.name == SCATTER {
-                        scene
-                            .contact
-                            .tilts_rad
-                            .extend(kick.map(|kick| kick.map(|k| (k * coefficients[0]).clamp(-1.0, 1.0))));
+                        scene.contact.tilts_rad.extend(
+                            deflection.map(|deflection| deflection.map(|k| (k * coefficients[0]).clamp(-1.0, 1.0))),
+                        );
                     }
                     (effect.apply)(&mut scene, coefficients);
                     i += coefficients.len() - 1;

@@ -53,7 +53,7 @@ fn a_drawn_disc_is_found_to_a_fraction_of_a_pixel() {
 }
 
 #[test]
-fn no_ball_two_balls_and_a_wrong_colour_are_told_apart() {
+fn no_ball_two_balls_and_a_wrong_colour_are_distinguished() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, video: &TestVideo| {
         let path = folder.path().join(name);

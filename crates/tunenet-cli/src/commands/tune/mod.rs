@@ -190,7 +190,7 @@ fn tune_to(
     paths: &[PathBuf],
 ) -> Result<(Outcome, Chosen)> {
     // With `--each` several may be tuned to at a time.
-    let session = &session.counted_apart();
+    let session = &session.counted_separately();
     let kind = recordings[0].observation.kind();
     if let Some(other) = recordings.iter().position(|r| r.observation.kind() != kind) {
         let found = kind_name(recordings[other].observation.kind());
