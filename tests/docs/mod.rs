@@ -2,6 +2,7 @@
 
 mod documented;
 mod findings;
+mod glossary;
 mod links;
 pub mod page;
 mod readme;

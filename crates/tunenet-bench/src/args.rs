@@ -56,7 +56,7 @@ pub enum Command {
 pub enum Measured {
     /// Rollouts, training and tuning per second
     Speed(BenchSpeed),
-    /// Error against rollouts, beside rivals, a maximum-likelihood fit and the Cramér–Rao bound
+    /// Error against rollouts, compared with rivals, a maximum-likelihood fit and the Cramér–Rao bound
     Tuning(BenchTuning),
     /// Whether the effect that is named is the one that was hidden, and what is said where none was
     Diagnose(BenchDiagnose),
@@ -66,7 +66,7 @@ pub enum Measured {
     Regions(BenchRegions),
     /// How many faulty records are found, and how many good ones are rejected
     Preflight(BenchPreflight),
-    /// The tables and figures of the paper, beside what is reached here
+    /// The tables and figures of the paper, next to our results
     Paper(BenchPaper),
     /// How often a ball recorded on one video goes through a hoop
     Shot(BenchShot),

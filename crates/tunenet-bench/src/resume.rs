@@ -60,7 +60,7 @@ pub fn program() -> Result<String> {
     hash::sha256(&std::env::current_exe().context("this program's own path")?)
 }
 
-/// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and whatever
+/// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and what
 /// else decides what comes out.
 ///
 /// Of a run in shards, [`piece`](Self::piece) makes every n-th alone, in a folder of the shard's own.
@@ -141,7 +141,7 @@ impl Store {
     }
 
     fn kept<T: DeserializeOwned>(&self, path: &Path) -> Option<T> {
-        // Whatever cannot be read is made again.
+        // What cannot be read is made again.
         let text = std::fs::read_to_string(path).ok()?;
         let mut whole: Value = serde_json::from_str(&text).ok()?;
         (whole["run"] == self.run).then(|| serde_json::from_value(whole["value"].take()).ok())?

@@ -57,7 +57,7 @@ fn device(_: &Metadata) -> &'static str {
 pub(crate) fn unchanged<T>(path: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
     let before = Version::of(&open(path)?.metadata().map_err(|e| Error::io(path, "opening", e))?);
     let result = read();
-    // What the change broke is no news beside the change itself.
+    // What the change broke is no news after the change itself.
     match std::fs::metadata(path).map(|about| Version::of(&about)) {
         Ok(after) if after == before => result,
         Ok(after) => {

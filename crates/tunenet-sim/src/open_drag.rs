@@ -2,7 +2,7 @@
 //!
 //! A diagnosis names an effect where there is evidence for it. To plan with, absence of evidence is not enough: a weak drag
 //! that a few bounces cannot show still makes a shot fall short, and a restitution that was tuned without drag hides a part
-//! of it. So everything is tuned anew beside each of a few strengths, and each counts by how well it then fits.
+//! of it. So everything is tuned again for each of a few strengths, and each counts by how well it then fits.
 
 use tunenet_core::Result;
 use tunenet_core::observation::Observation;
@@ -15,7 +15,7 @@ use crate::observed::simulator;
 use crate::process::Session;
 use crate::simulation_file::Domain;
 
-/// Strengths that are tried beside none at all, evenly in their logarithm.
+/// Strengths that are tried in addition to zero, evenly in their logarithm.
 const STRENGTHS: usize = 9;
 /// One that counts less than this is left out.
 const LEAST: f64 = 1e-3;
@@ -23,7 +23,7 @@ const LEAST: f64 = 1e-3;
 const NAME: &str = "quadratic_drag.c_1_m";
 
 /// Every strength of drag (1/m) that is usual for a ball like that of `file`, whose values were tuned to `seen`, with how much
-/// `seen` leaves of it; the coefficients of the physical effects `sure`, which the file holds, are fitted anew beside it like
+/// `seen` leaves of it; the coefficients of the physical effects `sure`, which the file holds, are fitted again with it like
 /// its parameters. Empty for what is no ball in air, where the file holds drag already, and where no drag fits best by far.
 ///
 /// # Errors
@@ -91,7 +91,7 @@ mod tests {
         tunenet_ball::bounce_times(times).unwrap()
     }
 
-    /// The true strength has the greatest share, and the restitution beside it is the true one; what drag costs is no longer
+    /// The true strength has the greatest share, and the restitution tuned with it is the true one; what drag costs is no longer
     /// taken for a softer ball.
     #[test]
     fn many_bounces_leave_the_true_drag_and_the_true_restitution() {

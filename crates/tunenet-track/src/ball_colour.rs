@@ -11,7 +11,7 @@ use super::colour::{BLACK, HUES, WHITE, Window};
 use super::lookup::Lookup;
 use super::stillness::{MOVED, moves};
 
-/// Frames that make the background: the median of so many forgets whatever passes.
+/// Frames that make the background: the median of so many is not affected by moving objects.
 const BACKGROUND_FRAMES: usize = 31;
 /// Bytes whose medians are taken together.
 const SIDE_BY_SIDE: usize = 512;
@@ -27,7 +27,7 @@ const MOST_COLOURS: usize = 4;
 const STILL_SHARE: f64 = 0.3;
 /// A ball without a hue is seen in more than this share of the pictures.
 const PALE_SHARE: f64 = 0.5;
-/// How little what never falls counts beside what does.
+/// Weight of objects that never fall relative to those that do.
 const LEVEL: f64 = 0.2;
 /// A blob rounder than this fills its box as a disc does.
 pub(crate) const ROUND: std::ops::Range<f64> = 0.55..1.4;

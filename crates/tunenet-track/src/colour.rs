@@ -33,7 +33,7 @@ pub const NAMES: [(&str, Window); 9] = [
 
 /// Bright without a hue.
 pub(crate) const WHITE: Window = Window { hue: 90, half_width: 90, saturation: (0, 60), value: (170, 255) };
-/// Dark, whatever its hue.
+/// Dark, of any hue.
 pub(crate) const BLACK: Window = Window { hue: 90, half_width: 90, saturation: (0, 255), value: (0, 70) };
 
 impl Window {

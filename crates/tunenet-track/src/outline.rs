@@ -1,8 +1,8 @@
 //! Where a ball's edge runs, to a fraction of a pixel: rays from its middle, and the circle through where they leave it.
 //!
-//! Along each ray the colour goes from the ball's own, near the edge, to that of whatever lies behind. How far towards the
+//! Along each ray the colour goes from the ball's own, near the edge, to that of the background. How far towards the
 //! ball each point is, summed over the ray, is where the edge lies: a lens, the coarser colour of a compressed video, and an
-//! exposure all blur that step and none of them moves its middle. A mask does not know this: it is too large by whatever
+//! exposure all blur that step and none of them moves its middle. A mask does not know this: it is too large by what
 //! its thresholds let in.
 
 use crate::view::View;

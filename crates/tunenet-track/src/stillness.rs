@@ -1,4 +1,4 @@
-//! Whether the camera stood still: edges in the picture stay where they are, whatever moves before them.
+//! Camera motion from background edges: they stay in place if the camera does, for any moving foreground.
 
 use opencv::core::Mat;
 use rayon::prelude::*;

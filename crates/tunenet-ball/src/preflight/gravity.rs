@@ -1,4 +1,4 @@
-//! Gravity as a record shows it: how fast whatever flies falls, with its interval, and what may be behind a difference.
+//! Apparent gravity of a record: the common acceleration of its flights, with its interval, and possible causes of a difference.
 
 use super::Expected;
 use super::flights::{Flight, Flights};

@@ -16,7 +16,7 @@ use tunenet_core::statistics::median;
 const KIND: FindingKind = findings::CLOCK_SKIPPED;
 /// A ball that turns upwards by more than this share of the fastest fall has bounced.
 const BOUNCES_SHARE: f64 = 0.1;
-/// ... beside this many times what noise leaves unsure of the turn.
+/// ... in addition to this many times the uncertainty from noise of the turn.
 const UNSURE: f64 = 3.0;
 /// What falls by less than this share of gravity is held.
 const FALLS_SHARE: f64 = 0.5;
@@ -96,7 +96,7 @@ fn flights(clock: &[f64], heights: &[f64], noise: f64, gravity_m_s2: f64) -> Vec
         });
         before = here.or(before);
     }
-    // The samples beside a bounce may belong to the other side.
+    // The samples next to a bounce may belong to the other side.
     let inner = |p: Range<usize>| {
         let (start, end) = (p.start + usize::from(p.start > 0), p.end - usize::from(p.end < clock.len()));
         start..end.max(start)

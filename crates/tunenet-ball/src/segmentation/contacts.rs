@@ -1,4 +1,4 @@
-//! Contacts, located where the flights beside them cross, and the restitution of each.
+//! Contacts, located where the flights next to them cross, and the restitution of each.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use tunenet_core::observation::{LocalEstimate, noise_sd, widened};
 
 use super::polynomial::Polynomial;
 
-/// The flights beside a contact are shortened until a parabola explains them to this many times the noise ...
+/// The flights next to a contact are shortened until a parabola explains them to this many times the noise ...
 const LOCAL_MISFIT: f64 = 1.6;
 /// ... but not below this many samples.
 const LOCAL_SAMPLES: usize = 12;
@@ -27,7 +27,7 @@ pub struct Contact {
     pub restitution: Option<LocalEstimate>,
 }
 
-/// Locates every impact where the flights beside it cross and measures its restitution.
+/// Locates every impact where the flights next to it cross and measures its restitution.
 pub(crate) fn contacts(
     clock: &[f64],
     heights: &[f64],
@@ -61,7 +61,7 @@ pub(crate) fn crossing(down: &Polynomial, up: &Polynomial, before: f64, after: f
     if (before - slack..=after + slack).contains(&time) { time } else { before.midpoint(after) }
 }
 
-/// Rebound over approach speed, from the widest samples beside the contact that a parabola of free acceleration explains.
+/// Rebound over approach speed, from the widest samples next to the contact that a parabola of free acceleration explains.
 fn local_restitution(
     clock: &[f64],
     heights: &[f64],

@@ -81,7 +81,7 @@ impl Kinks {
         let profile = |values: &[f64]| -> Vec<(f64, f64, f64)> {
             range.clone().map(|k| jump(values, k).unwrap_or((0.0, 0.0, 0.0))).collect()
         };
-        // A kink stands out of the noise, of gravity's own bend, and of whatever the whole record shows.
+        // A kink stands out of the noise, of gravity's own bend, and of what the whole record shows.
         let judged = |profile: &[(f64, f64, f64)], sd: f64, least: f64| -> Vec<(f64, bool)> {
             let typical = typical(profile.iter().map(|p| p.0.abs())) * KINK_OVER_TYPICAL;
             let limit = |&(_, gain, span): &(f64, f64, f64)| {
@@ -162,7 +162,7 @@ impl Kinks {
     }
 
     /// The sample at which a first bounce begins that is too near the end for a flight after it: the ball falls to it and
-    /// rises after it, which no flight does. The record ends there then, and what seemed a kink beside it is none.
+    /// rises after it, which no flight does. The record ends there then, and what seemed a kink next to it is none.
     pub(crate) fn take_late(&mut self, heights: &[f64]) -> Option<usize> {
         let last = heights.len().checked_sub(LATE_SAMPLES).filter(|from| *from >= LEAST_BEFORE_LATE)?;
         let low = (last..heights.len()).min_by(|&a, &b| heights[a].total_cmp(&heights[b]))?;

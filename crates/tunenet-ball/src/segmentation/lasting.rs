@@ -1,7 +1,7 @@
 //! Whether a sudden change of velocity lasts.
 //!
-//! A few samples beside the path, as of a tracker that loses its ball for a moment, bend the slopes of a narrow window as a
-//! blow does. After a blow the body flies on with another velocity, whatever the window; after a stumble of the tracker the
+//! A few samples off the path, as of a tracker that loses its ball for a moment, bend the slopes of a narrow window as a
+//! blow does. After a blow the body flies on with another velocity, seen in any window; after a stumble of the tracker the
 //! old one is back.
 
 use std::ops::Range;
@@ -36,7 +36,7 @@ pub(crate) fn lasting(clock: &[f64], axes: [&[f64]; 3], kinks: &[usize], half: u
         kinks.iter().filter_map(|&k| around(k, half, half).map(|j| (dot(&j, &j), k, j))).collect();
     strongest.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut kept: Vec<usize> = Vec::new();
-    // A weaker change may be the doing of a stronger one beside it, so that one bounds its windows, and not the other way.
+    // A weaker change may be the doing of a stronger one next to it, so that one bounds its windows, and not the other way.
     for (square, k, narrow) in strongest {
         let begin = kept.iter().filter(|&&other| other < k).max().map_or(0, |other| other + 1);
         let end = kept.iter().filter(|&&other| other > k).min().map_or(clock.len(), |other| other + 1);

@@ -122,7 +122,7 @@ fn detrended_recording(
     Ok(Some((made, detrended.beyond_tilt)))
 }
 
-/// One throw leaves whatever lies within ten times the usual margin. Here the alternatives are what acts at contacts alone, so
+/// One throw leaves what lies within ten times the usual margin. Here the alternatives are what acts at contacts alone, so
 /// beyond the usual margin only those are left that the catalogue says can be mistaken for the one named.
 fn keep_kin(answer: &mut Diagnosis, margin: f64) {
     for place in &mut answer.effects {

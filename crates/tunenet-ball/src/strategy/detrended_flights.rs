@@ -1,9 +1,9 @@
 //! De-trended flights: what a recording would have been, had nothing but gravity acted between contacts.
 //!
-//! How fast a ball moves right before and right after a contact shows whatever acts in flight and however the camera bends
-//! it, as long as that is smooth. So each flight is described by a polynomial of its own; the change of velocity along the
-//! surface at each contact is kept, and the flights in between become parabolas of gravity alone, with noise as large as
-//! makes velocities as uncertain as they are.
+//! The velocities right before and after a contact show the contact's effect, independent of forces in flight and of the
+//! camera's distortion, as long as these are smooth. So each flight is described by a polynomial of its own; the change of
+//! velocity along the surface at each contact is kept, and the flights in between become parabolas under gravity only, with
+//! noise that gives the velocities the uncertainty they have.
 
 use std::ops::Range;
 
@@ -149,7 +149,7 @@ pub(super) fn detrend(seen: &Observation, contacts: &[f64], g: f64, (seed, wider
     Some(Detrended { seen, ideal, noise: noise.to_vec(), beyond_tilt })
 }
 
-/// Changes of speed along one axis beside those across the surface: a tilt, of surface or camera, turns some of the one into
+/// Changes of speed along one axis and those across the surface: a tilt, of surface or camera, turns some of the one into
 /// the other, always to the same side.
 #[derive(Default)]
 struct Tilt {
@@ -330,7 +330,7 @@ mod tests {
         let slope = |a: usize, b: usize| (x[b] - x[a]) / (clock[b] - clock[a]);
         assert!((slope(0, first - 1) - before).abs() < 0.2 * before);
         assert!((slope(first + 1, first + 12) - 0.6 * before).abs() < 0.2 * before);
-        // One loss and then none, whatever the speeds across the surface, is no tilt.
+        // One loss and then none, at any speed across the surface, is no tilt.
         assert!(detrended.beyond_tilt > 6.0, "{}", detrended.beyond_tilt);
     }
 }

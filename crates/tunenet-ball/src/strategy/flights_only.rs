@@ -82,7 +82,7 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
         findings::FLIGHTS_ALONE,
         "the recordings as a whole are not explained: they differ from throw to throw, as by spin, or at contacts. \
          Their flights were judged alone, each with a spin of its own, and parameters of contacts are read off the \
-         samples beside them",
+         samples next to them",
         "record throws without spin to learn more of the contacts",
     ));
     Some(Explanation { diagnosis: answer, ..explained })
@@ -123,7 +123,7 @@ fn flight(
     Ok(Some(recording.remade(*prepared).with_raised_noise()))
 }
 
-/// A parameter as the samples beside the contacts alone have it, where they do.
+/// A parameter estimated from the samples next to the contacts only, if they determine it.
 fn next_to_contacts(tuned: &Tuned, problem: &Problem) -> Tuned {
     let parameters = problem.subjects()[tuned.object].simulator.parameters();
     let Some(i) = parameters.iter().position(|p| p.name == tuned.name) else { return tuned.clone() };

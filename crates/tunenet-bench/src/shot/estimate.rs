@@ -220,7 +220,7 @@ impl Several {
         Ok(Some(if closed { self.with_open_drag(estimate)? } else { estimate }))
     }
 
-    /// An estimate from them with the drag that they leave open beside it, as `tunenet tune` and `tunenet diagnose` write it
+    /// An estimate from them with the drag that they leave open, as `tunenet tune` and `tunenet diagnose` write it
     /// into their files.
     pub fn with_open_drag(&self, estimate: BallEstimate) -> Result<BallEstimate> {
         let mut tuned = scene(Some(self.fall_m))?;

@@ -326,7 +326,7 @@ mod tests {
         ShotTrial { left: true, impacts, bounces, misplanned, off: 0.0, flagged, shots, repeated, named: Vec::new() }
     }
 
-    /// One that hit the table once is corrupted whatever is planned; one that left after that only where it misleads.
+    /// One that hit the table once is uninformative for every plan; one that left after that only where it misleads.
     #[test]
     fn whether_a_drop_is_uninformative_depends_on_the_truth_only() {
         let trials = vec![

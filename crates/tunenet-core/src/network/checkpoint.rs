@@ -10,7 +10,7 @@ use super::two_branch::TwoBranch;
 use super::weights::{Weights, WeightsFault};
 use crate::{Error, Result};
 
-/// What a checkpoint says beside its numbers.
+/// What a checkpoint says besides its numbers.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Mark {

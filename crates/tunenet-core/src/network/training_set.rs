@@ -19,7 +19,7 @@ pub(super) struct TrainingSet<'a> {
     pub(super) rollouts: Rows<'a>,
     /// The most that a proposed rollout covers of its row.
     pub(super) longest: usize,
-    /// Whether any rollout can stand beside any other.
+    /// Whether any rollout can be paired with any other.
     pub(super) mixable: bool,
 }
 
@@ -150,7 +150,7 @@ fn clocks_differ() -> Error {
     refuse("one clock for all pairs", "one in each: raw samples cannot be compared", "train with another preset")
 }
 
-/// What the network is to see, with whatever must be read off the data first.
+/// The network's input, with what must be computed from the data first.
 fn fit_input(data: &dyn DataSet, preset: &Preset) -> Result<Input> {
     let header = data.header();
     let find = |name: &Option<String>| match name {

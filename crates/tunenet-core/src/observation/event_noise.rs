@@ -16,7 +16,7 @@ const FEWEST_FOR_NOISE: usize = 7;
 ///
 /// The logarithm of the interval between impacts falls linearly with the count where each returns the same share of the speed,
 /// and smoothly where that share depends on speed; what a quadratic in the count leaves over is timing noise and the scatter of the
-/// impacts themselves. An error of one time moves the two intervals beside it, hence √2. The median keeps a missed click from counting.
+/// impacts themselves. An error of one time moves the two adjacent intervals, hence √2. The median keeps a missed click from counting.
 #[must_use]
 pub fn event_time_sd(index: &[f64], time_s: &[f64]) -> f64 {
     if time_s.len() < FEWEST_FOR_NOISE {

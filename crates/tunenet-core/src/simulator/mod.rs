@@ -83,7 +83,7 @@ pub trait Simulator: Send + Sync {
         None
     }
 
-    /// As [`rollout`](Self::rollout), driven by what was measured beside the observation, the motion of an arm, say. Only a
+    /// As [`rollout`](Self::rollout), driven by what was measured besides the observation, the motion of an arm, say. Only a
     /// simulator whose [`prepare`](Self::prepare) gives an [input](Prepared::input) is ever asked.
     ///
     /// # Errors

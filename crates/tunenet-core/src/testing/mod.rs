@@ -1,7 +1,7 @@
 //! A zoo of closed-form systems: simulators whose solution is known exactly, for tests, examples and documentation.
 //!
 //! Each system has a parameter to tune, nuisance parameters (where it starts), and candidate effects that it may lack; a
-//! recording of it is drawn with or without them, with white noise by seed. So whatever an answer claims can be judged by the
+//! recording of it is drawn with or without them, with white noise by seed. So every claim of an answer can be judged by the
 //! truth.
 //!
 //! | system | equation | candidate effects |

@@ -241,7 +241,7 @@ mod tests {
         let squares: f64 = clock.iter().map(|t| (t - middle).powi(2)).sum();
         let half = 1.966 * (variance / squares).sqrt();
         let (low, high) = found.profiles[1].inside(found.profiles[1].cut95);
-        assert!(((high - low) / (2.0 * half) - 1.0).abs() < 0.02, "{low} {high} beside ±{half}");
+        assert!(((high - low) / (2.0 * half) - 1.0).abs() < 0.02, "{low} {high} instead of ±{half}");
 
         // Every point of the edge has (θ − θ̂)ᵀ XᵀX (θ − θ̂) = 2 s² F(0.95; 2, 398) with F = 3.018.
         let region = found.contours.iter().find(|c| c.level == LEVEL).unwrap();

@@ -178,7 +178,7 @@ impl DatasetWriter {
             return Self::begin(out, &partial.clone(), partial, header, shard);
         }
         let mut earlier = Earlier::open(&partial, &header, shard)?;
-        // Copied beside it first, so that a second kill finds one of the two whole.
+        // Copied next to it first, so that a second kill finds one of the two whole.
         let copy = with_suffix(&out, ".partial.copy");
         let mut writer = Self::begin(out, &copy, partial.clone(), header, shard)?;
         while let Some(pair) = earlier.next() {
@@ -295,7 +295,7 @@ impl Earlier {
         }
     }
 
-    /// The next complete pair; whatever is wrong after it is written anew.
+    /// The next complete pair; what is wrong after it is written anew.
     fn next(&mut self) -> Option<Pair> {
         let pair = next_pair(self.source.as_mut()?, &self.header).ok()??;
         self.header.check(&pair).is_ok().then_some(pair)

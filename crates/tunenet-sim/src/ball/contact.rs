@@ -11,7 +11,7 @@ use rapier3d::prelude::{
 
 use super::range::{GREATEST, within};
 
-/// What a contact has beside restitution and friction. Zero means absent.
+/// What a contact has besides restitution and friction. Zero means absent.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Contact {
     /// How restitution falls with the approach speed v: e (v / 3 m/s)^(−exponent), kept within 0 and 1.
@@ -119,7 +119,7 @@ const AWAY: f64 = 1e3;
 /// A Rapier world with one unit sphere on one level half-space at the origin.
 ///
 /// An impact of a sphere depends on nothing but the contact's normal, the velocity and the speed `r·ω` of its skin. So
-/// every impact, whatever the ball's size, the place and the obstacle, is turned into this one: far-off coordinates and
+/// every impact, of any ball size, place and obstacle, is turned into this one: far-off coordinates and
 /// tiny balls cost no digits.
 pub(crate) struct Server {
     world: PhysicsWorld,

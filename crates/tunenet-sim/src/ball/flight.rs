@@ -4,7 +4,7 @@ use rapier3d::math::Vector;
 
 use super::range::{GREATEST, within};
 
-/// What acts on a ball in flight beside gravity, each as an acceleration. Zero means absent.
+/// What acts on a ball in flight besides gravity, each as an acceleration. Zero means absent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Forces {
     /// Quadratic drag `−c·|v|·v`, 1/m; 0 or more.

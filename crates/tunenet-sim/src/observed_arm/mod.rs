@@ -121,7 +121,7 @@ fn in_file(file: &SimulationFile, error: Error) -> Error {
     Error::file(file.path(), format!("`{name}`: expected {expected}, found {found}"), hint)
 }
 
-/// Where the file's URDF lies: beside the file, unless its path is absolute.
+/// Where the file's URDF lies: next to the file, unless its path is absolute.
 ///
 /// # Errors
 /// [`Error::File`] where the file describes no arm.

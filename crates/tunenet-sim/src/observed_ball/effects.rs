@@ -118,7 +118,7 @@ impl ObservedBall {
 
     /// Whether this kind of observation can show an effect.
     fn can_take(&self, effect: &BallEffect) -> bool {
-        // Beside a tuned coefficient of friction its addition is the same thing twice.
+        // With a tuned coefficient of friction its addition is redundant.
         let twin = effect.name == "bounce_friction"
             && self.parameters.iter().any(|p| p.name == BallParameters::FRICTION && p.tune);
         !twin && (effect.shows_in_bounce_times || self.kind == Kind::Positions)

@@ -42,7 +42,7 @@ impl Nuisance {
 
 /// A ball's simulation file, observed as positions or as bounce times.
 ///
-/// Nuisance parameters of a recording of positions are whatever the file leaves out of the start position, the start velocity and
+/// Nuisance parameters of a recording of positions are what the file leaves out of the start position, the start velocity and
 /// the surface's height; of bounce times, the height of the first fall and its instant. A record is cut at blows and,
 /// where the release is unknown, to the samples after it.
 #[derive(Debug, Clone)]

@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(received("a\n\nb", 10), ["a", "", "b", "End"]);
     }
 
-    /// A line without an end is given up after the greatest length of an answer, whatever follows.
+    /// A line without an end is given up after the greatest length of an answer, independent of what follows.
     #[test]
     fn a_line_has_a_greatest_length() {
         let long = super::super::protocol::LONGEST_GREETING + 1;
@@ -167,7 +167,7 @@ mod tests {
     }
 
     proptest::proptest! {
-        /// Whatever comes, in whatever pieces, is cut at its line ends and nowhere else.
+        /// All input, in any pieces, is cut at its line ends and nowhere else.
         #[test]
         fn lines_do_not_depend_on_how_they_come(bytes: Vec<u8>, piece in 1..20_usize) {
             let limit = AtomicUsize::new(1 << 20);

@@ -19,7 +19,7 @@ use super::program::Program;
 pub(super) const VERSION: u64 = 1;
 /// Longest answer to a greeting, bytes.
 pub(super) const LONGEST_GREETING: usize = 64 * 1024;
-/// Longest answer beside its numbers, bytes: an error's sentence, say.
+/// Longest answer besides its numbers, bytes: an error's sentence, say.
 const LONGEST_TEXT: usize = 64 * 1024;
 /// Longest number with what separates it from the next, bytes. The shortest text of a double has 24.
 const LONGEST_NUMBER: usize = 64;
@@ -321,7 +321,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever a program prints is an answer of the right shape, or is reported in one line.
+        /// Any output of a program is an answer of the right shape, or is reported in one line.
         #[test]
         fn any_line_is_an_answer_or_a_sentence(line in nearly(), width in 1..3_usize) {
             let headers: Vec<String> = ["a_m", "b_m"][..width].iter().map(|h| (*h).to_owned()).collect();

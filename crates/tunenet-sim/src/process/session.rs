@@ -136,7 +136,7 @@ impl Session {
     }
 
     /// Warnings about rollouts that programs refused, or answered with numbers that cannot be used: how many, and which of them
-    /// is nearest to the values of the file. The same for the same work, whatever the number of threads.
+    /// is nearest to the values of the file. It is the same for any number of threads.
     #[must_use]
     pub fn notes(&self) -> Vec<Note> {
         self.tally.notes()

@@ -39,7 +39,7 @@ impl Arm {
         self.model.degrees()
     }
 
-    /// The input of a rollout: the motion on its even clock and what it asks of the rigid arm; that of a `reference` beside it,
+    /// The input of a rollout: the motion on its even clock and what it asks of the rigid arm; that of a `reference` next to it,
     /// sample for sample.
     pub fn input(&self, log: &Recorded, reference: Option<&Recorded>) -> Result<Observation> {
         let n = self.joints();

@@ -88,7 +88,7 @@ impl ArmReach {
         (reach::Reach::new(&self.model, &self.grip).solve(&goal, &mut q, &settings) <= TOLERANCE).then_some(q)
     }
 
-    /// The way to the release at `point_m` in the posture `release` (rad): from beside it, with the least jerk, at half of
+    /// The way to the release at `point_m` in the posture `release` (rad): from a nearby position, with minimum jerk, at half of
     /// the joints' speeds.
     #[must_use]
     pub fn approach(&self, point_m: [f64; 3], release: &[f64]) -> Vec<JointPoint> {

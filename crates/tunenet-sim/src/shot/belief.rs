@@ -216,7 +216,7 @@ impl Belief {
         }
     }
 
-    /// Whether a table of open drag has all that tunenet writes: a strength, a weight, and what was tuned beside it.
+    /// Whether a table of open drag has all that tunenet writes: a strength, a weight, and what was tuned with it.
     fn understands(&self, drag: Option<&BallEffect>, table: &InlineTable) -> bool {
         let of = |key: &str| table.get(key).and_then(number).unwrap_or(f64::NAN);
         let strength = drag.and_then(|effect| effect.coefficients.first());
@@ -281,7 +281,7 @@ fn unless_edited(name: &str, value: f64, interval: Option<(f64, f64)>, notes: &m
     None
 }
 
-/// The 95 % interval beside a number of a table, where it holds that number.
+/// The 95 % interval next to a number of a table, where it holds that number.
 fn interval(table: &InlineTable, key: &str, value: f64) -> Option<(f64, f64)> {
     let list = table.get(&format!("{key}_interval95"))?.as_array()?;
     let (low, high) = (number(list.get(0)?)?, number(list.get(1)?)?);

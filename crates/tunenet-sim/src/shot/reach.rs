@@ -5,7 +5,7 @@ use tunenet_core::Result;
 /// What holds the ball until it is let go.
 pub trait Reach {
     /// The joint positions (rad) that hold the ball's centre at `point_m` (m, from the impact point), near those of
-    /// `before` where there are any; `None` where the place is out of reach. Whatever has no joints answers with none.
+    /// `before` where there are any; `None` where the place is out of reach. A device without joints returns an empty list.
     ///
     /// # Errors
     /// Where the robot's description cannot be used.

@@ -1,4 +1,4 @@
-//! Table 2 and Figure 2: the error of a tuned restitution against the rollouts spent, beside what else they could be spent
+//! Table 2 and Figure 2: the error of a tuned restitution against the rollouts spent, compared with other uses of
 //! on.
 //!
 //! ```text

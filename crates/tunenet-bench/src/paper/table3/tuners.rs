@@ -161,7 +161,7 @@ fn trained(
         }
         let data = path.with_extension("mcap");
         let out = data.to_str().context("the folder's name is not Unicode")?;
-        // Whatever another program left there is not ours to go on with.
+        // Files that another program left there must not be resumed.
         let _ = std::fs::remove_file(&data);
         let seed_text = seed.to_string();
         process::run(&["gen", domain, "--preset", pairs, "--pairs", count, "--seed", &seed_text, "--out", out])?;
