@@ -54,7 +54,7 @@ finding_kinds! {
     RECORDINGS_ALIKE = "recordings.alike",
         "all recordings show the same motion and count as one",
         "record motions with other initial states or inputs";
-    EFFECT_UNLIKELY = "effect.unlikely",
+    EFFECT_IMPLAUSIBLE = "effect.unlikely",
         "an effect explains the recordings as well, but is implausible for this object",
         "state in the simulation file in which medium the object moved";
     PARAMETER_CARRIED = "parameter.carried",

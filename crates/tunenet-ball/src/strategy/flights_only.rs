@@ -64,7 +64,7 @@ pub(super) fn crowded(problem: &Problem, whole: &Diagnosis) -> bool {
 fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: usize) -> Option<Explanation> {
     let mut answer = explained.diagnosis;
     let named = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
-    if !named || !answer.effects.iter().all(|one| one.effect.certain()) {
+    if !named || !answer.effects.iter().all(|one| one.effect.required()) {
         return None;
     }
     if used < FEWEST_RECORDINGS && answer.verdict == Verdict::Named {
@@ -91,8 +91,8 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
 /// Makes a lone name one of two, with the candidate that comes next.
 fn leave_open(problem: &Problem, answer: &mut Diagnosis) {
     let effects = problem.subjects()[0].simulator.effects();
-    let unlikely = |name: &str| effects.iter().any(|e| e.name == name && e.unlikely.is_some());
-    let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !unlikely(c.name)).map(|c| c.name);
+    let implausible = |name: &str| effects.iter().any(|e| e.name == name && e.implausible.is_some());
+    let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !implausible(c.name)).map(|c| c.name);
     let next = next.filter(|name| !answer.names.contains(name)).take(1).collect::<Vec<_>>();
     // A lone name is one effect's.
     if let Some(named) = answer.effects.first_mut() {

@@ -224,7 +224,7 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         sentence: "",
         random: false,
         mistaken_for: &[],
-        unlikely: None,
+        implausible: None,
     }
 }
 

@@ -87,7 +87,7 @@ fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, no
             let name = context.catalogue[other].name;
             let text = format!("`{name}` would explain these recordings about as well, but {why}");
             notes.push(Note::new(
-                findings::EFFECT_UNLIKELY,
+                findings::EFFECT_IMPLAUSIBLE,
                 text,
                 "set world.medium = \"other\" where it did not move in air",
             ));

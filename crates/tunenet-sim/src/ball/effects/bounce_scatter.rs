@@ -13,7 +13,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 0.3)],
     sentence: "each bounce deflects the ball at random, as if the surface were tilted anew (a ball that is not round)",
     mistaken_for: &["surface_tilt", "bounce_friction"],
-    unlikely: |_| None,
+    implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |_, _| {},
 };
