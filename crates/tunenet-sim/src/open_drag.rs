@@ -27,7 +27,7 @@ const NAME: &str = "quadratic_drag.c_1_m";
 /// its parameters. Empty for what is no ball in air, where the file holds drag already, and where no drag fits best by far.
 ///
 /// # Errors
-/// As [`simulator`] and [`held`].
+/// As [`simulator`] and [`fit_at_fixed_values`].
 pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> Result<Vec<FixedValueFit>> {
     let there = file.effects().iter().any(|e| e.name == DRAG);
     if there || seen.is_empty() || file.domain() != Domain::Ball {

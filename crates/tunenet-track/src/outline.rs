@@ -1,4 +1,4 @@
-//! Where a ball's edge runs, to a fraction of a pixel: rays from its middle, and the circle through where they leave it.
+//! Subpixel edges along rays from a ball's middle, and the least-squares circle through them (Kåsa 1976).
 //!
 //! Along each ray the colour goes from the ball's own, near the edge, to that of the background. How far towards the
 //! ball each point is, summed over the ray, is where the edge lies: a lens, the coarser colour of a compressed video, and an

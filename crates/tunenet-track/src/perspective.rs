@@ -1,4 +1,4 @@
-//! Camera calibration from the hops of a bouncing ball, with unknown height of fall.
+//! Self-calibration of a projective line camera from the hops of a bouncing ball, with unknown height of fall.
 //!
 //! Between two contacts a ball is in free flight, and its duration gives its height at every instant: `g/2` times the
 //! time since the one and the time until the other. So the hops between contacts have known heights without a scale and

@@ -1,4 +1,4 @@
-//! Where the ball is, frame after frame: near where it must be by now, or anywhere where it was lost.
+//! Tracking by prediction: the ball is searched near its predicted position, or in the whole frame after it was lost.
 
 use super::ball_colour::{ROUND, Scene};
 use super::blob::{Blob, blobs};

@@ -8,7 +8,7 @@ use tunenet_core::observation::Observation;
 use tunenet_core::observation::{noise_sd, step};
 use tunenet_core::statistics::median;
 
-/// Intervals whose range from 5 % to 95 % exceeds this share of their median are uneven; a camera's stamps are within .3,
+/// Intervals whose range from 5 % to 95 % exceeds this share of their median are uneven; a camera's stamps are within 0.3,
 /// rounding to milliseconds included.
 const UNEVEN: f64 = 0.5;
 /// An interval is a gap from this many medians on.

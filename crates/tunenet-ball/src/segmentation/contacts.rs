@@ -1,4 +1,4 @@
-//! Contacts, located where the flights next to them cross, and the restitution of each.
+//! Contact times by intersecting the flights before and after (least-squares parabolas), and the restitution of each contact.
 
 use std::ops::Range;
 

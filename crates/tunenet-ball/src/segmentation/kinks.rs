@@ -1,4 +1,4 @@
-//! Kinks of a ball's path: slope differences between the samples before and after, judged against noise and gravity.
+//! Change-point detection by two-sided slope differences: kinks of a ball's path, tested against noise and gravity.
 //!
 //! In free flight `w = z + g t²/2` is a straight line, so an impact is a kink of `w` upwards.
 
@@ -244,6 +244,6 @@ fn typical(values: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let at = |place: usize| sorted.get(place).copied().unwrap_or(0.0);
-    // Half of a normal distribution's absolute values lie below .6745 standard deviations, a quarter below .3186.
+    // Half of a normal distribution's absolute values lie below 0.6745 standard deviations, a quarter below 0.3186.
     (at(sorted.len() / 2) / 0.6745).min(at(sorted.len() / 4) / 0.3186)
 }

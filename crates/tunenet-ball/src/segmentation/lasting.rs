@@ -1,8 +1,7 @@
-//! Whether a sudden change of velocity lasts.
+//! Test of a change point: whether a sudden change of velocity persists in wider windows.
 //!
-//! A few samples off the path, as of a tracker that loses its ball for a moment, bend the slopes of a narrow window as a
-//! blow does. After a blow the body flies on with another velocity, seen in any window; after a stumble of the tracker the
-//! old one is back.
+//! A few samples off the path, as of a tracker that loses its ball for a moment, change the slopes of a narrow window as an
+//! impact does. After an impact the velocity is different in any window; after a tracking error it is the old one again.
 
 use std::ops::Range;
 

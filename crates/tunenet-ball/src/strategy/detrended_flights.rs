@@ -284,7 +284,7 @@ mod tests {
 
     const G: f64 = 9.81;
 
-    /// Three flights at 30 Hz with restitution .7 that a push of -.6 m/s² slows all the way, each contact keeping `kept` of
+    /// Three flights at 30 Hz with restitution 0.7 that a push of -0.6 m/s² slows all the way, each contact keeping `kept` of
     /// the speed along the surface; noise of 1 mm.
     fn throw(kept: [f64; 2]) -> (Observation, Vec<f64>) {
         let mut draw = ChaCha8Rng::seed_from_u64(5);

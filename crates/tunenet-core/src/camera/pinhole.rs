@@ -1,4 +1,4 @@
-//! A camera without lens errors.
+//! Pinhole camera (Hartley and Zisserman 2004, section 6.1), without lens distortion.
 
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};

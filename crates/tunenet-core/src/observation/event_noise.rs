@@ -1,4 +1,4 @@
-//! How noisy a list of event times is.
+//! Noise of event times: robust quadratic regression of the logarithms of their intervals, and the median absolute deviation.
 
 use crate::statistics::{mad_sd, median};
 

@@ -1,4 +1,4 @@
-//! Numbers read off a part of the data, and what several of them say together.
+//! Inverse-variance weighted mean, widened by the excess scatter (Birge 1932), of estimates from parts of the data.
 
 use crate::statistics::{NORMAL_95, UPPER_95, student_quantile};
 

@@ -1,4 +1,4 @@
-//! How noisy a channel is, read off the channel itself.
+//! Noise of a channel by third differences and the median absolute deviation (von Neumann 1941; Rousseeuw and Croux 1993).
 
 use crate::statistics::mad_sd;
 

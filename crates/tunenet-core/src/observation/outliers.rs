@@ -1,4 +1,5 @@
-//! Single samples that cannot belong to the motion: a tracker that jumped for one frame, a digit too many.
+//! Outliers by an order-statistic range and by local linear interpolation: single samples that cannot belong to the motion, such as a
+//! tracker that jumped for one frame, or a digit too many.
 
 use super::{FEWEST_SAMPLES, Observation, noise_sd};
 
@@ -75,7 +76,7 @@ mod tests {
 
     fn drop(outliers: &[(usize, f64)]) -> Observation {
         let clock: Vec<f64> = (0..120).map(|i| f64::from(i) / 120.0).collect();
-        // A fall of 1 m in .45 s, then rest.
+        // A fall of 1 m in 0.45 s, then rest.
         let mut position_m: Vec<[f64; 3]> = clock.iter().map(|t| [0.0, 0.0, (1.0 - 4.905 * t * t).max(0.0)]).collect();
         for &(i, z) in outliers {
             position_m[i][2] = z;

@@ -1,5 +1,4 @@
-//! What a person looks at before believing an outcome: curves before and after, what is left over, and how sharply the data
-//! speak.
+//! Evidence for an outcome: curves before and after, residuals, and profile likelihoods.
 
 use rayon::prelude::*;
 

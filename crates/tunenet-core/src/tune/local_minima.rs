@@ -1,6 +1,7 @@
-//! Multistart over one parameter at a time by a grid of profiled misfits. The misfit has
-//! kinks where an impact changes from grip to slip, or where weak rebounds are too short to be seen; beyond each kink another
-//! local minimum may be as deep.
+//! Multistart over one parameter at a time by a grid of profiled misfits.
+//!
+//! The misfit has kinks where an impact changes from grip to slip, or where weak rebounds are too short to be seen; beyond
+//! each kink another local minimum may be as deep.
 
 use super::Tuning;
 use super::starts::local_estimate;

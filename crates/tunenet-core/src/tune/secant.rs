@@ -1,5 +1,5 @@
-//! Steps of one parameter by the rollouts that have been made: Gauss and Newton's with the slope between two of them, and
-//! a restart where that leads no further.
+//! Secant variant of Gauss–Newton for one parameter (Ralston and Jennrich 1978): the slope comes from the two nearest rollouts
+//! made so far; a restart where that leads no further.
 
 /// Two rollouts farther apart than this share of the bounds give a chord, not a slope, so no secant step is taken; nor does
 /// any step exceed it.

@@ -1,4 +1,4 @@
-//! Where a fit begins: several starts, so that neither a poor guess in the file nor a flat stretch decides the answer.
+//! Multistart: several starting points, so that neither a poor guess in the file nor a plateau decides the answer.
 
 use super::Tuning;
 use crate::estimate::problem::robust_scale;

@@ -1,4 +1,4 @@
-//! Inverse kinematics: damped least squares, with what is left free used to keep away from the limits.
+//! Inverse kinematics: damped least squares (Nakamura and Hanafusa 1986), with the null space used to keep away from the joint limits.
 
 use nalgebra::{Matrix6, Matrix6xX, Rotation3, Vector3, Vector6};
 use rand::Rng;

@@ -41,7 +41,7 @@ impl Contact {
 /// The approach speed at which an exponent leaves the restitution as it is, m/s.
 const REFERENCE_M_S: f64 = 3.0;
 /// Below this approach speed the restitution stays what it is here, m/s. A power law has no end at small speeds: the ball
-/// would bounce for ever. Hops from here are .5 mm high.
+/// would bounce for ever. Hops from here are 0.5 mm high.
 const SLOWEST_LAW_M_S: f64 = 0.1;
 /// How much an impulse of 1 per mass at the skin of a solid sphere changes its slip: 1 + r²/(2/5·r²).
 const SLIP_PER_IMPULSE: f64 = 3.5;

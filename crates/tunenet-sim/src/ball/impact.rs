@@ -1,4 +1,4 @@
-//! When and where a moving sphere first touches one of several convex obstacles.
+//! Conservative advancement (Mirtich 1996): time and place of the first touch of a moving sphere with convex obstacles.
 
 use rapier3d::math::{Pose, Vector};
 use rapier3d::parry::query::contact;

@@ -1,4 +1,4 @@
-//! What a tuned payload itself says against its answer.
+//! Plausibility checks of a tuned payload.
 
 use tunenet_core::observation::{Check, State};
 use tunenet_core::tune::{Estimate, Outcome, Verdict};

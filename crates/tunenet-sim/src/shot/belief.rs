@@ -1,4 +1,4 @@
-//! What a tuned simulation file leaves uncertain of a ball, and draws from it.
+//! Monte Carlo draws from the uncertainty of a tuned simulation file of a ball.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,4 @@
-//! The height to let go from.
+//! Release height of a shot: grid search over heights, by geometry or by the Monte Carlo probability of a hit.
 
 use rayon::prelude::*;
 use tunenet_core::{Error, Origin};

@@ -38,7 +38,7 @@ mod tests {
     use super::*;
     use crate::ball::effects::Body;
 
-    /// Stokes' fall in air, v = 2 ρ g r²/(9 μ) with μ = 1.8e-5 Pa s: Re = 2 v r / ν passes 1 between r of .03 and .05 mm in
+    /// Stokes' fall in air, v = 2 ρ g r²/(9 μ) with μ = 1.8e-5 Pa s: Re = 2 v r / ν passes 1 between r of 0.03 and 0.05 mm in
     /// water, so no ball that a camera sees is below it.
     #[test]
     fn only_dust_is_slow_enough_in_air() {
