@@ -22,7 +22,7 @@ pub static WORDING: Wording = Wording {
     ],
 };
 
-/// What a person can find out without a throw that settles whether an effect is there.
+/// What a user can find out without a throw that settles whether an effect is there.
 fn knowledge(name: &str) -> Option<&'static str> {
     Some(match name {
         "length_scale" | "aspect_ratio" | "perspective" | "lens_distortion" => {

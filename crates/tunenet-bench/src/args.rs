@@ -74,7 +74,7 @@ pub enum Measured {
     Grow(BenchGrow),
 }
 
-/// How many are drawn of each kind where nobody says: enough for shares of a percent, or to see that it works.
+/// How many are drawn of each kind by default: enough for shares of a percent, or to see that it works.
 fn drawn(asked: Option<u32>, quick: bool) -> u32 {
     asked.unwrap_or(if quick { 100 } else { 1000 })
 }

@@ -26,7 +26,7 @@ pub const DRAWS_PER_PIECE: u32 = 50;
 /// What every run is identified by in addition to its options: the digest of the program.
 const PROGRAM: &str = "program";
 
-/// Refuses the folder of a shard that is finished for another run: what it holds would be made anew, piece by piece. That
+/// Refuses the folder of a shard that is finished for another run: what it holds would be made again, piece by piece. That
 /// another build of the program finished it is only reported, since its pieces are made again anyway.
 fn finished_alike(folder: &Path, run: &Value) -> Result<()> {
     if Mark::read(folder).is_err() {

@@ -174,7 +174,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What a person can try, where there is something.
+    /// What a user can try, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<&str> {
         match self {

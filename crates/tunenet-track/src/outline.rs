@@ -92,7 +92,7 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), how: 
     }
     let mut found = circle(&edges)?;
     let mut kept = edges.clone();
-    // A shadow, a reflection or a hand: the few worst edges go, and the circle is drawn again.
+    // A shadow, a reflection or a hand: the few worst edges go, and the circle is drawn afresh.
     for _ in 0..4 {
         let away = |p: &(f64, f64)| ((p.0 - found.0).hypot(p.1 - found.1) - found.2).abs();
         let limit = (2.5 * median(kept.iter().map(away))?).max(OFF.0 * found.2 + OFF.1).max(0.5 * how.smear_px);

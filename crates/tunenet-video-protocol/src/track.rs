@@ -139,7 +139,7 @@ pub struct Facts {
     pub restitution: Option<Estimate>,
     /// What the checks of the positions say.
     pub preflight: Vec<Check>,
-    /// What a person should know.
+    /// What a user should know.
     pub warnings: Vec<VideoFinding>,
 }
 

@@ -92,7 +92,7 @@ impl Preflight {
         self.checks.iter().find(|c| c.state == State::Failed)
     }
 
-    /// What a person should know.
+    /// What a user should know.
     #[must_use]
     pub fn notes(&self) -> Vec<Note> {
         self.checks.iter().filter_map(Check::note).collect()

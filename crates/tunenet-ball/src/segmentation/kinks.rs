@@ -162,7 +162,7 @@ impl Kinks {
     }
 
     /// The sample at which a first bounce begins that is too near the end for a flight after it: the ball falls to it and
-    /// rises after it, which no flight does. The record ends there then, and what seemed a kink next to it is none.
+    /// rises after it, which no flight does. The record ends there then, and a seeming kink next to it is not one.
     pub(crate) fn take_late(&mut self, heights: &[f64]) -> Option<usize> {
         let last = heights.len().checked_sub(LATE_SAMPLES).filter(|from| *from >= LEAST_BEFORE_LATE)?;
         let low = (last..heights.len()).min_by(|&a, &b| heights[a].total_cmp(&heights[b]))?;

@@ -23,7 +23,7 @@ const WIDER: [f64; 3] = [1.0, 2.0, 3.0];
 const FEWEST_RECORDINGS: usize = 3;
 
 /// Contacts only, the flights de-trended and the spin at the start unknown. Explains nothing where no contact surely takes
-/// speed along the surface, or where what explains that could be the camera's doing as well.
+/// speed along the surface, or where the camera could explain that as well.
 pub struct ContactsOnly;
 
 impl Strategy for ContactsOnly {
@@ -80,7 +80,7 @@ fn of_contacts(problem: &Problem, spinning: &[Box<dyn Simulator>], wider: f64) -
     if used == 0 || detrended.len() < problem.recordings().len() {
         return Ok(None);
     }
-    // What contacts change to either side is no tilt's doing.
+    // A tilt does not explain changes to either side.
     let no_tilt = beyond_tilt > problem.settings().margin;
     let at_contact = |effect: &Effect| {
         let tilts = effect.mistaken_for.contains(&CAMERA_TILT);
@@ -122,7 +122,7 @@ fn detrended_recording(
     Ok(Some((made, detrended.beyond_tilt)))
 }
 
-/// One throw leaves what lies within ten times the usual margin. Here the alternatives are what acts at contacts alone, so
+/// One throw leaves what lies within ten times the usual margin. Here the alternatives are what acts at contacts only, so
 /// beyond the usual margin only those are left that the catalogue says can be mistaken for the one named.
 fn keep_kin(answer: &mut Diagnosis, margin: f64) {
     for place in &mut answer.effects {

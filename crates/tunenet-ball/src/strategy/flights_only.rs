@@ -88,13 +88,13 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
     Some(Explanation { diagnosis: answer, ..explained })
 }
 
-/// Makes a lone name one of two, with the candidate that comes next.
+/// Turns a single name into a set of two, with the next candidate.
 fn leave_open(problem: &Problem, answer: &mut Diagnosis) {
     let effects = problem.subjects()[0].simulator.effects();
     let implausible = |name: &str| effects.iter().any(|e| e.name == name && e.implausible.is_some());
     let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !implausible(c.name)).map(|c| c.name);
     let next = next.filter(|name| !answer.names.contains(name)).take(1).collect::<Vec<_>>();
-    // A lone name is one effect's.
+    // A single name belongs to one effect.
     if let Some(named) = answer.effects.first_mut() {
         named.alternatives.extend(&next);
     }

@@ -122,7 +122,7 @@ fn dropped(random: &mut ChaCha8Rng) -> (Record, Expected) {
 }
 
 /// One to three frames lost amid a fall of thirty or more, where the ball does in them ten times the noise, and the others
-/// numbered anew.
+/// renumbered.
 fn renumbered(random: &mut ChaCha8Rng) -> (Record, Expected) {
     let mut setup = Setup::draw(random);
     setup.velocity_m_s[2] = 0.0;

@@ -1,4 +1,4 @@
-//! One trial: a ball is dropped and recorded, everybody plans, and all shoot in the hidden world.
+//! One trial: a ball is dropped and recorded; every method plans and shoots in the hidden world.
 
 use std::cmp::Reverse;
 use std::path::Path;
@@ -134,7 +134,7 @@ impl ShotTarget {
     }
 }
 
-/// What everybody plans after one drop.
+/// The plan of every method after one drop.
 struct Planned {
     heights_m: Vec<(Way, f64)>,
     tuned_m: f64,

@@ -125,7 +125,7 @@ fn step(ball: &ShotBall, state: &ShotState, h: f64, gap: impl Fn(Three) -> f64) 
     (flown(ball, state, low), low, true)
 }
 
-/// A ball let go above the table and seen at the instants of `clock`.
+/// A ball released above the table and seen at the instants of `clock`.
 pub fn drop(ball: &ShotBall, start: ShotState, clock: &[f64], random: &mut ChaCha8Rng) -> TableDrop {
     let up = [0.0, 0.0, 1.0];
     let (mut state, mut now, mut gone_s, mut lying) = (start, 0.0, None, false);
@@ -164,7 +164,7 @@ pub struct Landing {
     pub goes_in: bool,
 }
 
-/// Shoots: a ball let go at rest from this height of its centre above the place of the impact.
+/// Shoots: a ball released at rest from this height of its centre above the place of the impact.
 pub fn shoot(ball: &ShotBall, height_m: f64, spin: Three, random: &mut ChaCha8Rng) -> Landing {
     let n = [TILT_RAD.sin(), 0.0, TILT_RAD.cos()];
     let mut state = ShotState { x: [0.0, 0.0, height_m], v: [0.0; 3], w: spin };

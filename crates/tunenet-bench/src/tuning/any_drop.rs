@@ -20,7 +20,7 @@ const DIFFERENCE: f64 = 1e-7;
 #[derive(Debug, Clone, Copy)]
 pub struct DropParameters {
     pub drop: ClosedFormDrop,
-    /// When the ball was let go, on the record's clock, s.
+    /// When the ball was released, on the record's clock, s.
     pub release_s: f64,
     /// Height of the lowest point on the floor, m.
     pub floor_m: f64,

@@ -1,4 +1,4 @@
-//! Any dropped ball: height, rate, release and floor unknown, as a person tunes to it, with the built-in network.
+//! Any dropped ball: height, rate, release and floor unknown, as a user tunes to it, with the built-in network.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -147,7 +147,7 @@ fn draw(range: (f64, f64), seed: u64, number: u64) -> Result<GeneralTarget> {
     })
 }
 
-/// The tables for people.
+/// The tables for users.
 pub fn markdown(tables: &[GeneralTable]) -> String {
     let mut out = String::new();
     for table in tables {

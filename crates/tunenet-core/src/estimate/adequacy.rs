@@ -2,7 +2,7 @@
 
 use crate::observation::{Kind, Observation};
 
-/// A misfit below this share of the range of the data is nobody's concern, however exact the recording.
+/// A misfit below this share of the range of the data is negligible, even for exact recordings.
 const PRACTICAL_SHARE: f64 = 1e-6;
 /// How far the residual may exceed the noise: `1 + MARGIN + LUCK/√n`. The noise is itself estimated, from n samples with a
 /// relative standard deviation near 1.9/√n (third differences) and more for short lists.

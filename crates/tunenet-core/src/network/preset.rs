@@ -11,7 +11,7 @@ use crate::{Error, Origin, Result};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
-    /// Its name, for people and for the model file.
+    /// Its name, for users and for the model file.
     pub name: String,
     /// What the network sees.
     pub input: InputChoice,
@@ -138,7 +138,7 @@ pub enum Course {
         /// How many.
         epochs: u64,
     },
-    /// Pairs drawn anew at every step. Where a rollout can be paired with any other (dimensionless inputs, or a dataset
+    /// Pairs drawn afresh at every step. Where a rollout can be paired with any other (dimensionless inputs, or a dataset
     /// without nuisance parameters) any two rollouts make a pair; otherwise the dataset's pairs, either way round.
     Remixed {
         /// How many steps.

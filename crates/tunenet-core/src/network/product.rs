@@ -10,7 +10,7 @@ use nalgebra::{DMatrixView, DMatrixViewMut, Dyn, RealField};
 /// What the left factor is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Left {
-    /// Data: nobody asks for the derivative by it.
+    /// Data: no derivative is required.
     Data,
     /// The output of a layer.
     Features,
@@ -58,7 +58,7 @@ impl CustomOp2 for Product {
         _product: &Tensor,
         gradient: &Tensor,
     ) -> candle_core::Result<(Option<Tensor>, Option<Tensor>)> {
-        // Detached: nobody differentiates a second time.
+        // Detached: no second derivative is required.
         let (a, b) = (a.detach(), b.detach());
         let by_a = match self.left {
             Left::Data => None,

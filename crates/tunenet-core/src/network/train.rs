@@ -38,7 +38,7 @@ pub struct TrainOptions {
 }
 
 impl TrainOptions {
-    /// [`memory_bytes`](Self::memory_bytes) where nobody says otherwise.
+    /// [`memory_bytes`](Self::memory_bytes) by default.
     pub const MEMORY_BYTES: usize = 256 << 20;
 
     /// With the usual memory, on the CPU.

@@ -19,7 +19,7 @@ pub struct Prepared {
     pub residual_scale: Option<Vec<f64>>,
     /// Nuisance parameters of this recording (its release, its floor), each with a first guess as `value`.
     pub nuisances: Vec<Parameter>,
-    /// For each parameter of the simulator: what the neighbourhood of the events alone says of it, independent of what happens in
+    /// For each parameter of the simulator: what the samples near the events say of it, independent of what happens in
     /// between. It starts the fit, and stands in for it where the record as a whole cannot be explained.
     pub local: Vec<Option<LocalEstimate>>,
     /// For each parameter of the simulator: why this recording says nothing about it, where that is known beforehand.

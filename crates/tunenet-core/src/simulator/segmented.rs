@@ -18,7 +18,7 @@ pub trait Segmented: Simulator {
         None
     }
 
-    /// As [`with_hidden_state`](Self::with_hidden_state), where the hidden state acts at events alone.
+    /// As [`with_hidden_state`](Self::with_hidden_state), where the hidden state acts at events only.
     fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
         None
     }

@@ -65,7 +65,7 @@ pub fn walk(
     {
         point = point.with(&free, &clamped(simulator, &free, &values));
     }
-    // Slopes compare trajectories to the last digit. Where the release is a guess they lead astray; the network has
+    // Slopes compare trajectories to the last digit. Where the release is a guess they are wrong; the network has
     // learned how guesses err.
     let secant = settings.secant && free.len() == 1 && !model.from_recordings();
     let bounds = free.first().map(|&i| (simulator.parameters()[i].min, simulator.parameters()[i].max));
@@ -103,8 +103,8 @@ pub fn walk(
         let now = point.at(&free);
         let mut next = None;
         if let Some(made) = &mut made {
-            // Slopes are taken in the picture, whose camera is fitted anew at every rollout. The network goes by the first
-            // reading: far from the truth a camera that suits the rollout is none.
+            // Slopes are taken in the picture, whose camera is fitted again at every rollout. The network goes by the first
+            // reading: far from the truth, the camera that fits the rollout is wrong.
             let (compared, with) = match (&projected, &track) {
                 (Some(projected), Some(track)) => (projected.appears_px.clone(), track.v_px()),
                 _ => (values.clone(), recording.seen.values()),

@@ -149,7 +149,7 @@ fn compare(
     let autocorrelation = (0..width).map(|c| autocorrelation(&column(c).collect::<Vec<_>>(), lags)).collect();
     let adequacy = Adequacy::of(seen, noise, &residual, recording.nuisances.len() + shared);
     Ok(Comparison {
-        // A joint whose torque hardly changes is still one that a person asks after.
+        // A joint whose torque hardly changes is still one that a user asks after.
         moves: if seen.kind() == Kind::Joints { vec![true; width] } else { moves(&after, noise) },
         seen: seen.clone(),
         noise: noise.to_vec(),

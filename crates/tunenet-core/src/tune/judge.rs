@@ -130,7 +130,7 @@ impl Tuning<'_> {
         beyond > scale.one_sided(BOUND_LEVEL) && beyond * scale.sd(known.covariance[(k, k)]) > PRACTICAL_SHARE * span
     }
 
-    /// Where the record as a whole is not explained, what its events alone say stands: a force missing between events must not
+    /// If the record as a whole is not explained, the estimate from its events only is used: a force missing between events must not
     /// be booked as the events' doing. Says whether there was anything to fall back on; `whole` is the gap of the fit to the whole.
     pub(super) fn fall_back_on_local(
         &self,
@@ -233,7 +233,7 @@ impl Standing {
         Self { interval: (low, high), status, beyond: score.max(beyond / sd), reported: false }
     }
 
-    /// What a person should know of it.
+    /// What a user should know of it.
     fn note(&self, p: &Parameter, value: f64) -> Option<Note> {
         let name = &p.name;
         let remedy = "bring a recording in which it matters";

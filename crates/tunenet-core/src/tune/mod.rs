@@ -51,7 +51,7 @@ pub struct Settings {
     /// Finish with a fit through rollouts and return the best iterate; off, the last iterate of Algorithm 1 stands, as in
     /// the paper.
     pub finish: bool,
-    /// What each observation is called in sentences for people, such as a file's name; numbered from 1 where left empty.
+    /// What each observation is called in sentences for users, such as a file's name; numbered from 1 where left empty.
     pub names: Vec<String>,
 }
 
@@ -135,7 +135,7 @@ pub fn tune(
     let free = free(simulator.parameters(), &recordings);
     channel_weights::weigh(simulator, &mut recordings, &free)?;
     let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
-    // Numbers as a person counts the recordings, those set aside included.
+    // Numbers as a user counts the recordings, those set aside included.
     let numbers: Vec<usize> = used.iter().enumerate().filter(|(_, used)| **used).map(|(i, _)| i + 1).collect();
     let tuning = Tuning { simulator, recordings: &recordings, numbers: &numbers, noise: &noise, free: &free, settings };
     let mut outcome = tuning.run(model)?;
@@ -227,7 +227,7 @@ impl Tuning<'_> {
         Ok(point)
     }
 
-    /// Takes the answer from the contacts alone where they say something; the recordings' nuisance parameters follow the parameters
+    /// Takes the answer from the contacts only where they say something; the recordings' nuisance parameters follow the parameters
     /// that now stand, and so does all that is said of the answer. Returns the rollouts that it took.
     fn settle_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> Result<usize> {
         let whole = self.problem().rmse(&fit.residuals);

@@ -84,7 +84,7 @@ pub struct Gap {
     pub unit: String,
     /// With the parameters as they were, each recording's nuisance parameters fitted.
     pub before: f64,
-    /// With the answer: of all parameters those that fit best, or those read off the contacts alone (`fit.local`), which
+    /// With the answer: of all parameters those that fit best, or those read off the contacts only (`fit.local`), which
     /// lie farther away.
     pub after: f64,
     /// What noise alone leaves.
@@ -126,7 +126,7 @@ pub struct Outcome {
     pub rollouts: usize,
     /// Why it stopped.
     pub stop: Stop,
-    /// What a person should know.
+    /// What a user should know.
     pub notes: Vec<Note>,
     /// The start parameters with the nuisance parameters fitted to them: where [`Gap::before`] was taken.
     pub before: Option<Point>,

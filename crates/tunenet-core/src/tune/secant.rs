@@ -47,7 +47,7 @@ impl Made {
     /// is the maximum of the likelihood for white noise. `None` where no other is near enough.
     ///
     /// All others are worse, so the best value lies nearer to the best rollout than to any of them: a step goes at most half
-    /// the way to the next. That keeps it from the wilderness where a slope is hardly there (impacts that return next to nothing).
+    /// the way to the next. This prevents large steps where the slope nearly vanishes (impacts that return next to nothing).
     pub(super) fn step(&self, seen: &[f64]) -> Option<f64> {
         let (best, span) = (self.best()?.0, self.span());
         let distance = |other: &Rolled| (other.at - best.at).abs() / span;

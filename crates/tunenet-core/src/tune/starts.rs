@@ -193,7 +193,7 @@ impl Tuning<'_> {
         (found, rollouts)
     }
 
-    /// The parameters as the recordings' events alone suggest them.
+    /// The parameters that the recordings' events suggest.
     fn local_start(&self, near: &Point) -> Option<Point> {
         let local = |&i: &usize| {
             let p = &self.simulator.parameters()[i];

@@ -1,4 +1,4 @@
-//! The columns of a table, or the channels of a log, that a simulator of one's own predicts.
+//! The columns of a table, or the channels of a log, that a custom simulator predicts.
 
 use std::path::Path;
 

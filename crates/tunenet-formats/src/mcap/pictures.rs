@@ -187,7 +187,7 @@ fn start<T: for<'a> Deserialize<'a>>(
     Ok((fields, bytes))
 }
 
-/// A stamp of zero is none.
+/// A stamp of zero counts as missing.
 fn stamp(header: &Header, log_s: f64) -> f64 {
     let (sec, nanosec) = (i64::from(header.stamp.sec), i64::from(header.stamp.nanosec));
     if (sec, nanosec) == (0, 0) { log_s } else { joined(sec, nanosec).map_or(log_s, to_s) }

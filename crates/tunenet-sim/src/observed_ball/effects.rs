@@ -62,7 +62,7 @@ impl ObservedBall {
         Some(Self { per_recording: vec![effect], ..self.clone() })
     }
 
-    /// The same ball, let go with an unknown spin about the axes along the surface, to which contacts answer; `None` where
+    /// The same ball, released with an unknown spin about the axes along the surface, to which contacts answer; `None` where
     /// spin is known or does not show.
     pub(super) fn let_go_spinning(&self) -> Option<Self> {
         let unknown =
@@ -97,7 +97,7 @@ impl ObservedBall {
     /// What effects change of a recording made ready.
     pub(super) fn with_nuisances_of_effects(&self, preparation: Preparation) -> Result<Preparation> {
         let Preparation::Usable(mut prepared) = preparation else { return Ok(preparation) };
-        // A record without a bounce is silent about contacts alone.
+        // A record without a bounce is silent about contacts only.
         let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
         for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
             if phase == Phase::Segment {

@@ -158,7 +158,7 @@ impl ObservedBall {
         (scene, start, time_s)
     }
 
-    /// The nuisance parameters of a rollout that is not compared with anything: let go at `time_s` above the origin.
+    /// The nuisance parameters of a rollout that is not compared with anything: released at `time_s` above the origin.
     #[must_use]
     pub fn nuisances_at_rest(&self, time_s: f64) -> Vec<f64> {
         self.nuisances.iter().map(|u| if *u == Nuisance::Time { time_s } else { 0.0 }).collect()

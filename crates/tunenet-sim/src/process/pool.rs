@@ -13,7 +13,7 @@ use super::known::{Asked, agree, probe};
 use super::program::Program;
 use super::protocol::Answer;
 
-/// After so many answers, drawn anew each time, a copy is asked again for a rollout: one in a hundred, and few are lost to a
+/// After so many answers, drawn afresh each time, a copy is asked again for a rollout: one in a hundred, and few are lost to a
 /// program that drifts.
 const EVERY: std::ops::RangeInclusive<u32> = 50..=150;
 /// A copy that answered fewer than this since has not had the time to forget.

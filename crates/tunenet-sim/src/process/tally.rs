@@ -98,7 +98,7 @@ impl Tally {
         self.counted(|counted| counted.asked)
     }
 
-    /// What a person should know of it.
+    /// What a user should know of it.
     pub fn notes(&self) -> Vec<Note> {
         const REMEDY: &str = "narrow `min` and `max` of `[parameters.NAME]` to what the program can simulate, where the answer \
                               lies near that";

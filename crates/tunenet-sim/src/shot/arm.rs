@@ -1,4 +1,4 @@
-//! An arm that lets a ball go: its postures over the heights, and its way to one of them.
+//! An arm that releases a ball: its postures over the heights, and its way to one of them.
 
 use nalgebra::{Rotation3, Translation3, Vector3};
 use rand::SeedableRng;

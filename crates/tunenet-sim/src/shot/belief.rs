@@ -121,7 +121,7 @@ impl Belief {
         Ok(belief)
     }
 
-    /// What a person should know of it.
+    /// What a user should know of it.
     #[must_use]
     pub fn notes(&self) -> &[Note] {
         &self.notes
@@ -152,7 +152,7 @@ impl Belief {
         });
         let alternative = chosen.unwrap_or(&self.alternatives[0]);
         let (at, speed) = self.release_sd;
-        // Drawn first, so that the ball of an explanation does not decide how it is let go.
+        // Drawn first, so that the ball of an explanation does not decide how it is released.
         let offset = State {
             position_m: std::array::from_fn(|_| at * normal()),
             velocity_m_s: std::array::from_fn(|_| speed * normal()),

@@ -1,4 +1,4 @@
-//! The bounce shot: a ball let go above an inclined plane, so that it bounces once and falls through a hoop.
+//! The bounce shot: a ball released above an inclined plane, so that it bounces once and falls through a hoop.
 //!
 //! ```text
 //! task file → scene → flight → pass → plan

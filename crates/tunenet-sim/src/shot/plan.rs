@@ -18,7 +18,7 @@ pub enum NoPlan {
         /// The highest, m.
         highest_m: f64,
     },
-    /// The ball of the file, let go at one of the heights, cannot be followed.
+    /// The ball of the file, released at one of the heights, cannot be followed.
     #[error("a height of {height_m} m: {message}")]
     NotFollowed {
         /// The height, m.

@@ -1,4 +1,4 @@
-//! The task file: where plane, hoop and robot stand, and from which heights a ball may be let go.
+//! The task file: where plane, hoop and robot stand, and from which heights a ball may be released.
 
 use std::path::Path;
 

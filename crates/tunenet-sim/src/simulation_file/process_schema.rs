@@ -1,4 +1,4 @@
-//! The keys of the simulation file of a program of one's own, and what no key alone can say of it.
+//! The keys of the simulation file of a custom program, and what no key alone can say of it.
 
 use std::borrow::Cow;
 use std::ops::Range;

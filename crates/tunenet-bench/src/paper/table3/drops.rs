@@ -17,7 +17,7 @@ use super::super::super::tuning::closed_form;
 use crate::scene::{EASY, PAPER_BALL, PAPER_CENTRE_M, seeds};
 use tunenet_video_protocol::synthetic::Places;
 
-/// A ball that is let go in front of a camera.
+/// A ball that is released in front of a camera.
 pub struct RecordedDrop {
     pub top_m: f64,
     pub restitution: f64,

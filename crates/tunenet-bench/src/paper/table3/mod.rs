@@ -20,7 +20,7 @@ use super::super::resume::Store;
 use tunenet_cli::view::text::progress;
 use tunenet_video_protocol::synthetic::SyntheticTrack;
 
-/// Cameras, drops and trainings are drawn anew with each of these seeds.
+/// Cameras, drops and trainings are drawn afresh with each of these seeds.
 const SEEDS: u64 = 5;
 const QUICK_SEEDS: u64 = 1;
 /// Drops of one seed.
