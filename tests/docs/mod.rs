@@ -2,6 +2,7 @@
 
 mod documented;
 mod findings;
+mod glossary;
 mod layers;
 mod links;
 pub mod page;

@@ -1,5 +1,5 @@
 //! What the fuzz targets of `fuzz/` run for hours is run for seconds: every reader of a foreign file, on the seeds of its target and
-//! on spoilt copies of them. `fuzz/run.sh TARGET EXECUTIONS` looks for more.
+//! on corrupted copies of them. `fuzz/run.sh TARGET EXECUTIONS` looks for more.
 
 #[allow(dead_code, reason = "there is time for every reader of a log here, and no need for one drawn")]
 #[path = "../../fuzz/src/readers.rs"]
@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::common::Noise;
 
-/// Spoilt copies of every seed.
+/// Corrupted copies of every seed.
 const COPIES: u64 = 150;
 
 fn seeds(target: &str) -> Vec<Vec<u8>> {
@@ -21,7 +21,7 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
 }
 
 /// A seed with a few bytes changed, moved, doubled or left out, or with a piece of another one.
-fn spoilt(seeds: &[Vec<u8>], which: usize, draw: &mut Noise) -> Vec<u8> {
+fn corrupted(seeds: &[Vec<u8>], which: usize, draw: &mut Noise) -> Vec<u8> {
     let mut bytes = seeds[which].clone();
     let mut below = |most: usize| usize::try_from(draw.next() % most.max(1) as u64).unwrap();
     for _ in 0..=below(4) {
@@ -56,7 +56,7 @@ fn holds(target: &str, run: fn(&[u8])) {
     for (which, seed) in seeds.iter().enumerate() {
         run(seed);
         for copy in 0..COPIES {
-            let bytes = spoilt(&seeds, which, &mut draw);
+            let bytes = corrupted(&seeds, which, &mut draw);
             let tried = std::panic::catch_unwind(|| run(&bytes));
             assert!(tried.is_ok(), "{target}: seed {which}, copy {copy}: {:?}", String::from_utf8_lossy(&bytes));
         }

@@ -24,7 +24,7 @@ finding_kinds! {
     SAMPLES_FROZEN = "samples.frozen",
         "the values do not change at all during motion, at the end of a noisy record or at its top: the tracker lost the ball; those samples are left out",
         "keep the whole path in view";
-    SAMPLES_WILD = "samples.wild",
+    SAMPLES_OUTLIERS = "samples.wild",
         "outliers: single samples jump far away and back; they are excluded",
         "correct or remove them";
     UNITS_WRONG = "units.wrong",

@@ -2,7 +2,7 @@
 //! used at all; and how such recordings are diagnosed.
 //!
 //! [`segmentation`] cuts positions into flights and contacts; [`preflight`] checks a recording before anything is tuned to it;
-//! [`strategy`] explains flights and contacts apart where recordings as they are stay unexplained.
+//! [`strategy`] explains flights and contacts separately where whole recordings are not explained.
 
 use tunenet_core::Result;
 use tunenet_core::observation::{Channel, Observation};

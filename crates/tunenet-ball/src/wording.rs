@@ -9,7 +9,7 @@ pub static WORDING: Wording = Wording {
     otherwise: "throw from other heights, in other directions, faster and slower",
     add: "add recordings of the same ball from other heights and in other directions",
     vary: "vary one thing at a time (height, direction, surface, ball, camera) and see with which of them it changes",
-    inseparable: "no throw tells",
+    inseparable: "no throw distinguishes",
     knowledge,
     start,
     segment: ["flight", "flights"],
@@ -22,13 +22,13 @@ pub static WORDING: Wording = Wording {
     ],
 };
 
-/// What a person can find out beside any throw that settles whether an effect is there.
+/// What a user can find out without a throw that settles whether an effect is there.
 fn knowledge(name: &str) -> Option<&'static str> {
     Some(match name {
         "length_scale" | "aspect_ratio" | "perspective" | "lens_distortion" => {
             "put objects of known length in view, upright and lying, low and high"
         }
-        "time_scale" => "film a clock, or look up the true frame rate",
+        "time_scale" => "record a clock on video, or look up the true frame rate",
         "time_offset" => "record the instant of release",
         "camera_tilt" => "hang a plumb line in view",
         "surface_tilt" => "lay a spirit level on the surface",

@@ -76,7 +76,7 @@ pub enum Measured {
     Grow(BenchGrow),
 }
 
-/// How many are drawn of each kind where nobody says: enough for shares of a percent, or to see that it works.
+/// How many are drawn of each kind by default: enough for shares of a percent, or to see that it works.
 fn drawn(asked: Option<u32>, quick: bool) -> u32 {
     asked.unwrap_or(if quick { 100 } else { 1000 })
 }
@@ -237,7 +237,8 @@ pub enum DiagnoseRow {
     /// No effect
     Clean,
     /// No effect; autocorrelated noise
-    Coloured,
+    #[value(name = "coloured")]
+    Autocorrelated,
     /// No effect; 1 % outliers
     Outliers,
     /// No effect; 15 % of the frames missing

@@ -33,7 +33,7 @@ pub const SHOT_TUNED: (f64, f64) = (0.86, 0.92);
 pub const SHOT_DIAGNOSED: (f64, f64) = (0.88, 0.93);
 /// ... and of the planner that knows everything.
 pub const SHOT_OF_KNOWN: f64 = 0.97;
-/// Least share of drops that spoil the estimate to be flagged, greatest share of the others.
+/// Least share of uninformative drops to be flagged, greatest share of the others.
 pub const SHOT_FLAGS: (f64, f64) = (0.90, 0.03);
 
 /// `results/diagnose`, percent of the sets: where nothing is hidden, greatest share in which an effect is named.
@@ -45,7 +45,7 @@ pub const EXACT_ABOVE: f64 = 95.0;
 /// Greatest share of wrong names: of one effect, of two.
 pub const WRONG_NAME: f64 = 1.0;
 pub const WRONG_OF_TWO: f64 = 2.0;
-/// Least share in which exact twins are named together: no recording can tell them apart, so anything else is wrong.
+/// Least share in which exact twins are named together: no recording can distinguish them, so anything else is wrong.
 pub const TWINS_TOGETHER: f64 = 100.0;
 /// Least share in which both of two effects are named, what is in no catalogue is called unknown, and the experiment that was
 /// asked for separates a pair.

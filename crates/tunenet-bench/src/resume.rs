@@ -26,7 +26,7 @@ pub const DRAWS_PER_PIECE: u32 = 50;
 /// What every run is identified by in addition to its options: the digest of the program.
 const PROGRAM: &str = "program";
 
-/// Refuses the folder of a shard that is finished for another run: what it holds would be made anew, piece by piece. That
+/// Refuses the folder of a shard that is finished for another run: what it holds would be made again, piece by piece. That
 /// another build of the program finished it is only reported, since its pieces are made again anyway.
 fn finished_alike(folder: &Path, run: &Value) -> Result<()> {
     if Mark::read(folder).is_err() {
@@ -52,7 +52,7 @@ fn finished_alike(folder: &Path, run: &Value) -> Result<()> {
     Err(Error::file(folder, message, "choose another folder with --out, or remove this one").into())
 }
 
-/// This program, as a digest of its bytes: the version alone would not tell a rebuilt program from the one that made a piece.
+/// This program, as a digest of its bytes: the version number does not distinguish a rebuilt program from the one that made a piece.
 ///
 /// # Errors
 /// Where it cannot be read.
@@ -60,7 +60,7 @@ pub fn program() -> Result<String> {
     hash::sha256(&std::env::current_exe().context("this program's own path")?)
 }
 
-/// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and whatever
+/// A folder of finished pieces. A piece counts only for the run that it was made by: the program, the seed, and what
 /// else decides what comes out.
 ///
 /// Of a run in shards, [`piece`](Self::piece) makes every n-th alone, in a folder of the shard's own.
@@ -141,7 +141,7 @@ impl Store {
     }
 
     fn kept<T: DeserializeOwned>(&self, path: &Path) -> Option<T> {
-        // Whatever cannot be read is made again.
+        // What cannot be read is made again.
         let text = std::fs::read_to_string(path).ok()?;
         let mut whole: Value = serde_json::from_str(&text).ok()?;
         (whole["run"] == self.run).then(|| serde_json::from_value(whole["value"].take()).ok())?

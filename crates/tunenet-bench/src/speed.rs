@@ -113,7 +113,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
     ];
     rows.extend([
         row("plan, 100 heights of an arm, the nearest path, all cores", format!("{:.1} ms", nearest_s * 1e3)),
-        row("the same by the chance among 256 balls", format!("{:.0} ms", probability_s * 1e3)),
+        row("the same by Monte Carlo with 256 balls", format!("{:.0} ms", probability_s * 1e3)),
     ]);
     rows.extend(videos.rows());
     if options.common.json {

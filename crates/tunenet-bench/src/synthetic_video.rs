@@ -26,8 +26,8 @@ pub fn tracks(order: &Order) -> Result<Vec<SyntheticTrack>> {
         bail!("rendering and tracking failed: {}", String::from_utf8_lossy(&done.stderr).trim());
     }
     let tracked: Vec<SyntheticTrack> = serde_json::from_slice(&done.stdout).context("what tunenet-video answered")?;
-    if tracked.len() != order.films.len() {
-        bail!("expected {} tracks, found {}", order.films.len(), tracked.len());
+    if tracked.len() != order.videos.len() {
+        bail!("expected {} tracks, found {}", order.videos.len(), tracked.len());
     }
     Ok(tracked)
 }

@@ -55,7 +55,7 @@ impl VideoFigures {
             return vec![vec!["videos".into(), "tunenet-video is missing: `make build`".into()]];
         };
         let each_s = |value: f64| format!("{value:.0} frames/s");
-        let (decode, both) = (speed.film.decode_frames_s, speed.film.track_frames_s);
+        let (decode, both) = (speed.video.decode_frames_s, speed.video.track_frames_s);
         let peak =
             |bytes: Option<u64>| bytes.map_or_else(|| "not known".into(), |b| format!("{:.0} MB", b as f64 / 1e6));
         [
@@ -77,7 +77,7 @@ impl VideoFigures {
     pub fn as_json(&self) -> Value {
         let Some(VideoMeasured { speed, peaks }) = &self.0 else { return Value::Null };
         json!({
-            "render": speed.render, "track": speed.track, "film": speed.film,
+            "render": speed.render, "track": speed.track, "film": speed.video,
             "memory": { "frames": [SHORT, LONG], "peak_bytes": peaks },
         })
     }

@@ -133,7 +133,7 @@ pub enum Error {
         /// What kind of fault it is.
         fault: WeightsFault,
     },
-    /// Rollouts that do not fit into memory could not be kept elsewhere.
+    /// Rollouts that do not fit into memory could not be written to a file.
     #[error("temporary file of the training: {action} failed: {source}")]
     Overflow {
         /// What was being done, as a verb: "reading", "writing".
@@ -174,7 +174,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What a person can try, where there is something.
+    /// What a user can try, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<&str> {
         match self {

@@ -7,7 +7,7 @@ finding_kinds! {
         "no recording can be used for the fit",
         "see the notes of each recording";
     RECORDINGS_SHORT = "recordings.short",
-        "no more values than unknowns, so any fit is exact",
+        "no more values than fitted parameters, so any fit is exact",
         "use longer recordings, or more of them";
     FIT_POOR = "fit.poor",
         "the tuned simulation leaves more than noise explains",
@@ -28,7 +28,7 @@ finding_kinds! {
         "a combination of parameters is not determined",
         "fix one of them, or use a recording that separates them";
     PARAMETER_AT_BOUND = "parameter.at_bound",
-        "a parameter ends on its bound, and the data pull it beyond",
+        "a parameter ends on its bound, and the data favour values beyond it",
         "widen the bound if the value may lie beyond; otherwise check units, surface height and missing effects";
     PARAMETER_ONE_SIDED = "parameter.one_sided",
         "a parameter lies on its bound, which is allowed",
@@ -36,7 +36,7 @@ finding_kinds! {
     HELD_OUT_CHOSEN = "held_out.chosen",
         "which recordings were held out for validation",
         "none needed; you can also choose them yourself";
-    NOISE_COLOURED = "noise.coloured",
+    NOISE_AUTOCORRELATED = "noise.coloured",
         "the noise is autocorrelated; residuals were prewhitened. Above a correlation of 0.7 a model error looks the same: the search is then repeated with white noise, and its answer is taken if the effects found remove the correlation; without any effect the answer is `unknown`, never `none`",
         "none needed below 0.7; more recordings above";
     ADEQUACY_PRACTICAL = "adequacy.practical",
@@ -51,7 +51,7 @@ finding_kinds! {
     RECORDINGS_ALIKE = "recordings.alike",
         "all recordings show the same motion and count as one",
         "record motions with other initial states or inputs";
-    EFFECT_UNLIKELY = "effect.unlikely",
+    EFFECT_IMPLAUSIBLE = "effect.unlikely",
         "an effect explains the recordings as well, but is implausible for this object",
         "state in the simulation file in which medium the object moved";
     PARAMETER_CARRIED = "parameter.carried",

@@ -1,6 +1,6 @@
-//! Text from a stranger's file, fit to be shown.
+//! Sanitised text: characters of an untrusted file that are safe to print.
 
-/// Whether a character can change what a person sees of the others: control characters, marks that turn the direction of
+/// Whether a character can change what a user sees of the others: control characters, marks that turn the direction of
 /// writing, signs without width, and those that break a line.
 #[must_use]
 pub fn is_hidden(c: char) -> bool {

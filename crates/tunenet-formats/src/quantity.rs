@@ -18,7 +18,7 @@ pub(crate) enum Quantity {
     Speed(u16),
     Torque(u16),
     Current(u16),
-    /// A channel of a simulator of one's own, by its number from 0 among those that are asked for.
+    /// A channel of a custom simulator, by its number from 0 among those that are asked for.
     Own(u16),
 }
 

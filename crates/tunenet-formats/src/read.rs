@@ -1,4 +1,4 @@
-//! Reading a recording, whatever its format.
+//! Reading a recording in any format.
 
 use std::path::Path;
 

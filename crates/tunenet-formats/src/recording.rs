@@ -6,7 +6,7 @@ use tunenet_core::observation::{Channel, Note, Observation};
 /// since it would take gigabytes of memory.
 pub const MOST_NUMBERS: usize = 40_000_000;
 
-/// Greatest size of a number in an observation, in SI units: seconds since 1970 fit, and nothing that a person measures
+/// Greatest size of a number in an observation, in SI units: seconds since 1970 fit, and nothing that a user measures
 /// is larger.
 pub const LARGEST: f64 = 1e10;
 
@@ -15,7 +15,7 @@ pub const LARGEST: f64 = 1e10;
 pub struct Recording {
     /// What was seen.
     pub observation: Observation,
-    /// What the reader did that a person may want to know, in the order in which it was noticed.
+    /// What the reader did that a user may want to know, in the order in which it was noticed.
     pub notes: Vec<Note>,
 }
 
@@ -32,7 +32,7 @@ pub struct ReadOptions {
     /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them, and hints on the
     /// columns of a CSV file speak of them. Where empty, the first message decides.
     pub joints: Vec<String>,
-    /// The channels that a simulator of one's own predicts, in its order: they are looked for by their
+    /// The channels that a custom simulator predicts, in its order: they are looked for by their
     /// [headers](Channel::header), and the series becomes one of [`Kind::Other`](tunenet_core::observation::Kind::Other). Empty where the file's
     /// columns or messages decide.
     pub channels: Vec<Channel>,

@@ -57,7 +57,7 @@ fn device(_: &Metadata) -> &'static str {
 pub(crate) fn unchanged<T>(path: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
     let before = Version::of(&open(path)?.metadata().map_err(|e| Error::io(path, "opening", e))?);
     let result = read();
-    // What the change broke is no news beside the change itself.
+    // What the change broke is no news after the change itself.
     match std::fs::metadata(path).map(|about| Version::of(&about)) {
         Ok(after) if after == before => result,
         Ok(after) => {
@@ -103,7 +103,7 @@ mod tests {
     use crate::testing::{error_text, file};
 
     #[test]
-    fn a_change_is_told_instead_of_what_it_broke() {
+    fn a_change_is_reported_instead_of_what_it_broke() {
         let (_folder, path) = file("a.csv", "t_s,z_m\n0,1\n");
         assert_eq!(unchanged(&path, || Ok(7)).unwrap(), 7);
         let grows = || {

@@ -21,7 +21,7 @@ use crate::{ObservedBall, SimulationFile};
 const MOST_DRAWS: usize = 1000;
 /// Most samples of a drawn record.
 const MOST_FRAMES: f64 = 4000.0;
-/// Half of the records show the ball held for up to this long before it is let go, s.
+/// Half of the records show the ball held for up to this long before it is released, s.
 const LONGEST_HELD_S: f64 = 0.4;
 
 /// What recordings are drawn from. Lengths are heights of fall, from the apex of the first flight; times are `√(h/g)`.
@@ -62,7 +62,7 @@ impl Ranges {
 /// A scene that recordings are drawn from.
 #[derive(Debug, Clone)]
 pub struct Drawn {
-    /// As a person tunes it.
+    /// As a user tunes it.
     ball: ObservedBall,
     /// The same with release and surface open: what really happens.
     open: ObservedBall,

@@ -6,7 +6,7 @@ finding_kinds! {
     PREFLIGHT_FORCED = "preflight.forced",
         "a recording that failed the checks is used because of `--force`",
         "correct the recording";
-    FRICTION_UNSEEN = "friction.unseen",
+    FRICTION_NOT_OBSERVABLE = "friction.unseen",
         "bounce times do not depend on friction",
         "record positions of a throw along the surface";
     PROGRAM_REFUSED = "program.refused",

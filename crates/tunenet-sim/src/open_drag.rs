@@ -2,12 +2,12 @@
 //!
 //! A diagnosis names an effect where there is evidence for it. To plan with, absence of evidence is not enough: a weak drag
 //! that a few bounces cannot show still makes a shot fall short, and a restitution that was tuned without drag hides a part
-//! of it. So everything is tuned anew beside each of a few strengths, and each counts by how well it then fits.
+//! of it. So everything is tuned again for each of a few strengths, and each counts by how well it then fits.
 
 use tunenet_core::Result;
 use tunenet_core::observation::Observation;
 use tunenet_core::simulator::Simulator;
-use tunenet_core::tune::{Held, held};
+use tunenet_core::tune::{FixedValueFit, fit_at_fixed_values};
 
 use crate::SimulationFile;
 use crate::ball::effects::{BallEffect, DRAG};
@@ -15,7 +15,7 @@ use crate::observed::simulator;
 use crate::process::Session;
 use crate::simulation_file::Domain;
 
-/// Strengths that are tried beside none at all, evenly in their logarithm.
+/// Strengths that are tried in addition to zero, evenly in their logarithm.
 const STRENGTHS: usize = 9;
 /// One that counts less than this is left out.
 const LEAST: f64 = 1e-3;
@@ -23,12 +23,12 @@ const LEAST: f64 = 1e-3;
 const NAME: &str = "quadratic_drag.c_1_m";
 
 /// Every strength of drag (1/m) that is usual for a ball like that of `file`, whose values were tuned to `seen`, with how much
-/// `seen` leaves of it; the coefficients of the physical effects `sure`, which the file holds, are fitted anew beside it like
+/// `seen` leaves of it; the coefficients of the physical effects `sure`, which the file holds, are fitted again with it like
 /// its parameters. Empty for what is no ball in air, where the file holds drag already, and where no drag fits best by far.
 ///
 /// # Errors
-/// As [`simulator`] and [`held`].
-pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> Result<Vec<Held>> {
+/// As [`simulator`] and [`fit_at_fixed_values`].
+pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> Result<Vec<FixedValueFit>> {
     let there = file.effects().iter().any(|e| e.name == DRAG);
     if there || seen.is_empty() || file.domain() != Domain::Ball {
         return Ok(Vec::new());
@@ -40,8 +40,8 @@ pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> R
     let share = |i: usize| i as f64 / (STRENGTHS - 1) as f64;
     let coarse: Vec<f64> =
         std::iter::once(0.0).chain((0..STRENGTHS).map(|i| low * (high / low).powf(share(i)))).collect();
-    let mut found = held(&ball, seen, NAME, &coarse)?;
-    let counts = |h: &Held| h.share > LEAST;
+    let mut found = fit_at_fixed_values(&ball, seen, NAME, &coarse)?;
+    let counts = |h: &FixedValueFit| h.share > LEAST;
     let (Some(first), Some(last)) = (found.iter().position(counts), found.iter().rposition(counts)) else {
         return Ok(Vec::new());
     };
@@ -49,7 +49,7 @@ pub fn possible(file: &SimulationFile, sure: &[&str], seen: &[Observation]) -> R
     if 2 * (last - first + 1) <= STRENGTHS {
         let (from, to) = (coarse[first.saturating_sub(1)], coarse[(last + 1).min(STRENGTHS)]);
         let finer: Vec<f64> = (0..=STRENGTHS).map(|i| from + (to - from) * i as f64 / STRENGTHS as f64).collect();
-        found = held(&ball, seen, NAME, &finer)?;
+        found = fit_at_fixed_values(&ball, seen, NAME, &finer)?;
     }
     found.retain(counts);
     let total: f64 = found.iter().map(|h| h.share).sum();
@@ -91,7 +91,7 @@ mod tests {
         tunenet_ball::bounce_times(times).unwrap()
     }
 
-    /// The true strength has the greatest share, and the restitution beside it is the true one; what drag costs is no longer
+    /// The true strength has the greatest share, and the restitution tuned with it is the true one; what drag costs is no longer
     /// taken for a softer ball.
     #[test]
     fn many_bounces_leave_the_true_drag_and_the_true_restitution() {

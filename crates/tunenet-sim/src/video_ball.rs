@@ -17,7 +17,7 @@ const CAMERA: usize = 3;
 ///
 /// The first fall, whose heights are known without the restitution, says what camera saw it ([`LineCamera::of_fall`]); by
 /// that camera the track is read back to metres, and metres are what rollouts and residuals are in. What the first fall
-/// leaves uncertain of the camera is fitted with the rest: three unknowns of each recording, which bring the simulated
+/// leaves uncertain of the camera is fitted with the rest: three nuisance parameters of each recording, which bring the simulated
 /// heights to `(f z + o) / (p z + 1)`. A camera that sees the ball move sideways is none for this.
 #[derive(Debug, Clone)]
 pub struct VideoBall {
@@ -83,7 +83,7 @@ impl Simulator for VideoBall {
             rejected @ Preparation::Rejected(_) => return Ok(rejected),
         };
         let first = seen.clock().partition_point(|t| *t < prepared.seen.clock()[0]);
-        prepared.film = seen.slice(first..(first + prepared.seen.len()).min(seen.len())).ok();
+        prepared.video = seen.slice(first..(first + prepared.seen.len()).min(seen.len())).ok();
         let reach = scale.length;
         for (name, unit, value, low, high) in [
             ("camera.stretch", "1", 1.0, 0.5, 2.0),

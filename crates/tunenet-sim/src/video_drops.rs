@@ -2,7 +2,7 @@
 //!
 //! The camera is the appendix's (arXiv 1907.11200): at a random place 5 to 10 m from the drop's foot and 5 to 8 m high,
 //! aimed 2 m above the foot. The paper says nothing of its lens and its picture; here the field of view is 60°, the picture
-//! 160 × 120. A camera that would lose the ball is drawn again.
+//! 160 × 120. A camera that would lose the ball is drawn afresh.
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -34,7 +34,7 @@ pub struct VideoDrops {
 }
 
 impl VideoDrops {
-    /// Drops of `file`'s ball, which is let go at the record's first instant; the file has to leave the height of release
+    /// Drops of `file`'s ball, which is released at the record's first instant; the file has to leave the height of release
     /// open.
     ///
     /// # Errors
@@ -156,7 +156,7 @@ impl VideoDrops {
         })?;
         let rows: Vec<[f64; 3]> = v_px.iter().map(|v| [0.0, 0.0, camera.height(*v)]).collect();
         let seen = Observation::positions(self.clock.clone(), &rows)?;
-        Ok(Prepared { film: Some(video), ..self.known(top_m, seen)? })
+        Ok(Prepared { video: Some(video), ..self.known(top_m, seen)? })
     }
 
     /// Positions of a drop from a known height.

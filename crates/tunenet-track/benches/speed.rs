@@ -1,4 +1,4 @@
-//! How fast a ball is followed: pictures in memory, and a film from its file beside decoding it alone.
+//! How fast a ball is followed: pictures in memory, and a video file, and decoding only.
 //!
 //! `cargo bench -p tunenet-track`
 
@@ -44,35 +44,35 @@ fn small_pictures(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn film(path: &Path, frames: usize) {
+fn write_video(path: &Path, frames: usize) {
     let codec = VideoWriter::fourcc('m', 'p', '4', 'v').expect("a codec");
     let name = path.to_str().expect("a name");
-    let mut writer = VideoWriter::new(name, codec, 60.0, Size::new(1920, 1080), true).expect("a film");
+    let mut writer = VideoWriter::new(name, codec, 60.0, Size::new(1920, 1080), true).expect("a video");
     for frame in 0..frames {
         writer.write(&picture((1920, 1080), 40, frame)).expect("a frame");
     }
-    writer.release().expect("a film");
+    writer.release().expect("a video");
 }
 
-fn full_films(criterion: &mut Criterion) {
+fn full_videos(criterion: &mut Criterion) {
     const FRAMES: usize = 240;
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("film.mp4");
-    film(&path, FRAMES);
+    let path = folder.path().join("video.mp4");
+    write_video(&path, FRAMES);
     let source = Source::new(&path, None);
     let mut group = criterion.benchmark_group("1080p");
     group.throughput(Throughput::Elements(FRAMES as u64)).sample_size(10);
     group.bench_function("decode", |bencher| {
         bencher.iter(|| {
-            let streamed = source.stream(usize::MAX, &mut |_, _, image, _| Ok(vec![image])).expect("a film");
+            let streamed = source.stream(usize::MAX, &mut |_, _, image, _| Ok(vec![image])).expect("a video");
             assert_eq!(black_box(streamed).count, FRAMES);
         });
     });
     group.bench_function("decode and track", |bencher| {
-        bencher.iter(|| black_box(track(&source, &Settings::default(), &mut |_, _| {}).expect("a film")));
+        bencher.iter(|| black_box(track(&source, &Settings::default(), &mut |_, _| {}).expect("a video")));
     });
     group.finish();
 }
 
-criterion_group!(benches, small_pictures, full_films);
+criterion_group!(benches, small_pictures, full_videos);
 criterion_main!(benches);

@@ -4,21 +4,21 @@ use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Size
 use opencv::imgproc::{COLOR_BGR2HSV, blur_def, cvt_color_def};
 use rayon::prelude::*;
 use tunenet_core::statistics::{median, range};
-use tunenet_video_protocol::track::Unseen;
+use tunenet_video_protocol::track::TrackFailure;
 
 use super::blob::{Blob, blobs};
 use super::colour::{BLACK, HUES, WHITE, Window};
 use super::lookup::Lookup;
 use super::stillness::{MOVED, moves};
 
-/// Frames that make the background: the median of so many forgets whatever passes.
+/// Frames that make the background: the median of so many is not affected by moving objects.
 const BACKGROUND_FRAMES: usize = 31;
 /// Bytes whose medians are taken together.
 const SIDE_BY_SIDE: usize = 512;
 /// As [`MOVED`], while the colour is still unknown.
 const MOVED_CLEARLY: u8 = 30;
 /// Saturation and value from which a hue means something.
-const COLOURED: (u8, u8) = (70, 40);
+const SATURATED: (u8, u8) = (70, 40);
 /// Hues this near are one colour, on OpenCV's circle of 180.
 const ONE_COLOUR: i32 = 12;
 /// Colours that are tried.
@@ -27,7 +27,7 @@ const MOST_COLOURS: usize = 4;
 const STILL_SHARE: f64 = 0.3;
 /// A ball without a hue is seen in more than this share of the pictures.
 const PALE_SHARE: f64 = 0.5;
-/// How little what never falls counts beside what does.
+/// Weight of objects that never fall relative to those that do.
 const LEVEL: f64 = 0.2;
 /// A blob rounder than this fills its box as a disc does.
 pub(crate) const ROUND: std::ops::Range<f64> = 0.55..1.4;
@@ -37,13 +37,13 @@ pub(crate) const ROUND: std::ops::Range<f64> = 0.55..1.4;
 pub struct Scene {
     /// The ball's colour.
     pub window: Window,
-    /// The still background in blue, green, red; as small as the frames that were scouted.
+    /// The still background in blue, green, red; as small as the frames that were examined.
     pub(crate) background: Mat,
     /// Whether the background itself holds the ball's colour, so that colour alone does not identify it.
     pub clutter: bool,
     /// Median area of the ball, as a share of the picture.
     pub(crate) area_share: f64,
-    /// The share of the scouted frames in which it was seen.
+    /// The share of the examined frames in which it was seen.
     pub(crate) seen_share: f64,
 }
 
@@ -52,7 +52,7 @@ pub struct Scene {
 ///
 /// # Errors
 /// Where OpenCV fails.
-pub fn detect_ball(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, Unseen>> {
+pub fn detect_ball(frames: &[Mat], window: Option<Window>) -> opencv::Result<Result<Scene, TrackFailure>> {
     // Motion is detected in pictures with less noise; colours are the ball's own.
     let smooth: Vec<Mat> = frames.par_iter().map(smoothed).collect::<opencv::Result<_>>()?;
     let background = median_picture(frames)?;
@@ -63,7 +63,7 @@ pub fn detect_ball(frames: &[Mat], window: Option<Window>) -> opencv::Result<Res
         smooth.par_iter().map(|f| Ok(difference(f.data_bytes()?, still))).collect::<opencv::Result<_>>()?;
     let shares = moved.iter().map(|m| m.iter().filter(|d| **d > MOVED_CLEARLY).count() as f64 / m.len() as f64);
     if median(shares).is_some_and(|share| share > STILL_SHARE) || moves(&smooth)? {
-        return Ok(Err(Unseen::CameraMoves));
+        return Ok(Err(TrackFailure::CameraMoves));
     }
     let candidates = match window {
         Some(window) => vec![window],
@@ -74,9 +74,9 @@ pub fn detect_ball(frames: &[Mat], window: Option<Window>) -> opencv::Result<Res
         // Without a hue the ball is identified by its brightness only, so it has to be seen in most pictures.
         best = likeliest(frames, &moved, &[WHITE, BLACK])?.filter(|(.., share)| *share > PALE_SHARE);
     }
-    let Some((_, wide, area, seen_share)) = best else { return Ok(Err(Unseen::NoBall)) };
-    let coloured = window.is_none() && wide != WHITE && wide != BLACK;
-    let window = if coloured { narrowed(&hsv, &moved, wide)? } else { wide };
+    let Some((_, wide, area, seen_share)) = best else { return Ok(Err(TrackFailure::NoBall)) };
+    let saturated = window.is_none() && wide != WHITE && wide != BLACK;
+    let window = if saturated { narrowed(&hsv, &moved, wide)? } else { wide };
     let clutter = clutter(&background, &window, area)?;
     let area_share = area / f64::from(background.cols() * background.rows());
     Ok(Ok(Scene { window, background, clutter, area_share, seen_share }))
@@ -162,7 +162,7 @@ fn colours(hsv: &[Mat], moved: &[Vec<u8>]) -> opencv::Result<Vec<Window>> {
     let mut histogram = [0.0; HUES as usize];
     for (hsv, moved) in hsv.iter().zip(moved) {
         for (pixel, moved) in hsv.data_bytes()?.chunks_exact(3).zip(moved) {
-            if *moved > MOVED_CLEARLY && pixel[1] > COLOURED.0 && pixel[2] > COLOURED.1 {
+            if *moved > MOVED_CLEARLY && pixel[1] > SATURATED.0 && pixel[2] > SATURATED.1 {
                 histogram[usize::from(pixel[0]) % histogram.len()] += f64::from(pixel[1]);
             }
         }
@@ -181,8 +181,8 @@ fn colours(hsv: &[Mat], moved: &[Vec<u8>]) -> opencv::Result<Vec<Window>> {
         found.push(Window {
             hue: i32::try_from(peak).unwrap_or(0),
             half_width: ONE_COLOUR,
-            saturation: (i32::from(COLOURED.0) - 10, 255),
-            value: (i32::from(COLOURED.1), 255),
+            saturation: (i32::from(SATURATED.0) - 10, 255),
+            value: (i32::from(SATURATED.1), 255),
         });
         for i in around(peak, 20) {
             smooth[i] = 0.0;

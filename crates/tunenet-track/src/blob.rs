@@ -1,4 +1,4 @@
-//! Connected patches of a mask.
+//! Connected components of a mask.
 
 /// One connected patch.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,10 +1,10 @@
 //! Camera motion: frames in which the background is displaced are left out and reported.
 
-use tunenet_video_protocol::track::Unseen;
+use tunenet_video_protocol::track::TrackFailure;
 use tunenet_video_protocol::{VideoFinding, findings};
 
 use crate::samples::Samples;
-use crate::stillness::{LIKELY, SURELY, elsewhere};
+use crate::stillness::{LENIENT, STRICT, displaced};
 use crate::track::answer::{Answer, Track};
 use crate::track_findings;
 
@@ -19,7 +19,7 @@ const MOST: f64 = 0.5;
 /// camera's doing where that was often.
 pub(crate) fn without_camera_motion(answer: Answer, samples: &Samples) -> opencv::Result<Answer> {
     let placed = samples.placed();
-    let doubt = if matches!(answer, Answer::Tracked(_)) { SURELY } else { LIKELY };
+    let doubt = if matches!(answer, Answer::Tracked(_)) { STRICT } else { LENIENT };
     // A median of pictures of a camera that moved has no edges, so single ones are compared.
     let mut away = Vec::new();
     let mut count = usize::MAX;
@@ -27,7 +27,7 @@ pub(crate) fn without_camera_motion(answer: Answer, samples: &Samples) -> opencv
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
         let at = (share * placed.len() as f64) as usize;
         let Some((_, reference)) = placed.get(at) else { continue };
-        let found = elsewhere(&placed, reference, doubt)?;
+        let found = displaced(&placed, reference, doubt)?;
         let fewer = found.iter().filter(|a| **a).count();
         if fewer < count {
             (away, count) = (found, fewer);
@@ -35,10 +35,12 @@ pub(crate) fn without_camera_motion(answer: Answer, samples: &Samples) -> opencv
     }
     let count = count.min(away.len());
     let share = count as f64 / away.len().max(1) as f64;
-    let reason = Unseen::CameraMoves;
-    let camera = |frames| Answer::Unseen { reason, frames, finding: track_findings::unseen(reason, false, "") };
+    let reason = TrackFailure::CameraMoves;
+    let camera = |frames| Answer::Untracked { reason, frames, finding: track_findings::untracked(reason, false, "") };
     Ok(match answer {
-        Answer::Unseen { frames, reason, .. } if share > EXPLAINS && reason != Unseen::CameraMoves => camera(frames),
+        Answer::Untracked { frames, reason, .. } if share > EXPLAINS && reason != TrackFailure::CameraMoves => {
+            camera(frames)
+        }
         Answer::Tracked(mut track) if count > 0 && share <= MOST => {
             let places: Vec<usize> = placed.iter().map(|(place, _)| *place).collect();
             leave_out(&mut track, &places, &away);
@@ -74,7 +76,7 @@ fn leave_out(track: &mut Track, places: &[usize], away: &[bool]) {
     };
     let text = format!("the camera moved between {:.2} and {:.2} s {how}: {became}", time(*first), time(*last));
     track.notes.push(VideoFinding::new(
-        findings::CAMERA_BUMPED,
+        findings::CAMERA_DISPLACED,
         text,
         "put the camera on a stand and do not touch it while it records",
     ));

@@ -20,24 +20,24 @@ pub struct Window {
 
 /// The colours that have a name.
 pub const NAMES: [(&str, Window); 9] = [
-    ("red", Window::coloured(0, 12)),
-    ("orange", Window::coloured(12, 8)),
-    ("yellow", Window::coloured(28, 10)),
-    ("green", Window::coloured(60, 22)),
-    ("cyan", Window::coloured(92, 12)),
-    ("blue", Window::coloured(112, 14)),
-    ("purple", Window::coloured(140, 15)),
+    ("red", Window::saturated(0, 12)),
+    ("orange", Window::saturated(12, 8)),
+    ("yellow", Window::saturated(28, 10)),
+    ("green", Window::saturated(60, 22)),
+    ("cyan", Window::saturated(92, 12)),
+    ("blue", Window::saturated(112, 14)),
+    ("purple", Window::saturated(140, 15)),
     ("white", WHITE),
     ("black", BLACK),
 ];
 
 /// Bright without a hue.
 pub(crate) const WHITE: Window = Window { hue: 90, half_width: 90, saturation: (0, 60), value: (170, 255) };
-/// Dark, whatever its hue.
+/// Dark, of any hue.
 pub(crate) const BLACK: Window = Window { hue: 90, half_width: 90, saturation: (0, 255), value: (0, 70) };
 
 impl Window {
-    const fn coloured(hue: i32, half_width: i32) -> Self {
+    const fn saturated(hue: i32, half_width: i32) -> Self {
         Self { hue, half_width, saturation: (80, 255), value: (40, 255) }
     }
 

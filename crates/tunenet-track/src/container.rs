@@ -70,7 +70,7 @@ pub(crate) mod tests {
     #[test]
     fn only_a_video_without_its_index_is_incomplete() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("film.mp4");
+        let path = folder.path().join("video.mp4");
         let mut bytes = cut_before_index();
         std::fs::write(&path, &bytes).unwrap();
         let text = incomplete(&path).unwrap().to_string();

@@ -5,7 +5,7 @@
 //! frames that were really decoded.
 //!
 //! ```text
-//! video or log → pictures with times → scout (what to look for) → tracker (where it is) → track → scale → observation
+//! video or log → pictures with times → ball colour detection → tracker (where it is) → track → scale → observation
 //! ```
 //!
 //! | module | what |

@@ -1,8 +1,8 @@
-//! Where a ball's edge runs, to a fraction of a pixel: rays from its middle, and the circle through where they leave it.
+//! Subpixel edges along rays from a ball's middle, and the least-squares circle through them (Kåsa 1976).
 //!
-//! Along each ray the colour goes from the ball's own, near the edge, to that of whatever lies behind. How far towards the
+//! Along each ray the colour goes from the ball's own, near the edge, to that of the background. How far towards the
 //! ball each point is, summed over the ray, is where the edge lies: a lens, the coarser colour of a compressed video, and an
-//! exposure all blur that step and none of them moves its middle. A mask does not know this: it is too large by whatever
+//! exposure all blur that step and none of them moves its middle. A mask does not know this: it is too large by what
 //! its thresholds let in.
 
 use crate::view::View;
@@ -23,8 +23,8 @@ const BLUR: (f64, f64) = (2.0, 0.06);
 const SHARP_BLUR_PX: f64 = 1.0;
 /// Where the colours of ball and background are taken, px beyond the blurred edge. A ball's shade changes towards its edge,
 /// so that a sharp picture is asked nearer to it.
-const BESIDE_PX: f64 = 2.0;
-const SHARP_BESIDE_PX: f64 = 1.0;
+const MARGIN_PX: f64 = 2.0;
+const SHARP_MARGIN_PX: f64 = 1.0;
 /// Points along a ray, px apart.
 const STEP_PX: f64 = 0.5;
 /// An edge this far from the circle, as a share of the radius and in px, belongs to something else.
@@ -73,7 +73,7 @@ pub(crate) fn outline(view: &View<'_>, own: &Own<'_>, guess: (f64, f64, f64), ed
 }
 
 fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), how: Edges) -> Option<Circle> {
-    let (blur, beside) = if how.sharp { (SHARP_BLUR_PX, SHARP_BESIDE_PX) } else { (BLUR.0, BESIDE_PX) };
+    let (blur, margin) = if how.sharp { (SHARP_BLUR_PX, SHARP_MARGIN_PX) } else { (BLUR.0, MARGIN_PX) };
     let blur = (blur + BLUR.1 * radius).max(how.smear_px).min(BLUR.0.max(0.7 * radius));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let rays = (RAYS_PER_PX * radius).clamp(RAYS.0, RAYS.1) as usize;
@@ -81,7 +81,7 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), how: 
     for ray in 0..rays {
         let angle = std::f64::consts::TAU * (ray as f64 + 0.5) / rays as f64;
         let (across, down) = (angle.cos(), angle.sin());
-        match edge(view, own, (u, v), (across, down), radius, (blur, beside)) {
+        match edge(view, own, (u, v), (across, down), radius, (blur, margin)) {
             Edge::At(distance, soft) => {
                 edges.push((u + distance * across, v + distance * down));
                 softness.push(soft);
@@ -92,7 +92,7 @@ fn around(view: &View<'_>, own: &Own<'_>, (u, v, radius): (f64, f64, f64), how: 
     }
     let mut found = circle(&edges)?;
     let mut kept = edges.clone();
-    // A shadow, a reflection or a hand: the few worst edges go, and the circle is drawn again.
+    // A shadow, a reflection or a hand: the few worst edges go, and the circle is drawn afresh.
     for _ in 0..4 {
         let away = |p: &(f64, f64)| ((p.0 - found.0).hypot(p.1 - found.1) - found.2).abs();
         let limit = (2.5 * median(kept.iter().map(away))?).max(OFF.0 * found.2 + OFF.1).max(0.5 * how.smear_px);
@@ -147,7 +147,7 @@ fn edge(
     from: (f64, f64),
     along: (f64, f64),
     radius: f64,
-    (blur, beside): (f64, f64),
+    (blur, margin): (f64, f64),
 ) -> Edge {
     let at = |distance: f64| (from.0 + distance * along.0, from.1 + distance * along.1);
     let own = |distance: f64| {
@@ -167,7 +167,7 @@ fn edge(
     }
     let Some(rough) = rough else { return Edge::Faint };
     let (inner, outer) = ((rough - blur).max(0.0), rough + blur);
-    let (last_u, last_v) = at(outer + BESIDE_PX);
+    let (last_u, last_v) = at(outer + MARGIN_PX);
     if !view.holds(last_u, last_v) {
         return Edge::Outside;
     }
@@ -179,7 +179,7 @@ fn edge(
         let (a, b, c) = (colour(start), colour(f64::midpoint(start, end)), colour(end));
         [(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0]
     };
-    let (ball, behind) = (mean((inner - beside).max(0.0), inner), mean(outer, outer + BESIDE_PX));
+    let (ball, behind) = (mean((inner - margin).max(0.0), inner), mean(outer, outer + MARGIN_PX));
     let towards = [ball[0] - behind[0], ball[1] - behind[1], ball[2] - behind[2]];
     let contrast = towards[0] * towards[0] + towards[1] * towards[1] + towards[2] * towards[2];
     if contrast < LEAST_CONTRAST * LEAST_CONTRAST {

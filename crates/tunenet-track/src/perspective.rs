@@ -1,4 +1,4 @@
-//! Camera calibration from the hops of a bouncing ball, with unknown height of fall.
+//! Self-calibration of a projective line camera from the hops of a bouncing ball, with unknown height of fall.
 //!
 //! Between two contacts a ball is in free flight, and its duration gives its height at every instant: `g/2` times the
 //! time since the one and the time until the other. So the hops between contacts have known heights without a scale and
@@ -38,8 +38,8 @@ pub(crate) fn of_hops(clock: &[f64], v_px: &[f64], contacts: &[f64], gravity_m_s
     let (level, slope) = line(&heights, &seen);
     let (plain, bent) = (squares(&|z| level + slope * z), squares(&|z| camera.project(z)));
     let gain = heights.len() as f64 * (plain / bent.max(f64::MIN_POSITIVE)).ln();
-    let believable = (camera.depth(top) - 1.0).abs() < DEEPEST;
-    (gain > EVIDENCE && believable).then_some(camera)
+    let plausible = (camera.depth(top) - 1.0).abs() < DEEPEST;
+    (gain > EVIDENCE && plausible).then_some(camera)
 }
 
 /// Level and slope of the straight line through points.

@@ -1,7 +1,7 @@
 //! Pictures of a ball over a ground: synthetic videos to test the tracker.
 //!
 //! The ball is a shaded sphere, met by one ray through each pixel; at its edge a pixel is covered by as much as the ray
-//! passes inside or outside, so that the outline has no steps. Of each picture only the ball's own box is drawn anew.
+//! passes inside or outside, so that the outline has no steps. Of each picture only the ball's own box is drawn again.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

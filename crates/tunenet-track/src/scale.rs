@@ -192,8 +192,8 @@ impl Eye {
     fn place(&self, track: &Track, u_px: f64, v_px: f64) -> (f64, f64) {
         let Some(camera) = &self.camera else { return (self.metres_per_px * u_px, -self.metres_per_px * v_px) };
         let (z, middle) = (camera.height(v_px), 0.5 * (track.size_px.0 as f64 - 1.0));
-        let beside = self.metres_per_px * (u_px - middle) * camera.depth(z) / camera.depth(0.0);
-        (beside + self.metres_per_px * middle, z)
+        let offset_m = self.metres_per_px * (u_px - middle) * camera.depth(z) / camera.depth(0.0);
+        (offset_m + self.metres_per_px * middle, z)
     }
 }
 

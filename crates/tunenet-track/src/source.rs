@@ -107,7 +107,7 @@ impl Source {
                 }
             });
             let (mut count, mut first, mut broken) = (0, None, None);
-            // The channel has to be let go before the thread is waited for.
+            // The channel has to be released before the thread is waited for.
             for picture in take.iter().take(most) {
                 let (time_s, image) = match picture {
                     Ok(picture) => picture,

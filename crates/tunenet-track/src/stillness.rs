@@ -1,4 +1,4 @@
-//! Whether the camera stood still: edges in the picture stay where they are, whatever moves before them.
+//! Camera motion from background edges: they stay in place if the camera does, for any moving foreground.
 
 use opencv::core::Mat;
 use rayon::prelude::*;
@@ -33,9 +33,9 @@ pub(crate) struct Doubt {
 }
 
 /// Sure enough to leave pictures out.
-pub(crate) const SURELY: Doubt = Doubt { edge: EDGE, moved: MOVED, tiles: 0.7 };
+pub(crate) const STRICT: Doubt = Doubt { edge: EDGE, moved: MOVED, tiles: 0.7 };
 /// Enough to explain why no ball is found.
-pub(crate) const LIKELY: Doubt = Doubt { edge: 24, moved: 10, tiles: MOVED_TILES };
+pub(crate) const LENIENT: Doubt = Doubt { edge: 24, moved: 10, tiles: MOVED_TILES };
 
 /// Whether the camera moves between these pictures, all of one size.
 pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
@@ -45,7 +45,7 @@ pub(crate) fn moves(pictures: &[Mat]) -> opencv::Result<bool> {
 }
 
 /// Which of these pictures show the background displaced from `reference`: the camera moved.
-pub(crate) fn elsewhere(pictures: &[(usize, &Mat)], reference: &Mat, doubt: Doubt) -> opencv::Result<Vec<bool>> {
+pub(crate) fn displaced(pictures: &[(usize, &Mat)], reference: &Mat, doubt: Doubt) -> opencv::Result<Vec<bool>> {
     pictures
         .par_iter()
         .map(|(_, picture)| Ok(shifted_tiles(reference, picture, doubt)?.is_some_and(|s| s > doubt.tiles)))

@@ -5,8 +5,8 @@ use std::path::Path;
 use opencv::core::{CV_8UC3, LogLevel, Mat, MatTraitManual, Scalar, Size, Vector, set_log_level};
 use opencv::imgcodecs::{IMREAD_COLOR, IMWRITE_JPEG_QUALITY, imdecode, imencode};
 use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
-use tunenet_video_protocol::synthetic::{Places, Spoilt, SyntheticTrack, Take};
-use tunenet_video_protocol::track::Unseen;
+use tunenet_video_protocol::synthetic::{Degradation, Places, SyntheticTrack, Take};
+use tunenet_video_protocol::track::TrackFailure;
 
 use crate::ball_colour::{Scene, detect_ball};
 use crate::render::{Look, Renderer};
@@ -18,19 +18,19 @@ use crate::view::View;
 ///
 /// # Errors
 /// Where OpenCV fails.
-pub fn pictures(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> opencv::Result<Vec<Mat>> {
-    let look = Look { noise: spoilt.noise, ..Look::default() };
+pub fn pictures(take: &Take, radius_m: f64, degradation: &Degradation, seed: u64) -> opencv::Result<Vec<Mat>> {
+    let look = Look { noise: degradation.noise, ..Look::default() };
     let mut renderer = Renderer::new(take.camera.clone(), radius_m, look, seed);
     let last = take.heights_m.len().saturating_sub(1);
     let all = (0..take.heights_m.len()).map(|i| {
         let (here, next) = (take.place(i), take.place((i + 1).min(last)));
-        let bytes = if spoilt.exposure > 0.0 {
-            renderer.blurred(here, [0, 1, 2].map(|k| here[k] + spoilt.exposure * (next[k] - here[k])))
+        let bytes = if degradation.exposure > 0.0 {
+            renderer.blurred(here, [0, 1, 2].map(|k| here[k] + degradation.exposure * (next[k] - here[k])))
         } else {
             renderer.frame(here)
         };
         let mat = picture(size(take), bytes)?;
-        match spoilt.jpeg_quality {
+        match degradation.jpeg_quality {
             None => Ok(mat),
             Some(quality) => through_jpeg(&mat, quality),
         }
@@ -62,7 +62,7 @@ fn through_jpeg(picture: &Mat, quality: i32) -> opencv::Result<Mat> {
 ///
 /// # Errors
 /// Where OpenCV fails.
-pub fn scene(pictures: &[Mat]) -> opencv::Result<Result<Scene, Unseen>> {
+pub fn scene(pictures: &[Mat]) -> opencv::Result<Result<Scene, TrackFailure>> {
     let mut samples = Samples::default();
     for (i, picture) in pictures.iter().enumerate() {
         samples.push(i, picture, Some(pictures.len()))?;
@@ -75,7 +75,7 @@ pub fn scene(pictures: &[Mat]) -> opencv::Result<Result<Scene, Unseen>> {
 ///
 /// # Errors
 /// Where OpenCV fails.
-pub fn tracked(pictures: &[Mat]) -> opencv::Result<Result<Vec<Option<Sighting>>, Unseen>> {
+pub fn tracked(pictures: &[Mat]) -> opencv::Result<Result<Vec<Option<Sighting>>, TrackFailure>> {
     let scene = match scene(pictures)? {
         Ok(scene) => scene,
         Err(reason) => return Ok(Err(reason)),
@@ -116,12 +116,19 @@ pub fn write(path: &Path, take: &Take, radius_m: f64, noise: f64, rate_hz: f64) 
 ///
 /// # Errors
 /// Where OpenCV fails.
-pub fn rehearse(take: &Take, radius_m: f64, spoilt: &Spoilt, seed: u64) -> opencv::Result<SyntheticTrack> {
-    let sightings = match tracked(&pictures(take, radius_m, spoilt, seed)?)? {
+pub fn synthetic_track(
+    take: &Take,
+    radius_m: f64,
+    degradation: &Degradation,
+    seed: u64,
+) -> opencv::Result<SyntheticTrack> {
+    let sightings = match tracked(&pictures(take, radius_m, degradation, seed)?)? {
         Ok(sightings) => sightings,
         Err(reason) => return Ok(SyntheticTrack::Refused(reason)),
     };
-    let Some(first) = sightings.iter().flatten().next() else { return Ok(SyntheticTrack::Refused(Unseen::NoBall)) };
+    let Some(first) = sightings.iter().flatten().next() else {
+        return Ok(SyntheticTrack::Refused(TrackFailure::NoBall));
+    };
     let mut last = (first.u_px, first.v_px);
     let mut places = Places { u_px: Vec::new(), v_px: Vec::new(), seen: Vec::new() };
     for sighting in &sightings {
@@ -141,8 +148,8 @@ mod tests {
     use tunenet_core::camera::Pinhole;
 
     /// The track of a ball that every frame has to show.
-    fn found(take: &Take, spoilt: &Spoilt) -> Places {
-        match rehearse(take, 0.5, spoilt, 3).unwrap() {
+    fn found(take: &Take, degradation: &Degradation) -> Places {
+        match synthetic_track(take, 0.5, degradation, 3).unwrap() {
             SyntheticTrack::Tracked(places) if places.seen.iter().all(|seen| *seen) => places,
             other => panic!("{other:?}"),
         }
@@ -159,10 +166,10 @@ mod tests {
     }
 
     /// Errors against the projected outline, px: mean and standard deviation along `v`, and the greatest distance.
-    fn errors(spoilt: &Spoilt, eye_m: [f64; 3]) -> (f64, f64, f64) {
+    fn errors(degradation: &Degradation, eye_m: [f64; 3]) -> (f64, f64, f64) {
         let camera = Pinhole::aimed(eye_m, [0.0, 0.0, 2.0], std::f64::consts::FRAC_PI_3, (160, 120)).unwrap();
         let take = Take { camera, ..take() };
-        let track = found(&take, spoilt);
+        let track = found(&take, degradation);
         let truth: Vec<[f64; 2]> =
             take.heights_m.iter().map(|z| take.camera.disc([0.0, 0.0, *z], 0.5).unwrap().centre_px).collect();
         let off: Vec<f64> = track.v_px.iter().zip(&truth).map(|(v, t)| v - t[1]).collect();
@@ -177,7 +184,7 @@ mod tests {
     #[test]
     fn every_centre_is_within_a_tenth_of_a_pixel() {
         for eye_m in [[6.0, 3.0, 6.0], [-4.0, 5.0, 3.0], [2.0, -8.0, 5.0], [-6.0, -3.0, 7.0]] {
-            let (_, _, worst) = errors(&Spoilt::default(), eye_m);
+            let (_, _, worst) = errors(&Degradation::default(), eye_m);
             assert!(worst < 0.1, "{eye_m:?}: {worst}");
         }
     }
@@ -186,7 +193,7 @@ mod tests {
     fn a_ball_that_lies_still_for_most_of_the_video_is_found() {
         let fall = |i: u32| 0.5 + 3.5 * (1.0 - f64::from(i) / 70.0).max(0.0) * (f64::from(i) / 20.0).cos().abs();
         let take = Take { heights_m: (0..400).map(fall).collect(), ..take() };
-        found(&take, &Spoilt::default());
+        found(&take, &Degradation::default());
     }
 
     /// Small and large balls of every colour, dark and bright, under noise, that fall at once or lie still before or after.
@@ -222,8 +229,8 @@ mod tests {
 
     #[test]
     fn noise_and_compression_cost_little() {
-        let spoilt = Spoilt { noise: 6.0, jpeg_quality: Some(80), ..Spoilt::default() };
-        let (mean, sd, _) = errors(&spoilt, [6.0, 3.0, 6.0]);
+        let degradation = Degradation { noise: 6.0, jpeg_quality: Some(80), ..Degradation::default() };
+        let (mean, sd, _) = errors(&degradation, [6.0, 3.0, 6.0]);
         assert!(mean.abs() < 0.2 && sd < 0.3, "{mean} {sd}");
     }
 }

@@ -1,7 +1,7 @@
 //! Findings about a video: each with a fixed code, a sentence, and what to try.
 
 use tunenet_core::statistics::{mean, range};
-use tunenet_video_protocol::track::Unseen;
+use tunenet_video_protocol::track::TrackFailure;
 use tunenet_video_protocol::{VideoFinding, findings};
 
 use crate::track::answer::Track;
@@ -12,7 +12,7 @@ const LOST_FRAMES: usize = 3;
 const NEAR_BORDER: f64 = 2.5;
 
 /// A path this straight and this long, in radii, is none of a ball that flies ...
-const STRAIGHT: f64 = 0.15;
+const MAX_DEVIATION: f64 = 0.15;
 const LONG: f64 = 4.0;
 /// ... nor one that rises and falls by less than this share of its length.
 const LEVEL: f64 = 0.6;
@@ -26,7 +26,7 @@ fn rolls(track: &Track) -> Option<VideoFinding> {
     let off = mean(places.iter().map(|p| (p.1 - v - slope * (p.0 - u)).powi(2))).sqrt();
     let (across, down) = (range(places.iter().map(|p| p.0)), range(places.iter().map(|p| p.1)));
     let radius = track.radius_px();
-    (across > LONG * radius && down < LEVEL * across && off < STRAIGHT * radius).then(|| {
+    (across > LONG * radius && down < LEVEL * across && off < MAX_DEVIATION * radius).then(|| {
         let text = format!(
             "the ball moves along a straight line, {across:.0} px across and {down:.0} px down: it rolls and never flies"
         );
@@ -35,25 +35,25 @@ fn rolls(track: &Track) -> Option<VideoFinding> {
 }
 
 /// Why there is no track.
-pub(crate) fn unseen(reason: Unseen, named: bool, found: &str) -> VideoFinding {
+pub(crate) fn untracked(reason: TrackFailure, named: bool, found: &str) -> VideoFinding {
     let (text, remedy) = match (reason, named) {
-        (Unseen::CameraMoves, _) => (
+        (TrackFailure::CameraMoves, _) => (
             "expected a fixed camera, found most of the picture moving".to_owned(),
             "put the camera on a stand, or against something",
         ),
-        (Unseen::TwoBalls, _) => (
+        (TrackFailure::TwoBalls, _) => (
             format!("expected one ball, found two similar things {found}"),
             "leave one ball in view, or name its colour with `--color`",
         ),
-        (Unseen::NotRound, _) => (
+        (TrackFailure::NotRound, _) => (
             format!("expected a ball, found something that is not round: {found}"),
             "name the ball's colour with `--color`, or remove other moving things from the view",
         ),
-        (Unseen::NoBall, false) => (
-            "expected a ball, found nothing round and coloured that moves".to_owned(),
+        (TrackFailure::NoBall, false) => (
+            "expected a ball, found nothing round and saturated that moves".to_owned(),
             "name its colour, as in `--color white`, or record a saturated ball in front of a dull background",
         ),
-        (Unseen::NoBall, true) => (
+        (TrackFailure::NoBall, true) => (
             "expected a ball of the given colour, found nothing round of it that moves".to_owned(),
             "omit `--color` to detect the colour",
         ),
@@ -81,7 +81,7 @@ impl CutOff {
         let why = why.as_ref().map_or(String::new(), |why| format!("; then: {why}"));
         let text = format!("the video is cut off: {frames}{promised} frames can be decoded, until {last_s:.3} s{why}");
         VideoFinding::new(
-            findings::FILM_TRUNCATED,
+            findings::VIDEO_TRUNCATED,
             text,
             "what was read is used; copy the video again if its end matters",
         )
@@ -102,11 +102,11 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
             track.repeated.len(),
             numbers.join(", ")
         );
-        notes.push(VideoFinding::new(findings::FILM_REPEATED, text, "they are left out"));
+        notes.push(VideoFinding::new(findings::VIDEO_REPEATED, text, "they are left out"));
     }
     if track.dropped > 0 {
         let text = format!("{} frames are missing according to the video's clock", track.dropped);
-        notes.push(VideoFinding::new(findings::FILM_DROPPED, text, "the gaps stay in the clock"));
+        notes.push(VideoFinding::new(findings::VIDEO_DROPPED, text, "the gaps stay in the clock"));
     }
     if clutter {
         let text = "the background contains the ball's colour, so only moving pixels count as the ball";

@@ -1,4 +1,4 @@
-//! Where the ball is, frame after frame: near where it must be by now, or anywhere where it was lost.
+//! Tracking by prediction: the ball is searched near its predicted position, or in the whole frame after it was lost.
 
 use super::ball_colour::{ROUND, Scene};
 use super::blob::{Blob, blobs};
@@ -17,7 +17,7 @@ const LOOK_AROUND: usize = 8;
 /// A second patch of at least this share of the first one's area is a second ball.
 const SECOND_BALL: f64 = 0.5;
 /// ... where their middles lie farther apart than so many radii.
-const APART: f64 = 2.0;
+const SEPARATION: f64 = 2.0;
 /// From frame to frame the ball's area changes by no more than this factor; beyond, it is looked for everywhere.
 const SAME_AREA: f64 = 2.5;
 /// A video whose edges are no more gradual than this is sharp, px: nothing but its pixels blurs it.
@@ -193,7 +193,7 @@ impl Tracker {
         let round = |b: &&Blob| ROUND.contains(&b.fill()) || part.borders(b.bounds, view).1;
         let Some(coarse) = found.iter().find(round).or(found.first()) else { return Ok(None) };
         // Two halves of one ball with a stripe lie nearer to each other than two balls can.
-        let apart = APART * (coarse.area / std::f64::consts::PI).sqrt();
+        let apart = SEPARATION * (coarse.area / std::f64::consts::PI).sqrt();
         let alike = |b: &&Blob| b.area > SECOND_BALL * coarse.area && (b.u - coarse.u).hypot(b.v - coarse.v) > apart;
         let second = found.iter().filter(round).any(|b| alike(&b));
         Ok(Some((part, *coarse, second)))

@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn a_written_video_is_read_back() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("film.avi");
+        let path = folder.path().join("video.avi");
         write_video(&path, 12);
         let clip = open(&path).unwrap();
         assert_eq!(clip, Clip { path, width_px: 64, height_px: 48, frames_per_s: 50.0, frames: 12 });
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn only_frames_that_decode_are_counted() {
         let folder = tempfile::tempdir().unwrap();
-        let (whole, cut) = (folder.path().join("film.avi"), folder.path().join("cut.avi"));
+        let (whole, cut) = (folder.path().join("video.avi"), folder.path().join("cut.avi"));
         write_video(&whole, 20);
         let bytes = std::fs::read(&whole).unwrap();
         std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn a_single_frame_is_no_video() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("film.avi");
+        let path = folder.path().join("video.avi");
         write_video(&path, 1);
         assert!(open(&path).unwrap_err().to_string().contains("found 1 frames that decode"));
     }

@@ -3,13 +3,13 @@
 use tunenet_core::finding_kinds;
 
 finding_kinds! {
-    FILM_REPEATED = "film.repeated",
+    VIDEO_REPEATED = "film.repeated",
         "frames repeat the previous one; they are left out",
         "save the video at the rate at which it was taken";
-    FILM_DROPPED = "film.dropped",
+    VIDEO_DROPPED = "film.dropped",
         "frames are missing according to the video's own clock; the gaps remain",
         "close other programs while recording";
-    FILM_TRUNCATED = "film.truncated",
+    VIDEO_TRUNCATED = "film.truncated",
         "fewer frames can be decoded than the file promises, or one in between cannot; how many, until when, and why",
         "what was read is used; copy the video again if its end matters";
     BALL_BACKGROUND = "ball.background",
@@ -23,17 +23,17 @@ finding_kinds! {
         "look at the overlay; more light reduces blur";
     BALL_ROLLS = "ball.rolls",
         "the ball moves along a straight line and never flies",
-        "film a ball that falls and bounces";
+        "record a ball that falls and bounces";
     BALL_GONE = "ball.gone",
         "the ball is last seen well before the end: it leaves the view, or is covered",
         "nothing, if the bounces were seen";
     FLIGHT_ODD = "flight.odd",
         "a flight has another acceleration than the others: a hand still holds the ball, or it comes nearer",
-        "release it cleanly; film from the side, level, far away";
+        "release it cleanly; record from the side, level, far away";
     SCALE_DISAGREES = "scale.disagrees",
         "the ball's size and its fall give different scales",
         "correct the radius or length, or give `--camera-rate` for slow motion";
-    CAMERA_BUMPED = "camera.bumped",
+    CAMERA_DISPLACED = "camera.bumped",
         "the background is displaced for a while: the camera was moved; those frames are left out",
         "put the camera on a stand and do not touch it while it records";
     BALL_NONE = "ball.none",
@@ -44,7 +44,7 @@ finding_kinds! {
         "name the ball's colour with `--color`";
     BALL_TWO = "ball.two",
         "two balls are seen; the video is refused",
-        "film one ball, or name its colour with `--color`";
+        "record one ball, or name its colour with `--color`";
     CAMERA_MOVES = "camera.moves",
         "the camera moves all the time; the video is refused",
         "put the camera on a stand";

@@ -7,7 +7,7 @@
 //! | [`track`] | `tunenet-video track FILE` | [`track::TrackAnswer`] |
 //! | [`synthetic`] | `tunenet-video film`, with a [`synthetic::Order`] | a list of [`synthetic::SyntheticTrack`] |
 //! | [`speed`] | `tunenet-video speed FOLDER` | [`speed::VideoSpeed`] |
-//! | [`finding`] | | what a person should know of a video, in the answers |
+//! | [`finding`] | | what a user should know of a video, in the answers |
 
 pub mod finding;
 pub mod findings;

@@ -11,7 +11,8 @@ pub struct VideoSpeed {
     /// Pictures in memory tracked.
     pub track: Track,
     /// A file decoded.
-    pub film: Film,
+    #[serde(rename = "film")]
+    pub video: DecodingSpeed,
 }
 
 /// Pictures made on one core.
@@ -37,7 +38,7 @@ pub struct Track {
 /// A video of 1080p on all cores.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Film {
+pub struct DecodingSpeed {
     /// Frames decoded per second.
     pub decode_frames_s: f64,
     /// Frames decoded and tracked per second.

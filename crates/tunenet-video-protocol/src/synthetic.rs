@@ -12,9 +12,9 @@ pub struct Order {
     /// The ball's radius, m.
     pub radius_m: f64,
     /// How the pictures are degraded.
-    pub spoilt: Spoilt,
+    pub degradation: Degradation,
     /// The videos.
-    pub films: Vec<Take>,
+    pub videos: Vec<Take>,
 }
 
 /// One video.
@@ -41,7 +41,7 @@ impl Take {
 /// How the pictures are degraded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Spoilt {
+pub struct Degradation {
     /// Standard deviation of the noise on every channel, 0 to 255.
     pub noise: f64,
     /// How long the shutter is open, as a share of the time between two frames, 0 to 1.
@@ -57,7 +57,7 @@ pub enum SyntheticTrack {
     /// The ball was found.
     Tracked(Places),
     /// Why it was not.
-    Refused(crate::track::Unseen),
+    Refused(crate::track::TrackFailure),
 }
 
 /// Where a ball was seen, frame by frame.

@@ -71,7 +71,7 @@ pub struct Tracked {
 #[serde(deny_unknown_fields)]
 pub struct Untracked {
     /// Why.
-    pub reason: Unseen,
+    pub reason: TrackFailure,
     /// The same for users, with what to try.
     pub finding: VideoFinding,
     /// Frames that decode.
@@ -82,8 +82,8 @@ pub struct Untracked {
 
 words! {
     /// Why no ball was found.
-    Unseen {
-        /// Nothing coloured and round moves.
+    TrackFailure {
+        /// Nothing round and saturated moves.
         NoBall = "no_ball",
         /// Two things look alike.
         TwoBalls = "two_balls",
@@ -94,7 +94,7 @@ words! {
     }
 }
 
-impl Unseen {
+impl TrackFailure {
     /// The finding that says it.
     #[must_use]
     pub fn kind(self) -> FindingKind {
@@ -131,7 +131,7 @@ pub struct Facts {
     pub radius_px: f64,
     /// The colour that was looked for.
     pub color: Colour,
-    /// How large a pixel is, where something tells.
+    /// Size of a pixel, where it is known.
     pub scale: Option<Scale>,
     /// When the ball bounces, s.
     pub bounces_s: Vec<f64>,
@@ -139,7 +139,7 @@ pub struct Facts {
     pub restitution: Option<Estimate>,
     /// What the checks of the positions say.
     pub preflight: Vec<Check>,
-    /// What a person should know.
+    /// What a user should know.
     pub warnings: Vec<VideoFinding>,
 }
 
@@ -283,15 +283,15 @@ mod tests {
 
     #[test]
     fn answers_are_read_as_they_were_written() {
-        let finding = VideoFinding::new(Unseen::TwoBalls.kind(), "two", "leave one");
-        let untracked = Untracked { reason: Unseen::TwoBalls, finding, frames: 3, pictures: Vec::new() };
+        let finding = VideoFinding::new(TrackFailure::TwoBalls.kind(), "two", "leave one");
+        let untracked = Untracked { reason: TrackFailure::TwoBalls, finding, frames: 3, pictures: Vec::new() };
         let refused = TrackAnswer::FlagRefused { flag: Flag::Radius, expected: "a length".into(), found: "-1".into() };
         for answer in [TrackAnswer::Untracked(untracked), refused] {
             let text = serde_json::to_string(&answer).unwrap();
             assert_eq!(serde_json::from_str::<TrackAnswer>(&text).unwrap(), answer, "{text}");
         }
-        let text = serde_json::to_string(&Unseen::TwoBalls).unwrap();
-        assert_eq!(text, format!("{:?}", Unseen::TwoBalls.word()));
+        let text = serde_json::to_string(&TrackFailure::TwoBalls).unwrap();
+        assert_eq!(text, format!("{:?}", TrackFailure::TwoBalls.word()));
     }
 
     #[test]

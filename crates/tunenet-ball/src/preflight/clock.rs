@@ -8,7 +8,7 @@ use tunenet_core::observation::Observation;
 use tunenet_core::observation::{noise_sd, step};
 use tunenet_core::statistics::median;
 
-/// Intervals whose range from 5 % to 95 % exceeds this share of their median are uneven; a camera's stamps are within .3,
+/// Intervals whose range from 5 % to 95 % exceeds this share of their median are uneven; a camera's stamps are within 0.3,
 /// rounding to milliseconds included.
 const UNEVEN: f64 = 0.5;
 /// An interval is a gap from this many medians on.
@@ -20,8 +20,8 @@ const LOST_SHARE: f64 = 0.04;
 /// Frames in a fall through all heights seen; fewer leave impacts between frames.
 const FEWEST_IN_FALL: f64 = 5.0;
 /// Two neighbours whose noise is normal fall into one step of the grid with probability step over this many deviations: 2√π.
-const SAME_BY_CHANCE: f64 = 3.545;
-/// Repeats are more than chance from this many times the number expected on, and one.
+const SAME_BY_NOISE: f64 = 3.545;
+/// Repeats are more than noise explains from this many times the number expected on, and one.
 const CHANCES: f64 = 3.0;
 /// ... or where the motion across them is this many times the noise.
 const CLEAR_OF_NOISE: f64 = 6.0;
@@ -128,8 +128,8 @@ pub(crate) fn standing(seen: &Observation) -> Vec<(usize, usize)> {
         }
         i += 1;
     }
-    // A few may be chance: noise repeats a value where the motion is slower than it. Where the motion is not, it cannot.
-    let same = |c: &&Vec<f64>| (step(c) / (SAME_BY_CHANCE * noise_sd(c)).max(f64::MIN_POSITIVE)).min(1.0);
+    // A few may be noise, which repeats a value where the motion is slower than it. Where the motion is not, it cannot.
+    let same = |c: &&Vec<f64>| (step(c) / (SAME_BY_NOISE * noise_sd(c)).max(f64::MIN_POSITIVE)).min(1.0);
     let expected = seen.len() as f64 * moving.iter().map(same).product::<f64>();
     if runs.len() as f64 <= CHANCES * (1.0 + expected) {
         let clearly = |c: &&Vec<f64>, (first, last): (usize, usize)| {

@@ -1,4 +1,4 @@
-//! The stretches of a record in which nothing but gravity and air acts, whatever unit they are written in.
+//! Free flights of a record: the stretches in which only gravity and air act, in any unit.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use tunenet_core::statistics::median;
 const FEWEST: usize = 5;
 /// A flight is used where noise leaves its acceleration unsure by less than this share of it.
 const MOST_UNSURE: f64 = 0.3;
-/// Flights of one record fall alike to this share, air included, beside what noise leaves unsure.
+/// Flights of one record fall alike to this share, air included, in addition to the uncertainty from noise.
 const ALIKE: f64 = 0.25;
 /// A flight strays from its parabola by less than this many times the noise ...
 const MISFIT_NOISE: f64 = 2.5;
@@ -92,7 +92,7 @@ impl Flights {
             (sure && flight.fit.residual_sd < strays && span(height) > LEAST_RANGE_SHARE * range).then_some(flight)
         };
         let inner = |piece: Range<usize>| {
-            // The sample beside a cut may belong to the other side.
+            // The sample next to a cut may belong to the other side.
             let start = piece.start + usize::from(piece.start > 0);
             start..(piece.end - usize::from(piece.end < clock.len())).max(start)
         };

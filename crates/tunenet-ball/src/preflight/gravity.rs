@@ -1,4 +1,4 @@
-//! Gravity as a record shows it: how fast whatever flies falls, with its interval, and what may be behind a difference.
+//! Apparent gravity of a record: the common acceleration of its flights, with its interval, and possible causes of a difference.
 
 use super::Expected;
 use super::flights::{Flight, Flights};
@@ -9,7 +9,7 @@ use tunenet_core::statistics::{NORMAL_95, UPPER_95, mad_sd, median, student_quan
 
 /// A difference below this share has no practical significance.
 const PRACTICAL: f64 = 0.01;
-/// ... and it has to exceed chance by this many standard deviations: once in a thousand records.
+/// ... and it has to exceed noise by this many standard deviations: once in a thousand records.
 const SIGNIFICANT: f64 = 3.3;
 /// What passes for gravity, as a share of what is expected: air alone halves it for a light ball.
 pub(crate) const PLAUSIBLE: std::ops::Range<f64> = 0.3..2.0;
@@ -47,7 +47,7 @@ impl ApparentGravity {
     pub(crate) fn of(clock: &[f64], heights: &[f64], found: &Flights) -> Option<Self> {
         let flights = &found.flights;
         let samples: usize = flights.iter().map(|f| f.samples.len()).sum();
-        let freedom = samples.checked_sub(2 * flights.len() + 1).filter(|f| *f > 0)? as f64;
+        let degrees_of_freedom = samples.checked_sub(2 * flights.len() + 1).filter(|f| *f > 0)? as f64;
         let weight: f64 = flights.iter().map(|f| f.fit.curvature_gain().powi(-2)).sum();
         let each = Flight::acceleration;
         let value = flights.iter().map(|f| each(f) * f.fit.curvature_gain().powi(-2)).sum::<f64>() / weight;
@@ -69,13 +69,13 @@ impl ApparentGravity {
         }
         let sd = (squares / (samples as f64 - 3.0 * flights.len() as f64).max(1.0)).sqrt();
         let follow = (products / squares.max(f64::MIN_POSITIVE)).clamp(0.0, 0.9);
-        // Short stretches follow each other by chance.
+        // Short stretches follow each other by coincidence.
         let follow = if follow > 2.0 / (samples as f64).sqrt() { (1.0 + follow) / (1.0 - follow) } else { 1.0 };
         let own_sd = |f: &Flight| 2.0 * f.fit.curvature_gain() * sd;
         let scatter: f64 = flights.iter().map(|f| ((each(f) - value) / own_sd(f).max(f64::MIN_POSITIVE)).powi(2)).sum();
         let between = if flights.len() > 1 { (scatter / (flights.len() - 1) as f64).max(1.0) } else { 1.0 };
         let sd_m_s2 = 2.0 * sd / weight.sqrt() * follow.max(between).sqrt();
-        let half = student_quantile(UPPER_95, freedom) * sd_m_s2;
+        let half = student_quantile(UPPER_95, degrees_of_freedom) * sd_m_s2;
         Some(Self {
             value_m_s2: value,
             sd_m_s2,
@@ -91,12 +91,12 @@ impl ApparentGravity {
     #[must_use]
     pub fn pooled(all: &[Self]) -> Option<Self> {
         let middle = median(all.iter().map(|g| g.value_m_s2)).unwrap_or(0.0);
-        let spread = mad_sd(all.iter().map(|g| g.value_m_s2 - middle));
-        let far = |g: &&Self| (g.value_m_s2 - middle).abs() <= FAR * spread.hypot(g.sd_m_s2);
+        let sd = mad_sd(all.iter().map(|g| g.value_m_s2 - middle));
+        let far = |g: &&Self| (g.value_m_s2 - middle).abs() <= FAR * sd.hypot(g.sd_m_s2);
         let near: Vec<Self> = all.iter().filter(far).copied().collect();
         let count = near.len() as f64;
         // One recording does not outweigh all others, however quiet it is: its own camera's error is not in its noise.
-        let weight = |g: &Self| g.sd_m_s2.hypot(spread).max(1e-12).powi(-2);
+        let weight = |g: &Self| g.sd_m_s2.hypot(sd).max(1e-12).powi(-2);
         let total: f64 = near.iter().map(weight).sum();
         let value = near.iter().map(|g| weight(g) * g.value_m_s2).sum::<f64>() / total;
         let scatter: f64 = near.iter().map(|g| weight(g) * (g.value_m_s2 - value).powi(2)).sum();
@@ -124,7 +124,7 @@ impl ApparentGravity {
         format!("{:.*} m/s² (95 %: {:.*} to {:.*})", digits, self.value_m_s2, digits, low, digits, high)
     }
 
-    /// Whether it differs from `expected` by more than chance and by more than anyone tolerates.
+    /// Whether it differs from `expected` by more than noise and by more than the tolerance.
     #[must_use]
     pub fn differs(&self, expected_m_s2: f64) -> bool {
         let difference = (self.value_m_s2 - expected_m_s2).abs();

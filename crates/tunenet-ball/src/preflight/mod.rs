@@ -92,7 +92,7 @@ impl Preflight {
         self.checks.iter().find(|c| c.state == State::Failed)
     }
 
-    /// What a person should know.
+    /// What a user should know.
     #[must_use]
     pub fn notes(&self) -> Vec<Note> {
         self.checks.iter().filter_map(Check::note).collect()
@@ -100,10 +100,10 @@ impl Preflight {
 
     /// Why contacts [cannot be examined](Bounces::can_be_examined), and the other [`notes`](Self::notes).
     #[must_use]
-    pub fn notes_apart(&self) -> (Option<Note>, Vec<Note>) {
-        let unseen = self.bounce_check.filter(|_| self.bounces.is_some_and(|bounces| !bounces.can_be_examined()));
-        let others = self.checks.iter().enumerate().filter(|(i, _)| Some(*i) != unseen);
-        (unseen.and_then(|i| self.checks[i].note()), others.filter_map(|(_, check)| check.note()).collect())
+    pub fn notes_split(&self) -> (Option<Note>, Vec<Note>) {
+        let not_examined = self.bounce_check.filter(|_| self.bounces.is_some_and(|bounces| !bounces.can_be_examined()));
+        let others = self.checks.iter().enumerate().filter(|(i, _)| Some(*i) != not_examined);
+        (not_examined.and_then(|i| self.checks[i].note()), others.filter_map(|(_, check)| check.note()).collect())
     }
 }
 

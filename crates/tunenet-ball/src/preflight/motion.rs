@@ -1,4 +1,4 @@
-//! The motion as a whole: is it that of a ball, who else touches it, when is it let go and when does it rest.
+//! The motion as a whole: is it that of a ball, who else touches it, when is it released and when does it rest.
 
 use super::Expected;
 use super::flights::{Flight, Flights};
@@ -45,7 +45,7 @@ pub(crate) fn like(arcs: &Arcs, flights: &Flights, expected: &Expected) -> Check
         return Check::not_run(KIND, "too few samples without a bounce");
     };
     let gravity = expected.gravity_m_s2;
-    // Five standard deviations: a short noisy flight is none of its own fault.
+    // Five standard deviations: a short noisy flight is not rejected.
     let slack = 5.0 * apparent.sd;
     let plausible = PLAUSIBLE_GRAVITY.start * gravity - slack..PLAUSIBLE_GRAVITY.end * gravity + slack;
     if plausible.contains(&apparent.value) && misfit < WORST_MISFIT_SHARE {

@@ -16,7 +16,7 @@ use tunenet_core::statistics::median;
 const KIND: FindingKind = findings::CLOCK_SKIPPED;
 /// A ball that turns upwards by more than this share of the fastest fall has bounced.
 const BOUNCES_SHARE: f64 = 0.1;
-/// ... beside this many times what noise leaves unsure of the turn.
+/// ... in addition to this many times the uncertainty from noise of the turn.
 const UNSURE: f64 = 3.0;
 /// What falls by less than this share of gravity is held.
 const FALLS_SHARE: f64 = 0.5;
@@ -25,7 +25,7 @@ const LEAST_SHARE: f64 = 0.1;
 /// Fewest samples of a flight that is looked at, and most, since the time grows with their square.
 const SAMPLES: std::ops::Range<usize> = 12..600;
 /// Fewest samples on either side of a leap.
-const BESIDE: usize = 3;
+const MARGIN: usize = 3;
 /// Most frames that one leap skips, and most leaps of one flight.
 const MOST_FRAMES: usize = 4;
 const MOST_LEAPS: usize = 8;
@@ -96,7 +96,7 @@ fn flights(clock: &[f64], heights: &[f64], noise: f64, gravity_m_s2: f64) -> Vec
         });
         before = here.or(before);
     }
-    // The samples beside a bounce may belong to the other side.
+    // The samples next to a bounce may belong to the other side.
     let inner = |p: Range<usize>| {
         let (start, end) = (p.start + usize::from(p.start > 0), p.end - usize::from(p.end < clock.len()));
         start..end.max(start)
@@ -125,7 +125,7 @@ impl Flight<'_> {
         let smooth = (left / n as f64).sqrt() < NOISE_ALONE * self.noise;
         while !smooth && leaps.len() < MOST_LEAPS {
             let stamped = |at: usize| self.clock[at] - self.clock[at - 1] > GAP * self.frame_s;
-            let places = (BESIDE..n - BESIDE).filter(|&at| !stamped(at));
+            let places = (MARGIN..n - MARGIN).filter(|&at| !stamped(at));
             let tried = places.flat_map(|at| (1..=MOST_FRAMES).map(move |frames| (at, frames)));
             let best = tried
                 .map(|(at, frames)| (self.misfit(&self.shifted(&times, at, frames)), at, frames))

@@ -7,12 +7,12 @@ use tunenet_core::observation::Check;
 use tunenet_core::observation::Observation;
 use tunenet_core::observation::{noise_sd, step};
 
-/// Fewest equal values in a row that are no chance.
+/// Fewest equal values in a row that noise does not explain.
 const STANDS: usize = 5;
 
 /// The check of single outliers.
 pub(crate) fn outliers(places: &[usize], kept: bool) -> Check {
-    const KIND: FindingKind = findings::SAMPLES_WILD;
+    const KIND: FindingKind = findings::SAMPLES_OUTLIERS;
     if places.is_empty() {
         return Check::passed(KIND, "no outliers");
     }

@@ -1,4 +1,4 @@
-//! Contacts, located where the flights beside them cross, and the restitution of each.
+//! Contact times by intersecting the flights before and after (least-squares parabolas), and the restitution of each contact.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use tunenet_core::observation::{LocalEstimate, noise_sd, widened};
 
 use super::polynomial::Polynomial;
 
-/// The flights beside a contact are shortened until a parabola explains them to this many times the noise ...
+/// The flights next to a contact are shortened until a parabola explains them to this many times the noise ...
 const LOCAL_MISFIT: f64 = 1.6;
 /// ... but not below this many samples.
 const LOCAL_SAMPLES: usize = 12;
@@ -27,7 +27,7 @@ pub struct Contact {
     pub restitution: Option<LocalEstimate>,
 }
 
-/// Locates every impact where the flights beside it cross and measures its restitution.
+/// Locates every impact where the flights next to it cross and measures its restitution.
 pub(crate) fn contacts(
     clock: &[f64],
     heights: &[f64],
@@ -61,7 +61,7 @@ pub(crate) fn crossing(down: &Polynomial, up: &Polynomial, before: f64, after: f
     if (before - slack..=after + slack).contains(&time) { time } else { before.midpoint(after) }
 }
 
-/// Rebound over approach speed, from the widest samples beside the contact that a parabola of free acceleration explains.
+/// Rebound over approach speed, from the widest samples next to the contact that a parabola of free acceleration explains.
 fn local_restitution(
     clock: &[f64],
     heights: &[f64],
@@ -82,9 +82,9 @@ fn local_restitution(
                 // What the nearer samples alone would say shows how far a parabola fails here; the scatter of few samples
                 // is little known.
                 let stray = fit(length * 2 / 3).map_or(0.0, |nearer| nearer.slope(time_s) - slope);
-                let spread = whole.residual_sd.max(sd) * whole.slope_gain(time_s);
-                let spread = widened(spread.hypot(stray), length as f64 - 3.0);
-                return (length >= 4).then_some((slope, spread));
+                let slope_sd = whole.residual_sd.max(sd) * whole.slope_gain(time_s);
+                let slope_sd = widened(slope_sd.hypot(stray), length as f64 - 3.0);
+                return (length >= 4).then_some((slope, slope_sd));
             }
             length = (length * 4 / 5).max(LOCAL_SAMPLES).min(length - 1);
         }

@@ -46,7 +46,7 @@ impl FirstFall {
         if low > MOST_SAMPLES || rise < LEAST_RISE * range || rise > fallen + LEAST_RISE * range {
             return None;
         }
-        // Whatever is held before it falls is left out. The lowest sample may lie behind the impact already.
+        // What is held before it falls is left out. The lowest sample may lie behind the impact already.
         (0..=low.checked_sub(FEWEST)?).find_map(|begin| {
             let line = |axis: usize, curvature: f64| {
                 Polynomial::fit(&clock[begin..low], &axes[axis][begin..low], clock[begin], Some(curvature))

@@ -1,4 +1,4 @@
-//! Kinks of a ball's path: slope differences between the samples before and after, judged against noise and gravity.
+//! Change-point detection by two-sided slope differences: kinks of a ball's path, tested against noise and gravity.
 //!
 //! In free flight `w = z + g t²/2` is a straight line, so an impact is a kink of `w` upwards.
 
@@ -62,7 +62,7 @@ pub struct Blows {
 impl Kinks {
     pub(crate) fn find(clock: &[f64], axes: &[Vec<f64>; 3], gravity: f64) -> Self {
         let samples = clock.len();
-        let straight: Vec<f64> = clock.iter().zip(&axes[2]).map(|(t, z)| z + gravity / 2.0 * t * t).collect();
+        let without_gravity: Vec<f64> = clock.iter().zip(&axes[2]).map(|(t, z)| z + gravity / 2.0 * t * t).collect();
         let sd = [0, 1, 2].map(|axis| noise_sd(&axes[axis]));
         let half = window(clock, &axes[2], sd[2], gravity);
         if samples < 2 * half + 1 {
@@ -81,7 +81,7 @@ impl Kinks {
         let profile = |values: &[f64]| -> Vec<(f64, f64, f64)> {
             range.clone().map(|k| jump(values, k).unwrap_or((0.0, 0.0, 0.0))).collect()
         };
-        // A kink stands out of the noise, of gravity's own bend, and of whatever the whole record shows.
+        // A kink stands out of the noise, of gravity's own bend, and of what the whole record shows.
         let judged = |profile: &[(f64, f64, f64)], sd: f64, least: f64| -> Vec<(f64, bool)> {
             let typical = typical(profile.iter().map(|p| p.0.abs())) * KINK_OVER_TYPICAL;
             let limit = |&(_, gain, span): &(f64, f64, f64)| {
@@ -89,7 +89,7 @@ impl Kinks {
             };
             profile.iter().map(|p| (p.0, p.0 > limit(p))).collect()
         };
-        let up = judged(&profile(&straight), sd[2], 0.0);
+        let up = judged(&profile(&without_gravity), sd[2], 0.0);
         let speed = median(range.clone().map(|k| {
             let along = |axis: usize| {
                 (axes[axis][k + half] - axes[axis][k + 1 - half]) / (clock[k + half] - clock[k + 1 - half])
@@ -113,7 +113,8 @@ impl Kinks {
         let (mut impacts, mut blows) = (Vec::new(), Vec::new());
         let mut surface: Option<f64> = None;
         let (sharp, aside) = (peaks(&up), peaks(&across));
-        let lasting = lasting(clock, [&axes[0], &axes[1], &straight], &[sharp.as_slice(), &aside].concat(), half);
+        let lasting =
+            lasting(clock, [&axes[0], &axes[1], &without_gravity], &[sharp.as_slice(), &aside].concat(), half);
         let stays = |mut kinks: Vec<usize>| {
             kinks.retain(|k| lasting.contains(k));
             kinks
@@ -122,7 +123,7 @@ impl Kinks {
         // A weak rebound, seen by few frames, stands out from nothing; the fewest parabolas still end there.
         let places = if sharp.is_empty() { cuts(clock, &axes[2], &range) } else { sharp };
         for k in places {
-            let lines = (slope(&straight, k + 1 - half..k + 1), slope(&straight, k + 1..k + 1 + half));
+            let lines = (slope(&without_gravity, k + 1 - half..k + 1), slope(&without_gravity, k + 1..k + 1 + half));
             let (Some(before), Some(after)) = lines else { continue };
             let time = crossing(&before, &after, clock[k], clock[k + 1]);
             let height = before.at(time) - gravity / 2.0 * time * time;
@@ -161,15 +162,15 @@ impl Kinks {
     }
 
     /// The sample at which a first bounce begins that is too near the end for a flight after it: the ball falls to it and
-    /// rises after it, which no flight does. The record ends there then, and what seemed a kink beside it is none.
+    /// rises after it, which no flight does. The record ends there then, and a seeming kink next to it is not one.
     pub(crate) fn take_late(&mut self, heights: &[f64]) -> Option<usize> {
         let last = heights.len().checked_sub(LATE_SAMPLES).filter(|from| *from >= LEAST_BEFORE_LATE)?;
         let low = (last..heights.len()).min_by(|&a, &b| heights[a].total_cmp(&heights[b]))?;
         let clear = LATE_RISE * noise_sd(heights) + LATE_SHARE * span(heights);
         let highest = heights[low..].iter().fold(f64::NEG_INFINITY, |high, z| high.max(*z));
         let falls = heights[low - 2] > heights[low - 1] && heights[low - 1] > heights[low] + clear;
-        let beside = |k: &usize| k + self.blind + 1 >= low;
-        if !falls || highest < heights[low] + clear || !self.impacts.iter().all(beside) {
+        let near_end = |k: &usize| k + self.blind + 1 >= low;
+        if !falls || highest < heights[low] + clear || !self.impacts.iter().all(near_end) {
             return None;
         }
         let blind = self.blind;
@@ -243,6 +244,6 @@ fn typical(values: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let at = |place: usize| sorted.get(place).copied().unwrap_or(0.0);
-    // Half of a normal distribution's absolute values lie below .6745 standard deviations, a quarter below .3186.
+    // Half of a normal distribution's absolute values lie below 0.6745 standard deviations, a quarter below 0.3186.
     (at(sorted.len() / 2) / 0.6745).min(at(sorted.len() / 4) / 0.3186)
 }

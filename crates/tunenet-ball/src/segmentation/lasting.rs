@@ -1,8 +1,7 @@
-//! Whether a sudden change of velocity lasts.
+//! Test of a change point: whether a sudden change of velocity persists in wider windows.
 //!
-//! A few samples beside the path, as of a tracker that loses its ball for a moment, bend the slopes of a narrow window as a
-//! blow does. After a blow the body flies on with another velocity, whatever the window; after a stumble of the tracker the
-//! old one is back.
+//! A few samples off the path, as of a tracker that loses its ball for a moment, change the slopes of a narrow window as an
+//! impact does. After an impact the velocity is different in any window; after a tracking error it is the old one again.
 
 use std::ops::Range;
 
@@ -36,7 +35,7 @@ pub(crate) fn lasting(clock: &[f64], axes: [&[f64]; 3], kinks: &[usize], half: u
         kinks.iter().filter_map(|&k| around(k, half, half).map(|j| (dot(&j, &j), k, j))).collect();
     strongest.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut kept: Vec<usize> = Vec::new();
-    // A weaker change may be the doing of a stronger one beside it, so that one bounds its windows, and not the other way.
+    // A weaker change may be caused by a stronger one next to it, so that one bounds its windows, and not the other way.
     for (square, k, narrow) in strongest {
         let begin = kept.iter().filter(|&&other| other < k).max().map_or(0, |other| other + 1);
         let end = kept.iter().filter(|&&other| other > k).min().map_or(clock.len(), |other| other + 1);

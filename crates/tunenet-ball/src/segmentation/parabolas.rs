@@ -1,6 +1,6 @@
-//! Cutting a record into the fewest parabolas that explain it, with no gravity assumed.
+//! Optimal partitioning (Jackson et al. 2005) of a record into the fewest parabolas that explain it, without assuming gravity.
 //!
-//! Dynamic programming over all places to cut (optimal partitioning, Jackson et al. 2005): the least sum of squared
+//! Dynamic programming over all cuts: the least sum of squared
 //! residuals in units of the noise, plus a price for each piece. Flights come out as pieces of equal curvature, a ball that
 //! is held or rests as pieces without any.
 
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn a_hop_is_cut_where_it_lands() {
         let clock: Vec<f64> = (0..60).map(|i| f64::from(i) / 60.0).collect();
-        // Two hops that land at .5 s, and the same in millimetres.
+        // Two hops that land at 0.5 s, and the same in millimetres.
         let heights: Vec<f64> = clock
             .iter()
             .map(|t| {

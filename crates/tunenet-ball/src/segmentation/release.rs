@@ -1,4 +1,4 @@
-//! When a ball was let go.
+//! Release time of a ball: the first flight, extended backwards while one parabola explains it.
 
 use super::polynomial::Polynomial;
 use super::span;

@@ -4,7 +4,7 @@ use tunenet_core::observation::{Kind, Observation};
 
 /// How long the height has to follow a straight line, s; a flight of this length leaves it by centimetres.
 const WINDOW_S: f64 = 0.25;
-/// Bounces lower than this share of the range of heights tell nothing that the earlier ones do not.
+/// Bounces lower than this share of the range of heights add no information to the earlier ones.
 const LOW_SHARE: f64 = 2e-3;
 /// ... nor do those slower than 0.1 m/s, m.
 const LOW_M: f64 = 5e-4;

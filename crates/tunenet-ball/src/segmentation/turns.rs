@@ -1,4 +1,4 @@
-//! When a ball bounced, from a track of unknown scale.
+//! Bounce times from a track of unknown scale: change points of the slope, and the intersection of adjacent flights.
 //!
 //! A camera shows a ball that comes nearer larger and lower, so that heights read off its picture drift; but a bounce stays
 //! a kink, and the instant at which two flights cross is the same in every picture.
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use tunenet_core::camera::Pinhole;
 
-    /// Heights after a fall of .6 m and rebounds by `e`, from the closed form, and when it bounced.
+    /// Heights after a fall of 0.6 m and rebounds by `e`, from the closed form, and when it bounced.
     fn drop(e: f64, clock: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let fall = (1.2_f64 / 9.81).sqrt();
         let bounce = |k: i32| fall + 2.0 * fall * (1..=k).map(|i| e.powi(i)).sum::<f64>();

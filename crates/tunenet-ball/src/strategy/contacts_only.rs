@@ -9,7 +9,7 @@ use tunenet_core::diagnose::{
 use tunenet_core::observation::{Kind, Note};
 use tunenet_core::simulator::{Effect, Phase, Preparation, Simulator, measurement_effects};
 
-use super::detrended_flights::straighten;
+use super::detrended_flights::detrend;
 use super::flights_only::crowded;
 use super::variants;
 use crate::wording::WORDING;
@@ -22,8 +22,8 @@ const WIDER: [f64; 3] = [1.0, 2.0, 3.0];
 /// Fewer recordings leave a choice at most.
 const FEWEST_RECORDINGS: usize = 3;
 
-/// Contacts only, the flights straightened and the spin at the start unknown. Explains nothing where no contact surely takes
-/// speed along the surface, or where what explains that could be the camera's doing as well.
+/// Contacts only, the flights de-trended and the spin at the start unknown. Explains nothing where no contact surely takes
+/// speed along the surface, or where the camera could explain that as well.
 pub struct ContactsOnly;
 
 impl Strategy for ContactsOnly {
@@ -65,39 +65,39 @@ impl Strategy for ContactsOnly {
     }
 }
 
-/// The explanation where flights are straightened with velocities so many times less certain, and how many recordings it
+/// The explanation where flights are de-trended with velocities so many times less certain, and how many recordings it
 /// rests on.
 fn of_contacts(problem: &Problem, spinning: &[Box<dyn Simulator>], wider: f64) -> Result<Option<(Explanation, usize)>> {
-    let (mut straight, mut beyond_tilt) = (Vec::new(), 0.0);
+    let (mut detrended, mut beyond_tilt) = (Vec::new(), 0.0);
     for recording in problem.recordings() {
-        if let Some((made, beyond)) = straightened(spinning, recording, problem.settings().seed, wider)? {
-            straight.push(made);
+        if let Some((made, beyond)) = detrended_recording(spinning, recording, problem.settings().seed, wider)? {
+            detrended.push(made);
             beyond_tilt += beyond;
         }
     }
-    let used = straight.iter().filter(|recording| !recording.held_out()).count();
+    let used = detrended.iter().filter(|recording| !recording.held_out()).count();
     // One of two recordings may not be chosen because it shows what the other does not.
-    if used == 0 || straight.len() < problem.recordings().len() {
+    if used == 0 || detrended.len() < problem.recordings().len() {
         return Ok(None);
     }
-    // What contacts change to either side is no tilt's doing.
+    // A tilt does not explain changes to either side.
     let no_tilt = beyond_tilt > problem.settings().margin;
     let at_contact = |effect: &Effect| {
         let tilts = effect.mistaken_for.contains(&CAMERA_TILT);
         effect.phase == Phase::Event && !effect.random && !(no_tilt && tilts)
     };
     let settings = Settings { most_effects: 1, ..problem.settings().clone() };
-    let Ok(explained) = problem.explain(spinning, straight, &settings, &at_contact) else { return Ok(None) };
+    let Ok(explained) = problem.explain(spinning, detrended, &settings, &at_contact) else { return Ok(None) };
     let answer = &explained.diagnosis;
-    let told = matches!(answer.verdict, Verdict::Named | Verdict::OneOf) && !answer.effects.is_empty();
+    let named = matches!(answer.verdict, Verdict::Named | Verdict::OneOf) && !answer.effects.is_empty();
     let seen_so: Vec<&str> = measurement_effects(Kind::Positions).iter().map(|e| e.name).collect();
     let by_camera = answer.effects.iter().any(|n| n.effect.mistaken_for.iter().any(|o| seen_so.contains(o)));
-    Ok((told && !by_camera).then_some((explained, used)))
+    Ok((named && !by_camera).then_some((explained, used)))
 }
 
-/// A recording whose flights are straightened under the gravity of its scene, where that shows something, and what no tilt
+/// A recording whose flights are de-trended under the gravity of its scene, where that shows something, and what no tilt
 /// explains of it.
-fn straightened(
+fn detrended_recording(
     spinning: &[Box<dyn Simulator>],
     recording: &PreparedRecording,
     seed: u64,
@@ -106,23 +106,23 @@ fn straightened(
     let measured = recording.prepared();
     let segmentation = measured.segmentation.as_ref();
     let Some(gravity) = segmentation.and_then(|known| known.free_acceleration()).map(|a| -a) else { return Ok(None) };
-    let Some(straight) = straighten(&measured.seen, recording.events(), gravity, (seed, wider)) else {
+    let Some(detrended) = detrend(&measured.seen, recording.events(), gravity, (seed, wider)) else {
         return Ok(None);
     };
-    let Preparation::Usable(mut prepared) = spinning[recording.object()].prepare(&straight.ideal)? else {
+    let Preparation::Usable(mut prepared) = spinning[recording.object()].prepare(&detrended.ideal)? else {
         return Ok(None);
     };
     // Contacts are known; they are not to be looked for again in what strays.
     let contacts = prepared.events.clone();
     let (Some(first), count) = (prepared.seen.clock().first().copied(), prepared.seen.len()) else { return Ok(None) };
-    let begin = straight.seen.clock().partition_point(|t| *t < first - 1e-9);
-    let Ok(seen) = straight.seen.slice(begin..(begin + count).min(straight.seen.len())) else { return Ok(None) };
+    let begin = detrended.seen.clock().partition_point(|t| *t < first - 1e-9);
+    let Ok(seen) = detrended.seen.slice(begin..(begin + count).min(detrended.seen.len())) else { return Ok(None) };
     prepared.seen = seen;
-    let made = recording.remade(*prepared).with_events(contacts).with_noise(&straight.noise);
-    Ok(Some((made, straight.beyond_tilt)))
+    let made = recording.remade(*prepared).with_events(contacts).with_noise(&detrended.noise);
+    Ok(Some((made, detrended.beyond_tilt)))
 }
 
-/// One throw leaves whatever lies within ten times the usual margin. Here the alternatives are what acts at contacts alone, so
+/// One throw leaves what lies within ten times the usual margin. Here the alternatives are what acts at contacts only, so
 /// beyond the usual margin only those are left that the catalogue says can be mistaken for the one named.
 fn keep_kin(answer: &mut Diagnosis, margin: f64) {
     for place in &mut answer.effects {

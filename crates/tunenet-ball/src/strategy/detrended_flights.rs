@@ -1,9 +1,9 @@
 //! De-trended flights: what a recording would have been, had nothing but gravity acted between contacts.
 //!
-//! How fast a ball moves right before and right after a contact shows whatever acts in flight and however the camera bends
-//! it, as long as that is smooth. So each flight is described by a polynomial of its own; the change of velocity along the
-//! surface at each contact is kept, and the flights in between become parabolas of gravity alone, with noise as large as
-//! makes velocities as uncertain as they are.
+//! The velocities right before and after a contact show the contact's effect, independent of forces in flight and of the
+//! camera's distortion, as long as these are smooth. So each flight is described by a polynomial of its own; the change of
+//! velocity along the surface at each contact is kept, and the flights in between become parabolas under gravity only, with
+//! noise that gives the velocities the uncertainty they have.
 
 use std::ops::Range;
 
@@ -28,10 +28,10 @@ const MOST_LASTING: f64 = 2.0;
 const SURE: f64 = 4.0;
 const SHARE: f64 = 0.1;
 /// Ends this near to landing, as a share of the flight, are left out: the next contact is not seen.
-const ALOFT_SHARE: f64 = 0.95;
+const AIRBORNE_SHARE: f64 = 0.95;
 
-/// A straightened recording.
-pub(super) struct Straight {
+/// A de-trended recording.
+pub(super) struct Detrended {
     /// With noise as large as makes velocities as uncertain as they are.
     pub seen: Observation,
     /// Without, on the same clock.
@@ -57,10 +57,10 @@ struct Flight {
     axes: [Along; 3],
 }
 
-/// Straightens `seen`, positions with z up, between `contacts` under gravity `g` (m/s², downwards). `None` where nothing falls, flights are too few or
+/// De-trends `seen`, positions with z up, between `contacts` under gravity `g` (m/s², downwards). `None` where nothing falls, flights are too few or
 /// too short, or where no contact surely takes speed along the surface. Noise is drawn from `seed`, and `wider` times as large as
 /// the velocities need.
-pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wider): (u64, f64)) -> Option<Straight> {
+pub(super) fn detrend(seen: &Observation, contacts: &[f64], g: f64, (seed, wider): (u64, f64)) -> Option<Detrended> {
     if g <= 0.0 {
         return None;
     }
@@ -71,7 +71,7 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wi
     if chain.len() < 2 {
         return None;
     }
-    let lean = lean(seen, &chain);
+    let slope = scale_slope(seen, &chain);
     let middle = mean(chain.iter().flat_map(|f| f.range.clone()).map(|k| seen.row(k)[0]));
     let across = mean(chain.iter().flat_map(|f| f.range.clone()).map(|k| seen.row(k)[1]));
     let normal: Vec<(f64, f64)> = chain.windows(2).map(|w| (-w[0].axes[2].end.0, w[1].axes[2].begin.0)).collect();
@@ -86,15 +86,15 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wi
         let (before, after) = (pair[0], pair[1]);
         let at = |axis: usize| before.range.end.checked_sub(1).map_or(0.0, |k| seen.row(k)[axis]);
         let weight = (leverage(before) + leverage(after)).sqrt();
-        let kick = normal[i].0 + normal[i].1;
+        let normal_change = normal[i].0 + normal[i].1;
         let (mut change, mut variance, mut speed, mut along) = (0.0, 0.0f64, 0.0, 0.0);
         let mut doubts = [0.0f64; 2];
         for axis in 0..2 {
             let ((u, a), (v, b)) = (before.axes[axis].end, after.axes[axis].begin);
-            let leaning = lean * (at(axis) - [middle, across][axis]) * kick;
+            let leaning = slope * (at(axis) - [middle, across][axis]) * normal_change;
             let sd = (a + b + leaning.powi(2)).sqrt();
             doubts[axis] = sd / weight;
-            tilts[axis].add(v - u, kick, sd);
+            tilts[axis].add(v - u, normal_change, sd);
             let last = *speeds[axis].last()?;
             speeds[axis].push(last + v - u);
             change += (v - u).powi(2);
@@ -123,7 +123,7 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wi
     for (i, flight) in chain.iter().enumerate() {
         let measured = flight.span.1 - flight.span.0;
         let length = if i == 0 { measured } else { 2.0 * rise / g };
-        let shown = if i + 1 == chain.len() { measured.min(ALOFT_SHARE * length) } else { length };
+        let shown = if i + 1 == chain.len() { measured.min(AIRBORNE_SHARE * length) } else { length };
         let count = flight.range.len();
         let [x, y, z] = [0, 1, 2].map(|_| white(count, &mut draw));
         for (j, white) in x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).enumerate() {
@@ -146,29 +146,33 @@ pub(super) fn straighten(seen: &Observation, contacts: &[f64], g: f64, (seed, wi
     }
     let ideal = Observation::positions(clock.clone(), &ideals).ok()?;
     let seen = Observation::positions(clock, &rows).ok()?;
-    Some(Straight { seen, ideal, noise: noise.to_vec(), beyond_tilt })
+    Some(Detrended { seen, ideal, noise: noise.to_vec(), beyond_tilt })
 }
 
-/// Changes of speed along one axis beside those across the surface: a tilt, of surface or camera, turns some of the one into
+/// Changes of speed along one axis and those across the surface: a tilt, of surface or camera, turns some of the one into
 /// the other, always to the same side.
 #[derive(Default)]
 struct Tilt {
     both: f64,
-    kicks: f64,
+    normal_changes: f64,
     changes: f64,
 }
 
 impl Tilt {
-    fn add(&mut self, change: f64, kick: f64, sd: f64) {
+    fn add(&mut self, change: f64, normal_change: f64, sd: f64) {
         if sd > 0.0 {
-            self.both += change * kick / (sd * sd);
-            self.kicks += kick * kick / (sd * sd);
+            self.both += change * normal_change / (sd * sd);
+            self.normal_changes += normal_change * normal_change / (sd * sd);
             self.changes += change * change / (sd * sd);
         }
     }
 
     fn left(&self) -> f64 {
-        if self.kicks > 0.0 { (self.changes - self.both * self.both / self.kicks).max(0.0) } else { 0.0 }
+        if self.normal_changes > 0.0 {
+            (self.changes - self.both * self.both / self.normal_changes).max(0.0)
+        } else {
+            0.0
+        }
     }
 }
 
@@ -248,11 +252,11 @@ fn leverage(flight: &Flight) -> f64 {
     12.0 / (flight.range.len() as f64 * length * length)
 }
 
-/// How much the picture's scale may change with height, 1/m, at the most: a camera that looks down leans what rises, which
+/// How much the picture's scale may change with height, 1/m, at the most: a camera that looks down tilts what rises, which
 /// looks like a change of speed along the surface. Flights show it as they bend otherwise at their tops than near the ground.
-fn lean(seen: &Observation, chain: &[&Flight]) -> f64 {
+fn scale_slope(seen: &Observation, chain: &[&Flight]) -> f64 {
     let low = chain.iter().flat_map(|f| f.range.clone()).map(|k| seen.row(k)[2]).fold(f64::INFINITY, f64::min);
-    let (mut both, mut square, mut left, mut freedom) = (0.0, 0.0, 0.0, 0.0);
+    let (mut both, mut square, mut left, mut degrees_of_freedom) = (0.0, 0.0, 0.0, 0.0);
     for flight in chain {
         let times: Vec<f64> = flight.range.clone().map(|k| seen.clock()[k] - flight.span.0).collect();
         let heights = DVector::from_iterator(times.len(), flight.range.clone().map(|k| seen.row(k)[2] - low));
@@ -265,12 +269,12 @@ fn lean(seen: &Observation, chain: &[&Flight]) -> f64 {
         both -= shape.dot(&strays);
         square += shape.norm_squared();
         left += strays.norm_squared();
-        freedom += (times.len() - terms) as f64;
+        degrees_of_freedom += (times.len() - terms) as f64;
     }
     if square <= 0.0 {
         return 0.0;
     }
-    let sd = (left / f64::max(freedom, 1.0) / square).sqrt();
+    let sd = (left / f64::max(degrees_of_freedom, 1.0) / square).sqrt();
     (both / square).abs() + 2.0 * sd
 }
 
@@ -280,7 +284,7 @@ mod tests {
 
     const G: f64 = 9.81;
 
-    /// Three flights at 30 Hz with restitution .7 that a push of -.6 m/s² slows all the way, each contact keeping `kept` of
+    /// Three flights at 30 Hz with restitution 0.7 that a push of -0.6 m/s² slows all the way, each contact keeping `kept` of
     /// the speed along the surface; noise of 1 mm.
     fn throw(kept: [f64; 2]) -> (Observation, Vec<f64>) {
         let mut draw = ChaCha8Rng::seed_from_u64(5);
@@ -309,24 +313,24 @@ mod tests {
     #[test]
     fn a_push_in_flight_is_no_loss_at_contact() {
         let (seen, contacts) = throw([1.0, 1.0]);
-        assert!(straighten(&seen, &contacts, G, (0, 1.0)).is_none());
+        assert!(detrend(&seen, &contacts, G, (0, 1.0)).is_none());
     }
 
     #[test]
     fn what_contacts_take_stays_and_what_flights_take_goes() {
         let (seen, contacts) = throw([0.6, 1.0]);
-        let straight = straighten(&seen, &contacts, G, (0, 1.0)).unwrap();
-        assert!(straight.noise[0] > 0.001 && straight.noise[1] == 0.0, "{:?}", straight.noise);
+        let detrended = detrend(&seen, &contacts, G, (0, 1.0)).unwrap();
+        assert!(detrended.noise[0] > 0.001 && detrended.noise[1] == 0.0, "{:?}", detrended.noise);
         // 1.2 m/s less the push until the first contact; no push is left, so that speed stays until there.
         let fall = contacts[0];
         let before = 1.2 - 0.6 * fall;
-        let x: Vec<f64> = straight.seen.column(0).collect();
-        let first = straight.seen.clock().partition_point(|t| *t < fall);
-        let clock = straight.seen.clock();
+        let x: Vec<f64> = detrended.seen.column(0).collect();
+        let first = detrended.seen.clock().partition_point(|t| *t < fall);
+        let clock = detrended.seen.clock();
         let slope = |a: usize, b: usize| (x[b] - x[a]) / (clock[b] - clock[a]);
         assert!((slope(0, first - 1) - before).abs() < 0.2 * before);
         assert!((slope(first + 1, first + 12) - 0.6 * before).abs() < 0.2 * before);
-        // One loss and then none, whatever the speeds across the surface, is no tilt.
-        assert!(straight.beyond_tilt > 6.0, "{}", straight.beyond_tilt);
+        // One loss and then none, at any speed across the surface, is no tilt.
+        assert!(detrended.beyond_tilt > 6.0, "{}", detrended.beyond_tilt);
     }
 }

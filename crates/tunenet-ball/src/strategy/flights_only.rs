@@ -63,8 +63,8 @@ pub(super) fn crowded(problem: &Problem, whole: &Diagnosis) -> bool {
 /// What the flights of so many recordings say of the recordings as they are; `None` where they name nothing that has to be there.
 fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: usize) -> Option<Explanation> {
     let mut answer = explained.diagnosis;
-    let told = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
-    if !told || !answer.effects.iter().all(|named| named.effect.certain()) {
+    let named = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
+    if !named || !answer.effects.iter().all(|one| one.effect.required()) {
         return None;
     }
     if used < FEWEST_RECORDINGS && answer.verdict == Verdict::Named {
@@ -77,24 +77,24 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
         let before = answer.explained[..i].iter().filter(|other| other.recording == recording).count();
         answer.explained[i].segment = Some(before + 1);
     }
-    answer.parameters = whole.parameters.iter().map(|tuned| beside_contacts(tuned, problem)).collect();
+    answer.parameters = whole.parameters.iter().map(|tuned| next_to_contacts(tuned, problem)).collect();
     answer.notes.push(Note::new(
         findings::FLIGHTS_ALONE,
         "the recordings as a whole are not explained: they differ from throw to throw, as by spin, or at contacts. \
          Their flights were judged alone, each with a spin of its own, and parameters of contacts are read off the \
-         samples beside them",
+         samples next to them",
         "record throws without spin to learn more of the contacts",
     ));
     Some(Explanation { diagnosis: answer, ..explained })
 }
 
-/// Makes a lone name one of two, with the candidate that comes next.
+/// Turns a single name into a set of two, with the next candidate.
 fn leave_open(problem: &Problem, answer: &mut Diagnosis) {
     let effects = problem.subjects()[0].simulator.effects();
-    let unlikely = |name: &str| effects.iter().any(|e| e.name == name && e.unlikely.is_some());
-    let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !unlikely(c.name)).map(|c| c.name);
+    let implausible = |name: &str| effects.iter().any(|e| e.name == name && e.implausible.is_some());
+    let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !implausible(c.name)).map(|c| c.name);
     let next = next.filter(|name| !answer.names.contains(name)).take(1).collect::<Vec<_>>();
-    // A lone name is one effect's.
+    // A single name belongs to one effect.
     if let Some(named) = answer.effects.first_mut() {
         named.alternatives.extend(&next);
     }
@@ -123,8 +123,8 @@ fn flight(
     Ok(Some(recording.remade(*prepared).with_raised_noise()))
 }
 
-/// A parameter as the samples beside the contacts alone have it, where they do.
-fn beside_contacts(tuned: &Tuned, problem: &Problem) -> Tuned {
+/// A parameter estimated from the samples next to the contacts only, if they determine it.
+fn next_to_contacts(tuned: &Tuned, problem: &Problem) -> Tuned {
     let parameters = problem.subjects()[tuned.object].simulator.parameters();
     let Some(i) = parameters.iter().position(|p| p.name == tuned.name) else { return tuned.clone() };
     let mine = problem.recordings().iter().filter(|r| r.object() == tuned.object && !r.held_out());
@@ -136,9 +136,9 @@ fn beside_contacts(tuned: &Tuned, problem: &Problem) -> Tuned {
     }
     let squares: f64 = each.iter().map(|l| ((l.value - value) / l.sd).powi(2)).sum();
     // Where recordings differ by more than they should, the mean is known less well.
-    let spread = (squares / (each.len() as f64 - 1.0).max(1.0)).max(1.0);
-    let reach = NORMAL_95 * (spread / weight).sqrt();
+    let variance = (squares / (each.len() as f64 - 1.0).max(1.0)).max(1.0);
+    let half_width = NORMAL_95 * (variance / weight).sqrt();
     let p = &parameters[i];
-    let interval95 = ((value - reach).max(p.min), (value + reach).min(p.max));
+    let interval95 = ((value - half_width).max(p.min), (value + half_width).min(p.max));
     Tuned { value: value.clamp(p.min, p.max), interval95, ..tuned.clone() }
 }

@@ -1,4 +1,4 @@
-//! What was measured, as one value: rates beside their goals.
+//! What was measured, as one value: rates and their goals.
 
 use std::collections::BTreeMap;
 

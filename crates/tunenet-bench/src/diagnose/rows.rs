@@ -12,7 +12,7 @@ const SETS_PER_PIECE: u64 = 10;
 #[derive(Debug, Clone)]
 pub struct DiagnoseCell {
     pub row: DiagnoseRow,
-    /// Tells it from every other cell; its draws follow from this name.
+    /// Unique among all cells; its draws follow from this name.
     pub name: String,
     pub recipe: Recipe,
     /// The first of its sets, and how many.
@@ -46,7 +46,7 @@ impl DiagnoseRow {
     /// Every row, in the order of the tables.
     pub const ALL: [Self; 12] = [
         Self::Clean,
-        Self::Coloured,
+        Self::Autocorrelated,
         Self::Outliers,
         Self::Dropped,
         Self::Ratio1,
@@ -62,7 +62,7 @@ impl DiagnoseRow {
     pub fn name(self) -> &'static str {
         match self {
             Self::Clean => "clean",
-            Self::Coloured => "coloured",
+            Self::Autocorrelated => "coloured",
             Self::Outliers => "outliers",
             Self::Dropped => "dropped",
             Self::Ratio1 => "ratio-1",
@@ -80,7 +80,7 @@ impl DiagnoseRow {
     pub fn title(self) -> &'static str {
         match self {
             Self::Clean => "nothing hidden, white noise",
-            Self::Coloured => "nothing hidden, AR(1) noise with ρ 0.3 and 0.5",
+            Self::Autocorrelated => "nothing hidden, AR(1) noise with ρ 0.3 and 0.5",
             Self::Outliers => "nothing hidden, 1 % of the samples 5 to 30 σ off",
             Self::Dropped => "nothing hidden, 15 % of the frames missing",
             Self::Ratio1 => "one effect of the catalogue, as large as the noise",
@@ -107,7 +107,7 @@ impl DiagnoseRow {
 
     /// Whether nothing is hidden in its sets.
     pub fn is_clean(self) -> bool {
-        matches!(self, Self::Clean | Self::Coloured | Self::Outliers | Self::Dropped)
+        matches!(self, Self::Clean | Self::Autocorrelated | Self::Outliers | Self::Dropped)
     }
 
     /// The cells of this row.
@@ -120,7 +120,7 @@ impl DiagnoseRow {
                     cells.add(&format!("{drops}"), vec![], 0.0, drops, white, counts.clean / 3);
                 }
             }
-            Self::Coloured => {
+            Self::Autocorrelated => {
                 for colour in [0.3, 0.5] {
                     let noise = Noise { colour, ..white };
                     cells.add(&format!("{colour}"), vec![], 0.0, 3, noise, counts.clean / 2);
@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(names.len(), all.len());
         let clean = |row: DiagnoseRow| row.cells(Counts::WHOLE).iter().map(|c| c.count).sum::<u64>();
         assert!(
-            [DiagnoseRow::Clean, DiagnoseRow::Coloured, DiagnoseRow::Outliers, DiagnoseRow::Dropped]
+            [DiagnoseRow::Clean, DiagnoseRow::Autocorrelated, DiagnoseRow::Outliers, DiagnoseRow::Dropped]
                 .into_iter()
                 .all(|row| clean(row) >= 300)
         );

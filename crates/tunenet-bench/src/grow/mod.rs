@@ -91,7 +91,7 @@ fn measured(options: &BenchGrow, pairs: u64, step: &mut dyn FnMut()) -> Result<S
         .map(|index| Ok(shard::file(&merged, tunenet_core::network::Shard::new(index, SHARDS)?)))
         .collect::<Result<_>>()?;
     let files = || [&whole, &merged, &model].into_iter().chain(&parts);
-    // Whatever an interrupted run left there would be gone on with, and cost too little.
+    // Files of an interrupted run would be resumed, so the cost would be too small.
     files().try_for_each(|file| clear(file))?;
     let (number, seed) = (pairs.to_string(), options.common.seed.to_string());
     let spent = |arguments: &[&str]| -> Result<Spent> { Ok(process::run_on(options.threads, arguments)?.into()) };

@@ -18,7 +18,7 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<ShotResults>>
 pub fn markdown(results: &ShotResults) -> String {
     let quick = if results.quick { " --quick" } else { "" };
     format!(
-        "# Figure 3: how often a ball that was filmed goes through the hoop\n\n    \
+        "# Figure 3: how often a ball recorded on video goes through the hoop\n\n    \
          tunenet bench paper --only figure3{quick} --seed {}\n\n\
          {} shots with each ball, in hidden worlds; ± the standard error. The paper reports 0.62 of all shots of a real robot, \
          and 0.87 without those after drops that went off the table (arXiv 1907.11200). The same shots as `tunenet bench shot`'s, \

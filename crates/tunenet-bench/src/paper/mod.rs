@@ -1,4 +1,4 @@
-//! `tunenet bench paper`: the published tables and figures, beside what this program and its rivals reach.
+//! `tunenet bench paper`: the published tables and figures, next to the results of this program and its rivals.
 
 mod figure3;
 mod table1;

@@ -1,7 +1,7 @@
 //! `tunenet bench preflight`: how much of what may be wrong with a record is found, and how often a good one is blamed.
 
+mod faults;
 mod motion;
-mod spoil;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -21,8 +21,8 @@ use tunenet_core::observation::{Check, State};
 use super::resume::Store;
 use crate::args::{BenchPreflight, Measured};
 use crate::resume::program;
+use faults::KINDS;
 use motion::Record;
-use spoil::KINDS;
 use tunenet_cli::failure::Exit;
 use tunenet_cli::view::answer;
 use tunenet_cli::view::json::print_json;
@@ -72,7 +72,7 @@ impl Said {
 
 pub fn run(options: &BenchPreflight) -> Result<Exit> {
     let (records, seed) = (options.count() as usize, options.common.seed);
-    // The version alone would not tell a rebuilt program from the one that made a piece.
+    // The version number does not distinguish a rebuilt program from the one that made a piece.
     let store = Store::open(&options.out, json!({ "program": program()?, "seed": seed }), &options.sharing)?;
     let bar = progress((records * (KINDS.len() + 1)) as u64, "records");
     let random = |kind: usize, number: usize| {
@@ -82,7 +82,7 @@ pub fn run(options: &BenchPreflight) -> Result<Exit> {
     };
     let said = |number: usize| {
         bar.inc(1);
-        let (record, expected, air) = spoil::good(&mut random(KINDS.len(), number));
+        let (record, expected, air) = faults::good(&mut random(KINDS.len(), number));
         Ok(Said::of(&checked(record, &expected)?, air))
     };
     let good: Vec<Said> = pieces(&store, "good", records, &said)?;

@@ -184,20 +184,20 @@ impl Ball {
 
     /// One step of Runge and Kutta's.
     fn flown(&self, setup: &Setup, step: f64) -> ([f64; 3], [f64; 3]) {
-        let pull = |v: [f64; 3]| {
+        let acceleration = |v: [f64; 3]| {
             let speed = v.iter().map(|c| c * c).sum::<f64>().sqrt();
             let air = setup.drag_1_m * speed;
             [-air * v[0], -air * v[1], -air * v[2] - GRAVITY_M_S2]
         };
         let along = |a: [f64; 3], b: [f64; 3], h: f64| [a[0] + h * b[0], a[1] + h * b[1], a[2] + h * b[2]];
         let v = self.velocity;
-        let a1 = pull(v);
+        let a1 = acceleration(v);
         let v2 = along(v, a1, step / 2.0);
-        let a2 = pull(v2);
+        let a2 = acceleration(v2);
         let v3 = along(v, a2, step / 2.0);
-        let a3 = pull(v3);
+        let a3 = acceleration(v3);
         let v4 = along(v, a3, step);
-        let a4 = pull(v4);
+        let a4 = acceleration(v4);
         let mean = |k: [[f64; 3]; 4], i: usize| (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]) / 6.0;
         let (vs, accelerations) = ([v, v2, v3, v4], [a1, a2, a3, a4]);
         let position = [0, 1, 2].map(|i| self.position[i] + step * mean(vs, i));

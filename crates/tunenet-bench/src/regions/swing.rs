@@ -10,7 +10,7 @@ use crate::scene::GRAVITY_M_S2;
 /// Longest step of the simulator, s: its error stays far below a microradian.
 const LONGEST_STEP_S: f64 = 5e-3;
 
-/// A pendulum with length, damping and the angle at which it was let go.
+/// A pendulum with length, damping and the angle at which it was released.
 pub struct Swing {
     parameters: Vec<Parameter>,
     channels: Vec<Channel>,
@@ -65,7 +65,7 @@ impl Simulator for Swing {
     }
 }
 
-/// The angle at `time_s` of an underdamped pendulum let go at rest: a decaying cosine.
+/// The angle at `time_s` of an underdamped pendulum released at rest: a decaying cosine.
 pub fn angle([length, damping, start_angle]: [f64; 3], time_s: f64) -> f64 {
     let decay = damping / 2.0;
     let frequency = (GRAVITY_M_S2 / length - decay * decay).sqrt();

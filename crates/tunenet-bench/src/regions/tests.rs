@@ -4,7 +4,7 @@ use super::*;
 
 const DRAWS: u64 = 120;
 
-/// 95 % of 120 is 114; chance leaves 107 to 119 in 99 of 100 fixed draws.
+/// 95 % of 120 is 114; binomial noise gives 107 to 119 in 99 of 100 fixed draws.
 #[test]
 fn joint_regions_hold_the_truth() {
     for number in [1, 8] {

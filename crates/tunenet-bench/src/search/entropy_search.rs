@@ -17,7 +17,7 @@ const BINS: usize = 50;
 const POPULATION: usize = 100;
 /// How far the error at one value speaks for its neighbours, as a share of the range.
 const REACH: f64 = 0.1;
-/// The error's own variance beside that of the process: keeps the matrices positive.
+/// The error's own variance added to that of the process: keeps the matrices positive.
 const NUGGET: f64 = 1e-6;
 
 /// The bin with the least expected error after every rollout.

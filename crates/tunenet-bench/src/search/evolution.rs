@@ -46,7 +46,7 @@ pub fn search(target: &Search, most: usize, dimensions: usize) -> Result<Course>
     let mut course = vec![target.proposed];
     let mut best = (f64::INFINITY, target.proposed);
     for k in 0..most {
-        // Whatever it leaves of its budget changes nothing.
+        // What it leaves of its budget changes nothing.
         if let Some(one) = tried.get(k).filter(|one| one.0 < best.0) {
             best = *one;
         }

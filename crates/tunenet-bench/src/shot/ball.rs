@@ -17,7 +17,7 @@ pub struct ShotBall {
     pub scatter_rad: f64,
     /// How restitution falls with speed: e (v / 3 m/s)^−exponent.
     pub exponent: f64,
-    /// Standard deviation of the spin with which it is let go, about each level axis, rad/s.
+    /// Standard deviation of the spin with which it is released, about each level axis, rad/s.
     pub spin_rad_s: f64,
 }
 
@@ -51,7 +51,7 @@ pub fn all(random: &mut ChaCha8Rng) -> Vec<ShotBall> {
 }
 
 impl ShotBall {
-    /// The same in a richer world: hard hits rebound less, and hands let go with spin.
+    /// The same in a richer world: hard hits rebound less, and releases have spin.
     pub fn richer(self) -> Self {
         Self { exponent: 0.08, spin_rad_s: 15.0, ..self }
     }

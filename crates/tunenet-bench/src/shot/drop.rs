@@ -11,7 +11,7 @@ use super::world::{RADIUS_M, ShotState, Three, drop};
 
 /// Fall of the centre, m.
 const DROP_FALL_M: std::ops::Range<f64> = 0.5..0.7;
-/// Standard deviations of where the ball is let go, m, and how it is pushed, m/s, along each level axis.
+/// Standard deviations of where the ball is released, m, and how it is pushed, m/s, along each level axis.
 const OFFSET_M: f64 = 0.01;
 const PUSH_M_S: f64 = 0.08;
 const FRAMES: u32 = 150;
@@ -26,13 +26,13 @@ const MOST_DRAWS: usize = 1000;
 /// A place that no camera sees, m.
 const NOWHERE_M: f64 = -1e6;
 
-/// What a person records of a drop: how high it was, and a video.
+/// What a user records of a drop: how high it was, and a video.
 pub struct VideoDrop {
     pub fall_m: f64,
     pub camera: Pinhole,
     /// What can be seen of the ball's centre, m.
     pub path_m: Vec<Three>,
-    /// Whether the ball fell off the table while it was filmed.
+    /// Whether the ball fell off the table during the recording.
     pub left: bool,
     /// How often it hit the table before that.
     pub impacts: usize,
@@ -49,7 +49,7 @@ pub fn height(random: &mut ChaCha8Rng) -> f64 {
 }
 
 impl VideoDrop {
-    /// Lets a ball go from `fall_m` above the table, before a camera of its own.
+    /// Releases a ball from `fall_m` above the table, before a camera of its own.
     pub fn draw(ball: &ShotBall, fall_m: f64, random: &mut ChaCha8Rng) -> Result<Self> {
         let camera = camera(fall_m, random)?;
         let mut normal = || random.sample::<f64, _>(StandardNormal);

@@ -1,6 +1,6 @@
 //! From what was seen to a tuned simulation file, by the code under test alone.
 //!
-//! A camera that nobody knows shows a ball that drifts: lengths in its picture are wrong by as much as the ball came nearer,
+//! An uncalibrated camera shows a ball that drifts: lengths in its picture are wrong by as much as the ball came nearer,
 //! but instants are not. So the track is cut into flights, and what is tuned to is when they end.
 
 use std::path::Path;
@@ -98,7 +98,7 @@ impl BallEstimate {
     }
 }
 
-/// What a person knows of the ball, and of how it was dropped.
+/// What a user knows of the ball, and of how it was dropped.
 fn scene(fall_m: Option<f64>) -> Result<SimulationFile> {
     let fall = fall_m.map_or(String::new(), |fall| format!("release.height_m = {fall:?}\n"));
     let text = format!(
@@ -220,7 +220,7 @@ impl Several {
         Ok(Some(if closed { self.with_open_drag(estimate)? } else { estimate }))
     }
 
-    /// An estimate from them with the drag that they leave open beside it, as `tunenet tune` and `tunenet diagnose` write it
+    /// An estimate from them with the drag that they leave open, as `tunenet tune` and `tunenet diagnose` write it
     /// into their files.
     pub fn with_open_drag(&self, estimate: BallEstimate) -> Result<BallEstimate> {
         let mut tuned = scene(Some(self.fall_m))?;

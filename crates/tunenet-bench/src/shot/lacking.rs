@@ -24,7 +24,7 @@ pub enum Lacking {
     Friction,
     /// That air drags; the restitution is what an undisturbed drop shows of this ball in a vacuum.
     Drag,
-    /// How far chance turns a rebound.
+    /// Standard deviation of the random deflection of a rebound.
     Scatter,
     /// All three: what is left is the restitution that an undisturbed drop shows.
     All,
@@ -79,11 +79,11 @@ impl LackingCost {
     }
 }
 
-/// Plans and shoots. `chance` draws what happens to a shot of this number, the same for every plan.
+/// Plans and shoots. `random_stream` draws what happens to a shot of this number, the same for every plan.
 pub fn costs(
     target: &ShotTarget,
     planner: &Planner,
-    chance: &(dyn Fn(u64) -> ChaCha8Rng + Sync),
+    random_stream: &(dyn Fn(u64) -> ChaCha8Rng + Sync),
 ) -> Result<Vec<LackingCost>> {
     let ball = &target.ball;
     Lacking::EACH
@@ -94,7 +94,7 @@ pub fn costs(
                 _ => planner.height(&lacking.estimate(ball, target.shown), Rule::Probability)?,
             };
             let one = |n: u64| {
-                let mut random = chance(n);
+                let mut random = random_stream(n);
                 let spin = ball.spin(&mut random);
                 shoot(ball, height_m, spin, &mut random).goes_in
             };
@@ -118,10 +118,10 @@ mod tests {
         let smooth =
             ShotBall { friction: 0.0, drag_1_m: 1e-9, scatter_rad: 0.0, ..super::super::ball::FIXED[0].clone() };
         let rough = ShotBall { friction: 0.04, ..smooth.clone() };
-        let chance = |n: u64| ChaCha8Rng::seed_from_u64(n);
+        let random_stream = |n: u64| ChaCha8Rng::seed_from_u64(n);
         let of = |ball: ShotBall| {
             let shown = ball.restitution;
-            costs(&ShotTarget::new(ball, shown, &planner).unwrap(), &planner, &chance).unwrap()
+            costs(&ShotTarget::new(ball, shown, &planner).unwrap(), &planner, &random_stream).unwrap()
         };
         let (smooth, rough) = (of(smooth), of(rough));
         let height = smooth[0].height_m;

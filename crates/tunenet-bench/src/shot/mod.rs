@@ -47,7 +47,7 @@ const QUICK: u64 = 10;
 const DROPS: u64 = 3;
 /// Part of a stream: after the drops of a trial, its shots and its height.
 const LACKING: u64 = DROPS + 2;
-/// Trials that are filmed and kept together.
+/// Trials that are recorded and kept together.
 const TRIALS_PER_PIECE: u64 = 25;
 /// The fall of an undisturbed drop, m.
 const UNDISTURBED_FALL_M: f64 = 0.6;
@@ -113,8 +113,8 @@ pub fn measure(store: &Store, extent: Extent, seed: u64) -> Result<ShotResults> 
                 bar.inc(numbers.end - first);
             }
             if count > 0 {
-                let chance = |shot: u64| stream(seed, &name, shot, LACKING);
-                let costs = || lacking::costs(&target, &planner, &chance);
+                let random_stream = |shot: u64| stream(seed, &name, shot, LACKING);
+                let costs = || lacking::costs(&target, &planner, &random_stream);
                 let lacking = if lacking { store.keep(&format!("{name}-lacking"), costs)? } else { Vec::new() };
                 series.push(Series { ball: target.ball, rich, trials: all, lacking });
             }
@@ -139,7 +139,7 @@ fn target(ball: ShotBall, planner: &Planner) -> Result<ShotTarget> {
     ShotTarget::new(ball, shown.restitution.0, planner)
 }
 
-/// Trials of one ball: all are filmed at once, then planned and shot.
+/// Trials of one ball: all are recorded at once, then planned and shot.
 fn played(
     target: &ShotTarget,
     name: &str,

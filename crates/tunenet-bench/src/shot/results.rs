@@ -36,7 +36,7 @@ pub struct ShotResults {
 
 impl ShotTrial {
     /// Whether the drop corrupts the estimate, by the truth: too little happened, or what is planned from it misses.
-    fn spoilt(&self) -> bool {
+    fn uninformative(&self) -> bool {
         self.impacts < FEWEST_BOUNCES || self.misplanned
     }
 
@@ -83,7 +83,7 @@ impl ShotResults {
             Share::from_hits(trials.iter().filter(|t| which(t)).map(|t| t.flagged))
         };
         let misled = |t: &ShotTrial| t.impacts >= FEWEST_BOUNCES && t.misplanned;
-        [flagged(&ShotTrial::spoilt), flagged(&misled), flagged(&|t| !t.spoilt())]
+        [flagged(&ShotTrial::uninformative), flagged(&misled), flagged(&|t| !t.uninformative())]
     }
 
     pub fn as_json(&self) -> Value {
@@ -148,13 +148,13 @@ impl ShotResults {
         let ratio = Success::new(Way::Diagnosed, &trials).all.value / Success::new(Way::Known, &trials).all.value;
         goal(&mut out, "with named effects, of everything known", ratio, SHOT_OF_KNOWN, true);
         let [rightly, misled, wrongly] = self.flags();
-        goal(&mut out, "flagged of drops that spoil the estimate", rightly.value, SHOT_FLAGS.0, true);
+        goal(&mut out, "flagged of uninformative drops", rightly.value, SHOT_FLAGS.0, true);
         goal(&mut out, "flagged of all other drops", wrongly.value, SHOT_FLAGS.1, false);
         let _ = writeln!(
             out,
-            "\n{} of {} drops spoil the estimate: {} hit the table less than {FEWEST_BOUNCES} times, and of {} more the shot planned with \
-             the restitution alone misses even where chance turns no rebound, while that of who knows everything goes in. In {} \
-             drops the ball fell off the table while it was filmed; of the shots after these, {} go in with the restitution \
+            "\n{} of {} drops are uninformative: {} hit the table less than {FEWEST_BOUNCES} times, and of {} more the shot planned with \
+             the restitution alone misses even without random deflection of the rebound, while that of who knows everything goes in. In {} \
+             drops the ball fell off the table during the recording; of the shots after these, {} go in with the restitution \
              alone.\n",
             rightly.count,
             trials.len(),
@@ -326,9 +326,9 @@ mod tests {
         ShotTrial { left: true, impacts, bounces, misplanned, off: 0.0, flagged, shots, repeated, named: Vec::new() }
     }
 
-    /// One that hit the table once is corrupted whatever is planned; one that left after that only where it misleads.
+    /// One that hit the table once is uninformative for every plan; one that left after that only where it misleads.
     #[test]
-    fn what_spoils_a_drop_is_the_truth_alone() {
+    fn whether_a_drop_is_uninformative_depends_on_the_truth_only() {
         let trials = vec![
             trial(1, false, true),
             trial(1, true, false),
@@ -336,8 +336,8 @@ mod tests {
             trial(5, false, false),
             trial(5, true, false),
         ];
-        let spoilt: Vec<bool> = trials.iter().map(ShotTrial::spoilt).collect();
-        assert_eq!(spoilt, [true, true, false, false, true]);
+        let uninformative: Vec<bool> = trials.iter().map(ShotTrial::uninformative).collect();
+        assert_eq!(uninformative, [true, true, false, false, true]);
         let series =
             vec![Series { ball: super::super::ball::FIXED[0].clone(), rich: false, trials, lacking: Vec::new() }];
         let results = ShotResults { seed: 0, quick: true, trials: 5, series };

@@ -1,4 +1,4 @@
-//! One trial: a ball is dropped and filmed, everybody plans, and all shoot in the hidden world.
+//! One trial: a ball is dropped and recorded; every method plans and shoots in the hidden world.
 
 use std::cmp::Reverse;
 use std::path::Path;
@@ -69,12 +69,12 @@ pub struct Shot {
 /// A trial from its first drop to its shots.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ShotTrial {
-    /// Whether the ball fell off the table while it was filmed.
+    /// Whether the ball fell off the table during the recording.
     pub left: bool,
     /// How often it hit the table, and how often it was seen to.
     pub impacts: usize,
     pub bounces: usize,
-    /// Whether the shot planned with the restitution alone misses although chance turns no rebound, where that of who knows
+    /// Whether the shot planned with the restitution alone misses even without random deflection of the rebound, where that of who knows
     /// everything goes in.
     pub misplanned: bool,
     /// How far the tuned restitution is from what an undisturbed drop shows.
@@ -112,8 +112,8 @@ impl Planner {
     }
 }
 
-/// A shot as it would be if nothing were left to chance.
-fn goes_straight_in(ball: &ShotBall, height_m: f64, random: &ChaCha8Rng) -> bool {
+/// A shot as it would be without random deflection.
+fn goes_in_without_deflection(ball: &ShotBall, height_m: f64, random: &ChaCha8Rng) -> bool {
     let smooth = ShotBall { scatter_rad: 0.0, ..ball.clone() };
     shoot(&smooth, height_m, [0.0; 3], &mut random.clone()).goes_in
 }
@@ -134,7 +134,7 @@ impl ShotTarget {
     }
 }
 
-/// What everybody plans after one drop.
+/// The plan of every method after one drop.
 struct Planned {
     heights_m: Vec<(Way, f64)>,
     tuned_m: f64,
@@ -142,7 +142,7 @@ struct Planned {
 }
 
 impl ShotTrial {
-    /// From the videos of up to three drops. `random` decides what chance does to the shots, the same for all who shoot.
+    /// From the videos of up to three drops. `random` draws the deflections of the shots, the same for all who shoot.
     pub fn run(
         target: &ShotTarget,
         videos: &[(VideoDrop, Option<Places>)],
@@ -197,12 +197,12 @@ impl ShotTrial {
         let Planned { heights_m, tuned_m, restitution } = planned(0)?;
         let first = shots(&heights_m);
         let repeated = if flagged && videos.len() > 1 { shots(&planned(1)?.heights_m) } else { first.clone() };
-        let straight = |height_m: f64| goes_straight_in(&target.ball, height_m, random);
+        let undeflected = |height_m: f64| goes_in_without_deflection(&target.ball, height_m, random);
         Ok(Self {
             left: videos[0].0.left,
             impacts: videos[0].0.impacts,
             bounces: reads[0].bounces_s.len(),
-            misplanned: straight(target.known_m) && !straight(tuned_m),
+            misplanned: undeflected(target.known_m) && !undeflected(tuned_m),
             off: restitution - target.shown,
             flagged,
             shots: first,

@@ -1,7 +1,7 @@
 //! Drops to tracks: each drop is rendered as a video and the ball is tracked in it.
 
 use anyhow::Result;
-use tunenet_video_protocol::synthetic::{Order, Places, Spoilt, SyntheticTrack, Take};
+use tunenet_video_protocol::synthetic::{Degradation, Order, Places, SyntheticTrack, Take};
 
 use super::super::synthetic_video;
 use super::drop::VideoDrop;
@@ -17,8 +17,8 @@ pub fn tracks(drops: &[VideoDrop], seed: u64) -> Result<Vec<Option<Places>>> {
         heights_m: d.path_m.iter().map(|x| x[2]).collect(),
         across_m: d.path_m.iter().map(|x| [x[0], x[1]]).collect(),
     };
-    let spoilt = Spoilt { noise: NOISE, ..Spoilt::default() };
-    let order = Order { seed, radius_m: RADIUS_M, spoilt, films: drops.iter().map(take).collect() };
+    let degradation = Degradation { noise: NOISE, ..Degradation::default() };
+    let order = Order { seed, radius_m: RADIUS_M, degradation, videos: drops.iter().map(take).collect() };
     let tracked = |track| match track {
         SyntheticTrack::Tracked(places) => Some(places),
         SyntheticTrack::Refused(_) => None,

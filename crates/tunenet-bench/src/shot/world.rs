@@ -77,7 +77,7 @@ fn flown(ball: &ShotBall, state: &ShotState, h: f64) -> ShotState {
     }
 }
 
-/// After an impact on a plane with this normal, its rebound turned by chance.
+/// After an impact on a plane with this normal, its rebound deflected at random.
 fn bounced(ball: &ShotBall, before: &ShotState, n: Three, random: &mut ChaCha8Rng) -> ShotState {
     let approach = -dot(before.v, n);
     let e = (ball.restitution * (approach / NOMINAL_M_S).powf(-ball.exponent)).clamp(0.0, 1.0);
@@ -90,9 +90,9 @@ fn bounced(ball: &ShotBall, before: &ShotState, n: Three, random: &mut ChaCha8Rn
     let speed = dot(slide, slide).sqrt();
     if speed > 0.0 {
         let taken = (ball.friction * impulse).min(2.0 / 7.0 * speed);
-        let kick = slide.map(|c| -c * taken / speed);
-        after.v = plus(after.v, kick, 1.0);
-        after.w = plus(after.w, cross(arm, kick), 2.5 / (RADIUS_M * RADIUS_M));
+        let impulse = slide.map(|c| -c * taken / speed);
+        after.v = plus(after.v, impulse, 1.0);
+        after.w = plus(after.w, cross(arm, impulse), 2.5 / (RADIUS_M * RADIUS_M));
     }
     let mut draw = || ball.scatter_rad * random.sample::<f64, _>(StandardNormal);
     let (about_x, about_y) = (draw(), draw());
@@ -125,7 +125,7 @@ fn step(ball: &ShotBall, state: &ShotState, h: f64, gap: impl Fn(Three) -> f64) 
     (flown(ball, state, low), low, true)
 }
 
-/// A ball let go above the table and seen at the instants of `clock`.
+/// A ball released above the table and seen at the instants of `clock`.
 pub fn drop(ball: &ShotBall, start: ShotState, clock: &[f64], random: &mut ChaCha8Rng) -> TableDrop {
     let up = [0.0, 0.0, 1.0];
     let (mut state, mut now, mut gone_s, mut lying) = (start, 0.0, None, false);
@@ -164,7 +164,7 @@ pub struct Landing {
     pub goes_in: bool,
 }
 
-/// Shoots: a ball let go at rest from this height of its centre above the place of the impact.
+/// Shoots: a ball released at rest from this height of its centre above the place of the impact.
 pub fn shoot(ball: &ShotBall, height_m: f64, spin: Three, random: &mut ChaCha8Rng) -> Landing {
     let n = [TILT_RAD.sin(), 0.0, TILT_RAD.cos()];
     let mut state = ShotState { x: [0.0, 0.0, height_m], v: [0.0; 3], w: spin };

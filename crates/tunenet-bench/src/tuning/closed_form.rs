@@ -9,7 +9,7 @@ use crate::scene::GRAVITY_M_S2;
 /// A rebound slower than this is no longer seen: its hop is 5e-20 m high.
 const SLOWEST_M_S: f64 = 1e-9;
 
-/// A ball let go at 0 s, its lowest point `fall_m` above the floor.
+/// A ball released at 0 s, its lowest point `fall_m` above the floor.
 #[derive(Debug, Clone, Copy)]
 pub struct ClosedFormDrop {
     /// Height of fall, m; above 0.

@@ -24,7 +24,7 @@ pub const SETS: [(&str, (f64, f64), f64); 4] = [
 /// Why a goal there is out of reach.
 pub const OTHER_LAWS: &str = "These drops were made by PyBullet, with air damping and contacts in steps of 1/60 s, and the \
      goal was reached by tuning PyBullet itself. A ball without air cannot follow them nearer than its likeliest \
-     restitution does, whatever the tuner: that is where all columns end.";
+     restitution does with any tuner: that is where all columns end.";
 
 /// The folder, where the environment names one.
 pub fn folder() -> Option<PathBuf> {

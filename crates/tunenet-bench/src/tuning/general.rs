@@ -1,4 +1,4 @@
-//! Any dropped ball: height, rate, release and floor unknown, as a person tunes to it, with the built-in network.
+//! Any dropped ball: height, rate, release and floor unknown, as a user tunes to it, with the built-in network.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,7 +14,7 @@ use tunenet_core::statistics::{median, quantile};
 use tunenet_core::tune::{Settings, tune};
 use tunenet_sim::{ObservedBall, SimulationFile, built_in};
 
-use super::any_drop::{self, Unknowns};
+use super::any_drop::{self, DropParameters};
 use super::closed_form::ClosedFormDrop;
 use super::information;
 use super::measure::short;
@@ -35,7 +35,7 @@ const NORMAL_MEDIAN: f64 = 0.6745;
 
 /// A recording, its truth, and the smallest standard deviation that it allows.
 struct GeneralTarget {
-    truth: Unknowns,
+    truth: DropParameters,
     /// Time and height.
     heights: Vec<(f64, f64)>,
     seen: Observation,
@@ -140,14 +140,14 @@ fn draw(range: (f64, f64), seed: u64, number: u64) -> Result<GeneralTarget> {
         drop.heights(&clock).into_iter().map(|z| [noise(), noise(), floor_m + z + noise()]).collect();
     let shown: Vec<f64> = clock.iter().map(|t| t - begin_s).collect();
     Ok(GeneralTarget {
-        truth: Unknowns { drop, release_s: -begin_s, floor_m },
+        truth: DropParameters { drop, release_s: -begin_s, floor_m },
         heights: shown.iter().copied().zip(rows.iter().map(|r| r[2])).collect(),
         seen: Observation::positions(shown, &rows)?,
         bound_sd: information::restitution_sd(drop, &clock, noise_m),
     })
 }
 
-/// The tables for people.
+/// The tables for users.
 pub fn markdown(tables: &[GeneralTable]) -> String {
     let mut out = String::new();
     for table in tables {

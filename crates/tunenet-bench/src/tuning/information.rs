@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn unknowns_cost_information() {
+    fn nuisance_parameters_cost_information() {
         let clock: Vec<f64> = (0..200).map(|i| f64::from(i) / 60.0).collect();
         let drop = ClosedFormDrop { fall_m: 2.0, restitution: 0.6 };
         let known: f64 = drop.samples(clock.iter().copied()).map(|(_, slope)| slope * slope).sum();

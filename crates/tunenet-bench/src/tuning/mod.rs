@@ -1,4 +1,4 @@
-//! `tunenet bench tuning`: how near, after how many rollouts, beside what else the rollouts could be spent on.
+//! `tunenet bench tuning`: how near, after how many rollouts, compared with other uses of the rollouts.
 //!
 //! ```text
 //! targets (closed_form) → measure (ours, rivals | likelihood) → results → write

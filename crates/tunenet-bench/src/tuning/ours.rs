@@ -21,7 +21,7 @@ pub struct Seconds {
     #[serde(rename = "train_seconds")]
     pub train: f64,
     /// How much of the training the processor spent on it: less, where other programs held the cores. None where the
-    /// system does not tell.
+    /// system does not report it.
     #[serde(rename = "train_on_core_seconds")]
     pub train_on_core: Option<f64>,
 }
@@ -57,7 +57,7 @@ pub fn trained(store: &Store, preset: &Preset, seed: u64, quick: bool) -> Result
         let began = Instant::now();
         let seed_text = seed.to_string();
         let out = data.to_str().context("the folder's name is not Unicode")?;
-        // Whatever another program left there is not ours to go on with.
+        // Files that another program left there must not be resumed.
         let _ = std::fs::remove_file(&data);
         process::run(&["gen", "ball", "--preset", pairs, "--pairs", count, "--seed", &seed_text, "--out", out])?;
         let generate = began.elapsed().as_secs_f64();

@@ -9,7 +9,7 @@ use crate::scene::GRAVITY_M_S2;
 /// Rollouts stored for [`Stored`], evenly over the restitutions.
 const STORED: u32 = 201;
 /// The fall that they were rolled out from, and their rate: dimensionless, they serve every height. Finer than the target, so
-/// that reading between two samples costs nothing beside it.
+/// that reading between two samples costs nothing in comparison.
 const STORED_FALL_M: f64 = 4.0;
 const STORED_RATE_HZ: f64 = 1920.0;
 const STORED_FRAMES: u32 = 13_800;

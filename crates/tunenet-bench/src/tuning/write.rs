@@ -1,4 +1,4 @@
-//! The results as Markdown for people, CSV for plots and JSON for programs.
+//! The results as Markdown for users, CSV for plots and JSON for programs.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! A vertical line as any camera sees it.
+//! Projective map of a line (Hartley and Zisserman 2004, section 2.5): heights on a vertical line, in any camera.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,4 +1,4 @@
-//! A camera without lens errors.
+//! Pinhole camera (Hartley and Zisserman 2004, section 6.1), without lens distortion.
 
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -69,11 +69,11 @@ impl Pinhole {
         let (outer, inner) = ((angle + half_angle).tan(), (angle - half_angle).tan());
         let (middle, along) = (0.5 * (outer + inner), 0.5 * (outer - inner));
         // The half axis across: Dandelin's spheres, or r/√(depth² − r²).
-        let beside = radius_m / (depth * depth - radius_m * radius_m).sqrt();
+        let transverse = radius_m / (depth * depth - radius_m * radius_m).sqrt();
         let length = across[0].hypot(across[1]).max(f64::MIN_POSITIVE);
         let picture = self.middle_px();
         let at = |i: usize| picture[i] + self.focal_px * middle * across[i] / length;
-        Some(Disc { centre_px: [at(0), at(1)], radius_px: 0.5 * self.focal_px * (along + beside) })
+        Some(Disc { centre_px: [at(0), at(1)], radius_px: 0.5 * self.focal_px * (along + transverse) })
     }
 
     /// From the eye through a place in the picture, not normalised: its share along the line of sight is 1.

@@ -2,7 +2,7 @@
 
 use crate::observation::{Kind, Observation};
 
-/// A misfit below this share of the range of the data is nobody's concern, however exact the recording.
+/// A misfit below this share of the range of the data is negligible, even for exact recordings.
 const PRACTICAL_SHARE: f64 = 1e-6;
 /// How far the residual may exceed the noise: `1 + MARGIN + LUCK/√n`. The noise is itself estimated, from n samples with a
 /// relative standard deviation near 1.9/√n (third differences) and more for short lists.
@@ -23,16 +23,16 @@ pub struct Adequacy {
 }
 
 impl Adequacy {
-    /// Judges the weighted residuals (shape `[sample · channel]`) of `seen`, fitted with `unknowns` numbers.
+    /// Judges the weighted residuals (shape `[sample · channel]`) of `seen`, fitted with `fitted` numbers.
     #[must_use]
-    pub fn of(seen: &Observation, noise: &[f64], residuals: &[f64], unknowns: usize) -> Self {
+    pub fn of(seen: &Observation, noise: &[f64], residuals: &[f64], fitted: usize) -> Self {
         let width = noise.len();
         let samples = seen.len();
         let (mut worst, mut place) = (0.0, 0);
         for (channel, noise) in noise.iter().enumerate() {
             let column = || residuals.iter().skip(channel).step_by(width);
-            let freedom = (samples as f64 - unknowns as f64 / width as f64).max(1.0);
-            let ratio = (column().map(|r| r * r).sum::<f64>() / freedom).sqrt();
+            let degrees_of_freedom = (samples as f64 - fitted as f64 / width as f64).max(1.0);
+            let ratio = (column().map(|r| r * r).sum::<f64>() / degrees_of_freedom).sqrt();
             let (low, high) =
                 seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             if ratio * noise > PRACTICAL_SHARE * (high - low) && ratio > worst {

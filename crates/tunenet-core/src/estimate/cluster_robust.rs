@@ -1,9 +1,9 @@
-//! Cluster-robust covariance (Liang and Zeger 1986): how sure a fit is where its residuals are correlated for long.
+//! Cluster-robust covariance (Liang and Zeger 1986): uncertainty of a fit whose residuals are correlated over many samples.
 //!
-//! A model of an arm leaves much that is no noise: ripple, play, friction that changes with load. Such residuals follow one
-//! another for seconds, and the curvature of their squares then says far too much. So the pull of each stretch on the
-//! parameters is taken as one draw: the covariance is A⁻¹ (Σ s sᵀ) A⁻¹, A being the curvature and s the pull of a stretch
-//! (the sandwich of Huber 1967 with blocks, as Liang and Zeger 1986 have it).
+//! A model of an arm leaves much that is no noise: ripple, play, friction that changes with load. Such residuals are
+//! correlated for seconds, and the curvature of their squares overstates the information. So the score of each block of
+//! samples counts as one draw: the covariance is A⁻¹ (Σ s sᵀ) A⁻¹, A being the curvature and s the score of a block
+//! (the sandwich estimator of Huber 1967 with blocks, as in Liang and Zeger 1986).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,20 +11,20 @@ use super::output_error::{Fit, Problem};
 use crate::Result;
 use crate::statistics::dot;
 
-/// Stretches of each recording: long against what the residual remembers, enough for a spread.
+/// Blocks of each recording: long compared with the residual's correlation time, and enough of them for a variance.
 const BLOCKS: usize = 15;
 
-/// What blocks say of a fit.
+/// Cluster-robust scale of a fit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Blocks {
     /// By how much the variance of the worst parameter exceeds that of white residuals of this size; 1 or more.
     pub inflation: f64,
-    /// How many stretches are free to vary.
-    pub freedom: f64,
+    /// Degrees of freedom: blocks less parameters.
+    pub degrees_of_freedom: f64,
 }
 
 impl Problem<'_> {
-    /// The spread among stretches at `fit`, whose white residuals have this `variance`; `None` where it does not apply: nothing
+    /// The cluster-robust scale at `fit`, whose white residuals have this `variance`; `None` where it does not apply: nothing
     /// drove the recordings, or nothing is free.
     ///
     /// # Errors
@@ -35,24 +35,24 @@ impl Problem<'_> {
             return Ok(None);
         }
         let (mut curvature, mut between) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
-        let mut stretches = 0;
+        let mut cluster_count = 0;
         for ((one, residual), noise) in self.jacobian(fit)?.iter().zip(&fit.residuals).zip(self.noise) {
             let samples = residual.len() / noise.len();
             let blocks = BLOCKS.min(samples);
             for b in 0..blocks {
                 let range = b * samples / blocks * noise.len()..(b + 1) * samples / blocks * noise.len();
-                let pull = DVector::from_fn(n, |i, _| dot(&one.shared[i][range.clone()], &residual[range.clone()]));
-                between += &pull * pull.transpose();
+                let score = DVector::from_fn(n, |i, _| dot(&one.shared[i][range.clone()], &residual[range.clone()]));
+                between += &score * score.transpose();
                 curvature +=
                     DMatrix::from_fn(n, n, |i, j| dot(&one.shared[i][range.clone()], &one.shared[j][range.clone()]));
             }
-            stretches += blocks;
+            cluster_count += blocks;
         }
-        let freedom = stretches as f64 - n as f64;
-        let Some(inverse) = curvature.try_inverse().filter(|_| freedom >= 1.0) else { return Ok(None) };
-        let robust = &inverse * between * &inverse * (stretches as f64 / freedom);
+        let degrees_of_freedom = cluster_count as f64 - n as f64;
+        let Some(inverse) = curvature.try_inverse().filter(|_| degrees_of_freedom >= 1.0) else { return Ok(None) };
+        let robust = &inverse * between * &inverse * (cluster_count as f64 / degrees_of_freedom);
         let ratio = |i: usize| robust[(i, i)] / (inverse[(i, i)] * variance);
         let inflation = (0..n).map(ratio).filter(|r| r.is_finite()).fold(1.0, f64::max);
-        Ok(Some(Blocks { inflation, freedom }))
+        Ok(Some(Blocks { inflation, degrees_of_freedom }))
     }
 }

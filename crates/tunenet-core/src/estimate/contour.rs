@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::interval::Spread;
+use super::contour_ray::Ray;
+use super::interval::ScaleEstimate;
 use super::output_error::{Fit, Problem};
-use super::ray::Ray;
 
 /// Directions in which the edge is looked for.
 const RAYS: u32 = 36;
@@ -26,24 +26,24 @@ pub struct Contour {
 /// where the data leave one of them, or a combination of both, without any curvature.
 #[must_use]
 pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64) -> Option<(Contour, usize)> {
-    let spread = Spread::of(problem, fit);
-    let widening = spread.variance * spread.inflation;
+    let scale = ScaleEstimate::of(problem, fit);
+    let widening = scale.variance * scale.inflation;
     let of = |a: usize, b: usize| fit.covariance[(a, b)] * widening;
     // Directions that the covariance makes equally long (its Cholesky factor) find the edge in few steps.
     let first = of(i, i).sqrt();
     let across = of(i, j) / first;
     let second = (of(j, j) - across * across).sqrt();
-    let quantile = spread.joint_quantile(2, level);
-    let reach = quantile.sqrt();
-    if ![first, across, second, reach].iter().all(|v| v.is_finite()) || first <= 0.0 || second <= 0.0 {
+    let quantile = scale.joint_quantile(2, level);
+    let half_width = quantile.sqrt();
+    if ![first, across, second, half_width].iter().all(|v| v.is_finite()) || first <= 0.0 || second <= 0.0 {
         return None;
     }
     let positions = [problem.free[i], problem.free[j]];
     let origin = positions.map(|p| fit.point.parameters[p]);
     let ray = |turn: u32| {
         let (sine, cosine) = (std::f64::consts::TAU * f64::from(turn) / f64::from(RAYS)).sin_cos();
-        let direction = [first * cosine, across * cosine + second * sine].map(|step| reach * step);
-        Ray { problem, spread: &spread, positions, best: (&fit.point, fit.cost), origin, direction }.edge(quantile)
+        let direction = [first * cosine, across * cosine + second * sine].map(|step| half_width * step);
+        Ray { problem, scale: &scale, positions, best: (&fit.point, fit.cost), origin, direction }.edge(quantile)
     };
     let rays = (0..RAYS).into_par_iter().map(ray).collect::<Vec<_>>();
     let rollouts = rays.iter().map(|r| r.1).sum();

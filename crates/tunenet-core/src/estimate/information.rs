@@ -3,11 +3,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::interval::Spread;
+use super::interval::ScaleEstimate;
 use super::output_error::{Fit, Problem};
 use crate::Result;
 
-/// A parameter has no influence where its own share of the curvature, the recordings' unknowns fitted, is below this share
+/// A parameter has no influence where its own share of the curvature, the recordings' nuisance parameters fitted, is below this share
 /// of the whole ...
 const DEAD_SHARE: f64 = 1e-9;
 /// ... or so small that one noise standard deviation would move it by a million times its bounds.
@@ -45,13 +45,14 @@ impl Direction {
 /// What the data say of the free parameters, in their order.
 #[derive(Debug, Clone)]
 pub struct Information {
-    /// Covariance for noise as stated, bounds ignored. Infinite on the diagonal, and 0 beside it, for a parameter without
+    /// Covariance for noise as stated, bounds ignored. Infinite on the diagonal, and 0 off it, for a parameter without
     /// influence or within a null direction; such a parameter leaves the others' entries as they would be without it.
     pub covariance: DMatrix<f64>,
     /// Directions of two parameters or more that the data leave open.
     pub directions: Vec<Direction>,
-    /// Where the misfit falls, in standard deviations of each parameter: beyond a bound it would fall to, 0 in the interior.
-    pub pull: Vec<f64>,
+    /// Score of each free parameter (gradient of the log-likelihood) in its standard deviations: 0 in the interior; at a bound,
+    /// positive or negative where the misfit falls beyond it.
+    pub score: Vec<f64>,
 }
 
 impl Information {
@@ -59,8 +60,8 @@ impl Information {
     ///
     /// # Errors
     /// Where the simulator refuses.
-    pub fn of(problem: &Problem, fit: &Fit, spread: &Spread) -> Result<Self> {
-        let (schur, pull, whole) = problem.curvature(fit)?;
+    pub fn of(problem: &Problem, fit: &Fit, scale: &ScaleEstimate) -> Result<Self> {
+        let (schur, score, whole) = problem.curvature(fit)?;
         let n = problem.free.len();
         let spans: Vec<f64> = problem.free.iter().map(|&i| problem.simulator.parameters()[i].span()).collect();
         let live: Vec<usize> = (0..n)
@@ -89,9 +90,9 @@ impl Information {
                 }
             }
         }
-        let sds = (0..n).map(|i| pull[i] * (covariance[(i, i)] / (spread.variance * spread.inflation)).sqrt());
-        let pull = sds.map(|z: f64| if z.is_finite() { z } else { 0.0 }).collect();
-        let mut directions = loose(&covariance, &spans, spread);
+        let sds = (0..n).map(|i| score[i] * (covariance[(i, i)] / (scale.variance * scale.inflation)).sqrt());
+        let score = sds.map(|z: f64| if z.is_finite() { z } else { 0.0 }).collect();
+        let mut directions = loose(&covariance, &spans, scale);
         let lost = |i: usize| !live.contains(&i) || null.iter().any(|axis| axis[i].abs() > UNTOUCHED);
         for i in (0..n).filter(|&i| lost(i)) {
             covariance.row_mut(i).fill(0.0);
@@ -100,19 +101,19 @@ impl Information {
         }
         directions.extend(plain(null).into_iter().map(|axis| Direction { axis, null: true }));
         directions.retain(|d| d.parts().len() > 1);
-        Ok(Self { covariance, directions, pull })
+        Ok(Self { covariance, directions, score })
     }
 }
 
 /// The directions along which the bounds say as much as the data.
-fn loose(covariance: &DMatrix<f64>, spans: &[f64], spread: &Spread) -> Vec<Direction> {
+fn loose(covariance: &DMatrix<f64>, spans: &[f64], scale: &ScaleEstimate) -> Vec<Direction> {
     let n = spans.len();
     let scaled = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (spans[i] * spans[j]));
     if n < 2 || !scaled.iter().all(|v| v.is_finite()) {
         return Vec::new();
     }
     let eigen = scaled.symmetric_eigen();
-    let wide = (0..n).filter(|&k| spread.sd(eigen.eigenvalues[k].max(0.0)) > LOOSE_DIRECTION);
+    let wide = (0..n).filter(|&k| scale.sd(eigen.eigenvalues[k].max(0.0)) > LOOSE_DIRECTION);
     wide.map(|k| Direction { axis: eigen.eigenvectors.column(k).iter().copied().collect(), null: false }).collect()
 }
 

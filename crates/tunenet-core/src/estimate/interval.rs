@@ -1,7 +1,7 @@
-//! Confidence intervals: Laplace approximation where the misfit is quadratic, profile likelihood elsewhere (Bates and Watts 1988,
+//! Confidence intervals: Laplace approximation where the misfit is quadratic, profile likelihood otherwise (Bates and Watts 1988,
 //! chapter 6).
 
-use super::misfit_place::Place;
+use super::misfit_grid::GridPoint;
 use super::output_error::{Fit, Problem};
 use super::problem::{Point, robust_scale};
 use crate::Result;
@@ -31,58 +31,60 @@ const SMALL_RISE: f64 = 0.25;
 /// A fit along a profile may leave this much of the misfit, in squares of standard deviations.
 const MISFIT_TOLERANCE: f64 = 1e-4;
 /// The misfit at the ends of an interval from the curvature may stray from its quantile by this share.
-const STRAIGHT: f64 = 0.2;
+const QUADRATIC: f64 = 0.2;
 /// A bound farther from the estimate than this share of the bounds, and as good, leaves the estimate open.
 const OPEN_SHARE: f64 = 0.25;
 
-/// The spread of a fit's residuals.
+/// Scale estimate of a fit's residuals: their variance, its inflation by correlation, and the degrees of freedom.
 #[derive(Debug, Clone, Copy)]
-pub struct Spread {
+pub struct ScaleEstimate {
     /// Variance of the residuals in units of the stated noise, degrees of freedom taken off.
     pub variance: f64,
     /// By how much correlated residuals widen the variance of an estimate: (1 + ρ)/(1 − ρ), 1 where white.
     pub inflation: f64,
     /// Degrees of freedom left.
-    pub freedom: f64,
+    pub degrees_of_freedom: f64,
 }
 
-impl Spread {
-    /// The spread of `fit`'s residuals.
+impl ScaleEstimate {
+    /// The scale estimate of `fit`'s residuals.
     #[must_use]
     pub fn of(problem: &Problem, fit: &Fit) -> Self {
         let width = problem.simulator.channels().len();
         let count = fit.residuals.iter().map(|r| moving(r, width) * r.len() / width).sum::<usize>();
-        let unknowns = problem.free.len() + fit.point.nuisances.iter().map(Vec::len).sum::<usize>();
-        let freedom = count as f64 - unknowns as f64;
-        if freedom < 1.0 {
-            return Self { variance: 1.0, inflation: 1.0, freedom: 1e6 };
+        let fitted = problem.free.len() + fit.point.nuisances.iter().map(Vec::len).sum::<usize>();
+        let degrees_of_freedom = count as f64 - fitted as f64;
+        if degrees_of_freedom < 1.0 {
+            return Self { variance: 1.0, inflation: 1.0, degrees_of_freedom: 1e6 };
         }
         let limit = 4.0 * robust_scale(&fit.residuals);
         let squares: f64 = fit.residuals.iter().flatten().map(|r| r.abs().min(limit).powi(2)).sum();
         let correlations = fit.residuals.iter().flat_map(|r| (0..width).map(move |c| correlation(r, c, width)));
-        // Channels that carry next to nothing of the residual do not matter for its colour.
+        // Channels that carry next to nothing of the residual do not matter for its autocorrelation.
         let (top, bottom) = correlations.fold((0.0, 0.0), |(t, b), (product, square)| (t + product, b + square));
         let rho = if bottom > 0.0 { top / bottom } else { 0.0 };
         let rho = if rho > 2.0 / (count as f64).sqrt() { rho.min(WORST_CORRELATION) } else { 0.0 };
-        let (variance, inflation) = (squares / freedom, (1.0 + rho) / (1.0 - rho));
+        let (variance, inflation) = (squares / degrees_of_freedom, (1.0 + rho) / (1.0 - rho));
         match problem.blocks(fit, variance) {
-            Ok(Some(blocks)) => {
-                Self { variance, inflation: inflation.max(blocks.inflation), freedom: freedom.min(blocks.freedom) }
-            }
-            _ => Self { variance, inflation, freedom },
+            Ok(Some(blocks)) => Self {
+                variance,
+                inflation: inflation.max(blocks.inflation),
+                degrees_of_freedom: degrees_of_freedom.min(blocks.degrees_of_freedom),
+            },
+            _ => Self { variance, inflation, degrees_of_freedom },
         }
     }
 
-    /// How many standard deviations an interval of [`LEVEL`] reaches.
+    /// Half-width of an interval of [`LEVEL`], in standard deviations.
     #[must_use]
     pub fn quantile(&self) -> f64 {
         self.one_sided(UPPER_95)
     }
 
-    /// How many standard deviations chance stays below with this probability.
+    /// One-sided quantile of Student's t at this probability, in standard deviations.
     #[must_use]
     pub fn one_sided(&self, level: f64) -> f64 {
-        student_quantile(level, self.freedom)
+        student_quantile(level, self.degrees_of_freedom)
     }
 
     /// How far a cost lies above the least one, as a square of standard deviations: twice the difference over the variance
@@ -92,16 +94,16 @@ impl Spread {
         (2.0 * cost_above_best / (self.variance * self.inflation)).max(0.0)
     }
 
-    /// The cost that makes no difference to an [`excess`](Spread::excess).
+    /// The cost that makes no difference to an [`excess`](ScaleEstimate::excess).
     pub(crate) fn negligible(&self) -> f64 {
         0.5 * MISFIT_TOLERANCE * self.variance * self.inflation
     }
 
-    /// The greatest [`excess`](Spread::excess) within a joint region of this level for `count` parameters: `count` times the
+    /// The greatest [`excess`](ScaleEstimate::excess) within a joint region of this level for `count` parameters: `count` times the
     /// quantile of Fisher's F (Beale 1960).
     #[must_use]
     pub fn joint_quantile(&self, count: usize, level: f64) -> f64 {
-        count as f64 * fisher_quantile(level, count as f64, self.freedom)
+        count as f64 * fisher_quantile(level, count as f64, self.degrees_of_freedom)
     }
 
     /// The standard deviation of an estimate whose variance for noise as stated is `variance`.
@@ -161,50 +163,50 @@ impl Interval {
 /// The 95 % interval of each free parameter as (low, high), and the rollouts that it took beyond the fit; see [`ends`].
 #[must_use]
 pub fn intervals(problem: &Problem, fit: &Fit) -> (Vec<(f64, f64)>, usize) {
-    let (all, rollouts) = ends(problem, fit, &Spread::of(problem, fit));
+    let (all, rollouts) = ends(problem, fit, &ScaleEstimate::of(problem, fit));
     (all.into_iter().map(|i| (i.low.value, i.high.value)).collect(), rollouts)
 }
 
 /// The 95 % interval of each free parameter, and the rollouts that it took beyond the fit.
 ///
 /// From the curvature (Laplace) where the misfit at both ends is what the curvature says and the interval stays well inside
-/// the bounds; elsewhere the values whose misfit is within the quantile of the best, everything else fitted again (profile
+/// the bounds; otherwise the values whose misfit is within the quantile of the best, everything else fitted again (profile
 /// likelihood). Where the simulator refuses what lies beyond a value, that value stands for the bound.
 #[must_use]
-pub fn ends(problem: &Problem, fit: &Fit, spread: &Spread) -> (Vec<Interval>, usize) {
-    ends_with(problem, fit, spread, &[])
+pub fn ends(problem: &Problem, fit: &Fit, scale: &ScaleEstimate) -> (Vec<Interval>, usize) {
+    ends_with(problem, fit, scale, &[])
 }
 
-/// As [`ends`], which also reach to those places `elsewhere` (for each free parameter) whose misfit is within the quantile.
+/// As [`ends`]; an interval also includes those points of `grid` (for each free parameter) whose misfit is within the quantile.
 pub(crate) fn ends_with(
     problem: &Problem,
     fit: &Fit,
-    spread: &Spread,
-    elsewhere: &[Vec<Place>],
+    scale: &ScaleEstimate,
+    grid: &[Vec<GridPoint>],
 ) -> (Vec<Interval>, usize) {
     let mut rollouts = 0;
     let mut all = Vec::with_capacity(problem.free.len());
     for (i, &position) in problem.free.iter().enumerate() {
         let p = &problem.simulator.parameters()[position];
         // Where the slope vanishes (impacts that return next to nothing) the curvature says nothing, but the profile still does.
-        let sd = spread.sd(fit.covariance[(i, i)]).min(p.span());
+        let sd = scale.sd(fit.covariance[(i, i)]).min(p.span());
         let value = fit.point.parameters[position];
         let near = value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max;
-        let reach = spread.quantile() * sd;
-        let profile = Profile { problem, fit, i, spread, sd };
+        let half_width = scale.quantile() * sd;
+        let profile = Profile { problem, fit, i, scale, sd };
         let curved = || {
-            let end = |value| End { value, bound: false, misfit: spread.quantile() };
-            Interval { low: end(value - reach), high: end(value + reach) }
+            let end = |value| End { value, bound: false, misfit: scale.quantile() };
+            Interval { low: end(value - half_width), high: end(value + half_width) }
         };
-        let places = elsewhere.get(i).map_or(&[][..], Vec::as_slice);
-        let alone = places.iter().all(|p| spread.excess(p.cost - fit.cost) > spread.quantile().powi(2));
-        // Of driven recordings the spread is that among stretches, which a profile of the squares knows nothing of.
+        let places = grid.get(i).map_or(&[][..], Vec::as_slice);
+        let alone = places.iter().all(|p| scale.excess(p.cost - fit.cost) > scale.quantile().powi(2));
+        // For driven recordings the scale estimate is cluster-robust; a profile of the squares does not contain it.
         if problem.recordings.iter().all(Prepared::is_driven) && sd < p.span() {
             all.push(curved());
             continue;
         }
-        // Values that the simulator refuses cannot be held against the curvature.
-        if !near && alone && profile.is_straight(reach, &mut rollouts).unwrap_or(true) {
+        // Values that the simulator refuses cannot be compared with the curvature.
+        if !near && alone && profile.is_quadratic(half_width, &mut rollouts).unwrap_or(true) {
             all.push(curved());
             continue;
         }
@@ -217,14 +219,19 @@ pub(crate) fn ends_with(
 ///
 /// # Errors
 /// Where the simulator refuses.
-pub(crate) fn held(problem: &Problem, mut start: Point, positions: &[usize], spread: &Spread) -> Result<Fit> {
-    // A place that was reckoned from a bound may lie beyond it by a rounding error.
+pub(crate) fn fit_with_fixed(
+    problem: &Problem,
+    mut start: Point,
+    positions: &[usize],
+    scale: &ScaleEstimate,
+) -> Result<Fit> {
+    // A value computed from a bound may exceed it by a rounding error.
     for &position in positions {
         let p = &problem.simulator.parameters()[position];
         start.parameters[position] = start.parameters[position].clamp(p.min, p.max);
     }
     let others: Vec<usize> = problem.free.iter().copied().filter(|f| !positions.contains(f)).collect();
-    Problem { free: &others, ..*problem }.fit_until(start, 1.0, spread.negligible())
+    Problem { free: &others, ..*problem }.fit_until(start, 1.0, scale.negligible())
 }
 
 /// The misfit over one parameter, all else fitted.
@@ -232,20 +239,20 @@ struct Profile<'a> {
     problem: &'a Problem<'a>,
     fit: &'a Fit,
     i: usize,
-    spread: &'a Spread,
+    scale: &'a ScaleEstimate,
     sd: f64,
 }
 
 impl Profile<'_> {
     /// Whether the misfit at both ends of the interval of the curvature is the quantile. At a kink it is not.
-    fn is_straight(&self, reach: f64, rollouts: &mut usize) -> Result<bool> {
+    fn is_quadratic(&self, half_width: f64, rollouts: &mut usize) -> Result<bool> {
         let position = self.problem.free[self.i];
-        for side in [-reach, reach] {
+        for side in [-half_width, half_width] {
             let start = self.fit.point.with(&[position], &[self.fit.point.parameters[position] + side]);
-            let there = held(self.problem, start, &[position], self.spread)?;
+            let there = fit_with_fixed(self.problem, start, &[position], self.scale)?;
             *rollouts += there.rollouts;
-            let excess = self.spread.excess(there.cost - self.fit.cost);
-            if (excess / self.spread.quantile().powi(2) - 1.0).abs() > STRAIGHT {
+            let excess = self.scale.excess(there.cost - self.fit.cost);
+            if (excess / self.scale.quantile().powi(2) - 1.0).abs() > QUADRATIC {
                 return Ok(false);
             }
         }
@@ -253,25 +260,27 @@ impl Profile<'_> {
     }
 
     /// Both ends.
-    fn interval(&self, places: &[Place], rollouts: &mut usize) -> Interval {
+    fn interval(&self, places: &[GridPoint], rollouts: &mut usize) -> Interval {
         let ((low, left), (high, right)) = (self.outermost(-1.0, places), self.outermost(1.0, places));
         *rollouts += left + right;
         Interval { low, high }
     }
 
     /// The edge in one direction, of the stretch around the estimate or of the farthest one that has one of `places`.
-    fn outermost(&self, direction: f64, places: &[Place]) -> (End, usize) {
+    fn outermost(&self, direction: f64, places: &[GridPoint]) -> (End, usize) {
         let position = self.problem.free[self.i];
         let (mut end, mut rollouts) = self.edge(direction, &self.fit.point, 0.0);
-        let limit = self.spread.quantile();
-        let mut beyond: Vec<&Place> = places.iter().filter(|p| (p.value - end.value) * direction > 0.0).collect();
+        let limit = self.scale.quantile();
+        let mut beyond: Vec<&GridPoint> = places.iter().filter(|p| (p.value - end.value) * direction > 0.0).collect();
         // The farthest first.
         beyond.sort_by(|a, b| (b.value * direction).total_cmp(&(a.value * direction)));
         for place in beyond {
             // The place itself was fitted in two steps only.
-            let Ok(there) = held(self.problem, place.point.clone(), &[position], self.spread) else { continue };
+            let Ok(there) = fit_with_fixed(self.problem, place.point.clone(), &[position], self.scale) else {
+                continue;
+            };
             rollouts += there.rollouts;
-            let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
+            let misfit = self.scale.excess(there.cost - self.fit.cost).sqrt();
             if misfit < limit {
                 let (farther, used) = self.edge(direction, &there.point, misfit);
                 rollouts += used;
@@ -292,13 +301,13 @@ impl Profile<'_> {
             (PROFILE_STEP_SD * self.sd).max(PROFILE_STEP_SPAN * p.span() * 1e-3).min(PROFILE_STEP_SPAN * p.span());
         let (mut point, mut rollouts) = (from.clone(), 0);
         let (mut before, mut misfit_before) = (point.parameters[position], misfit);
-        let limit = self.spread.quantile();
+        let limit = self.scale.quantile();
         loop {
             let value = before + direction * step;
             let value = if (bound - value) * direction <= 0.0 { bound } else { value };
             let mut moved = point.clone();
             moved.parameters[position] = value;
-            let Ok(there) = held(self.problem, moved, &[position], self.spread) else {
+            let Ok(there) = fit_with_fixed(self.problem, moved, &[position], self.scale) else {
                 rollouts += self.problem.recordings.len();
                 if step <= LEAST_STEP_SPAN * p.span() {
                     return (End { value: before, bound: true, misfit: misfit_before }, rollouts);
@@ -307,7 +316,7 @@ impl Profile<'_> {
                 continue;
             };
             rollouts += there.rollouts;
-            let misfit = self.spread.excess(there.cost - self.fit.cost).sqrt();
+            let misfit = self.scale.excess(there.cost - self.fit.cost).sqrt();
             // A jump is looked at more closely before it is interpolated.
             if misfit >= limit && misfit - misfit_before > LARGEST_RISE && step > LEAST_STEP_SPAN * p.span() {
                 step = (value - before).abs() / 4.0;
@@ -352,11 +361,11 @@ mod tests {
         let n = seen.len() as f64;
         let mean = seen.clock().iter().sum::<f64>() / n;
         let squares: f64 = seen.clock().iter().map(|t| (t - mean).powi(2)).sum();
-        let spread = Spread::of(&problem, &fit);
-        let half = spread.quantile() * sd * (spread.variance * spread.inflation / squares).sqrt();
+        let scale = ScaleEstimate::of(&problem, &fit);
+        let half = scale.quantile() * sd * (scale.variance * scale.inflation / squares).sqrt();
         let (low, high) = found[0];
         assert!(((high - low) / 2.0 / half - 1.0).abs() < 1e-3, "{low} {high} {half}");
-        assert!(low < 2.0 && 2.0 < high && (spread.quantile() / NORMAL_95 - 1.0).abs() < 0.02);
+        assert!(low < 2.0 && 2.0 < high && (scale.quantile() / NORMAL_95 - 1.0).abs() < 0.02);
     }
 
     #[test]

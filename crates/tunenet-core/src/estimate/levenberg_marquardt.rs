@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn small_steps_end_it_as_early_as_they_are_told_to() {
+    fn it_ends_at_the_given_step_tolerance() {
         let two = Settings { tolerance: f64::INFINITY, ..Settings::EXACT };
         assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &two).1, 2);
         assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &Settings { small_steps: 1, ..two }).1, 1);

@@ -11,6 +11,8 @@
 //! | `output_error` | output-error method: one simulator fitted to recordings |
 //! | `noise_model` | noise of each channel |
 //! | `interval`, `profile`, `region`, `contour` | profile likelihood |
+//! | `contour_ray` | regula falsi with bisection |
+//! | `misfit_grid` | grid of profiled misfits |
 //! | `information`, `cluster_robust` | Fisher information; cluster-robust covariance |
 //! | `adequacy` | residual against noise |
 
@@ -18,26 +20,26 @@ mod adequacy;
 pub(crate) mod block_arrow;
 mod cluster_robust;
 mod contour;
+mod contour_ray;
 pub(crate) mod huber;
 mod information;
 mod interval;
 pub(crate) mod jacobian;
 pub(crate) mod levenberg_marquardt;
-mod misfit_place;
+mod misfit_grid;
 mod noise_model;
 pub(crate) mod normal_equations;
 mod output_error;
 pub(crate) mod problem;
 mod profile;
-mod ray;
 mod region;
 
 pub use adequacy::Adequacy;
 pub use contour::{Contour, contour};
 pub use information::{Direction, Information};
-pub use interval::{End, Interval, LEVEL, Spread, ends, intervals};
-pub(crate) use interval::{ends_with, held};
-pub(crate) use misfit_place::{Elsewhere, Place};
+pub use interval::{End, Interval, LEVEL, ScaleEstimate, ends, intervals};
+pub(crate) use interval::{ends_with, fit_with_fixed};
+pub(crate) use misfit_grid::{GridPoint, MisfitGrid};
 pub use noise_model::channel_noise;
 pub(crate) use noise_model::{floor, weights};
 pub(crate) use output_error::weighted;

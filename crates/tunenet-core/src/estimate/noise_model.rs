@@ -32,9 +32,9 @@ pub(crate) fn floor(recording: &Prepared) -> Vec<f64> {
     recording.noise.clone().unwrap_or_else(|| channel_noise(&recording.seen))
 }
 
-/// What residuals of each channel are measured in: the noise, or the spread of what is left where that is known.
+/// What residuals of each channel are measured in: the noise, or the scale estimate of the residual where that is known.
 pub(crate) fn weights(recording: &Prepared) -> Vec<f64> {
-    recording.spread.clone().unwrap_or_else(|| floor(recording))
+    recording.residual_scale.clone().unwrap_or_else(|| floor(recording))
 }
 
 #[cfg(test)]

@@ -176,8 +176,8 @@ pub(crate) fn weighted(
 /// The positions of the parameters that may be tuned and about which at least one recording says something.
 #[must_use]
 pub fn free(parameters: &[Parameter], recordings: &[Prepared]) -> Vec<usize> {
-    let heard = |i: usize| recordings.iter().any(|r| r.silent[i].is_none());
-    (0..parameters.len()).filter(|&i| parameters[i].tune && heard(i)).collect()
+    let informative = |i: usize| recordings.iter().any(|r| r.silent[i].is_none());
+    (0..parameters.len()).filter(|&i| parameters[i].tune && informative(i)).collect()
 }
 
 #[cfg(test)]

@@ -142,7 +142,7 @@ pub(crate) fn distance(problem: &dyn LeastSquares, a: &Point, b: &Point) -> f64 
     shared.chain(nuisances).fold(0.0, f64::max)
 }
 
-/// The residuals' own spread where it exceeds the stated noise, so that a misfit of the whole is not taken for outliers.
+/// The residuals' own scale estimate where it exceeds the stated noise, so that a misfit of the whole is not taken for outliers.
 pub(crate) fn robust_scale(residuals: &[Vec<f64>]) -> f64 {
     mad_sd(residuals.iter().flatten().copied()).max(1.0)
 }
@@ -151,7 +151,7 @@ pub(crate) fn robust_scale(residuals: &[Vec<f64>]) -> f64 {
 pub(super) mod tests {
     use super::*;
 
-    /// `y = a + b t + u_d`: two shared parameters and a level of each recording, which is not told apart from `a` but by its
+    /// `y = a + b t + u_d`: two shared parameters and a level of each recording, which differs from `a` only by its
     /// prior. Linear, so that every answer has a closed form.
     pub struct Lines {
         pub parameters: Vec<Parameter>,

@@ -1,6 +1,6 @@
 //! Profile likelihood of one parameter (Venzon and Moolgavkar 1988): the misfit over its values, everything else fitted again.
 
-use super::interval::{Spread, held};
+use super::interval::{ScaleEstimate, fit_with_fixed};
 use super::output_error::{Fit, Problem};
 
 /// Values on either side of the best.
@@ -50,7 +50,7 @@ impl Profile {
 pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> (Profile, usize) {
     let position = problem.free[i];
     let p = &problem.simulator.parameters()[position];
-    let spread = Spread::of(problem, fit);
+    let scale = ScaleEstimate::of(problem, fit);
     let best = fit.point.parameters[position];
     let (mut costs, mut rollouts) = (vec![(best, fit.cost)], 0);
     for end in [range.0.max(p.min).min(best), range.1.min(p.max).max(best)] {
@@ -61,7 +61,7 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> (Pr
         for step in 1..=STEPS {
             point.parameters[position] = best + (end - best) * f64::from(step) / f64::from(STEPS);
             // The curve ends where the simulator refuses.
-            let Ok(there) = held(problem, point, &[position], &spread) else { break };
+            let Ok(there) = fit_with_fixed(problem, point, &[position], &scale) else { break };
             rollouts += there.rollouts;
             costs.push((there.point.parameters[position], there.cost));
             point = there.point;
@@ -69,12 +69,12 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> (Pr
     }
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let least = costs.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
-    let curve = costs.into_iter().map(|(value, cost)| (value, spread.excess(cost - least))).collect();
-    (Profile { parameter: position, curve, cut50: cut(&spread, 0.5), cut95: cut(&spread, 0.95) }, rollouts)
+    let curve = costs.into_iter().map(|(value, cost)| (value, scale.excess(cost - least))).collect();
+    (Profile { parameter: position, curve, cut50: cut(&scale, 0.5), cut95: cut(&scale, 0.95) }, rollouts)
 }
 
-fn cut(spread: &Spread, level: f64) -> f64 {
-    spread.one_sided(0.5 + level / 2.0).powi(2)
+fn cut(scale: &ScaleEstimate, level: f64) -> f64 {
+    scale.one_sided(0.5 + level / 2.0).powi(2)
 }
 
 #[cfg(test)]

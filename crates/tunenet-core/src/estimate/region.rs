@@ -6,11 +6,11 @@
 
 use nalgebra::{DMatrix, DVector, Vector2};
 
-use super::interval::{Interval, LEVEL, Spread, held};
+use super::contour_ray::Ray;
+use super::interval::{Interval, LEVEL, ScaleEstimate, fit_with_fixed};
 use super::noise_model::weights;
 use super::output_error::{Fit, Problem};
 use super::problem::Point;
-use super::ray::Ray;
 use crate::Result;
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Prepared, Simulator};
@@ -37,7 +37,7 @@ pub struct Region {
     pub quantile: f64,
     /// For a pair whose region is no ellipse within the bounds: the corners of its boundary, in order around it.
     pub boundary: Vec<[f64; 2]>,
-    spread: Spread,
+    scale: ScaleEstimate,
     best: Point,
     cost: f64,
     /// All positions that were fitted, and those of `parameters` among the simulator's.
@@ -49,18 +49,24 @@ impl Region {
     /// The region of the free parameters at the places `joint` of `fit`, and the rollouts that it took. `intervals` are
     /// those of all free parameters, and scale the search for a boundary. It ends where the simulator refuses what lies beyond.
     #[must_use]
-    pub fn of(problem: &Problem, fit: &Fit, spread: &Spread, intervals: &[Interval], joint: &[usize]) -> (Self, usize) {
+    pub fn of(
+        problem: &Problem,
+        fit: &Fit,
+        scale: &ScaleEstimate,
+        intervals: &[Interval],
+        joint: &[usize],
+    ) -> (Self, usize) {
         let covariance = DMatrix::from_fn(joint.len(), joint.len(), |a, b| {
-            fit.covariance[(joint[a], joint[b])] * spread.variance * spread.inflation
+            fit.covariance[(joint[a], joint[b])] * scale.variance * scale.inflation
         });
         let positions: Vec<usize> = joint.iter().map(|&j| problem.free[j]).collect();
         let mut region = Self {
             parameters: positions.iter().map(|&i| problem.simulator.parameters()[i].name.clone()).collect(),
             centre: fit.point.at(&positions),
             covariance: covariance.iter().all(|v| v.is_finite()).then_some(covariance),
-            quantile: spread.joint_quantile(joint.len(), LEVEL),
+            quantile: scale.joint_quantile(joint.len(), LEVEL),
             boundary: Vec::new(),
-            spread: *spread,
+            scale: *scale,
             best: fit.point.clone(),
             cost: fit.cost,
             free: problem.free.to_vec(),
@@ -105,9 +111,9 @@ impl Region {
 
     /// How far the misfit at `values`, all else fitted, lies above the least, in squares of standard deviations.
     fn excess(&self, problem: &Problem, values: &[f64], rollouts: &mut usize) -> Result<f64> {
-        let fit = held(problem, self.best.with(&self.joint, values), &self.joint, &self.spread)?;
+        let fit = fit_with_fixed(problem, self.best.with(&self.joint, values), &self.joint, &self.scale)?;
         *rollouts += fit.rollouts;
-        Ok(self.spread.excess(fit.cost - self.cost))
+        Ok(self.scale.excess(fit.cost - self.cost))
     }
 
     /// Whether the ends of the ellipse's axes lie within the bounds and on the quantile.
@@ -116,9 +122,9 @@ impl Region {
         let eigen = covariance.clone().symmetric_eigen();
         for (k, variance) in eigen.eigenvalues.iter().enumerate() {
             for side in [-1.0, 1.0] {
-                let reach = side * (self.quantile * variance.max(0.0)).sqrt();
+                let offset = side * (self.quantile * variance.max(0.0)).sqrt();
                 let values: Vec<f64> =
-                    self.centre.iter().zip(&eigen.eigenvectors.column(k)).map(|(c, axis)| c + reach * axis).collect();
+                    self.centre.iter().zip(&eigen.eigenvectors.column(k)).map(|(c, axis)| c + offset * axis).collect();
                 let within = values.iter().zip(&self.joint).all(|(v, &i)| {
                     let p = &problem.simulator.parameters()[i];
                     (p.min..=p.max).contains(v)
@@ -144,7 +150,7 @@ impl Region {
         let origin = if held { middle } else { estimate };
         // The ellipse's own shape, or that of the intervals where it has none or is a small part of them: at a kink the
         // curvature speaks of one side only.
-        let like = |c: &DMatrix<f64>| (0..2).all(|i| half[i] < SAME_SIZE * self.spread.quantile() * c[(i, i)].sqrt());
+        let like = |c: &DMatrix<f64>| (0..2).all(|i| half[i] < SAME_SIZE * self.scale.quantile() * c[(i, i)].sqrt());
         let shape = self.covariance.clone().filter(like).and_then(nalgebra::DMatrix::cholesky);
         let shape = shape.map(|c| c.l() * self.quantile.sqrt());
         for corner in 0..CORNERS {
@@ -155,7 +161,7 @@ impl Region {
             );
             let ray = Ray {
                 problem,
-                spread: &self.spread,
+                scale: &self.scale,
                 positions: [self.joint[0], self.joint[1]],
                 best: (&self.best, self.cost),
                 origin: origin.into(),

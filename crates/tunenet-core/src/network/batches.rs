@@ -1,4 +1,4 @@
-//! Minibatches: the pairs of each step, shuffled by epochs or drawn anew with noise and cuts (data augmentation).
+//! Minibatches: the pairs of each step, shuffled by epochs or drawn afresh with noise and cuts (data augmentation).
 
 use std::ops::Range;
 

@@ -10,11 +10,11 @@ use super::two_branch::TwoBranch;
 use super::weights::{Weights, WeightsFault};
 use crate::{Error, Result};
 
-/// What a checkpoint says beside its numbers.
+/// What a checkpoint says besides its numbers.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Mark {
-    /// Of the dataset, the preset and the seed: a checkpoint goes on with the same training or not at all.
+    /// Of the dataset, the preset and the seed: a checkpoint resumes the same training or not at all.
     fingerprint: String,
     /// Steps done.
     step: u64,
@@ -71,7 +71,7 @@ pub(super) fn save(kept: Kept<'_>, step: u64, network: &TwoBranch, descent: &Gra
     kept.checkpoint.save(&Weights::new(mark, &tensors)?)
 }
 
-/// Goes on from the checkpoint: sets the network and the optimiser, returns the steps done; `None` where there is none.
+/// Resumes from the checkpoint: sets the network and the optimiser, returns the steps done; `None` where there is none.
 pub(super) fn load(
     Kept { checkpoint, fingerprint, device }: Kept<'_>,
     about: &About,

@@ -59,7 +59,7 @@ pub struct Pair {
     pub proposed_parameters: Vec<f64>,
     /// All parameters of the target, shape `[parameter]`.
     pub target_parameters: Vec<f64>,
-    /// Unknowns that both share, such as a height of release.
+    /// Nuisance parameters that both share, such as a height of release.
     pub own: Vec<f64>,
     /// What makes both dimensionless, where the simulator has such a thing.
     pub scale: Option<Scale>,

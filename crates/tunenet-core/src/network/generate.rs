@@ -18,7 +18,7 @@ pub struct PairDraw {
     pub proposed: Vec<f64>,
     /// All parameters of the target.
     pub target: Vec<f64>,
-    /// Unknowns that both share.
+    /// Nuisance parameters that both share.
     pub own: Vec<f64>,
     /// What makes both dimensionless, where the simulator has such a thing.
     pub scale: Option<Scale>,

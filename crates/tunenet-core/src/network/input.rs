@@ -47,7 +47,8 @@ pub enum Input {
     },
     /// As `Dimensionless`, of heights read back from a picture: the channel is `v` in px, and the first fall of a body with
     /// this [`Scale`] says what camera saw it ([`LineCamera::of_fall`]).
-    Filmed {
+    #[serde(rename = "filmed")]
+    Pixels {
         /// Which channel, from 0.
         channel: usize,
         /// How many intervals; the width of the input.
@@ -109,7 +110,7 @@ impl Input {
         match self {
             Self::Raw { samples, .. } => *samples,
             Self::Recorded { channels, samples, .. } => channels * samples,
-            Self::Dimensionless { bins, .. } | Self::Filmed { bins, .. } => *bins,
+            Self::Dimensionless { bins, .. } | Self::Pixels { bins, .. } => *bins,
             Self::Scaled { bins, unit, .. } => bins * unit.len(),
             Self::Standardised { bins, mean, .. } => bins * mean.len(),
         }
@@ -118,7 +119,7 @@ impl Input {
     /// Whether each recording must bring its [`Scale`].
     #[must_use]
     pub fn needs_scale(&self) -> bool {
-        matches!(self, Self::Dimensionless { .. } | Self::Filmed { .. } | Self::Scaled { .. })
+        matches!(self, Self::Dimensionless { .. } | Self::Pixels { .. } | Self::Scaled { .. })
     }
 
     /// One recording as a branch sees it. `values` is row-major `[sample, channel]`, `clock` its strictly rising clock.
@@ -188,7 +189,7 @@ impl Input {
                 }
                 Ok(Encoded { values, covered })
             }
-            Self::Filmed { channel, bins, tau_max } => {
+            Self::Pixels { channel, bins, tau_max } => {
                 let (scale, channel) = (scale()?, there(*channel)?);
                 let v_px: Vec<f64> = values[channel..].iter().step_by(channels).copied().collect();
                 let Some(camera) = LineCamera::of_fall(clock, &v_px, scale) else {

@@ -20,7 +20,7 @@ pub(super) struct Learner {
 }
 
 impl Learner {
-    /// Goes on from `network` and what `descent` remembers, on `device`.
+    /// Resumes from `network` and the optimiser state `descent`, on `device`.
     pub(super) fn new(network: &TwoBranch, descent: &GradientDescent, loss: Loss, device: &Device) -> Result<Self> {
         let (network, weights) = network.trainable(device)?;
         Ok(Self { network, weights, descent: descent.to_device(device)?, loss })
@@ -40,7 +40,7 @@ impl Learner {
         Ok(loss.to_dtype(DType::F64)?.to_scalar()?)
     }
 
-    /// What has been learned and what the optimiser remembers, on the CPU. Good until the next step.
+    /// The trained weights and the optimiser state, on the CPU. Good until the next step.
     pub(super) fn state(&self) -> Result<(TwoBranch, GradientDescent)> {
         Ok((self.network.detached(&Device::Cpu)?, self.descent.to_device(&Device::Cpu)?))
     }

@@ -214,9 +214,9 @@ impl Model {
 
     fn encode(&self, side: &Side<'_>) -> Result<Encoded> {
         let seen = side.observation;
-        let filmed = self.about.target.as_ref().filter(|_| seen.channels() == self.target_channels);
-        let input = filmed.map_or(&self.about.input, |t| &t.input);
-        if filmed.is_none() && seen.channels() != self.channels {
+        let pixels = self.about.target.as_ref().filter(|_| seen.channels() == self.target_channels);
+        let input = pixels.map_or(&self.about.input, |t| &t.input);
+        if pixels.is_none() && seen.channels() != self.channels {
             let list = |channels: &[Channel]| {
                 channels.iter().map(|c| format!("{} ({})", c.name, c.unit)).collect::<Vec<_>>().join(", ")
             };

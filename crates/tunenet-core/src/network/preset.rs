@@ -11,7 +11,7 @@ use crate::{Error, Origin, Result};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
-    /// Its name, for people and for the model file.
+    /// Its name, for users and for the model file.
     pub name: String,
     /// What the network sees.
     pub input: InputChoice,
@@ -85,7 +85,7 @@ pub enum InputChoice {
 pub enum Head {
     /// `tanh h(a, b)`: the appendix.
     Tanh,
-    /// `½ [h(a, b) − h(b, a)]`: equal observations ask for exactly no change, whatever the weights.
+    /// `½ [h(a, b) − h(b, a)]`: equal observations give exactly no change, for any weights.
     Antisymmetric,
 }
 
@@ -138,8 +138,8 @@ pub enum Course {
         /// How many.
         epochs: u64,
     },
-    /// Pairs drawn anew at every step. Where a rollout can stand beside any other (dimensionless inputs, or a dataset
-    /// without unknowns of its own) any two rollouts make a pair; otherwise the dataset's pairs, either way round.
+    /// Pairs drawn afresh at every step. Where a rollout can be paired with any other (dimensionless inputs, or a dataset
+    /// without nuisance parameters) any two rollouts make a pair; otherwise the dataset's pairs, either way round.
     Remixed {
         /// How many steps.
         steps: u64,
@@ -211,7 +211,7 @@ impl Preset {
     /// As [`named`](Self::named), for observations of these channels: joint torques have presets of their own.
     ///
     /// # Errors
-    /// [`Error::Setting`] for any other name, and for `general`, which is for bodies that fall, beside torques.
+    /// [`Error::Setting`] for any other name, and for `general`, which is for falling bodies, with torques.
     pub fn named_for(name: &str, channels: &[Channel]) -> Result<Self> {
         let torques = !channels.is_empty() && channels.iter().all(|c| c.unit == "N·m");
         match name {

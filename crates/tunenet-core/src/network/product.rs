@@ -1,7 +1,7 @@
 //! Matrix product with reverse-mode derivatives, on the thread that asks for it.
 //!
 //! The largest product here is some 50 × 2100 × 32. candle's own product hands it to a pool of threads, which costs more
-//! than it saves, takes cores from the rollouts beside it and leaves the order of sums to the number of threads; and its
+//! than it saves, takes cores from parallel rollouts and leaves the order of sums to the number of threads; and its
 //! way back also differentiates by the observations. So on a CPU a custom operation of candle's calls nalgebra.
 
 use candle_core::{CpuStorage, CustomOp2, Layout, Shape, Tensor};
@@ -10,7 +10,7 @@ use nalgebra::{DMatrixView, DMatrixViewMut, Dyn, RealField};
 /// What the left factor is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Left {
-    /// Data: nobody asks for the derivative by it.
+    /// Data: no derivative is required.
     Data,
     /// The output of a layer.
     Features,
@@ -58,7 +58,7 @@ impl CustomOp2 for Product {
         _product: &Tensor,
         gradient: &Tensor,
     ) -> candle_core::Result<(Option<Tensor>, Option<Tensor>)> {
-        // Detached: nobody differentiates a second time.
+        // Detached: no second derivative is required.
         let (a, b) = (a.detach(), b.detach());
         let by_a = match self.left {
             Left::Data => None,

@@ -38,7 +38,7 @@ pub struct TrainOptions {
 }
 
 impl TrainOptions {
-    /// [`memory_bytes`](Self::memory_bytes) where nobody says otherwise.
+    /// [`memory_bytes`](Self::memory_bytes) by default.
     pub const MEMORY_BYTES: usize = 256 << 20;
 
     /// With the usual memory, on the CPU.
@@ -76,7 +76,7 @@ pub struct TrainProgress {
 
 /// Trains a network on `data`, which is gone through once or twice, pair by pair, and may be larger than the memory.
 ///
-/// The same data set, preset and seed give the same weights, bit for bit on one kind of processor, whatever the number of
+/// The same data set, preset and seed give the same weights, bit for bit on one kind of processor, for any number of
 /// threads and however often the training was interrupted. On a GPU the same holds for one kind of GPU, as far as its own
 /// libraries do. Where `progress` answers `false`, a checkpoint is written and the training stops.
 ///

@@ -10,7 +10,7 @@ use crate::{Error, Origin, Result};
 /// and then as two trainings do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TrainDevice {
-    /// The processor, on the thread that asks: the same bits whatever the number of threads.
+    /// The processor, on the thread that asks: the same bits for any number of threads.
     #[default]
     Cpu,
     /// The first GPU of NVIDIA, through candle; a build with the feature `cuda` can use it.

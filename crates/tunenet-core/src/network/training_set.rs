@@ -19,7 +19,7 @@ pub(super) struct TrainingSet<'a> {
     pub(super) rollouts: Rows<'a>,
     /// The most that a proposed rollout covers of its row.
     pub(super) longest: usize,
-    /// Whether any rollout can stand beside any other.
+    /// Whether any rollout can be paired with any other.
     pub(super) mixable: bool,
 }
 
@@ -45,7 +45,7 @@ impl<'a> TrainingSet<'a> {
             set.mixable &= own.get_or_insert_with(|| pair.own.clone()) == &pair.own;
         }
         set.rollouts.finish()?;
-        // In units of its own scale a rollout no longer remembers its height.
+        // In units of its own scale a rollout no longer depends on its height.
         set.mixable |= matches!(set.input, Input::Dimensionless { .. });
         if set.pairs() == 0 {
             return Err(refuse("at least one pair", "none", ""));
@@ -112,7 +112,7 @@ fn fit_inputs(data: &dyn DataSet, preset: &Preset) -> Result<(Input, Option<Inpu
         }
         InputChoice::Dimensionless { channel: None, bins, tau_max } => {
             let (bins, tau_max) = (*bins, *tau_max);
-            let seen = Input::Filmed { channel: v, bins, tau_max };
+            let seen = Input::Pixels { channel: v, bins, tau_max };
             Ok((Input::Dimensionless { channel: z, bins, tau_max }, Some(seen)))
         }
         _ => {
@@ -150,7 +150,7 @@ fn clocks_differ() -> Error {
     refuse("one clock for all pairs", "one in each: raw samples cannot be compared", "train with another preset")
 }
 
-/// What the network is to see, with whatever must be read off the data first.
+/// The network's input, with what must be computed from the data first.
 fn fit_input(data: &dyn DataSet, preset: &Preset) -> Result<Input> {
     let header = data.header();
     let find = |name: &Option<String>| match name {

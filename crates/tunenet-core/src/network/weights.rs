@@ -1,4 +1,4 @@
-//! Trained numbers as named arrays, in whatever file they are kept.
+//! Trained weights as named arrays, independent of the file format.
 
 use std::collections::BTreeMap;
 

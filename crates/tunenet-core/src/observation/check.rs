@@ -11,7 +11,7 @@ use crate::finding::FindingKind;
 pub enum State {
     /// Nothing is wrong.
     Passed,
-    /// Something was found that a person should know; the recording is used.
+    /// Something was found that a user should know; the recording is used.
     Noticed,
     /// The recording cannot be used.
     Failed,
@@ -71,7 +71,7 @@ impl Check {
         Self { kind, state: State::NotRun, text: why.into(), remedy: String::new() }
     }
 
-    /// What a person should know of it, where it noticed something or failed.
+    /// What a user should know of it, where it noticed something or failed.
     #[must_use]
     pub fn note(&self) -> Option<Note> {
         matches!(self.state, State::Noticed | State::Failed).then(|| Note {

@@ -1,4 +1,4 @@
-//! How noisy a list of event times is.
+//! Noise of event times: robust quadratic regression of the logarithms of their intervals, and the median absolute deviation.
 
 use crate::statistics::{mad_sd, median};
 
@@ -16,7 +16,7 @@ const FEWEST_FOR_NOISE: usize = 7;
 ///
 /// The logarithm of the interval between impacts falls linearly with the count where each returns the same share of the speed,
 /// and smoothly where that share depends on speed; what a quadratic in the count leaves over is timing noise and the scatter of the
-/// impacts themselves. An error of one time moves the two intervals beside it, hence √2. The median keeps a missed click from counting.
+/// impacts themselves. An error of one time moves the two adjacent intervals, hence √2. The median keeps a missed click from counting.
 #[must_use]
 pub fn event_time_sd(index: &[f64], time_s: &[f64]) -> f64 {
     if time_s.len() < FEWEST_FOR_NOISE {
@@ -28,9 +28,9 @@ pub fn event_time_sd(index: &[f64], time_s: &[f64]) -> f64 {
         places.iter().map(|&i| (index[i], (time_s[i + 1] - time_s[i]).ln(), time_s[i + 1] - time_s[i])).collect();
     let Some(fit) = robust_quadratic(&logs) else { return SHORT_LIST_SD_S };
     let left: Vec<f64> = logs.iter().map(|&(x, y, interval)| (y - quadratic(&fit, x)) * interval).collect();
-    let freedom = ((left.len() as f64) / (left.len() as f64 - 3.0)).sqrt();
+    let correction = ((left.len() as f64) / (left.len() as f64 - 3.0)).sqrt();
     let mean_interval = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
-    (mad_sd(left) * freedom / 2f64.sqrt()).max(1e-6).min(WORST_SHARE * mean_interval)
+    (mad_sd(left) * correction / 2f64.sqrt()).max(1e-6).min(WORST_SHARE * mean_interval)
 }
 
 fn quadratic(c: &nalgebra::Vector3<f64>, x: f64) -> f64 {

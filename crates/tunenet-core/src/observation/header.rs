@@ -67,7 +67,7 @@ impl Channel {
     }
 
     /// The channel of a header that names its unit, in small letters, digits and `_`, beginning with a letter; a number without
-    /// a unit ends in `_1`. `None` where the unit is none that is known, or the name none of these.
+    /// a unit ends in `_1`. `None` for an unknown unit or another name.
     #[must_use]
     pub fn from_header(header: &str) -> Option<Self> {
         let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';

@@ -1,4 +1,4 @@
-//! Numbers read off a part of the data, and what several of them say together.
+//! Inverse-variance weighted mean, widened by the excess scatter (Birge 1932), of estimates from parts of the data.
 
 use crate::statistics::{NORMAL_95, UPPER_95, student_quantile};
 
@@ -27,10 +27,10 @@ impl LocalEstimate {
     }
 }
 
-/// A standard deviation known from `freedom` degrees, such that ± 1.96 of it hold 95 % as for one that is known.
+/// A standard deviation known from `degrees_of_freedom`, such that ± 1.96 of it hold 95 % as for one that is known.
 #[must_use]
-pub fn widened(sd: f64, freedom: f64) -> f64 {
-    sd * (student_quantile(UPPER_95, freedom.max(1.0)) / NORMAL_95).max(1.0)
+pub fn widened(sd: f64, degrees_of_freedom: f64) -> f64 {
+    sd * (student_quantile(UPPER_95, degrees_of_freedom.max(1.0)) / NORMAL_95).max(1.0)
 }
 
 #[cfg(test)]
@@ -45,7 +45,7 @@ mod tests {
         };
         // Two that agree: the mean is √2 surer.
         assert!((of(&[0.8, 0.8]).sd - 0.01 / 2f64.sqrt()).abs() < 1e-12);
-        // Two that lie .1 apart: .05 for the mean, nearly all of it from one degree of freedom (12.706 instead of 1.96).
+        // Two that lie 0.1 apart: 0.05 for the mean, nearly all of it from one degree of freedom (12.706 instead of 1.96).
         let apart = of(&[0.75, 0.85]);
         assert!((apart.value - 0.8).abs() < 1e-12);
         assert!((apart.sd * 1.96 / (12.706 * 0.05) - 1.0).abs() < 0.02, "{apart:?}");

@@ -27,7 +27,7 @@ use crate::{Error, Result};
 /// Fewest samples of an observation.
 pub const FEWEST_SAMPLES: usize = 3;
 
-/// Greatest size of a number, measured or predicted, in whatever unit: far beyond all that there is, and small enough that
+/// Greatest size of a number, measured or predicted, in any unit: far beyond all that there is, and small enough that
 /// its square, and a sum of such squares over tiny noise, is a number still.
 pub const GREATEST: f64 = 1e100;
 

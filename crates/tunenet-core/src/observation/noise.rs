@@ -1,4 +1,4 @@
-//! How noisy a channel is, read off the channel itself.
+//! Noise of a channel by third differences and the median absolute deviation (von Neumann 1941; Rousseeuw and Croux 1993).
 
 use crate::statistics::mad_sd;
 
@@ -17,8 +17,8 @@ pub fn noise_sd(values: &[f64]) -> f64 {
         return 0.0;
     }
     let third = values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]);
-    let spread = mad_sd(third) / 20f64.sqrt();
-    spread.max(step(values) / 12f64.sqrt())
+    let sd = mad_sd(third) / 20f64.sqrt();
+    sd.max(step(values) / 12f64.sqrt())
 }
 
 /// The grid on which the values lie, 0 where they lie on none. Only powers of ten count, since only the digits of a file

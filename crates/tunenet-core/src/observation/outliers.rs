@@ -1,4 +1,5 @@
-//! Single samples that cannot belong to the motion: a tracker that jumped for one frame, a digit too many.
+//! Outliers by an order-statistic range and by local linear interpolation: single samples that cannot belong to the motion, such as a
+//! tracker that jumped for one frame, or a digit too many.
 
 use super::{FEWEST_SAMPLES, Observation, noise_sd};
 
@@ -73,18 +74,18 @@ impl Observation {
 mod tests {
     use super::*;
 
-    fn drop(wild: &[(usize, f64)]) -> Observation {
+    fn drop(outliers: &[(usize, f64)]) -> Observation {
         let clock: Vec<f64> = (0..120).map(|i| f64::from(i) / 120.0).collect();
-        // A fall of 1 m in .45 s, then rest.
+        // A fall of 1 m in 0.45 s, then rest.
         let mut position_m: Vec<[f64; 3]> = clock.iter().map(|t| [0.0, 0.0, (1.0 - 4.905 * t * t).max(0.0)]).collect();
-        for &(i, z) in wild {
+        for &(i, z) in outliers {
             position_m[i][2] = z;
         }
         Observation::positions(clock, &position_m).unwrap()
     }
 
     #[test]
-    fn a_leap_of_one_sample_is_wild() {
+    fn a_leap_of_one_sample_is_an_outlier() {
         let seen = drop(&[(40, 1e6), (80, -3.0)]);
         assert_eq!(seen.outliers(), [40, 80]);
         let kept = seen.without(&seen.outliers()).unwrap();

@@ -1,4 +1,4 @@
-//! Bringing an observation onto another clock.
+//! Linear interpolation of an observation onto another clock.
 
 use super::Observation;
 use crate::{Error, Result};

@@ -68,22 +68,22 @@ pub struct Effect {
     pub random: bool,
     /// Names of effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
-    /// Why it is not to be expected of this object, where something else that explains recordings as well is: it stands
-    /// back behind the other, and alone only where nothing else does.
-    pub unlikely: Option<&'static str>,
+    /// Why it is implausible for this object: another effect that explains the recordings as well is preferred, and it is
+    /// named only if there is none.
+    pub implausible: Option<&'static str>,
 }
 
 impl Effect {
     /// Whether it is required, with unknown size: its physical bounds exclude its absence.
     #[must_use]
-    pub fn certain(&self) -> bool {
+    pub fn required(&self) -> bool {
         let outside = |c: &Coefficient, (low, high): (f64, f64)| c.absent < low || c.absent > high;
         !self.coefficients.is_empty() && self.coefficients.iter().zip(&self.plausible).all(|(c, p)| outside(c, *p))
     }
 
     /// Whether coefficients with these values lie within their physical bounds, each with `slack` (its standard error, say).
     #[must_use]
-    pub fn believable(&self, values: &[f64], slack: &[f64]) -> bool {
+    pub fn is_plausible(&self, values: &[f64], slack: &[f64]) -> bool {
         let each = values.iter().zip(slack).zip(&self.plausible);
         each.into_iter().all(|((value, slack), (low, high))| (low - slack..=high + slack).contains(value))
     }
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_believed_to_exclude_absence_has_to_be_there() {
+    fn an_effect_whose_plausible_range_excludes_absence_is_required() {
         let effect = |low: f64, high: f64| Effect {
             name: "drag",
             phase: Phase::Segment,
@@ -122,9 +122,9 @@ mod tests {
             sentence: "",
             random: false,
             mistaken_for: &[],
-            unlikely: None,
+            implausible: None,
         };
-        assert!(effect(0.03, 0.4).certain() && effect(-2.0, -1.0).certain());
-        assert!(!effect(0.0, 0.4).certain() && !effect(-1.0, 1.0).certain());
+        assert!(effect(0.03, 0.4).required() && effect(-2.0, -1.0).required());
+        assert!(!effect(0.0, 0.4).required() && !effect(-1.0, 1.0).required());
     }
 }

@@ -24,7 +24,7 @@ const IN_PART: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 /// Parameters are those of `inner`, then the coefficients of the effects that are free. Effects that are fixed (as those
 /// of a file are) have no parameters.
 ///
-/// A simulator that starts at the first instant it is asked for, because a recording's start is an unknown of its own,
+/// A simulator that starts at the first instant it is asked for, because a recording's start is a nuisance parameter,
 /// starts at the first *true* instant here. So an offset of the clock changes nothing there, as it should, and every
 /// other effect leaves the meaning of the start alone, up to half an exposure.
 #[derive(Debug, Clone)]

@@ -31,8 +31,8 @@ use crate::{Error, Origin, Result};
 /// Only [`parameters`](Simulator::parameters), [`channels`](Simulator::channels) and [`rollout`](Simulator::rollout) are
 /// needed; a complete example stands in `examples/pendulum.rs` of this crate.
 ///
-/// Two sorts of unknowns go into a rollout:
-/// - **parameters** belong to the thing itself (its friction, its payload) and are what a person asks for;
+/// A rollout takes two kinds of parameters:
+/// - **parameters** belong to the thing itself (its friction, its payload) and are what a user asks for;
 /// - **nuisance parameters** belong to one recording (the height of its release, where its floor lay) and are estimated with
 ///   it and then discarded. See [`prepare`](Simulator::prepare).
 ///
@@ -50,7 +50,7 @@ pub trait Simulator: Send + Sync {
         Kind::Other
     }
 
-    /// Makes `seen` ready: cuts it to what can be explained, and names the unknowns that it brings of its own.
+    /// Makes `seen` ready: cuts it to what can be explained, and names its nuisance parameters.
     ///
     /// # Errors
     /// Where `seen` is a kind of observation that this simulator does not predict.
@@ -83,7 +83,7 @@ pub trait Simulator: Send + Sync {
         None
     }
 
-    /// As [`rollout`](Self::rollout), driven by what was measured beside the observation, the motion of an arm, say. Only a
+    /// As [`rollout`](Self::rollout), driven by what was measured besides the observation, the motion of an arm, say. Only a
     /// simulator whose [`prepare`](Self::prepare) gives an [input](Prepared::input) is ever asked.
     ///
     /// # Errors

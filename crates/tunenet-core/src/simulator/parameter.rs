@@ -18,7 +18,7 @@ pub struct Parameter {
     /// Whether tuning may change it.
     pub tune: bool,
     /// Of a value that is not tuned and was itself measured, a calibrated torque gain say: its 95 % interval. Intervals of what
-    /// is tuned beside it allow for it. `None` where the value is exact.
+    /// is tuned with it allow for it. `None` where the value is exact.
     pub known95: Option<(f64, f64)>,
 }
 

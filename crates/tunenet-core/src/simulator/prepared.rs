@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Parameter, Scale, Segmentation};
 use crate::observation::{Check, LocalEstimate, Note, Observation};
 
-/// The usable part of a recording, with the unknowns that it brings of its own.
+/// The usable part of a recording, with its nuisance parameters.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     /// The samples to explain.
@@ -15,17 +15,17 @@ pub struct Prepared {
     pub input: Option<Arc<Observation>>,
     /// The noise of each channel of `seen`, in its unit, where it is known better than from `seen` itself.
     pub noise: Option<Vec<f64>>,
-    /// The spread of what a fit leaves in each channel, where that is found to exceed the noise: what residuals are weighed by.
-    pub spread: Option<Vec<f64>>,
-    /// Unknowns of this recording alone (its release, its floor), each with a first guess as `value`.
+    /// Scale estimate of each channel's residual, where it exceeds the noise: residuals are divided by it.
+    pub residual_scale: Option<Vec<f64>>,
+    /// Nuisance parameters of this recording (its release, its floor), each with a first guess as `value`.
     pub nuisances: Vec<Parameter>,
-    /// For each parameter of the simulator: what the neighbourhood of the events alone says of it, whatever happens in
+    /// For each parameter of the simulator: what the samples near the events say of it, independent of what happens in
     /// between. It starts the fit, and stands in for it where the record as a whole cannot be explained.
     pub local: Vec<Option<LocalEstimate>>,
     /// For each parameter of the simulator: why this recording says nothing about it, where that is known beforehand.
     pub silent: Vec<Option<Note>>,
     /// The picture that `seen` was read back from, sample for sample, channels `u` and `v` in px; where there was one.
-    pub film: Option<Observation>,
+    pub video: Option<Observation>,
     /// Scales that make the recording dimensionless for a network, where the simulator knows some.
     pub scale: Option<Scale>,
     /// When something sudden happened to the thing (impacts), on the clock of `seen`; empty where that is not known.
@@ -53,11 +53,11 @@ impl Prepared {
             seen,
             input: None,
             noise: None,
-            spread: None,
+            residual_scale: None,
             nuisances: Vec::new(),
             local,
             silent,
-            film: None,
+            video: None,
             scale: None,
             events: Vec::new(),
             segmentation: None,

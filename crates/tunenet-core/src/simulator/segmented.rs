@@ -5,7 +5,7 @@ use super::Simulator;
 /// A simulator whose recordings consist of free segments between events (impacts, steps, switches of a mode).
 ///
 /// A wrong model of the events corrupts every prediction after the first of them. A free segment alone, with a start state of
-/// its own, does not depend on them. [`Simulator::segmented`] tells whether a simulator is one.
+/// its own, does not depend on them. [`Simulator::segmented`] says whether a simulator is one.
 pub trait Segmented: Simulator {
     /// The same simulator without events. A recording of it is one free segment, whose start state is unknown. `None` where
     /// nothing is observed between events.
@@ -18,7 +18,7 @@ pub trait Segmented: Simulator {
         None
     }
 
-    /// As [`with_hidden_state`](Self::with_hidden_state), where the hidden state acts at events alone.
+    /// As [`with_hidden_state`](Self::with_hidden_state), where the hidden state acts at events only.
     fn with_hidden_state_at_events(&self) -> Option<Box<dyn Simulator>> {
         None
     }

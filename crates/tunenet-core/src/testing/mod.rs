@@ -1,7 +1,7 @@
 //! A zoo of closed-form systems: simulators whose solution is known exactly, for tests, examples and documentation.
 //!
 //! Each system has a parameter to tune, nuisance parameters (where it starts), and candidate effects that it may lack; a
-//! recording of it is drawn with or without them, with white noise by seed. So whatever an answer claims can be judged by the
+//! recording of it is drawn with or without them, with white noise by seed. So every claim of an answer can be judged by the
 //! truth.
 //!
 //! | system | equation | candidate effects |
@@ -138,8 +138,8 @@ impl<S: ClosedForm + Clone> Exact<S> {
             });
         }
         let value = |name: &str| {
-            let told = truth.iter().find(|(n, _)| *n == name).map(|(_, value)| *value);
-            told.or_else(|| known.iter().find(|p| p.name == name).map(|p| p.value)).unwrap_or(0.0)
+            let given = truth.iter().find(|(n, _)| *n == name).map(|(_, value)| *value);
+            given.or_else(|| known.iter().find(|p| p.name == name).map(|p| p.value)).unwrap_or(0.0)
         };
         let mut draw = ChaCha8Rng::seed_from_u64(seed);
         let clock: Vec<f64> = (0..SAMPLES).map(|k| f64::from(k) / RATE_HZ).collect();
@@ -229,7 +229,7 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         sentence: "",
         random: false,
         mistaken_for: &[],
-        unlikely: None,
+        implausible: None,
     }
 }
 

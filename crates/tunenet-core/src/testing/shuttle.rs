@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn an_event_steps_kicks_and_reflects() {
+    fn an_event_steps_pushes_and_reflects() {
         let h = 0.0015;
         let ((before, u, _), (after, v, _)) = (shuttle(false, PERIOD_S - h), shuttle(false, PERIOD_S + h));
         assert!((v - (0.3 - 0.8 * u)).abs() < 0.01, "{u} {v}");

@@ -1,6 +1,6 @@
 //! Algorithm 1 of the paper (arXiv 1907.11200): roll out, ask the network how the parameters differ, move, repeat.
 
-use super::film::Film;
+use super::camera_projection::VideoTrack;
 use super::outcome::Iteration;
 use super::secant::{LONGEST_SECANT, Made};
 use crate::estimate::Point;
@@ -35,7 +35,7 @@ pub struct Walk {
     /// Every iterate with its error, the start first.
     pub iterations: Vec<Iteration>,
     /// The answer before the first rollout and after every one but the last, which judges only: the iterate that follows,
-    /// or the best known where that one is a look elsewhere.
+    /// or the best known where that one is a restart.
     pub answers: Vec<Vec<f64>>,
     /// Rollouts used, the one that judges the last iterate included.
     pub rollouts: usize,
@@ -56,15 +56,16 @@ pub fn walk(
     let clock = recording.seen.clock();
     let mut point = start.clone();
     // A network that learned from pictures as they are looks at the picture; any other at what was read back from it.
-    let raw = recording.film.as_ref().filter(|film| !model.reads_back() && film.channels() == model.target_channels());
+    let raw =
+        recording.video.as_ref().filter(|video| !model.reads_back() && video.channels() == model.target_channels());
     let target = Side { observation: raw.unwrap_or(&recording.seen), scale: recording.scale.as_ref() };
-    let film = Film::of(recording).filter(|_| raw.is_none());
+    let track = VideoTrack::of(recording).filter(|_| raw.is_none());
     if settings.library
         && let Some(values) = model.start(target)?
     {
         point = point.with(&free, &clamped(simulator, &free, &values));
     }
-    // Slopes compare trajectories to the last digit. Where the release is a guess they lead astray; the network has
+    // Slopes compare trajectories to the last digit. Where the release is a guess they are wrong; the network has
     // learned how guesses err.
     let secant = settings.secant && free.len() == 1 && !model.from_recordings();
     let bounds = free.first().map(|&i| (simulator.parameters()[i].min, simulator.parameters()[i].max));
@@ -88,8 +89,8 @@ pub fn walk(
                 break;
             }
         };
-        let beside = film.as_ref().and_then(|film| film.beside(&values));
-        let seen_now = beside.as_ref().map_or(&recording.seen, |b| &b.seen);
+        let projected = track.as_ref().and_then(|track| track.project(&values));
+        let seen_now = projected.as_ref().map_or(&recording.seen, |b| &b.seen);
         let squares = values.iter().zip(seen_now.values()).map(|(p, s)| (s - p).powi(2)).sum::<f64>();
         let rmse = (squares / clock.len() as f64).sqrt();
         iterations.push(Iteration { k, parameters: point.at(&free), rmse });
@@ -102,16 +103,16 @@ pub fn walk(
         let now = point.at(&free);
         let mut next = None;
         if let Some(made) = &mut made {
-            // Slopes are taken in the picture, whose camera is fitted anew at every rollout. The network goes by the first
-            // reading: far from the truth a camera that suits the rollout is none.
-            let (compared, with) = match (&beside, &film) {
-                (Some(beside), Some(film)) => (beside.appears_px.clone(), film.v_px()),
+            // Slopes are taken in the picture, whose camera is fitted again at every rollout. The network goes by the first
+            // reading: far from the truth, the camera that fits the rollout is wrong.
+            let (compared, with) = match (&projected, &track) {
+                (Some(projected), Some(track)) => (projected.appears_px.clone(), track.v_px()),
                 _ => (values.clone(), recording.seen.values()),
             };
             made.push(now[0], compared, rmse);
-            if let Some(elsewhere) = made.elsewhere() {
+            if let Some(restart) = made.restart() {
                 answers.push(best.as_ref().map_or_else(|| now.clone(), |(_, best)| best.at(&free)));
-                point = point.with(&free, &[elsewhere]);
+                point = point.with(&free, &[restart]);
                 continue;
             }
             next = made.step(with);

@@ -7,7 +7,7 @@ use crate::simulator::{Prepared, Simulator};
 /// Fits by which the spreads of the channels settle.
 const WEIGHINGS: usize = 3;
 
-/// Of driven recordings: finds the [`spread`](Prepared::spread) of each channel's residuals by fitting, so that a joint whose
+/// Of driven recordings: finds the [`residual_scale`](Prepared::residual_scale) of each channel's residuals by fitting, so that a joint whose
 /// torques the model explains badly does not outvote those that it explains well.
 ///
 /// # Errors
@@ -21,7 +21,7 @@ pub(super) fn weigh(simulator: &dyn Simulator, recordings: &mut [Prepared], free
         let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
         let fit = Problem { simulator, recordings, noise: &noise, free }.fit(point, 1.0)?;
         let width = simulator.channels().len();
-        let spread = |channel: usize| {
+        let scale = |channel: usize| {
             let of = |(r, n): (&Vec<f64>, &Vec<f64>)| {
                 let squares = r.iter().skip(channel).step_by(width).map(|r| (r * n[channel]).powi(2));
                 (squares.sum::<f64>(), r.len() / width)
@@ -29,10 +29,10 @@ pub(super) fn weigh(simulator: &dyn Simulator, recordings: &mut [Prepared], free
             let (sum, count) = fit.residuals.iter().zip(&noise).map(of).fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
             (sum / count.max(1) as f64).sqrt()
         };
-        let spreads: Vec<f64> = (0..width).map(spread).collect();
+        let scales: Vec<f64> = (0..width).map(scale).collect();
         for recording in recordings.iter_mut() {
             let floor = floor(recording);
-            recording.spread = Some(floor.iter().zip(&spreads).map(|(f, s)| f.max(*s)).collect());
+            recording.residual_scale = Some(floor.iter().zip(&scales).map(|(f, s)| f.max(*s)).collect());
         }
         point = fit.point;
     }

@@ -1,11 +1,10 @@
-//! What a person looks at before believing an outcome: curves before and after, what is left over, and how sharply the data
-//! speak.
+//! Evidence for an outcome: curves before and after, residuals, and profile likelihoods.
 
 use rayon::prelude::*;
 
 use super::Outcome;
 use crate::Result;
-use crate::estimate::{Adequacy, Contour, Fit, LEVEL, Point, Problem, Profile, Spread, contour, profile};
+use crate::estimate::{Adequacy, Contour, Fit, LEVEL, Point, Problem, Profile, ScaleEstimate, contour, profile};
 use crate::estimate::{floor, free, weighted, weights};
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Prepared, Simulator, every, predict};
@@ -25,7 +24,7 @@ const MOST_PAIRS: usize = 3;
 /// Levels of the joint regions.
 const LEVELS: [f64; 2] = [0.5, LEVEL];
 
-/// One recording beside what the simulator makes of it.
+/// One recording and its simulation.
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// What was fitted to.
@@ -91,7 +90,7 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
         return Ok(found);
     }
     let problem = Problem { simulator, recordings, noise: &noise, free: &free };
-    // The record's own best: where the contacts alone or the paper's last iterate stand, that is elsewhere.
+    // The record's own best; the estimate from the contacts only and the paper's last iterate differ from it.
     let fit = problem.fit(after.clone(), 1.0)?;
     found.rollouts += fit.rollouts;
     for i in 0..free.len() {
@@ -119,11 +118,11 @@ fn range(problem: &Problem, fit: &Fit, i: usize, outcome: &Outcome, after: &Poin
     let p = &problem.simulator.parameters()[position];
     let (value, best) = (after.parameters[position], fit.point.parameters[position]);
     let interval = outcome.parameters.iter().find(|e| e.name == p.name).map_or((p.min, p.max), |e| e.interval95);
-    let sd = Spread::of(problem, fit).sd(fit.covariance[(i, i)]);
-    let reach = if sd.is_finite() { 3.5 * sd } else { p.span() };
+    let sd = ScaleEstimate::of(problem, fit).sd(fit.covariance[(i, i)]);
+    let half_width = if sd.is_finite() { 3.5 * sd } else { p.span() };
     (
-        (value - BEYOND * (value - interval.0)).min(best - reach).max(p.min),
-        (value + BEYOND * (interval.1 - value)).max(best + reach).min(p.max),
+        (value - BEYOND * (value - interval.0)).min(best - half_width).max(p.min),
+        (value + BEYOND * (interval.1 - value)).max(best + half_width).min(p.max),
     )
 }
 
@@ -150,7 +149,7 @@ fn compare(
     let autocorrelation = (0..width).map(|c| autocorrelation(&column(c).collect::<Vec<_>>(), lags)).collect();
     let adequacy = Adequacy::of(seen, noise, &residual, recording.nuisances.len() + shared);
     Ok(Comparison {
-        // A joint whose torque hardly changes is still one that a person asks after.
+        // A joint whose torque hardly changes is still one that a user asks after.
         moves: if seen.kind() == Kind::Joints { vec![true; width] } else { moves(&after, noise) },
         seen: seen.clone(),
         noise: noise.to_vec(),
@@ -241,7 +240,7 @@ mod tests {
         let squares: f64 = clock.iter().map(|t| (t - middle).powi(2)).sum();
         let half = 1.966 * (variance / squares).sqrt();
         let (low, high) = found.profiles[1].inside(found.profiles[1].cut95);
-        assert!(((high - low) / (2.0 * half) - 1.0).abs() < 0.02, "{low} {high} beside ±{half}");
+        assert!(((high - low) / (2.0 * half) - 1.0).abs() < 0.02, "{low} {high} instead of ±{half}");
 
         // Every point of the edge has (θ − θ̂)ᵀ XᵀX (θ − θ̂) = 2 s² F(0.95; 2, 398) with F = 3.018.
         let region = found.contours.iter().find(|c| c.level == LEVEL).unwrap();

@@ -1,4 +1,4 @@
-//! What a fit is worth: whether noise explains the rest, what each parameter's interval means, and what the data cannot tell.
+//! Verdict of a fit: residuals against noise, the status of each parameter, and what the data do not determine.
 
 use crate::findings;
 use nalgebra::DMatrix;
@@ -6,16 +6,16 @@ use nalgebra::DMatrix;
 use super::Tuning;
 use super::outcome::{Estimate, Status, Verdict};
 use super::starts::local_estimate;
-use crate::estimate::{Adequacy, Fit, Information, Interval, Point, Spread, floor};
+use crate::estimate::{Adequacy, Fit, Information, Interval, Point, ScaleEstimate, floor};
 use crate::observation::{Kind, Note, with_decimals};
 use crate::simulator::Parameter;
 use crate::statistics::NORMAL_95;
 
 /// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
-/// 95 % interval of .95.
+/// 95 % interval of 0.95.
 const UNINFORMATIVE_SHARE: f64 = 0.9;
-/// A pull against a bound counts from this one-sided level on: a truth exactly on its bound is called wrong once in a
-/// thousand recordings.
+/// One-sided level of the score test at a bound: a truth exactly on its bound is called wrong once in a thousand
+/// recordings.
 const BOUND_LEVEL: f64 = 0.999;
 /// The same in standard deviations, where these are known.
 const BOUND_SDS: f64 = 3.09;
@@ -28,15 +28,15 @@ impl Tuning<'_> {
     fn adequacy(&self, fit: &Fit, d: usize) -> Adequacy {
         let share = self.free.len().div_ceil(self.recordings.len());
         let recording = &self.recordings[d];
-        let (noise, unknowns) = (floor(recording), recording.nuisances.len() + share);
-        if recording.spread.is_none() {
-            return Adequacy::of(&recording.seen, &noise, &fit.residuals[d], unknowns);
+        let (noise, fitted) = (floor(recording), recording.nuisances.len() + share);
+        if recording.residual_scale.is_none() {
+            return Adequacy::of(&recording.seen, &noise, &fit.residuals[d], fitted);
         }
-        // Weighed by their spread for the fit, residuals are held against the noise here.
+        // The fit divides residuals by their scale estimate; here they are compared with the noise.
         let scale: Vec<f64> = self.noise[d].iter().zip(&noise).map(|(weight, noise)| weight / noise).collect();
         let residuals: Vec<f64> =
             fit.residuals[d].iter().enumerate().map(|(i, r)| r * scale[i % scale.len()]).collect();
-        Adequacy::of(&recording.seen, &noise, &residuals, unknowns)
+        Adequacy::of(&recording.seen, &noise, &residuals, fitted)
     }
 
     /// Whether any recording keeps more than its noise explains.
@@ -44,8 +44,8 @@ impl Tuning<'_> {
         (0..self.recordings.len()).any(|d| self.adequacy(fit, d).poor())
     }
 
-    /// Says by how much the answer leaves more than noise explains, and where that cannot be told.
-    pub(super) fn tell_misfit(&self, fit: &Fit, poor: bool, notes: &mut Vec<Note>) {
+    /// Reports by how much the residual exceeds the noise, and where that cannot be tested.
+    pub(super) fn report_misfit(&self, fit: &Fit, poor: bool, notes: &mut Vec<Note>) {
         for (d, recording) in self.recordings.iter().enumerate() {
             let adequacy = self.adequacy(fit, d);
             if poor && adequacy.poor() {
@@ -58,7 +58,7 @@ impl Tuning<'_> {
                 let place = channels.get(adequacy.worst).filter(|_| channels.len() > 1);
                 let place = place.map_or_else(String::new, |c| format!(" of `{}`", c.name));
                 let text = format!(
-                    "{which}the tuned rollout leaves {} times the noise{place}, more than the {:.1} that chance explains",
+                    "{which}the tuned rollout leaves {} times the noise{place}, more than the limit {:.1} for white noise",
                     with_decimals(adequacy.ratio, 1),
                     adequacy.limit
                 );
@@ -68,33 +68,33 @@ impl Tuning<'_> {
                     "a diagnosis of the same recordings names the effect that is missing, or says that it is none it knows",
                 ));
             } else if !adequacy.tested {
-                let text = format!("{} samples are too few to tell noise from misfit", recording.seen.len());
+                let text = format!("{} samples are too few to separate noise from misfit", recording.seen.len());
                 notes.push(Note::new(findings::FIT_UNTESTED, text, "bring a longer recording"));
             }
         }
     }
 
-    /// That there are no more numbers than unknowns: such a fit is always exact, so that nothing says how sure it is.
+    /// There are no more numbers than parameters: such a fit is always exact, so there is no estimate of its uncertainty.
     fn too_short(&self) -> Option<Note> {
         let values: usize = self.recordings.iter().map(|r| r.seen.values().len()).sum();
-        let unknowns = self.free.len() + self.recordings.iter().map(|r| r.nuisances.len()).sum::<usize>();
-        (values <= unknowns && !self.free.is_empty()).then(|| {
+        let fitted = self.free.len() + self.recordings.iter().map(|r| r.nuisances.len()).sum::<usize>();
+        (values <= fitted && !self.free.is_empty()).then(|| {
             let text = format!(
-                "{values} measured numbers for {unknowns} unknowns fit whatever they are, so nothing says how sure the answer is"
+                "{values} measured numbers always fit {fitted} parameters exactly, so the uncertainty is not known"
             );
             let one = if self.simulator.kind() == Kind::EventTimes { "event time" } else { "sample" };
-            let more = (unknowns + 1 - values).div_ceil(self.simulator.channels().len());
+            let more = (fitted + 1 - values).div_ceil(self.simulator.channels().len());
             let least = if more == 1 { format!("1 more {one}") } else { format!("{more} more {one}s") };
             Note::new(findings::RECORDINGS_SHORT, text, format!("bring at least {least}"))
         })
     }
 
-    /// How each free parameter stands by its fit.
+    /// Status and interval of each free parameter after its fit.
     pub(super) fn standings(
         &self,
         fit: &Fit,
         known: &Information,
-        spread: &Spread,
+        scale: &ScaleEstimate,
         interval95: &[Interval],
     ) -> Vec<Standing> {
         let each = |(k, interval): (usize, &Interval)| {
@@ -103,7 +103,7 @@ impl Tuning<'_> {
             let (low, high) = (interval.low.value.max(p.min), interval.high.value.min(p.max));
             let weak = high - low >= UNINFORMATIVE_SHARE * p.span() || interval.open(value, p.span());
             let within = |null: bool| known.directions.iter().any(|d| d.null == null && d.parts().contains(&k));
-            let beyond = known.pull[k];
+            let beyond = known.score[k];
             let outward = value <= p.min && beyond < 0.0 || value >= p.max && beyond > 0.0;
             let status = if within(true) || weak && within(false) {
                 Status::Direction
@@ -111,24 +111,24 @@ impl Tuning<'_> {
                 Status::NoEffect
             } else if weak {
                 Status::Weak
-            } else if outward && self.against_bound(known, spread, k) {
+            } else if outward && self.against_bound(known, scale, k) {
                 Status::AtBound
             } else {
                 Status::Pinned
             };
-            Standing { interval: (low, high), status, beyond, told: false }
+            Standing { interval: (low, high), status, beyond, reported: false }
         };
         interval95.iter().enumerate().map(each).collect()
     }
 
-    /// Whether the data pull parameter `k` beyond its bound by more than chance and by enough to matter.
-    fn against_bound(&self, known: &Information, spread: &Spread, k: usize) -> bool {
+    /// Whether the score of parameter `k` at its bound is significant, and the step beyond large enough to matter.
+    fn against_bound(&self, known: &Information, scale: &ScaleEstimate, k: usize) -> bool {
         let span = self.simulator.parameters()[self.free[k]].span();
-        let beyond = known.pull[k].abs();
-        beyond > spread.one_sided(BOUND_LEVEL) && beyond * spread.sd(known.covariance[(k, k)]) > PRACTICAL_SHARE * span
+        let beyond = known.score[k].abs();
+        beyond > scale.one_sided(BOUND_LEVEL) && beyond * scale.sd(known.covariance[(k, k)]) > PRACTICAL_SHARE * span
     }
 
-    /// Where the record as a whole is not explained, what its events alone say stands: a force missing between events must not
+    /// If the record as a whole is not explained, the estimate from its events only is used: a force missing between events must not
     /// be booked as the events' doing. Says whether there was anything to fall back on; `whole` is the gap of the fit to the whole.
     pub(super) fn fall_back_on_local(
         &self,
@@ -175,7 +175,7 @@ impl Tuning<'_> {
         let mut all = Vec::new();
         for (i, p) in self.simulator.parameters().iter().enumerate().filter(|(_, p)| p.tune) {
             let place = self.free.iter().position(|&f| f == i);
-            let silent = Standing { interval: (p.min, p.max), status: Status::NoEffect, beyond: 0.0, told: false };
+            let silent = Standing { interval: (p.min, p.max), status: Status::NoEffect, beyond: 0.0, reported: false };
             let standing = place.map_or(silent, |k| found[k]);
             if standing.status == Status::NoEffect {
                 fit.point.parameters[i] = start.parameters[i];
@@ -204,15 +204,15 @@ pub(super) struct Standing {
     /// Its 95 % interval within the bounds.
     interval: (f64, f64),
     status: Status,
-    /// How many standard deviations the data pull it beyond its bound.
+    /// Score at its bound, in standard deviations.
     beyond: f64,
-    /// Whether it is said already why it stands so.
-    told: bool,
+    /// Whether the reason was reported already.
+    reported: bool,
 }
 
 impl Standing {
-    /// Of a parameter that was read off the contacts. One that lies beyond a bound is held there; `whole` is how it stands
-    /// by the fit to everything, which may be pulled beyond as well.
+    /// Of a parameter that was read off the contacts. One that lies beyond a bound is set to the bound; `whole` is its
+    /// status by the fit to everything, whose score may exceed the bound as well.
     fn local(p: &Parameter, value: f64, sd: f64, whole: &Self) -> Self {
         let held = value.clamp(p.min, p.max);
         // Beyond a bound, the interval begins there.
@@ -220,18 +220,18 @@ impl Standing {
         let beyond = (value - held).abs();
         let far = beyond > BOUND_SDS * sd && beyond > PRACTICAL_SHARE * p.span();
         let on_bound = held <= p.min || held >= p.max;
-        let pulled = if on_bound && whole.status == Status::AtBound { whole.beyond.abs() } else { 0.0 };
+        let score = if on_bound && whole.status == Status::AtBound { whole.beyond.abs() } else { 0.0 };
         let status = if high - low >= UNINFORMATIVE_SHARE * p.span() {
             Status::Weak
-        } else if far || pulled > 0.0 {
+        } else if far || score > 0.0 {
             Status::AtBound
         } else {
             Status::Pinned
         };
-        Self { interval: (low, high), status, beyond: pulled.max(beyond / sd), told: false }
+        Self { interval: (low, high), status, beyond: score.max(beyond / sd), reported: false }
     }
 
-    /// What a person should know of it.
+    /// What a user should know of it.
     fn note(&self, p: &Parameter, value: f64) -> Option<Note> {
         let name = &p.name;
         let remedy = "bring a recording in which it matters";
@@ -241,7 +241,7 @@ impl Standing {
                 let text = format!("`{name}` changes nothing in these recordings, so it keeps its value {value}");
                 Some(Note::new(findings::PARAMETER_NO_EFFECT, text, remedy))
             }
-            Status::Weak if self.told => None,
+            Status::Weak if self.reported => None,
             Status::Weak => {
                 let (low, high) = (with_decimals(low, 3), with_decimals(high, 3));
                 let text = format!("the data do not determine `{name}`: any value from {low} to {high} fits");
@@ -249,7 +249,7 @@ impl Standing {
             }
             Status::AtBound => {
                 let text = format!(
-                    "`{name}` ends on its bound {value}, and the data pull it beyond by {} standard deviations",
+                    "`{name}` ends on its bound {value}, and the data favour values beyond it by {} standard deviations",
                     with_decimals(self.beyond.abs(), 1)
                 );
                 Some(Note::new(
@@ -273,7 +273,7 @@ pub(super) fn leave_open_where_short(tuning: &Tuning, found: &mut [Standing], no
     notes.push(note);
     for (&i, standing) in tuning.free.iter().zip(found).filter(|(_, s)| s.status != Status::NoEffect) {
         let p = &tuning.simulator.parameters()[i];
-        *standing = Standing { interval: (p.min, p.max), status: Status::Weak, beyond: 0.0, told: true };
+        *standing = Standing { interval: (p.min, p.max), status: Status::Weak, beyond: 0.0, reported: true };
     }
     true
 }

@@ -7,33 +7,33 @@
 //! [`tune`] runs the whole chain; the pieces are public for those who want only one.
 
 mod algorithm1;
-mod carried;
+mod calibration_uncertainty;
+mod camera_projection;
 mod channel_weights;
 mod evidence;
-mod film;
-mod held;
+mod fixed_parameter;
 mod judge;
+mod local_minima;
+mod observable_nuisances;
 mod outcome;
 mod secant;
-mod shown;
 mod starts;
-mod valleys;
 
 pub use algorithm1::{Loop, Walk, walk};
 pub use evidence::{Comparison, Evidence, evidence};
-pub use held::{Held, held};
+pub use fixed_parameter::{FixedValueFit, fit_at_fixed_values};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
 
 pub use crate::estimate::{
-    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Point, Problem, Profile, Region, Spread,
-    channel_noise, contour, ends, free, intervals, profile,
+    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Point, Problem, Profile, Region,
+    ScaleEstimate, channel_noise, contour, ends, free, intervals, profile,
 };
 
-use carried::Carried;
+use calibration_uncertainty::CalibrationUncertainty;
 use judge::Standing;
 use nalgebra::DMatrix;
 
-use crate::estimate::{Place, ends_with, weights};
+use crate::estimate::{GridPoint, ends_with, weights};
 use crate::network::Model;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Prepared, Simulator};
@@ -51,7 +51,7 @@ pub struct Settings {
     /// Finish with a fit through rollouts and return the best iterate; off, the last iterate of Algorithm 1 stands, as in
     /// the paper.
     pub finish: bool,
-    /// What each observation is called in sentences for people, such as a file's name; numbered from 1 where left empty.
+    /// What each observation is called in sentences for users, such as a file's name; numbered from 1 where left empty.
     pub names: Vec<String>,
 }
 
@@ -94,7 +94,7 @@ impl Default for Settings {
 ///
 /// # Errors
 /// [`Error::Setting`] where no parameter may be tuned, or `initial` names none or lies outside its bounds;
-/// [`Error::Model`] where the model does not fit; whatever the simulator refuses.
+/// [`Error::Model`] where the model does not fit; what the simulator refuses.
 pub fn tune(
     simulator: &dyn Simulator,
     observations: &[Observation],
@@ -135,7 +135,7 @@ pub fn tune(
     let free = free(simulator.parameters(), &recordings);
     channel_weights::weigh(simulator, &mut recordings, &free)?;
     let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
-    // Numbers as a person counts the recordings, those set aside included.
+    // Numbers as a user counts the recordings, those set aside included.
     let numbers: Vec<usize> = used.iter().enumerate().filter(|(_, used)| **used).map(|(i, _)| i + 1).collect();
     let tuning = Tuning { simulator, recordings: &recordings, numbers: &numbers, noise: &noise, free: &free, settings };
     let mut outcome = tuning.run(model)?;
@@ -144,7 +144,8 @@ pub fn tune(
     if let Some(point) = &outcome.point {
         let mut all = Vec::new();
         for ((recording, noise), nuisances) in recordings.iter().zip(&noise).zip(&point.nuisances) {
-            let (shown, rollouts) = shown::shown(simulator, recording, noise, &point.parameters, nuisances)?;
+            let (shown, rollouts) =
+                observable_nuisances::observable_nuisances(simulator, recording, noise, &point.parameters, nuisances)?;
             all.push(shown);
             outcome.rollouts += rollouts;
         }
@@ -226,7 +227,7 @@ impl Tuning<'_> {
         Ok(point)
     }
 
-    /// Takes the answer from the contacts alone where they say something; the recordings' nuisance parameters follow the parameters
+    /// Takes the answer from the contacts only where they say something; the recordings' nuisance parameters follow the parameters
     /// that now stand, and so does all that is said of the answer. Returns the rollouts that it took.
     fn settle_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> Result<usize> {
         let whole = self.problem().rmse(&fit.residuals);
@@ -238,13 +239,18 @@ impl Tuning<'_> {
         Ok(nuisances.rollouts)
     }
 
-    /// The 95 % interval of each free parameter, and what stays beside them without being exact.
-    fn intervals(&self, fit: &Fit, spread: &Spread, elsewhere: &[Vec<Place>]) -> Result<(Vec<Interval>, Carried)> {
+    /// The 95 % interval of each free parameter, and the calibration uncertainty of fixed ones.
+    fn intervals(
+        &self,
+        fit: &Fit,
+        scale: &ScaleEstimate,
+        grid: &[Vec<GridPoint>],
+    ) -> Result<(Vec<Interval>, CalibrationUncertainty)> {
         let problem = self.problem();
-        let (mut interval95, used) = ends_with(&problem, fit, spread, elsewhere);
-        let mut carried = Carried::of(&problem, fit, &mut interval95)?;
-        carried.rollouts += used;
-        Ok((interval95, carried))
+        let (mut interval95, used) = ends_with(&problem, fit, scale, grid);
+        let mut calibration = CalibrationUncertainty::of(&problem, fit, &mut interval95)?;
+        calibration.rollouts += used;
+        Ok((interval95, calibration))
     }
 
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
@@ -270,19 +276,19 @@ impl Tuning<'_> {
             iterations = walk.iterations;
             near = walk.point;
             if self.settings.finish {
-                // The recordings' nuisance parameters follow, before they pull the parameters after them.
+                // The recordings' nuisance parameters are fitted first, so that they do not bias the parameters.
                 let nuisances = Problem { free: &[], ..self.problem() }.fit(near, 1.0)?;
                 rollouts += nuisances.rollouts;
                 near = nuisances.point;
             }
             stop = Stop::Iterations;
         }
-        let mut elsewhere = Vec::new();
+        let mut grid = Vec::new();
         let mut fit = if self.settings.finish || iterations.is_empty() {
             // The start without a network stays among the starts: with one, the answer is never worse.
             let plain = Point { parameters: start.parameters.clone(), nuisances: before.point.nuisances.clone() };
             let (fit, places, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
-            (elsewhere, rollouts) = (places, rollouts + used);
+            (grid, rollouts) = (places, rollouts + used);
             if iterations.is_empty() {
                 iterations.push(Iteration { k: 0, parameters: near.at(self.free), rmse: gap_before });
             }
@@ -299,20 +305,20 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             fit
         };
-        let spread = Spread::of(&problem, &fit);
-        let known = Information::of(&problem, &fit, &spread)?;
+        let scale = ScaleEstimate::of(&problem, &fit);
+        let known = Information::of(&problem, &fit, &scale)?;
         rollouts += self.recordings.iter().map(|r| self.free.len() + r.nuisances.len()).sum::<usize>();
         fit.covariance = known.covariance.clone();
-        let (interval95, carried) = self.intervals(&fit, &spread, &elsewhere)?;
-        rollouts += carried.rollouts;
+        let (interval95, calibration) = self.intervals(&fit, &scale, &grid)?;
+        rollouts += calibration.rollouts;
         let poor = self.poor(&fit);
-        let mut found = self.standings(&fit, &known, &spread, &interval95);
+        let mut found = self.standings(&fit, &known, &scale, &interval95);
         let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);
         let region95 = if self.settings.finish && !poor && !short && joint.len() > 1 {
-            let (mut region, used) = Region::of(&problem, &fit, &spread, &interval95, &joint);
+            let (mut region, used) = Region::of(&problem, &fit, &scale, &interval95, &joint);
             rollouts += used;
-            carried.widen_region(&mut region, &joint);
+            calibration.widen_region(&mut region, &joint);
             Some(region)
         } else {
             None
@@ -321,7 +327,7 @@ impl Tuning<'_> {
         if poor && self.settings.finish {
             rollouts += self.settle_on_local(&mut fit, &mut found, &mut notes)?;
         }
-        self.tell_misfit(&fit, poor, &mut notes);
+        self.report_misfit(&fit, poor, &mut notes);
         let gap = Gap {
             unit: self.simulator.channels()[0].unit.clone(),
             before: gap_before,
@@ -329,7 +335,7 @@ impl Tuning<'_> {
             noise_floor: self.noise_floor(),
         };
         let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
-        notes.extend(carried.notes);
+        notes.extend(calibration.notes);
         judge::name_directions(self, &known, &mut notes);
         let verdict = judge::verdict(&parameters, poor);
         let correlation = judge::correlation(&fit.covariance);

@@ -15,7 +15,7 @@ pub enum Verdict {
     Tuned,
     /// No recording could be used.
     Rejected,
-    /// The best parameters leave more than the noise explains, or are held by a bound that the data pull against.
+    /// The best parameters leave more than the noise explains, or end on a bound that the data push against.
     PoorFit,
     /// At least one parameter is not determined by the data.
     NotIdentifiable,
@@ -29,7 +29,7 @@ pub enum Status {
     Pinned,
     /// It has an influence, but its interval says no more than its bounds do, or is open towards one of them.
     Weak,
-    /// It ends on a bound, and the data pull it significantly beyond: the bound is wrong, or the simulation is.
+    /// It ends on a bound, and the data push significantly beyond it: the bound is wrong, or the simulation is.
     AtBound,
     /// It changes nothing in these recordings, so it keeps its value.
     NoEffect,
@@ -84,7 +84,7 @@ pub struct Gap {
     pub unit: String,
     /// With the parameters as they were, each recording's nuisance parameters fitted.
     pub before: f64,
-    /// With the answer: of all parameters those that fit best, or those read off the contacts alone (`fit.local`), which
+    /// With the answer: of all parameters those that fit best, or those read off the contacts only (`fit.local`), which
     /// lie farther away.
     pub after: f64,
     /// What noise alone leaves.
@@ -126,7 +126,7 @@ pub struct Outcome {
     pub rollouts: usize,
     /// Why it stopped.
     pub stop: Stop,
-    /// What a person should know.
+    /// What a user should know.
     pub notes: Vec<Note>,
     /// The start parameters with the nuisance parameters fitted to them: where [`Gap::before`] was taken.
     pub before: Option<Point>,
@@ -143,19 +143,19 @@ pub struct Outcome {
     pub preflight: Vec<Vec<Check>>,
 }
 
-/// How much each of several fits to the same recordings is to be believed; in their order, adding up to 1, and 0 for one that
-/// fitted nothing. Gaussian errors of an unknown size, with that size integrated out: Student's t. Each unknown more than the
-/// least costs half the logarithm of the number of samples (Schwarz 1978).
+/// Posterior share of each of several fits to the same recordings; in their order, adding up to 1, and 0 for one that
+/// fitted nothing. Gaussian errors of unknown variance, with the variance integrated out: Student's t. Each parameter more than
+/// the least costs half the logarithm of the number of samples (Schwarz 1978).
 #[must_use]
 pub fn shares(fits: &[Outcome]) -> Vec<f64> {
-    let unknowns = |o: &Outcome| o.free.len() + o.nuisances.iter().map(Vec::len).sum::<usize>();
+    let parameter_count = |o: &Outcome| o.free.len() + o.nuisances.iter().map(Vec::len).sum::<usize>();
     let samples = |o: &Outcome| o.recordings.iter().map(|r| r.seen.len() * r.seen.channels().len()).sum::<usize>();
     let gap = |o: &Outcome| Some(o.gap.as_ref().filter(|_| o.verdict != Verdict::Rejected)?.after);
     let fitted = || fits.iter().filter(|o| gap(o).is_some());
-    let most = fitted().map(unknowns).max().unwrap_or(0);
+    let most = fitted().map(parameter_count).max().unwrap_or(0);
     let log = |o: &Outcome| {
         let left = samples(o).saturating_sub(most) as f64;
-        let cost = 0.5 * unknowns(o) as f64 * (samples(o).max(1) as f64).ln();
+        let cost = 0.5 * parameter_count(o) as f64 * (samples(o).max(1) as f64).ln();
         gap(o).map_or(f64::NEG_INFINITY, |gap| -left * gap.max(f64::MIN_POSITIVE).ln() - cost)
     };
     let logs: Vec<f64> = fits.iter().map(log).collect();

@@ -1,8 +1,8 @@
-//! Steps of one parameter by the rollouts that have been made: Gauss and Newton's with the slope between two of them, and
-//! a look elsewhere where that leads no further.
+//! Secant variant of Gauss–Newton for one parameter (Ralston and Jennrich 1978): the slope comes from the two nearest rollouts
+//! made so far; a restart where that leads no further.
 
 /// Two rollouts farther apart than this share of the bounds give a chord, not a slope, so no secant step is taken; nor does
-/// any step reach farther than that.
+/// any step exceed it.
 pub(super) const LONGEST_SECANT: f64 = 0.03;
 /// ... and closer than this the rollouts differ by rounding alone.
 const SHORTEST_SECANT: f64 = 1e-9;
@@ -47,7 +47,7 @@ impl Made {
     /// is the maximum of the likelihood for white noise. `None` where no other is near enough.
     ///
     /// All others are worse, so the best value lies nearer to the best rollout than to any of them: a step goes at most half
-    /// the way to the next. That keeps it from the wilderness where a slope is hardly there (impacts that return next to nothing).
+    /// the way to the next. This prevents large steps where the slope nearly vanishes (impacts that return next to nothing).
     pub(super) fn step(&self, seen: &[f64]) -> Option<f64> {
         let (best, span) = (self.best()?.0, self.span());
         let distance = |other: &Rolled| (other.at - best.at).abs() / span;
@@ -62,19 +62,19 @@ impl Made {
         }
         let step = (square > 0.0).then(|| product / square)?;
         let ahead = others().map(|other| (other.at - best.at) * step.signum()).filter(|way| *way > 0.0);
-        let reach = ahead.fold(LONGEST_SECANT * span, |least, way| least.min(0.5 * way));
-        Some(best.at + step.clamp(-reach, reach))
+        let longest = ahead.fold(LONGEST_SECANT * span, |least, way| least.min(0.5 * way));
+        Some(best.at + step.clamp(-longest, longest))
     }
 
-    /// Where to look once slopes lead no further: as far as possible from every rollout, within reach of the best. `None`
-    /// while they do. Where a curve has several valleys, the slopes in the wrong one never leave it.
-    pub(super) fn elsewhere(&self) -> Option<f64> {
+    /// Where to look once slopes lead no further: as far as possible from every rollout, within the longest step of the best. `None`
+    /// while they do. Where a curve has several local minima, the slopes in the wrong one never leave it.
+    pub(super) fn restart(&self) -> Option<f64> {
         let (best, since) = self.best()?;
         if since < PATIENCE {
             return None;
         }
-        let reach = LONGEST_SECANT * self.span();
-        let (low, high) = (self.bounds.0.max(best.at - reach), self.bounds.1.min(best.at + reach));
+        let longest = LONGEST_SECANT * self.span();
+        let (low, high) = (self.bounds.0.max(best.at - longest), self.bounds.1.min(best.at + longest));
         let mut known: Vec<f64> = self.rolled.iter().map(|r| r.at).filter(|at| (low..=high).contains(at)).collect();
         known.sort_by(f64::total_cmp);
         let between = known.windows(2).map(|pair| (0.5 * (pair[1] - pair[0]), f64::midpoint(pair[0], pair[1])));
@@ -106,7 +106,7 @@ mod tests {
         let (mut made, seen) = (Made::within((0.0, 1.0)), rolled(0.5));
         push(&mut made, 0.49, &seen);
         push(&mut made, 0.48, &seen);
-        assert!(made.elsewhere().is_none());
+        assert!(made.restart().is_none());
         assert!((made.step(&seen).unwrap() - 0.5).abs() < 1e-12);
     }
 
@@ -115,16 +115,16 @@ mod tests {
         let (mut made, seen) = (Made::within((0.0, 1.0)), rolled(0.016));
         for at in [0.001, 0.002] {
             push(&mut made, at, &seen);
-            assert!(made.elsewhere().is_none(), "one failure is none yet");
+            assert!(made.restart().is_none(), "one failure is none yet");
         }
         push(&mut made, 0.0015, &seen);
-        let far = made.elsewhere().unwrap();
-        assert!((far - 0.031).abs() < 1e-12, "the end of its reach, {far}");
+        let far = made.restart().unwrap();
+        assert!((far - 0.031).abs() < 1e-12, "the longest step, {far}");
         push(&mut made, far, &seen);
-        let between = made.elsewhere().unwrap();
+        let between = made.restart().unwrap();
         assert!((between - 0.0165).abs() < 1e-12, "the widest gap, {between}");
         push(&mut made, between, &seen);
-        assert!(made.elsewhere().is_none(), "it is better than all before");
+        assert!(made.restart().is_none(), "it is better than all before");
         assert!((made.step(&seen).unwrap() - 0.016).abs() < 1e-12);
     }
 
@@ -134,7 +134,7 @@ mod tests {
         for _ in 0..4 {
             push(&mut made, -5.0, &seen);
         }
-        assert!(made.elsewhere().is_none());
+        assert!(made.restart().is_none());
     }
 
     #[test]
@@ -143,6 +143,6 @@ mod tests {
         for _ in 0..4 {
             push(&mut made, 0.0, &seen);
         }
-        assert!(made.elsewhere().is_none_or(|at| (0.0..=1e-9).contains(&at)));
+        assert!(made.restart().is_none_or(|at| (0.0..=1e-9).contains(&at)));
     }
 }

@@ -1,13 +1,13 @@
-//! Where a fit begins: several starts, so that neither a poor guess in the file nor a flat stretch decides the answer.
+//! Multistart: several starting points, so that neither a poor guess in the file nor a plateau decides the answer.
 
 use super::Tuning;
 use crate::estimate::problem::robust_scale;
-use crate::estimate::{Elsewhere, Fit, Point};
+use crate::estimate::{Fit, MisfitGrid, Point};
 use crate::observation::LocalEstimate;
 use crate::simulator::Prepared;
 use crate::{Error, Result};
 
-/// A fit whose residual exceeds the noise this many times may sit in a wrong local minimum and is tried again from elsewhere.
+/// A fit whose residual exceeds the noise this many times may sit in a wrong local minimum and is repeated from other starts.
 const SUSPICIOUS_SCALE: f64 = 3.0;
 /// ... and one whose mean square does so this many times, where the median is blind: a channel or two may be far off while
 /// the others fit.
@@ -18,9 +18,9 @@ const NEAR_BOUND: f64 = 0.1;
 const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1];
 /// Starts across the bounds, for the case that neither the file nor the data suggest a good one. Small ones lie closer: where
 /// friction is large enough to stop the slip, more of it changes nothing.
-const SPREAD_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
+const GRID_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
 /// Places across the bounds, denser towards the lower one, for parameters that the events say nothing of.
-const BESIDE_LOCAL: u32 = 24;
+const STARTS_AROUND_LOCAL: u32 = 24;
 /// The nearest starts with what the events suggest that are fitted before any other.
 const LOCAL_FITS: usize = 2;
 
@@ -32,7 +32,7 @@ const FLAT_STARTS: u32 = 40;
 impl Tuning<'_> {
     /// The best of several starts, `near` and `also` among them, more of them where the first leaves too much; the places
     /// that were looked at around it; and the rollouts it took.
-    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, Elsewhere, usize)> {
+    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, MisfitGrid, usize)> {
         let problem = self.problem();
         // A driven thing does not go its own way after a bad start: what it shows is nearly linear in its parameters.
         if self.free.is_empty() || self.recordings.iter().all(Prepared::is_driven) {
@@ -43,7 +43,7 @@ impl Tuning<'_> {
         let mut starts = vec![near.clone()];
         // One parameter at a time across its bounds, the others where the file, a network or the events have them.
         starts.extend(self.across_bounds(near));
-        let locals: Vec<Point> = self.local_start(near).iter().flat_map(|l| self.beside_local(l)).collect();
+        let locals: Vec<Point> = self.local_start(near).iter().flat_map(|l| self.around_local(l)).collect();
         starts.extend(locals.iter().cloned());
         let networked = also.is_some();
         starts.extend(also);
@@ -52,7 +52,7 @@ impl Tuning<'_> {
             starts.push(Point { nuisances: self.recordings.iter().map(Prepared::nuisance_values).collect(), ..start });
         }
         let mut rollouts = starts.len() * self.recordings.len();
-        // A network's start is fitted whatever lies nearer by rollouts alone: short records have several local minima.
+        // A network's start is always fitted, even if others lie nearer by rollouts alone: short records have several local minima.
         let mut best: Option<Fit> = None;
         if networked {
             let fit = problem.fit(near.clone(), 1.0)?;
@@ -95,26 +95,26 @@ impl Tuning<'_> {
         })?;
         let (found, along) = self.look_along_bounds(found);
         let (found, past) = self.look_past_flats(found);
-        let (found, elsewhere, across) = self.look_across(found);
-        Ok((found, elsewhere, rollouts + along + past + across))
+        let (found, grid, across) = self.search_local_minima(found);
+        Ok((found, grid, rollouts + along + past + across))
     }
 
     /// `base` with one free parameter at a time across its bounds.
     fn across_bounds(&self, base: &Point) -> Vec<Point> {
         let of = |&i: &usize| {
             let p = &self.simulator.parameters()[i];
-            SPREAD_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()]))
+            GRID_STARTS.map(|share| base.with(&[i], &[p.min + share * p.span()]))
         };
         self.free.iter().flat_map(of).collect()
     }
 
     /// `local`, with every parameter that the events say nothing of across its bounds, one at a time.
-    fn beside_local(&self, local: &Point) -> Vec<Point> {
+    fn around_local(&self, local: &Point) -> Vec<Point> {
         let mut starts = vec![local.clone()];
         for &i in self.free.iter().filter(|&&i| local_estimate(self.recordings, i).is_none()) {
             let p = &self.simulator.parameters()[i];
-            let share = |n: u32| p.min + (f64::from(n) / f64::from(BESIDE_LOCAL)).powi(3) * p.span();
-            starts.extend((1..BESIDE_LOCAL).map(|n| local.with(&[i], &[share(n)])));
+            let share = |n: u32| p.min + (f64::from(n) / f64::from(STARTS_AROUND_LOCAL)).powi(3) * p.span();
+            starts.extend((1..STARTS_AROUND_LOCAL).map(|n| local.with(&[i], &[share(n)])));
         }
         starts.extend(self.across_bounds(local));
         starts
@@ -193,7 +193,7 @@ impl Tuning<'_> {
         (found, rollouts)
     }
 
-    /// The parameters as the recordings' events alone suggest them.
+    /// The parameters that the recordings' events suggest.
     fn local_start(&self, near: &Point) -> Option<Point> {
         let local = |&i: &usize| {
             let p = &self.simulator.parameters()[i];

@@ -25,7 +25,7 @@ impl Simulator for Signal {
     }
 }
 
-/// Tunes `law` to a noisy record of `real`; every parameter starts at .4 within 0 to 1.
+/// Tunes `law` to a noisy record of `real`; every parameter starts at 0.4 within 0 to 1.
 fn tuned(names: &[&str], law: Law, real: impl Fn(f64) -> f64, seed: u64) -> (Outcome, Signal, Observation) {
     let parameter = |name: &&str| Parameter::new(*name, "1", 0.4, 0.0, 1.0).unwrap();
     let signal = Signal(names.iter().map(parameter).collect(), vec![Channel::new("y", "m")], law);

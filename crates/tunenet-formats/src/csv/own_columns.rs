@@ -1,4 +1,4 @@
-//! The columns of a table, or the channels of a log, that a simulator of one's own predicts.
+//! The columns of a table, or the channels of a log, that a custom simulator predicts.
 
 use std::path::Path;
 
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_cell_is_told_under_the_channels_name() {
+    fn a_broken_cell_is_reported_under_the_channels_name() {
         let (_folder, path) = file("a.csv", "t_s,angle_rad\n0,1\n1,x\n2,3\n");
         let (message, _) = error_text(&read(&path, &options(&["angle_rad"], &[])).unwrap_err());
         assert!(message.contains("`angle_rad` is"), "{message}");

@@ -121,7 +121,7 @@ impl Iterator for DatasetReader {
     }
 }
 
-/// A dataset's file, opened anew for each pass over its pairs.
+/// A dataset's file, opened again for each pass over its pairs.
 pub struct DatasetFile {
     path: PathBuf,
     header: DatasetHeader,
@@ -178,7 +178,7 @@ impl DatasetWriter {
             return Self::begin(out, &partial.clone(), partial, header, shard);
         }
         let mut earlier = Earlier::open(&partial, &header, shard)?;
-        // Copied beside it first, so that a second kill finds one of the two whole.
+        // Copied next to it first, so that a second kill finds one of the two whole.
         let copy = with_suffix(&out, ".partial.copy");
         let mut writer = Self::begin(out, &copy, partial.clone(), header, shard)?;
         while let Some(pair) = earlier.next() {
@@ -241,7 +241,7 @@ impl DatasetWriter {
         Ok(())
     }
 
-    /// Forgets what an interrupted run left over of `out`, so that the next one begins anew.
+    /// Forgets what an interrupted run left over of `out`, so that the next one begins again.
     ///
     /// # Errors
     /// [`Error::Io`] where it cannot be removed.
@@ -295,7 +295,7 @@ impl Earlier {
         }
     }
 
-    /// The next complete pair; whatever is wrong after it is written anew.
+    /// The next complete pair; what is wrong after it is written again.
     fn next(&mut self) -> Option<Pair> {
         let pair = next_pair(self.source.as_mut()?, &self.header).ok()??;
         self.header.check(&pair).is_ok().then_some(pair)

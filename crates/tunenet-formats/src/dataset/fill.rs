@@ -17,7 +17,7 @@ const BLOCK: u64 = 128;
 /// the pairs alone: [`merge`](crate::dataset::merge) puts shares together.
 ///
 /// `draw` is asked for pair 0, 1, … with a generator that depends on the header's seed and the pair's number alone, and
-/// rollouts are spread over the cores: whatever the number of threads and however often the run was interrupted, the
+/// rollouts are spread over the cores: for any number of threads and of interruptions, the
 /// bytes are the same. `progress` gets the number of pairs done and of all; where it answers `false`, the work stops and
 /// can be resumed; that of the last call is asked before the file gets its name.
 ///

@@ -88,7 +88,7 @@ fn gather(paths: &[PathBuf]) -> Result<(DatasetHeader, Vec<(&PathBuf, Shard)>)> 
     Ok((header, found))
 }
 
-/// What is said where shards are missing beside `first`.
+/// What is said where shards are missing next to `first`.
 #[must_use]
 pub fn missing(first: &Path, count: u32, lacking: &[String]) -> Error {
     const NAMED: usize = 8;

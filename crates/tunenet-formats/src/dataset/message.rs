@@ -1,4 +1,4 @@
-//! How a data set's header and its pairs stand in the file: CDR, with a ROS 2 message definition beside it.
+//! How a data set's header and its pairs stand in the file: CDR, with a ROS 2 message definition next to it.
 
 use std::fmt;
 use std::path::Path;

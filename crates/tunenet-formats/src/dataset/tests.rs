@@ -236,7 +236,7 @@ fn shards_of_another_version_are_refused() {
     assert!(first.ends_with(&format!("expected a shard by tunenet {version}, found one by 0.0.1")), "{first}");
     let second = refusal(&[&ours, &other]);
     assert!(second.ends_with("found one of tunenet 0.0.1"), "{second}");
-    // A shard that was begun by another version is not gone on with.
+    // A shard that was begun by another version is not resumed.
     assert!(!DatasetReader::holds(&other, &header(20, 30), Shard::new(1, 2).unwrap()));
 }
 

@@ -1,4 +1,4 @@
-//! What a message says, whatever its encoding.
+//! The fields of a message, in any encoding.
 
 use tunenet_core::observation::Kind;
 

@@ -187,7 +187,7 @@ fn start<T: for<'a> Deserialize<'a>>(
     Ok((fields, bytes))
 }
 
-/// A stamp of zero is none.
+/// A stamp of zero counts as missing.
 fn stamp(header: &Header, log_s: f64) -> f64 {
     let (sec, nanosec) = (i64::from(header.stamp.sec), i64::from(header.stamp.nanosec));
     if (sec, nanosec) == (0, 0) { log_s } else { joined(sec, nanosec).map_or(log_s, to_s) }
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_topics_and_short_messages_are_told() {
+    fn wrong_topics_and_short_messages_are_refused() {
         let (_folder, path) =
             file("a.mcap", bag(None, &[made("/a", image(1, &[1; 6])), made("/b", image(1, &[1, 2]))]));
         let error = |topic| pictures(&path, topic).err().unwrap().to_string();

@@ -199,7 +199,7 @@ pub(crate) enum Fault {
     Io(std::io::Error),
     /// A record runs past the end of its chunk.
     Overrun,
-    /// Whatever else the format does not allow.
+    /// Anything else that the format does not allow.
     Format(McapError),
 }
 

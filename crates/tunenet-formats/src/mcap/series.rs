@@ -97,7 +97,7 @@ impl<'a> Series<'a> {
                 }
                 self.values.extend(position);
             }
-            // The number is kept beside the time until both are known to be good.
+            // The number is kept next to the time until both are known to be good.
             Sample::Bounce(number) => {
                 self.channels = vec![Quantity::BounceTime.channel()];
                 self.values.push(number);

@@ -155,7 +155,7 @@ fn overview(topics: &[Topic]) -> String {
     match (usable.as_slice(), other.as_slice()) {
         ([], []) => "the file has no topics".into(),
         ([], other) => {
-            // A wrong encoding or a broken message is what a person can do something about.
+            // A wrong encoding or a broken message is what a user can do something about.
             let reasons = other.iter().filter_map(|topic| Some((topic, topic.usable.as_ref().err()?)));
             let special = reasons.into_iter().find(|(_, why)| *why != NOTHING && *why != SILENT);
             let special = special.map_or(String::new(), |(topic, why)| format!("; `{}` {why}", topic.name));

@@ -168,7 +168,7 @@ mod tests {
         let mut messages = mcap::MessageStream::new(&bytes).unwrap().map(|m| m.unwrap());
         let whole = messages.find(|m| m.channel.topic == "/joint_trajectory").unwrap();
         assert_eq!(whole.channel.schema.as_ref().unwrap().name, "trajectory_msgs/msg/JointTrajectory");
-        // Mark, stamp, frame, two names, two points; then 2.0 is somewhere as eight bytes, and so is .5 s.
+        // Mark, stamp, frame, two names, two points; then 2.0 is somewhere as eight bytes, and so is 0.5 s.
         let holds = |wanted: &[u8]| whole.data.windows(wanted.len()).any(|w| w == wanted);
         assert!(
             holds(&2.0_f64.to_le_bytes()) && holds(&500_000_000_u32.to_le_bytes()) && holds(b"base\0") && holds(b"a\0")

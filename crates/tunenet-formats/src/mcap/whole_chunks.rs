@@ -9,7 +9,7 @@ use std::io::{BufReader, Read, Result};
 use byteorder::{ByteOrder, LittleEndian};
 use mcap::records::op;
 
-/// How much is asked of the file at a time, in bytes, whatever a record promises.
+/// How much is asked of the file at a time, in bytes, independent of what a record promises.
 pub(crate) const PIECE: usize = 64 << 10;
 
 /// Kind and length before every record, in bytes.

@@ -1,4 +1,4 @@
-//! Named arrays as safetensors, with one JSON text beside them.
+//! Named arrays as safetensors, with one JSON text next to them.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read as _;

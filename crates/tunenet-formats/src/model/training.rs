@@ -1,4 +1,4 @@
-//! Training from a file, with a checkpoint beside it.
+//! Training from a file, with a checkpoint next to it.
 
 use std::io::BufRead as _;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::source::open;
 use crate::{Error, Result, write_atomically};
 
 /// Trains a network on the dataset at `dataset`; see [`train()`]. Its state is kept at `checkpoint`, where one is given; what
-/// does not fit into memory waits in a temporary file beside that, or else in the system's folder for such files.
+/// does not fit into memory waits in a temporary file next to that, or else in the system's folder for such files.
 ///
 /// # Errors
 /// As [`train()`]; [`Error::File`] and [`Error::Io`] where the dataset or the checkpoint cannot be used.

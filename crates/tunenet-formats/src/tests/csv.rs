@@ -251,7 +251,7 @@ fn every_bad_table_says_what_and_where() {
 }
 
 #[test]
-fn one_wild_time_does_not_condemn_the_rest() {
+fn one_outlier_in_time_does_not_condemn_the_rest() {
     let (message, hint) = bad("t_s,z_m\n0,1\n-5,1\n2.7e154,9\n0.01,1\n0.02,1\n0.03,1\n");
     assert_eq!(message, "a.csv:3:1: the time falls: expected more than 0.0, found -5.0");
     assert_eq!(hint, "sort the lines by time, or delete this one; also line 4");

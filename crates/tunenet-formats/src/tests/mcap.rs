@@ -41,7 +41,7 @@ fn every_compression_reads_alike() {
         let other = read_as("a.mcap", bag(Some(compression), &[ball(500)]), &ReadOptions::default()).unwrap();
         assert_eq!(other, plain);
     }
-    // Whatever the name.
+    // For any name.
     assert_eq!(read_as("a.csv", bag(None, &[ball(500)]), &ReadOptions::default()).unwrap(), plain);
 }
 

@@ -10,7 +10,7 @@ use super::{Model, Recursion};
 /// its model leaves out; what that asks for comes in through the error.
 #[derive(Debug, Clone)]
 pub struct ComputedTorque<'a> {
-    believed: Recursion<'a>,
+    assumed: Recursion<'a>,
     stiffness: f64,
     damping: f64,
     acceleration: Vec<f64>,
@@ -21,7 +21,7 @@ impl<'a> ComputedTorque<'a> {
     #[must_use]
     pub fn new(model: &'a Model, gravity: Vector3<f64>, stiffness_1_s2: f64) -> Self {
         Self {
-            believed: Recursion::new(model, gravity),
+            assumed: Recursion::new(model, gravity),
             stiffness: stiffness_1_s2,
             damping: 2.0 * stiffness_1_s2.sqrt(),
             acceleration: vec![0.0; model.degrees()],
@@ -37,6 +37,6 @@ impl<'a> ComputedTorque<'a> {
             let (off, slow) = (wanted.0[i] - q[i], wanted.1[i] - dq[i]);
             *acceleration = wanted.2[i] + self.stiffness * off + self.damping * slow;
         }
-        self.believed.inverse_dynamics(q, dq, &self.acceleration, torque);
+        self.assumed.inverse_dynamics(q, dq, &self.acceleration, torque);
     }
 }

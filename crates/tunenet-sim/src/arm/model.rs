@@ -163,7 +163,7 @@ impl Model {
         })
     }
 
-    /// The chain from the base to the link `tip`, everything beside it held where it stands: at 0, or at the nearest
+    /// The chain from the base to the link `tip`, all other joints fixed at their position: at 0, or at the nearest
     /// position that its limits allow. What is held is noted.
     ///
     /// # Errors

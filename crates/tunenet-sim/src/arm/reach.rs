@@ -1,4 +1,4 @@
-//! Inverse kinematics: damped least squares, with what is left free used to keep away from the limits.
+//! Inverse kinematics: damped least squares (Nakamura and Hanafusa 1986), with the null space used to keep away from the joint limits.
 
 use nalgebra::{Matrix6, Matrix6xX, Rotation3, Vector3, Vector6};
 use rand::Rng;
@@ -22,7 +22,7 @@ pub struct Goal {
     pub rotation: Option<Rotation3<f64>>,
 }
 
-/// When to stop, and what to do with freedom that is left.
+/// When to stop, and the use of the redundant joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Most steps.
@@ -115,8 +115,9 @@ impl<'a> Reach<'a> {
         let Some(normal) = normal.cholesky() else { return };
         let free = |i: usize, q: &[f64]| settings.centring * middle(&self.limits[i]).map_or(0.0, |m| m - q[i]);
         // Of the step towards the middle only the null-space component is used: z − J⁺·J·z.
-        let pulled = self.jacobian.column_iter().enumerate().fold(Vector6::zeros(), |sum, (i, c)| sum + c * free(i, q));
-        let wanted = normal.solve(&(left - pulled));
+        let nullspace =
+            self.jacobian.column_iter().enumerate().fold(Vector6::zeros(), |sum, (i, c)| sum + c * free(i, q));
+        let wanted = normal.solve(&(left - nullspace));
         let step = |i: usize, q: &[f64]| self.jacobian.column(i).dot(&wanted) + free(i, q);
         let longest = (0..self.limits.len()).map(|i| step(i, q).abs()).fold(LONGEST_STEP, f64::max);
         for i in 0..self.limits.len() {

@@ -11,7 +11,7 @@ use rapier3d::prelude::{
 
 use super::range::{GREATEST, within};
 
-/// What a contact has beside restitution and friction. Zero means absent.
+/// What a contact has besides restitution and friction. Zero means absent.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Contact {
     /// How restitution falls with the approach speed v: e (v / 3 m/s)^(−exponent), kept within 0 and 1.
@@ -41,7 +41,7 @@ impl Contact {
 /// The approach speed at which an exponent leaves the restitution as it is, m/s.
 const REFERENCE_M_S: f64 = 3.0;
 /// Below this approach speed the restitution stays what it is here, m/s. A power law has no end at small speeds: the ball
-/// would bounce for ever. Hops from here are .5 mm high.
+/// would bounce for ever. Hops from here are 0.5 mm high.
 const SLOWEST_LAW_M_S: f64 = 0.1;
 /// How much an impulse of 1 per mass at the skin of a solid sphere changes its slip: 1 + r²/(2/5·r²).
 const SLIP_PER_IMPULSE: f64 = 3.5;
@@ -119,7 +119,7 @@ const AWAY: f64 = 1e3;
 /// A Rapier world with one unit sphere on one level half-space at the origin.
 ///
 /// An impact of a sphere depends on nothing but the contact's normal, the velocity and the speed `r·ω` of its skin. So
-/// every impact, whatever the ball's size, the place and the obstacle, is turned into this one: far-off coordinates and
+/// every impact, of any ball size, place and obstacle, is turned into this one: far-off coordinates and
 /// tiny balls cost no digits.
 pub(crate) struct Server {
     world: PhysicsWorld,

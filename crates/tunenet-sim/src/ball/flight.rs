@@ -4,7 +4,7 @@ use rapier3d::math::Vector;
 
 use super::range::{GREATEST, within};
 
-/// What acts on a ball in flight beside gravity, each as an acceleration. Zero means absent.
+/// What acts on a ball in flight besides gravity, each as an acceleration. Zero means absent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Forces {
     /// Quadratic drag `−c·|v|·v`, 1/m; 0 or more.
@@ -161,13 +161,13 @@ impl Path {
     }
 
     fn bent(start: Motion, field: &Field, bend: Bend) -> Self {
-        let pull = field.acceleration(start.v);
-        let a = pull.length();
+        let acceleration = field.acceleration(start.v);
+        let a = acceleration.length();
         let rate = field.rate(start.v.length() + a * LONGEST_STEP_S);
         let mut horizon = LONGEST_STEP_S.min(REACH / rate);
         // |v|·v has a kink in its second derivative where v turns, which would cost a step across it two orders. So a
         // step ends at the apex; what the estimate misses is too short to matter.
-        let apex = -start.v.dot(pull) / (a * a);
+        let apex = -start.v.dot(acceleration) / (a * a);
         if field.quadratic > 0.0 && apex > horizon * SHORTEST && apex < horizon {
             horizon = apex;
         }

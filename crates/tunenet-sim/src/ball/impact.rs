@@ -1,4 +1,4 @@
-//! When and where a moving sphere first touches one of several convex obstacles.
+//! Conservative advancement (Mirtich 1996): time and place of the first touch of a moving sphere with convex obstacles.
 
 use rapier3d::math::{Pose, Vector};
 use rapier3d::parry::query::contact;
@@ -81,15 +81,15 @@ pub(crate) fn first_touch(obstacles: &[Obstacle], ball: Ball, path: &Path, skip:
         for query in 1.. {
             let motion = path.at(t);
             let gap = obstacle.gap(motion.x, ball);
-            let (speed, pull) = (gap.normal.dot(motion.v), gap.normal.dot(path.acceleration(motion.v)));
+            let (speed, acceleration) = (gap.normal.dot(motion.v), gap.normal.dot(path.acceleration(motion.v)));
             // The distance is a difference of coordinates and cannot be known better than their last digits.
             let touching = gap.distance <= 1e-13 + 8.0 * f64::EPSILON * motion.x.abs().max_element();
-            if touching && (speed < 0.0 || (speed == 0.0 && pull < 0.0)) {
+            if touching && (speed < 0.0 || (speed == 0.0 && acceleration < 0.0)) {
                 outlook = Outlook { until: t, hit: Some(gap) };
                 break;
             }
             // A ball that leaves counts as outside, or rounding would let it fall through.
-            let Some(step) = entering(gap.distance.max(0.0), speed, pull - path.slack) else { break };
+            let Some(step) = entering(gap.distance.max(0.0), speed, acceleration - path.slack) else { break };
             t += step;
             if t.is_nan() || t >= outlook.until {
                 break;

@@ -38,9 +38,9 @@ pub struct Scene {
     pub friction: f64,
     /// Coefficient of restitution: normal speed after an impact over that before; 0 to 1.
     pub restitution: f64,
-    /// What acts on the ball in flight beside gravity.
+    /// What acts on the ball in flight besides gravity.
     pub flight: Forces,
-    /// What a contact has beside restitution and friction.
+    /// What a contact has besides restitution and friction.
     pub contact: Contact,
 }
 

@@ -42,7 +42,7 @@ pub struct World {
 }
 
 impl World {
-    /// A ball above the scene's surface, let go at `start_time_s`.
+    /// A ball above the scene's surface, released at `start_time_s`.
     ///
     /// # Errors
     /// A sentence where a number of the scene or the start is not finite or out of range, or where the ball starts more

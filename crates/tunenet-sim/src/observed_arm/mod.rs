@@ -100,7 +100,7 @@ impl ObservedArm {
 pub fn arm(file: &SimulationFile) -> Result<(Model, usize)> {
     let arm = &file.arm()?.arm;
     let name = arm.payload_link.as_str();
-    let chain = urdf::read(&beside(file, arm))?.chain_to(name).map_err(|e| in_file(file, e))?;
+    let chain = urdf::read(&next_to_file(file, arm))?.chain_to(name).map_err(|e| in_file(file, e))?;
     let model = chain.weighed().map_err(|e| in_file(file, e))?;
     let link = model.frames.iter().position(|f| f.name == name).unwrap_or(0);
     Ok((model, link))
@@ -121,15 +121,15 @@ fn in_file(file: &SimulationFile, error: Error) -> Error {
     Error::file(file.path(), format!("`{name}`: expected {expected}, found {found}"), hint)
 }
 
-/// Where the file's URDF lies: beside the file, unless its path is absolute.
+/// Where the file's URDF lies: next to the file, unless its path is absolute.
 ///
 /// # Errors
 /// [`Error::File`] where the file describes no arm.
 pub fn urdf_path(file: &SimulationFile) -> Result<PathBuf> {
-    Ok(beside(file, &file.arm()?.arm))
+    Ok(next_to_file(file, &file.arm()?.arm))
 }
 
-fn beside(file: &SimulationFile, arm: &ArmBody) -> PathBuf {
+fn next_to_file(file: &SimulationFile, arm: &ArmBody) -> PathBuf {
     file.path().parent().unwrap_or(Path::new("")).join(&arm.urdf)
 }
 

@@ -6,12 +6,12 @@ use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation};
 use tunenet_core::{Error, Origin, Result};
 use tunenet_formats::kind_name;
 
-use super::{ObservedBall, Unknown};
+use super::{Nuisance, ObservedBall};
 use crate::ball::Scene;
 use crate::ball::effects::{ALL, BallEffect};
 use crate::scene::BallParameters;
 
-/// The effect that is chance.
+/// The effect that is a per-contact random effect.
 const SCATTER: &str = "bounce_scatter";
 /// What the spin of a throw does in the air.
 const SPIN: &str = "magnus";
@@ -47,7 +47,7 @@ impl ObservedBall {
             let at = ball.fixed.iter().position(|(e, _)| e.name == *name);
             let present = at.map(|i| ball.fixed.remove(i).1);
             let parameters = effect.entry(&self.body).parameters(present.as_deref())?;
-            // Chance is not rolled out; its size follows from the tilts that a recording brings.
+            // A random effect is not rolled out; its size follows from the tilts that a recording brings.
             let tune = effect.name != SCATTER;
             ball.parameters.extend(parameters.into_iter().map(|p| Parameter { tune, ..p }));
             ball.free.push(effect);
@@ -62,18 +62,18 @@ impl ObservedBall {
         Some(Self { per_recording: vec![effect], ..self.clone() })
     }
 
-    /// The same ball, let go with an unknown spin about the axes along the surface, to which contacts answer; `None` where
+    /// The same ball, released with an unknown spin about the axes along the surface, to which contacts answer; `None` where
     /// spin is known or does not show.
     pub(super) fn let_go_spinning(&self) -> Option<Self> {
         let unknown =
             self.kind == Kind::Positions && self.release.spin_rad_s.is_none() && self.per_recording.is_empty();
-        let spins = [0, 1].map(Unknown::Spin);
-        let all = self.unknown.iter().copied().chain(spins).collect();
-        unknown.then(|| Self { unknown: all, ..self.clone() })
+        let spins = [0, 1].map(Nuisance::Spin);
+        let all = self.nuisances.iter().copied().chain(spins).collect();
+        unknown.then(|| Self { nuisances: all, ..self.clone() })
     }
 
     /// Puts the effects into the scene: the file's, those with these coefficients, and the tilts of single bounces,
-    /// which follow a recording's other unknowns.
+    /// which follow a recording's other nuisance parameters.
     pub(super) fn apply_effects(&self, scene: &mut Scene, mut coefficients: &[f64], nuisances: &[f64]) {
         for (effect, values) in &self.fixed {
             (effect.apply)(scene, values);
@@ -83,7 +83,7 @@ impl ObservedBall {
             (effect.apply)(scene, values);
             coefficients = rest;
         }
-        let mut nuisances = nuisances.get(self.unknown.len()..).unwrap_or_default();
+        let mut nuisances = nuisances.get(self.nuisances.len()..).unwrap_or_default();
         for effect in &self.per_recording {
             let Some((values, rest)) = nuisances.split_at_checked(effect.coefficients.len()) else { break };
             (effect.apply)(scene, values);
@@ -95,9 +95,9 @@ impl ObservedBall {
     }
 
     /// What effects change of a recording made ready.
-    pub(super) fn with_unknowns_of_effects(&self, preparation: Preparation) -> Result<Preparation> {
+    pub(super) fn with_nuisances_of_effects(&self, preparation: Preparation) -> Result<Preparation> {
         let Preparation::Usable(mut prepared) = preparation else { return Ok(preparation) };
-        // A record without a bounce is silent about contacts alone.
+        // A record without a bounce is silent about contacts only.
         let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
         for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
             if phase == Phase::Segment {
@@ -118,7 +118,7 @@ impl ObservedBall {
 
     /// Whether this kind of observation can show an effect.
     fn can_take(&self, effect: &BallEffect) -> bool {
-        // Beside a tuned coefficient of friction its addition is the same thing twice.
+        // With a tuned coefficient of friction its addition is redundant.
         let twin = effect.name == "bounce_friction"
             && self.parameters.iter().any(|p| p.name == BallParameters::FRICTION && p.tune);
         !twin && (effect.shows_in_bounce_times || self.kind == Kind::Positions)

@@ -6,7 +6,7 @@ use tunenet_core::Result;
 use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::{Parameter, Preparation, Prepared};
 
-use super::{ObservedBall, unknown_start};
+use super::{ObservedBall, start_nuisances};
 use crate::scene::Release;
 
 /// A surface so far below is none.
@@ -16,9 +16,9 @@ impl ObservedBall {
     /// The same ball without a surface. `None` where contacts are all that is observed of it.
     pub(super) fn flight_only(&self) -> Option<Self> {
         let release = Release::default();
-        let unknown = unknown_start(&release, Some(NOWHERE_M));
+        let nuisances = start_nuisances(&release, Some(NOWHERE_M));
         let surface_height_m = Some(NOWHERE_M);
-        let ball = Self { release, unknown, surface_height_m, flight_only: true, ..self.clone() };
+        let ball = Self { release, nuisances, surface_height_m, flight_only: true, ..self.clone() };
         (self.kind == Kind::Positions).then_some(ball)
     }
 
@@ -26,14 +26,14 @@ impl ObservedBall {
     pub(super) fn prepare_flight(&self, seen: &Observation) -> Result<Preparation> {
         let Some(arcs) = Arcs::cut(seen, self.scene.gravity_m_s2) else { return Err(self.wrong_kind(seen)) };
         let mut prepared = Prepared::whole(seen.clone(), self.parameters.len());
-        let reach = (0..3).map(|axis| super::prepare::span(seen.column(axis))).fold(0.1, f64::max);
+        let range_m = (0..3).map(|axis| super::prepare::span(seen.column(axis))).fold(0.1, f64::max);
         let fastest =
-            (2.0 * self.scene.gravity_m_s2 * reach).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
+            (2.0 * self.scene.gravity_m_s2 * range_m).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
         let guesses =
-            (0..3).map(|axis| (arcs.start_m[axis], reach)).chain((0..3).map(|axis| (arcs.start_m_s[axis], fastest)));
-        let nuisances = self.unknown.iter().zip(guesses).map(|(unknown, (value, reach))| {
-            let (name, unit) = unknown.name();
-            Parameter::new(name, unit, value, value - reach, value + reach)
+            (0..3).map(|axis| (arcs.start_m[axis], range_m)).chain((0..3).map(|axis| (arcs.start_m_s[axis], fastest)));
+        let nuisances = self.nuisances.iter().zip(guesses).map(|(nuisance, (value, half_width))| {
+            let (name, unit) = nuisance.name();
+            Parameter::new(name, unit, value, value - half_width, value + half_width)
         });
         prepared.nuisances = nuisances.collect::<Result<_>>()?;
         prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);

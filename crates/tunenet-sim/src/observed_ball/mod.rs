@@ -16,7 +16,7 @@ use crate::simulation_file::SimulationFile;
 
 /// A number of the start that the file leaves to the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Unknown {
+enum Nuisance {
     Position(usize),
     Velocity(usize),
     /// About an axis along the surface.
@@ -26,7 +26,7 @@ enum Unknown {
     Time,
 }
 
-impl Unknown {
+impl Nuisance {
     fn name(self) -> (String, &'static str) {
         let axis = |i: usize| ["x", "y", "z"][i];
         match self {
@@ -42,7 +42,7 @@ impl Unknown {
 
 /// A ball's simulation file, observed as positions or as bounce times.
 ///
-/// Nuisance parameters of a recording of positions are whatever the file leaves out of the start position, the start velocity and
+/// Nuisance parameters of a recording of positions are what the file leaves out of the start position, the start velocity and
 /// the surface's height; of bounce times, the height of the first fall and its instant. A record is cut at blows and,
 /// where the release is unknown, to the samples after it.
 #[derive(Debug, Clone)]
@@ -53,7 +53,7 @@ pub struct ObservedBall {
     parameters: Vec<Parameter>,
     channels: Vec<Channel>,
     kind: Kind,
-    unknown: Vec<Unknown>,
+    nuisances: Vec<Nuisance>,
     body: Body,
     /// Effects of the file, at its values.
     fixed: Vec<(BallEffect, Vec<f64>)>,
@@ -75,11 +75,11 @@ impl ObservedBall {
         let ball = file.ball()?;
         let release = ball.release.clone();
         let surface_height_m = ball.surface.height_m;
-        let (channels, unknown) = match kind {
-            Kind::Positions => (Channel::positions(), unknown_start(&release, surface_height_m)),
+        let (channels, nuisances) = match kind {
+            Kind::Positions => (Channel::positions(), start_nuisances(&release, surface_height_m)),
             Kind::EventTimes => {
-                let height = release.height_m.is_none().then_some(Unknown::Height);
-                (tunenet_ball::bounce_time_channels(), height.into_iter().chain([Unknown::Time]).collect())
+                let height = release.height_m.is_none().then_some(Nuisance::Height);
+                (tunenet_ball::bounce_time_channels(), height.into_iter().chain([Nuisance::Time]).collect())
             }
             _ => {
                 let expected = "positions or bounce times for a simulation of kind \"ball\"".into();
@@ -103,7 +103,7 @@ impl ObservedBall {
             parameters,
             channels,
             kind,
-            unknown,
+            nuisances,
             body,
             fixed,
             free,
@@ -139,14 +139,14 @@ impl ObservedBall {
         let mut height = self.release.height_m;
         let mut time_s = self.release.time_s.unwrap_or(0.0);
         scene.surface_height_m = self.surface_height_m.unwrap_or(0.0);
-        for (unknown, &value) in self.unknown.iter().zip(nuisances) {
-            match *unknown {
-                Unknown::Position(axis) => start.position_m[axis] = value,
-                Unknown::Velocity(axis) => start.velocity_m_s[axis] = value,
-                Unknown::Spin(axis) => start.spin_rad_s[axis] = value,
-                Unknown::Surface => scene.surface_height_m = value,
-                Unknown::Height => height = Some(value),
-                Unknown::Time => time_s = value,
+        for (nuisance, &value) in self.nuisances.iter().zip(nuisances) {
+            match *nuisance {
+                Nuisance::Position(axis) => start.position_m[axis] = value,
+                Nuisance::Velocity(axis) => start.velocity_m_s[axis] = value,
+                Nuisance::Spin(axis) => start.spin_rad_s[axis] = value,
+                Nuisance::Surface => scene.surface_height_m = value,
+                Nuisance::Height => height = Some(value),
+                Nuisance::Time => time_s = value,
             }
         }
         if let Some(height) = height {
@@ -158,10 +158,10 @@ impl ObservedBall {
         (scene, start, time_s)
     }
 
-    /// The nuisance parameters of a rollout that is not compared with anything: let go at `time_s` above the origin.
+    /// The nuisance parameters of a rollout that is not compared with anything: released at `time_s` above the origin.
     #[must_use]
     pub fn nuisances_at_rest(&self, time_s: f64) -> Vec<f64> {
-        self.unknown.iter().map(|u| if *u == Unknown::Time { time_s } else { 0.0 }).collect()
+        self.nuisances.iter().map(|u| if *u == Nuisance::Time { time_s } else { 0.0 }).collect()
     }
 
     /// How many impacts happen until `end_s`, at most a thousand.
@@ -216,7 +216,7 @@ impl Simulator for ObservedBall {
             _ if self.flight_only => self.prepare_flight(seen)?,
             _ => self.prepare_positions(seen)?,
         };
-        self.with_unknowns_of_effects(preparation)
+        self.with_nuisances_of_effects(preparation)
     }
 
     fn effects(&self) -> Vec<Effect> {
@@ -278,19 +278,19 @@ impl Segmented for ObservedBall {
 }
 
 /// What the file leaves out of a start that is observed as positions.
-fn unknown_start(release: &Release, surface_height_m: Option<f64>) -> Vec<Unknown> {
-    let mut unknown = Vec::new();
+fn start_nuisances(release: &Release, surface_height_m: Option<f64>) -> Vec<Nuisance> {
+    let mut nuisances = Vec::new();
     match (release.position_m, release.height_m) {
         (Some(_), _) => {}
         // The height fixes z through the surface; a drop from rest at a known instant stays on its vertical line.
-        (None, Some(_)) => unknown.extend([Unknown::Position(0), Unknown::Position(1)]),
-        (None, None) => unknown.extend([0, 1, 2].map(Unknown::Position)),
+        (None, Some(_)) => nuisances.extend([Nuisance::Position(0), Nuisance::Position(1)]),
+        (None, None) => nuisances.extend([0, 1, 2].map(Nuisance::Position)),
     }
     if release.velocity_m_s.is_none() {
-        unknown.extend([0, 1, 2].map(Unknown::Velocity));
+        nuisances.extend([0, 1, 2].map(Nuisance::Velocity));
     }
     if surface_height_m.is_none() {
-        unknown.push(Unknown::Surface);
+        nuisances.push(Nuisance::Surface);
     }
-    unknown
+    nuisances
 }

@@ -10,7 +10,7 @@ use tunenet_core::observation::{Kind, LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Parameter, Phase, Preparation, Prepared, Rejected};
 use tunenet_core::tune::channel_noise;
 
-use super::{ObservedBall, Unknown};
+use super::{Nuisance, ObservedBall};
 use crate::ball::Forces;
 use crate::findings;
 use crate::scene::BallParameters;
@@ -84,23 +84,23 @@ impl ObservedBall {
             (2.0 * self.scene.gravity_m_s2 * range).sqrt() + arcs.start_m_s.iter().map(|v| v.abs()).sum::<f64>();
         let begin_s = usable.clock()[0];
         // The start's own instant is the first sample; where only the position is known, it was released at rest then.
-        let nuisances = self.unknown.iter().map(|&unknown| {
-            let (name, unit) = unknown.name();
-            let (value, reach) = match unknown {
-                Unknown::Position(axis) => (arcs.start_m[axis], range),
-                Unknown::Velocity(axis) => (arcs.start_m_s[axis], fastest),
+        let nuisances = self.nuisances.iter().map(|&nuisance| {
+            let (name, unit) = nuisance.name();
+            let (value, half_width) = match nuisance {
+                Nuisance::Position(axis) => (arcs.start_m[axis], range),
+                Nuisance::Velocity(axis) => (arcs.start_m_s[axis], fastest),
                 // The skin is no faster than the ball.
-                Unknown::Spin(_) => (0.0, fastest / self.scene.radius_m),
+                Nuisance::Spin(_) => (0.0, fastest / self.scene.radius_m),
                 _ => (surface, range),
             };
-            Parameter::new(name, unit, value, value - reach, value + reach)
+            Parameter::new(name, unit, value, value - half_width, value + half_width)
         });
         let mut prepared = Prepared::whole(usable, self.parameters.len());
         prepared.nuisances = nuisances.collect::<Result<_>>()?;
         prepared.segmentation = BallSegmentation::shared(self.scene.gravity_m_s2);
         prepared.events = arcs.contacts.iter().map(|c| c.time_s).collect();
         // Without a bounce, nothing is known of contacts; that is said where it is asked for.
-        let (without_contacts, notes) = preflight.notes_apart();
+        let (without_contacts, notes) = preflight.notes_split();
         prepared.silent.fill(without_contacts);
         prepared.notes.extend(notes);
         if self.forced {
@@ -131,10 +131,10 @@ impl ObservedBall {
         let approach = gravity * intervals[0] / (2.0 * restitution);
         let height = approach * approach / (2.0 * gravity);
         let time = times[0] - self.release.height_m.map_or(approach / gravity, |h| (2.0 * h / gravity).sqrt());
-        let nuisances = self.unknown.iter().map(|&unknown| {
-            let (name, unit) = unknown.name();
-            let (value, low, high) = match unknown {
-                Unknown::Height => (height, height * 0.01, height * 100.0),
+        let nuisances = self.nuisances.iter().map(|&nuisance| {
+            let (name, unit) = nuisance.name();
+            let (value, low, high) = match nuisance {
+                Nuisance::Height => (height, height * 0.01, height * 100.0),
                 _ => (time, time - 10.0 * intervals[0], time + 10.0 * intervals[0]),
             };
             Parameter::new(name, unit, value, low, high)
@@ -148,7 +148,7 @@ impl ObservedBall {
         }
         prepared.checks = preflight.checks;
         prepared.silent[self.place(BallParameters::FRICTION)] = Some(Note::new(
-            findings::FRICTION_UNSEEN,
+            findings::FRICTION_NOT_OBSERVABLE,
             "bounce times do not depend on friction",
             "record positions of a throw along the surface",
         ));

@@ -42,7 +42,7 @@ pub(super) fn agree(program: &Program, child: &mut Child, known: &Asked, how: &s
     };
     let message =
         format!("{}: expected the same answer to the same parameters, found {difference} when {how}", program.shown());
-    let hint = "begin every rollout anew, keep nothing from one to the next, and start every draw of chance from a fixed seed \
+    let hint = "begin every rollout anew, keep nothing from one to the next, and start every random draw from a fixed seed \
                 within it";
     Err(Failure::drift(message, hint))
 }

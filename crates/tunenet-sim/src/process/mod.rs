@@ -52,7 +52,7 @@ pub fn command(file: &SimulationFile) -> String {
     format!("`{}`", visible(&program::line(&program::words(file))))
 }
 
-/// A program of one's own as a simulator that core can tune and diagnose.
+/// A custom program as a simulator that core can tune and diagnose.
 ///
 /// Rollouts ask one running copy of the program each, of which there are as many as threads ask at a time. The same parameters
 /// give the same bits whichever copy answers: every copy is asked the same first, and has to answer as the others did; and an

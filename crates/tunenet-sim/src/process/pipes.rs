@@ -12,7 +12,7 @@ use std::time::Duration;
 /// How much of standard error is kept, bytes.
 const KEPT: usize = 4096;
 /// Lines of it that are reported.
-const LINES_TOLD: usize = 5;
+const LINES_REPORTED: usize = 5;
 /// How long its end is waited for once a program is gone.
 const LAST_WORDS: Duration = Duration::from_millis(200);
 
@@ -125,7 +125,7 @@ impl Troubles {
         let bytes: Vec<u8> = self.kept.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
         let text = String::from_utf8_lossy(&bytes).into_owned();
         let lines: Vec<String> = text.lines().map(super::failure::printable).filter(|line| !line.is_empty()).collect();
-        lines[lines.len().saturating_sub(LINES_TOLD)..].to_vec()
+        lines[lines.len().saturating_sub(LINES_REPORTED)..].to_vec()
     }
 }
 
@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(received("a\n\nb", 10), ["a", "", "b", "End"]);
     }
 
-    /// A line without an end is given up after the greatest length of an answer, whatever follows.
+    /// A line without an end is given up after the greatest length of an answer, independent of what follows.
     #[test]
     fn a_line_has_a_greatest_length() {
         let long = super::super::protocol::LONGEST_GREETING + 1;
@@ -167,7 +167,7 @@ mod tests {
     }
 
     proptest::proptest! {
-        /// Whatever comes, in whatever pieces, is cut at its line ends and nowhere else.
+        /// All input, in any pieces, is cut at its line ends and nowhere else.
         #[test]
         fn lines_do_not_depend_on_how_they_come(bytes: Vec<u8>, piece in 1..20_usize) {
             let limit = AtomicUsize::new(1 << 20);

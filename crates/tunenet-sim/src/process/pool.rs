@@ -13,7 +13,7 @@ use super::known::{Asked, agree, probe};
 use super::program::Program;
 use super::protocol::Answer;
 
-/// After so many answers, drawn anew each time, a copy is asked again for a rollout: one in a hundred, and few are lost to a
+/// After so many answers, drawn afresh each time, a copy is asked again for a rollout: one in a hundred, and few are lost to a
 /// program that drifts.
 const EVERY: std::ops::RangeInclusive<u32> = 50..=150;
 /// A copy that answered fewer than this since has not had the time to forget.
@@ -49,7 +49,7 @@ struct Running {
     since: u32,
     /// After how many answers it is held against itself.
     until: u32,
-    /// One of those since, each as likely as any other, and which one, from 1.
+    /// One of those since, each with equal probability, and which one, from 1.
     drawn: Option<(u32, Asked)>,
     /// Draws when and what it is asked again: of every copy the same at every run, and nothing that a program could count on.
     draw: ChaCha8Rng,
@@ -66,7 +66,7 @@ impl Running {
     /// Takes note of one more answer.
     fn answered(&mut self, parameters: &[f64], clock: &[f64], answer: &Answer) {
         (self.all, self.since) = (self.all.saturating_add(1), self.since + 1);
-        // The last of n replaces the one that is kept once in n times: every one is kept with the same chance.
+        // The last of n replaces the one that is kept once in n times: every one is kept with the same probability.
         if self.draw.random_range(0..self.since) == 0 {
             self.drawn = Some((self.since, Asked::new(parameters, clock, answer)));
         }

@@ -52,7 +52,7 @@ impl Program {
         let channels = channels(file)?;
         let lengths = channels.iter().any(|channel| channel.unit == "m");
         if !lengths && file.effects().iter().any(|effect| effect.name == "length_scale") {
-            let message = "expected a channel in m beside [effects.length_scale], found none";
+            let message = "expected a channel in m besides [effects.length_scale], found none";
             return Err(Error::file(file.path(), message, "remove the effect: it applies only to lengths"));
         }
         Ok(Self {
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_told_apart() {
+    fn words_are_distinguished() {
         let words = ["sh", "-c", "touch a; cat", "", "it's", "--x=1", "~", "*"].map(str::to_owned);
         assert_eq!(line(&words), r"sh -c 'touch a; cat' '' 'it'\''s' --x=1 '~' '*'");
         assert_eq!(shown(&["a\nb".to_owned()]), "`'a\u{fffd}b'`");

@@ -19,8 +19,8 @@ use super::program::Program;
 pub(super) const VERSION: u64 = 1;
 /// Longest answer to a greeting, bytes.
 pub(super) const LONGEST_GREETING: usize = 64 * 1024;
-/// Longest answer beside its numbers, bytes: an error's sentence, say.
-const LONGEST_BESIDE: usize = 64 * 1024;
+/// Longest answer besides its numbers, bytes: an error's sentence, say.
+const LONGEST_TEXT: usize = 64 * 1024;
 /// Longest number with what separates it from the next, bytes. The shortest text of a double has 24.
 const LONGEST_NUMBER: usize = 64;
 
@@ -86,7 +86,7 @@ pub(super) fn request(program: &Program, id: u64, parameters: &[f64], clock: &[f
 
 /// Longest line that may answer a request for so many numbers, bytes.
 pub(super) fn longest_answer(numbers: usize) -> usize {
-    numbers.saturating_mul(LONGEST_NUMBER).saturating_add(LONGEST_BESIDE)
+    numbers.saturating_mul(LONGEST_NUMBER).saturating_add(LONGEST_TEXT)
 }
 
 const LINES: &str = "answer every line with one line of JSON and print nothing else on standard output; what helps to debug goes to \
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_with_an_answer_is_told_by_its_place() {
+    fn what_is_wrong_with_an_answer_is_reported_with_its_place() {
         for (line, expected) in [
             ("hello", "expected one JSON object on a line, found `hello`"),
             ("", "expected one JSON object on a line, found ``"),
@@ -321,7 +321,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever a program prints is an answer of the right shape, or is reported in one line.
+        /// Any output of a program is an answer of the right shape, or is reported in one line.
         #[test]
         fn any_line_is_an_answer_or_a_sentence(line in nearly(), width in 1..3_usize) {
             let headers: Vec<String> = ["a_m", "b_m"][..width].iter().map(|h| (*h).to_owned()).collect();

@@ -125,7 +125,7 @@ impl Session {
     /// The same session with a tally of its own, for one of several recordings that are worked on at a time. A failure still
     /// counts for all of them.
     #[must_use]
-    pub fn counted_apart(&self) -> Self {
+    pub fn counted_separately(&self) -> Self {
         Self { tally: Arc::default(), ..self.clone() }
     }
 
@@ -136,7 +136,7 @@ impl Session {
     }
 
     /// Warnings about rollouts that programs refused, or answered with numbers that cannot be used: how many, and which of them
-    /// is nearest to the values of the file. The same for the same work, whatever the number of threads.
+    /// is nearest to the values of the file. It is the same for any number of threads.
     #[must_use]
     pub fn notes(&self) -> Vec<Note> {
         self.tally.notes()

@@ -10,7 +10,7 @@ use crate::findings;
 /// Rollouts that a program was asked for, and those of them that cannot be used. A fit then tries other values, so the user has
 /// to be warned.
 ///
-/// Which rollouts are asked for follows from the work alone, and so does what stands here, in whatever order threads ask.
+/// Which rollouts are asked for follows from the work alone, and so do these counts, for any order of the threads.
 #[derive(Debug, Default)]
 pub(super) struct Tally(Mutex<Counted>);
 
@@ -98,7 +98,7 @@ impl Tally {
         self.counted(|counted| counted.asked)
     }
 
-    /// What a person should know of it.
+    /// What a user should know of it.
     pub fn notes(&self) -> Vec<Note> {
         const REMEDY: &str = "narrow `min` and `max` of `[parameters.NAME]` to what the program can simulate, where the answer \
                               lies near that";

@@ -1,6 +1,6 @@
-//! Smoothing without delay, and differentiation.
+//! Zero-phase Butterworth filter (Gustafsson 1996) and differentiation.
 //!
-//! A Butterworth filter of fourth order runs forwards, then backwards, so that phases cancel and amplitudes are multiplied
+//! A filter of fourth order runs forwards, then backwards, so that phases cancel and amplitudes are multiplied
 //! by 1 / (1 + (f / cut-off)⁸): motion at a third of the cut-off keeps all but 2e-4 of itself.
 
 /// Two second-order sections of a fourth-order Butterworth low-pass (bilinear transform, cut-off kept).

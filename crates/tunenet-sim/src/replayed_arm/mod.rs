@@ -68,7 +68,7 @@ impl Role {
 /// An arm that replays measured motions, as a simulator that core can tune: it predicts the torques of its joints.
 ///
 /// A recording is a log of joints ([`Kind::Joints`]) with positions and torques, or currents with torque constants. With a
-/// reference beside it ([`with_reference`]) the prediction is of the difference of both runs' torques.
+/// reference next to it ([`with_reference`]) the prediction is of the difference of both runs' torques.
 #[derive(Debug, Clone)]
 pub struct ReplayedArm {
     arm: Arc<Arm>,

@@ -7,7 +7,7 @@ use super::filter::{edge, slope, smooth, whole};
 
 /// A clock is even where no interval strays farther than this from the median.
 const EVEN: f64 = 1e-3;
-/// An interval longer than this many usual ones is a gap, and what lies beside it is not used.
+/// An interval longer than this many usual ones is a gap, and what lies next to it is not used.
 const GAP: f64 = 4.0;
 /// The cut-off is at most this share of the rate, so that differences are exact below it.
 const GREATEST_CUTOFF: f64 = 0.2;
@@ -139,7 +139,7 @@ pub(super) fn linear(clock: &[f64], values: &[f64], times: &[f64]) -> Vec<f64> {
     places(clock, times).map(at).collect()
 }
 
-/// Through the two samples on either side (Lagrange); linear beside a gap and at the ends.
+/// Through the two samples on either side (Lagrange); linear next to a gap and at the ends.
 pub(super) fn cubic(clock: &[f64], values: &[f64], times: &[f64]) -> Vec<f64> {
     let straight = linear(clock, values, times);
     let at = |((t, i), straight): ((f64, usize), f64)| {

@@ -1,4 +1,4 @@
-//! A second run of the same motion without the payload, laid beside the first.
+//! A second run of the same motion without the payload, aligned with the first.
 
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::{Error, Result};
@@ -21,7 +21,7 @@ const NEAR_RAD: f64 = 0.2;
 /// The runs have to overlap by this share of the shorter one.
 const LEAST_OVERLAP: f64 = 0.3;
 
-/// What a channel of the reference is called beside that of the run with payload.
+/// What a channel of the reference is called next to that of the run with payload.
 const PREFIX: &str = "r";
 
 /// Speeds of all joints on an even clock.
@@ -99,8 +99,8 @@ fn lag(seen: &Observation, reference: &Observation) -> Option<(f64, f64)> {
     Some((fine * a.step_s, alike))
 }
 
-/// The run `seen` with the `reference` beside it: its channels under names with an `r` before, moved in time so that both do the
-/// same at the same time, and cut to where both are. Also how they were laid beside one another.
+/// The run `seen` with the `reference` next to it: its channels under names with an `r` before, moved in time so that both do the
+/// same at the same time, and cut to where both are. Also how they were aligned.
 ///
 /// # Errors
 /// [`Error::Observation`] where the two do not measure the same joints and quantities, do not move alike, or are one and the

@@ -1,4 +1,4 @@
-//! Whether torques have the sign that the arm needs, and whether run and reference stand the right way round.
+//! Sign checks: whether torques have the sign that gravity requires, and whether run and reference are swapped.
 
 use tunenet_core::observation::{Check, State};
 use tunenet_core::simulator::Prepared;

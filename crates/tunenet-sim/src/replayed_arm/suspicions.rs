@@ -1,4 +1,4 @@
-//! What a tuned payload itself says against its answer.
+//! Plausibility checks of a tuned payload.
 
 use tunenet_core::observation::{Check, State};
 use tunenet_core::tune::{Estimate, Outcome, Verdict};
@@ -10,12 +10,12 @@ use crate::findings;
 /// A payload that reaches from its link to twice its centre of mass and is thinner than this, kg/m³, is none that a hand
 /// holds: foam has 20.
 const THINNEST_KG_M3: f64 = 5.0;
-/// Tools are so long, m, whatever they weigh.
+/// Length of a tool, m, of any mass.
 const LONGEST_TOOL_M: f64 = 0.2;
 const PLACES: [&str; 3] = ["payload_com_x", "payload_com_y", "payload_com_z"];
 
 /// Adds what is suspicious of the payload that `outcome` found with the simulation `file` to its notes and checks. `referenced`:
-/// whether a run without payload was laid beside it.
+/// whether a run without payload was aligned with it.
 pub fn suspect(file: &SimulationFile, outcome: &mut Outcome, referenced: bool) {
     let mut found = Vec::new();
     found.extend(gain(outcome, referenced));

@@ -39,7 +39,7 @@ impl Arm {
         self.model.degrees()
     }
 
-    /// The input of a rollout: the motion on its even clock and what it asks of the rigid arm; that of a `reference` beside it,
+    /// The input of a rollout: the motion on its even clock and what it asks of the rigid arm; that of a `reference` next to it,
     /// sample for sample.
     pub fn input(&self, log: &Recorded, reference: Option<&Recorded>) -> Result<Observation> {
         let n = self.joints();
@@ -85,7 +85,7 @@ impl Arm {
 
     fn add(&self, input: &Observation, run: Run, load: &Inertia, arm: &Imperfections, sign: f64, into: &mut [f64]) {
         let n = self.joints();
-        let rigid = if arm.bends() { self.bent(input, run, load, arm) } else { self.straight(input, run, load) };
+        let rigid = if arm.bends() { self.bent(input, run, load, arm) } else { self.rigid(input, run, load) };
         for (i, (into, rigid)) in into.chunks_exact_mut(n).zip(rigid.chunks_exact(n)).enumerate() {
             let row = &input.row(i)[run.first..];
             for j in 0..n {
@@ -95,7 +95,7 @@ impl Arm {
     }
 
     /// Rigid torques where everything stands as the encoders say.
-    fn straight(&self, input: &Observation, run: Run, load: &Inertia) -> Vec<f64> {
+    fn rigid(&self, input: &Observation, run: Run, load: &Inertia) -> Vec<f64> {
         let n = self.joints();
         let numbers = payload_numbers(load);
         let mut torques = Vec::with_capacity(input.len() * n);
@@ -114,7 +114,7 @@ impl Arm {
     }
 
     /// Rigid torques of an arm that stands otherwise than its encoders say: by offsets, by a tilted base, by gears that twist
-    /// under the torque of the straight arm.
+    /// under the torque of the rigid arm.
     fn bent(&self, input: &Observation, run: Run, load: &Inertia, arm: &Imperfections) -> Vec<f64> {
         let n = self.joints();
         let model =
@@ -122,7 +122,7 @@ impl Arm {
         let mut recursion = Recursion::new(&model, arm.gravity(self.gravity_m_s2));
         let count = input.len();
         let elastic = arm.elasticity_rad_nm.iter().any(|e| *e != 0.0);
-        let twist = if elastic { self.straight(input, run, load) } else { Vec::new() };
+        let twist = if elastic { self.rigid(input, run, load) } else { Vec::new() };
         let step = (input.clock()[count - 1] - input.clock()[0]) / (count - 1) as f64;
         // Twist and its first two slopes, by central differences.
         let twisted = |i: usize, j: usize| -> [f64; 3] {

@@ -89,7 +89,7 @@ pub struct Release {
     pub velocity_m_s: Option<[f64; 3]>,
     /// Spin, rad/s.
     pub spin_rad_s: Option<[f64; 3]>,
-    /// When it is let go, s.
+    /// When it is released, s.
     pub time_s: Option<f64>,
 }
 

@@ -18,14 +18,14 @@ pub use shot::{ArmTask, Plane, Task, TaskHoop, TaskKind, TaskRelease};
 /// Gravity on earth, m/s².
 const GRAVITY_M_S2: f64 = 9.81;
 
-/// What a simulation file describes, beside its parameters and effects.
+/// What a simulation file describes besides its parameters and effects.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Scene {
     /// A ball that falls and bounces.
     Ball(BallScene),
     /// An arm that moves a payload.
     Arm(ArmScene),
-    /// Whatever a program simulates.
+    /// A model simulated by an external program.
     Process(ProcessScene),
 }
 

@@ -1,4 +1,4 @@
-//! The scene of a program of one's own.
+//! The scene of a custom program.
 
 use std::path::PathBuf;
 

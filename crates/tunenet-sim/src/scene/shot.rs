@@ -15,7 +15,7 @@ pub struct Task {
     pub plane: Plane,
     /// What the ball has to fall through.
     pub hoop: TaskHoop,
-    /// From where the ball may be let go.
+    /// From where the ball may be released.
     pub release: TaskRelease,
     /// What holds the ball; a hand that reaches everywhere where it is `None`.
     #[serde(default)]
@@ -75,7 +75,7 @@ impl TaskHoop {
     }
 }
 
-/// From where the ball may be let go, and how exactly.
+/// From where the ball may be released, and how exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaskRelease {

@@ -1,4 +1,4 @@
-//! An arm that lets a ball go: its postures over the heights, and its way to one of them.
+//! An arm that releases a ball: its postures over the heights, and its way to one of them.
 
 use nalgebra::{Rotation3, Translation3, Vector3};
 use rand::SeedableRng;
@@ -88,7 +88,7 @@ impl ArmReach {
         (reach::Reach::new(&self.model, &self.grip).solve(&goal, &mut q, &settings) <= TOLERANCE).then_some(q)
     }
 
-    /// The way to the release at `point_m` in the posture `release` (rad): from beside it, with the least jerk, at half of
+    /// The way to the release at `point_m` in the posture `release` (rad): from a nearby position, with minimum jerk, at half of
     /// the joints' speeds.
     #[must_use]
     pub fn approach(&self, point_m: [f64; 3], release: &[f64]) -> Vec<JointPoint> {
@@ -97,8 +97,8 @@ impl ArmReach {
         let away = away.try_normalize(1e-9).unwrap_or_else(Vector3::zeros) * APPROACH_M;
         // Where that is too near to the base, from above or from below; at worst the arm stands ready already.
         let ways = [away, Vector3::z() * APPROACH_M, Vector3::z() * -APPROACH_M];
-        let beside = |way: &Vector3<f64>| self.near((Vector3::from(point_m) + way).into(), release);
-        let start = ways.iter().find_map(beside).unwrap_or_else(|| release.to_vec());
+        let nearby = |way: &Vector3<f64>| self.near((Vector3::from(point_m) + way).into(), release);
+        let start = ways.iter().find_map(nearby).unwrap_or_else(|| release.to_vec());
         let joints = self.model.joints();
         let limit = |i: usize| Some(joints[i].limits.velocity).filter(|v| v.is_finite()).unwrap_or(UNSAID_RAD_S);
         let change: Vec<f64> = release.iter().zip(&start).map(|(to, from)| to - from).collect();

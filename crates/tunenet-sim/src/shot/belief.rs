@@ -1,4 +1,4 @@
-//! What a tuned simulation file leaves uncertain of a ball, and draws from it.
+//! Monte Carlo draws from the uncertainty of a tuned simulation file of a ball.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +17,7 @@ use crate::findings;
 use crate::scene::BallParameters;
 use crate::simulation_file::schema::number;
 
-/// The effect that turns every bounce by chance.
+/// The effect that deflects every bounce at random.
 const SCATTER: &str = "bounce_scatter";
 
 /// Where a file keeps the drag that recordings leave open.
@@ -121,7 +121,7 @@ impl Belief {
         Ok(belief)
     }
 
-    /// What a person should know of it.
+    /// What a user should know of it.
     #[must_use]
     pub fn notes(&self) -> &[Note] {
         &self.notes
@@ -152,19 +152,19 @@ impl Belief {
         });
         let alternative = chosen.unwrap_or(&self.alternatives[0]);
         let (at, speed) = self.release_sd;
-        // Drawn first, so that the ball of an explanation does not decide how it is let go.
+        // Drawn first, so that the ball of an explanation does not decide how it is released.
         let offset = State {
             position_m: std::array::from_fn(|_| at * normal()),
             velocity_m_s: std::array::from_fn(|_| speed * normal()),
             ..State::default()
         };
-        let kick = [normal(), normal()];
+        let deflection = [normal(), normal()];
         let values: Vec<f64> = alternative.quantities.iter().map(|q| q.draw(normal())).collect();
-        Draw { ball: self.scene(&alternative.quantities, &values, Some(kick)), offset }
+        Draw { ball: self.scene(&alternative.quantities, &values, Some(deflection)), offset }
     }
 
-    /// The ball with these values; `kick` are standard normal numbers for the tilt of its bounce.
-    fn scene(&self, quantities: &[Quantity], values: &[f64], kick: Option<[f64; 2]>) -> Scene {
+    /// The ball with these values; `deflection` are standard normal numbers for the tilt of its bounce.
+    fn scene(&self, quantities: &[Quantity], values: &[f64], deflection: Option<[f64; 2]>) -> Scene {
         let mut scene = self.base.clone();
         let mut i = 0;
         while let Some(quantity) = quantities.get(i) {
@@ -174,10 +174,9 @@ impl Belief {
                 Role::Coefficient(effect) => {
                     let coefficients = &values[i..i + effect.coefficients.len()];
                     if effect.name == SCATTER {
-                        scene
-                            .contact
-                            .tilts_rad
-                            .extend(kick.map(|kick| kick.map(|k| (k * coefficients[0]).clamp(-1.0, 1.0))));
+                        scene.contact.tilts_rad.extend(
+                            deflection.map(|deflection| deflection.map(|k| (k * coefficients[0]).clamp(-1.0, 1.0))),
+                        );
                     }
                     (effect.apply)(&mut scene, coefficients);
                     i += coefficients.len() - 1;
@@ -217,7 +216,7 @@ impl Belief {
         }
     }
 
-    /// Whether a table of open drag has all that tunenet writes: a strength, a weight, and what was tuned beside it.
+    /// Whether a table of open drag has all that tunenet writes: a strength, a weight, and what was tuned with it.
     fn understands(&self, drag: Option<&BallEffect>, table: &InlineTable) -> bool {
         let of = |key: &str| table.get(key).and_then(number).unwrap_or(f64::NAN);
         let strength = drag.and_then(|effect| effect.coefficients.first());
@@ -282,7 +281,7 @@ fn unless_edited(name: &str, value: f64, interval: Option<(f64, f64)>, notes: &m
     None
 }
 
-/// The 95 % interval beside a number of a table, where it holds that number.
+/// The 95 % interval next to a number of a table, where it holds that number.
 fn interval(table: &InlineTable, key: &str, value: f64) -> Option<(f64, f64)> {
     let list = table.get(&format!("{key}_interval95"))?.as_array()?;
     let (low, high) = (number(list.get(0)?)?, number(list.get(1)?)?);

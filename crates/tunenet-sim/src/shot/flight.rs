@@ -38,7 +38,7 @@ impl ShotScene {
             return Err("the ball never bounces off the plane".into());
         };
         let left_s = impact.time_s + scene.contact.duration_s;
-        // A contact that lasts ends here at the latest; a ball that is let go at once is only just off the plane.
+        // A contact that lasts ends here at the latest; a ball that is released at once is only just off the plane.
         let bounce_s = left_s.max(world.time_s());
         world.advance_to(bounce_s)?;
         let start = world.state();

@@ -1,4 +1,4 @@
-//! The bounce shot: a ball let go above an inclined plane, so that it bounces once and falls through a hoop.
+//! The bounce shot: a ball released above an inclined plane, so that it bounces once and falls through a hoop.
 //!
 //! ```text
 //! task file → scene → flight → pass → plan
@@ -10,7 +10,7 @@
 //! | [`task`] | the file that says where plane, hoop and robot stand |
 //! | [`scene`] | both for one ball, in Rapier |
 //! | [`flight`] | one shot: the fall, the bounce, the way to the hoop |
-//! | [`pass`] | how it goes by the hoop: through it, at the rim, beside it |
+//! | [`pass`] | how the ball passes the hoop: through it, at the rim, next to it |
 //! | [`belief`] | what a tuned file leaves uncertain, drawn |
 //! | [`reach`], [`arm`] | from which heights a hand, or an arm, can let go |
 //! | [`mod@plan`] | the best of many heights |

@@ -21,7 +21,7 @@ pub struct Pass {
     pub falls: bool,
     /// From the rim's circle to the nearest point of the path, m.
     pub clearance_m: f64,
-    /// How far the ball stays clear of the rim, m; negative where it touches the rim or falls beside the hoop.
+    /// How far the ball stays clear of the rim, m; negative where it touches the rim or falls next to the hoop.
     pub margin_m: f64,
 }
 
@@ -31,7 +31,7 @@ impl Pass {
     /// ```
     /// use tunenet_sim::ball::State;
     /// use tunenet_sim::shot::{Flight, Pass, scene::Hoop};
-    /// // Straight down, 2 cm beside the centre of a hoop of 10 cm; the ball is 3 cm in radius.
+    /// // Straight down, 2 cm next to the centre of a hoop of 10 cm; the ball is 3 cm in radius.
     /// let hoop = Hoop { centre_m: [0.0; 3], normal: [0.0, 0.0, 1.0], radius_m: 0.1, rim_radius_m: 0.0 };
     /// let state = |z: f64| State { position_m: [0.02, 0.0, z], velocity_m_s: [0.0, 0.0, -1.0], ..State::default() };
     /// let flight = Flight { step_s: 0.1, states: vec![state(0.1), state(0.0), state(-0.1)], bounce: 0, bounce_s: 0.0 };
@@ -54,7 +54,7 @@ impl Pass {
         let miss_m = crossing.unwrap_or_else(|| nearest(path, flight.step_s, |x| hoop.from_centre(x)));
         let room = rim - hoop.rim_radius_m - radius_m;
         let inside = falls && miss_m < hoop.radius_m;
-        // Beside the hoop the rim's distance says how much was missing.
+        // If the ball misses the hoop, the distance to the rim is the miss distance.
         let margin_m = if inside { room } else { -(rim + hoop.rim_radius_m + radius_m) };
         Self { miss_m, falls, clearance_m: rim, margin_m }
     }

@@ -1,4 +1,4 @@
-//! The height to let go from.
+//! Release height of a shot: grid search over heights, by geometry or by the Monte Carlo probability of a hit.
 
 use rayon::prelude::*;
 use tunenet_core::{Error, Origin};
@@ -18,7 +18,7 @@ pub enum NoPlan {
         /// The highest, m.
         highest_m: f64,
     },
-    /// The ball of the file, let go at one of the heights, cannot be followed.
+    /// The ball of the file, released at one of the heights, cannot be followed.
     #[error("a height of {height_m} m: {message}")]
     NotFollowed {
         /// The height, m.

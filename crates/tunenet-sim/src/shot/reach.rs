@@ -1,11 +1,11 @@
-//! From which places a ball can be let go.
+//! From which places a ball can be released.
 
 use tunenet_core::Result;
 
-/// What holds the ball until it is let go.
+/// What holds the ball until it is released.
 pub trait Reach {
     /// The joint positions (rad) that hold the ball's centre at `point_m` (m, from the impact point), near those of
-    /// `before` where there are any; `None` where the place is out of reach. Whatever has no joints answers with none.
+    /// `before` where there are any; `None` where the place is out of reach. A device without joints returns an empty list.
     ///
     /// # Errors
     /// Where the robot's description cannot be used.

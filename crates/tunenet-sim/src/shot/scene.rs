@@ -154,7 +154,7 @@ impl ShotScene {
         if x.hypot(y) <= hoop.radius_m + hoop.rim_radius_m + radius_m {
             return refuse(
                 format!(
-                    "the hoop stands in the way of the falling ball: expected its centre more than {:.3} m beside the \
+                    "the hoop stands in the way of the falling ball: expected its centre more than {:.3} m next to the \
                      place of the bounce, found {:.3} m",
                     hoop.radius_m + hoop.rim_radius_m + radius_m,
                     x.hypot(y)

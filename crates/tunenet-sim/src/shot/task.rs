@@ -1,4 +1,4 @@
-//! The task file: where plane, hoop and robot stand, and from which heights a ball may be let go.
+//! The task file: where plane, hoop and robot stand, and from which heights a ball may be released.
 
 use std::path::Path;
 
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_has_its_default_and_the_urdf_is_found_beside_the_file() {
+    fn what_is_left_out_has_its_default_and_the_urdf_is_found_next_to_the_file() {
         let task = Task::parse(Path::new("folder/shot.toml"), &format!("{TASK}[arm]\nurdf = \"a.urdf\"\n")).unwrap();
         assert_eq!((task.plane.tilt_rad(), task.hoop.rim_radius_m, task.release.position_sd_m), ([0.0; 2], 0.0, 0.0));
         let arm = task.arm.unwrap();

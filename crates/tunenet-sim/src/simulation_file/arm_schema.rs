@@ -2,7 +2,7 @@
 
 use super::schema::{Definition, GREATEST, Key, LEAST, Shape, key};
 
-/// The keys of an arm's file beside its parameters and its provenance.
+/// The keys of an arm's file besides its parameters and its provenance.
 pub const ARM_KEYS: &[Key] = &[
     key("kind", Shape::Word(&["arm"]), true, "what is simulated"),
     key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards (default: 9.81)"),

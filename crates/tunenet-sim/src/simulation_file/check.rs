@@ -113,7 +113,7 @@ pub(crate) trait Vocabulary {
     fn find(&self, path: &str) -> Option<Key>;
     /// Whether there is a table at a path.
     fn has_table(&self, path: &str) -> bool;
-    /// What could have been meant beside an unknown path.
+    /// What could have been meant instead of an unknown path.
     fn siblings(&self, path: &str) -> Vec<String>;
     /// What is said of an unknown key.
     fn unknown(&self, key: &str) -> String;

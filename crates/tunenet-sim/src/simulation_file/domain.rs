@@ -13,7 +13,7 @@ pub enum Domain {
     Ball,
     /// An arm that moves a payload.
     Arm,
-    /// Whatever a program of one's own simulates; its parameters have names of their own.
+    /// A model simulated by an external program; the program names its parameters.
     Process,
 }
 
@@ -59,7 +59,7 @@ impl Domain {
         Self::ALL.into_iter().find(|domain| domain.name() == name)
     }
 
-    /// All keys beside parameters and provenance.
+    /// All keys besides parameters and provenance.
     pub fn keys(self) -> impl Iterator<Item = &'static Key> {
         let (own, effects): (_, &[Key]) = match self {
             Self::Ball => (BALL_KEYS, &EFFECT_KEYS),
@@ -108,7 +108,7 @@ impl Domain {
         self.keys().find(|k| k.path == path).cloned()
     }
 
-    /// The keys that could have been meant beside `path`: those of its table, or all tables.
+    /// The keys that could have been meant instead of `path`: those of its table, or all tables.
     #[must_use]
     pub fn siblings(self, path: &str) -> Vec<String> {
         let table = path.rsplit_once('.').map_or("", |(table, _)| table);

@@ -1,4 +1,4 @@
-//! The keys of the simulation file of a program of one's own, and what no key alone can say of it.
+//! The keys of the simulation file of a custom program, and what no key alone can say of it.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -11,16 +11,16 @@ use tunenet_core::simulator::measurement_effects;
 use super::schema::{Definition, Key, Shape, key, lookup};
 
 const LONGEST_S: f64 = 86_400.0;
-/// Most programs that run at a time, whatever a file asks for.
+/// Most programs that run at a time, independent of the file.
 const MOST_WORKERS: i64 = 1024;
 /// Most channels: a line of an answer has as many numbers for every sample.
 const MOST_CHANNELS: usize = 256;
 /// Most characters of a parameter's name or unit.
 const LONGEST_NAME: usize = 64;
 
-/// The keys of a program's file beside its effects, its settings, its parameters and its provenance.
+/// The keys of a program's file besides its effects, its settings, its parameters and its provenance.
 pub const PROCESS_KEYS: &[Key] = &[
-    key("kind", Shape::Word(&["process"]), true, "what is simulated: whatever a program of yours does"),
+    key("kind", Shape::Word(&["process"]), true, "what is simulated: a program of yours"),
     key(
         "process.command",
         Shape::Texts,
@@ -124,7 +124,7 @@ pub(super) fn contradiction(root: &Table) -> Option<(String, Range<usize>, Strin
         match Channel::from_header(header) {
             None => return wrong("process.channels", expected, shown(header)),
             Some(channel) if matches!(channel.name.as_str(), "t" | "time") && channel.unit == "s" => {
-                return wrong("process.channels", "channels beside the clock, which is always there", shown(header));
+                return wrong("process.channels", "channels besides the clock, which is always there", shown(header));
             }
             Some(_) if channels[..i].contains(header) => {
                 return wrong("process.channels", "each channel once", format!("{} twice", shown(header)));

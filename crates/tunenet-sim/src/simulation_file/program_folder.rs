@@ -1,4 +1,4 @@
-//! The folder in which the program that a simulation file names runs, and how that folder is named from elsewhere.
+//! The folder in which the program that a simulation file names runs, and its path relative to another folder.
 
 use std::path::{Path, PathBuf};
 
@@ -11,9 +11,9 @@ impl SimulationFile {
     /// The folder in which the program runs: that of the file, and what `process.folder` adds to it.
     #[must_use]
     pub fn program_folder(&self) -> PathBuf {
-        let beside = folder_of(self.path());
+        let base = folder_of(self.path());
         let added = self.process().ok().and_then(|process| process.folder.as_ref());
-        added.map_or_else(|| beside.to_path_buf(), |folder| beside.join(folder))
+        added.map_or_else(|| base.to_path_buf(), |folder| base.join(folder))
     }
 
     /// Rewrites `process.folder` for a file that will be written to `out`: the program's folder relative to the folder of `out`.

@@ -26,7 +26,7 @@ pub enum Shape {
     Flag,
     /// Texts in a list, at least one.
     Texts,
-    /// Whatever TOML can hold.
+    /// Anything that TOML can hold.
     Anything,
 }
 
@@ -136,7 +136,7 @@ pub(crate) const fn key(path: &'static str, shape: Shape, required: bool, meanin
     Key { path: Cow::Borrowed(path), shape, required, meaning: Cow::Borrowed(meaning) }
 }
 
-/// The keys of a ball's file beside its effects, its parameters and its provenance.
+/// The keys of a ball's file besides its effects, its parameters and its provenance.
 pub const BALL_KEYS: &[Key] = &[
     key("kind", Shape::Word(&["ball"]), true, "what is simulated"),
     key("world.gravity_m_s2", Shape::Number(LEAST, 1e3), false, "gravity, downwards (default: 9.81)"),

@@ -240,7 +240,7 @@ mod tests {
         }
     }
 
-    /// What the file tells the user to do: take the mark away from any one line.
+    /// What the file asks the user to do: take the mark away from any one line.
     #[test]
     fn every_optional_line_can_be_used() {
         for domain in Domain::ALL {

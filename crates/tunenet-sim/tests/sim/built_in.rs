@@ -44,7 +44,7 @@ fn it_is_small_and_starts_near() {
     }
     assert!(errors.len() > 130, "{} of 150", errors.len());
     errors.sort_by(f64::total_cmp);
-    // Without a single rollout; half of the untuned range would be .2.
+    // Without a single rollout; half of the untuned range would be 0.2.
     assert!(errors[errors.len() / 2] < 0.01, "median {}", errors[errors.len() / 2]);
     assert!(errors[errors.len() * 9 / 10] < 0.05, "nine of ten {}", errors[errors.len() * 9 / 10]);
 }

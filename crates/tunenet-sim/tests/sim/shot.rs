@@ -176,7 +176,7 @@ fn the_probability_is_the_share_of_the_interval_that_goes_in() {
         inside += if goes_in(0.7 + sd * z) { weight } else { 0.0 };
     }
     let (expected, stated) = (inside / all, found.best().probability.unwrap());
-    // 256 draws: a standard error of .03.
+    // 256 draws: a standard error of 0.03.
     assert!((0.3..0.95).contains(&expected) && (stated - expected).abs() < 0.09, "{stated} {expected}");
     let nearest = planned(&file(tuned), Rule::Nearest);
     assert!(stated >= nearest.best().probability.unwrap());

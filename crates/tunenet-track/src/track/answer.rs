@@ -3,7 +3,7 @@
 use tunenet_core::Result;
 use tunenet_core::observation::{Channel, Kind, Observation};
 use tunenet_video_protocol::VideoFinding;
-use tunenet_video_protocol::track::Unseen;
+use tunenet_video_protocol::track::TrackFailure;
 
 use crate::colour::Window;
 use crate::tracker::Sighting;
@@ -36,9 +36,9 @@ pub enum Answer {
     /// A track.
     Tracked(Box<Track>),
     /// None, and why.
-    Unseen {
+    Untracked {
         /// Why.
-        reason: Unseen,
+        reason: TrackFailure,
         /// How many frames decode.
         frames: usize,
         /// The same for users, with what to try.

@@ -4,7 +4,7 @@ pub mod answer;
 
 use opencv::core::{Mat, MatTraitConstManual};
 use tunenet_core::{Error, Origin, Result};
-use tunenet_video_protocol::track::Unseen;
+use tunenet_video_protocol::track::TrackFailure;
 
 pub use self::answer::{Answer, Track};
 use crate::ball_colour::{Scene, detect_ball};
@@ -23,12 +23,12 @@ use tunenet_core::statistics::{median, quantile};
 
 /// Whole frames up to this many bytes wait until it is known what to look for, so that a video is decoded only once.
 const WAITING_BYTES: usize = 256 << 20;
-/// Small pictures of the first frames that are scouted.
+/// Small pictures of the first frames that are examined.
 const EARLY: usize = 24;
 /// What the first frames show is looked at when these shares of the bytes have come ...
 const LOOKS: [f64; 3] = [0.25, 0.5, 1.0];
 /// ... and accepted, before the rest is known, if the ball is found in this share of them.
-const BELIEVED_SHARE: f64 = 0.4;
+const ACCEPTED_SHARE: f64 = 0.4;
 /// What was followed from the first frames on is the ball, and the whole video is not read again, where so many of all
 /// frames show it so well.
 const SURE: (f64, f64) = (0.8, 0.8);
@@ -93,14 +93,14 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
     });
     if let Some(pass) = pass.take_if(|pass| pass.sure()) {
         if moves(samples.telling()).map_err(broken)? {
-            return Ok(unseen(Unseen::CameraMoves, frames.count, settings, ""));
+            return Ok(untracked(TrackFailure::CameraMoves, frames.count, settings, ""));
         }
         return pass.finish(settings, cut_off.as_ref(), &samples).map_err(broken);
     }
     let scene = match detect_ball(samples.telling(), settings.colour).map_err(broken)? {
         Ok(scene) => scene,
         Err(reason) => {
-            return without_camera_motion(unseen(reason, frames.count, settings, ""), &samples).map_err(broken);
+            return without_camera_motion(untracked(reason, frames.count, settings, ""), &samples).map_err(broken);
         }
     };
     // What the first frames showed may be another ball than the one of the whole video.
@@ -123,8 +123,8 @@ pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usiz
     pass.finish(settings, cut_off.as_ref(), &samples).map_err(broken)
 }
 
-fn unseen(reason: Unseen, frames: usize, settings: &Settings, found: &str) -> Answer {
-    Answer::Unseen { reason, frames, finding: track_findings::unseen(reason, settings.colour.is_some(), found) }
+fn untracked(reason: TrackFailure, frames: usize, settings: &Settings, found: &str) -> Answer {
+    Answer::Untracked { reason, frames, finding: track_findings::untracked(reason, settings.colour.is_some(), found) }
 }
 
 /// The first pass through a video: frames wait until it is known what to look for.
@@ -157,7 +157,7 @@ impl First<'_> {
             let early: Vec<Mat> =
                 self.waiting.iter().step_by(every).map(|(_, image)| reduced(image)).collect::<opencv::Result<_>>()?;
             if let Ok(scene) = detect_ball(&early, self.settings.colour)?
-                && scene.seen_share >= BELIEVED_SHARE
+                && scene.seen_share >= ACCEPTED_SHARE
             {
                 let mut pass = Pass::new(scene);
                 self.waiting.iter().try_for_each(|(time_s, image)| pass.frame(*time_s, image))?;
@@ -229,7 +229,7 @@ impl Pass {
         let looks: Vec<bool> = sightings.iter().filter_map(|s| s.second).collect();
         let two = looks.iter().filter(|second| **second).count();
         if two as f64 > TWO_BALLS * looks.len() as f64 {
-            return unseen(Unseen::TwoBalls, frames, settings, &format!("in {two} of {} frames", looks.len()));
+            return untracked(TrackFailure::TwoBalls, frames, settings, &format!("in {two} of {} frames", looks.len()));
         }
         let step_s = clock::step_s(&times_s);
         // The video's own steps keep their proportions, so that a dropped frame stays a gap.
@@ -246,7 +246,7 @@ impl Pass {
             && off > NOT_ROUND.0 + NOT_ROUND.1 / radius
         {
             let found = format!("its edge lies {:.0} % of its radius off an ellipse", 100.0 * off);
-            return unseen(Unseen::NotRound, frames, settings, &found);
+            return untracked(TrackFailure::NotRound, frames, settings, &found);
         }
         for s in sightings.iter_mut().filter(|s| !s.cut) {
             s.confidence *= (-((s.radius_px / radius).ln() / OFF_SIZE.ln()).powi(2)).exp();
@@ -257,7 +257,7 @@ impl Pass {
             if s.cut { (LEAST_CUT..OFF_SIZE).contains(&size) } else { (1.0 / OFF_SIZE..OFF_SIZE).contains(&size) }
         });
         if !sightings.iter().any(|s| !s.cut) {
-            return unseen(Unseen::NoBall, frames, settings, "");
+            return untracked(TrackFailure::NoBall, frames, settings, "");
         }
         let mut track = Track {
             frames,

@@ -15,14 +15,14 @@ fn answer(path: &Path, settings: &Settings) -> Answer {
 fn tracked(path: &Path, settings: &Settings) -> Track {
     match answer(path, settings) {
         Answer::Tracked(track) => *track,
-        Answer::Unseen { finding, .. } => panic!("{finding:?}"),
+        Answer::Untracked { finding, .. } => panic!("{finding:?}"),
     }
 }
 
-fn reason(path: &Path, settings: &Settings) -> Unseen {
+fn reason(path: &Path, settings: &Settings) -> TrackFailure {
     match answer(path, settings) {
         Answer::Tracked(track) => panic!("{} sightings", track.sightings.len()),
-        Answer::Unseen { reason, .. } => reason,
+        Answer::Untracked { reason, .. } => reason,
     }
 }
 
@@ -36,7 +36,7 @@ const GREEN: [f64; 3] = [40.0, 220.0, 40.0];
 #[test]
 fn a_drawn_disc_is_found_to_a_fraction_of_a_pixel() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("film.avi");
+    let path = folder.path().join("video.avi");
     let centres = disc_video(&path, &TestVideo { balls: vec![RED], ..TestVideo::default() });
     for settings in [Settings::default(), red()] {
         let track = tracked(&path, &settings);
@@ -53,7 +53,7 @@ fn a_drawn_disc_is_found_to_a_fraction_of_a_pixel() {
 }
 
 #[test]
-fn no_ball_two_balls_and_a_wrong_colour_are_told_apart() {
+fn no_ball_two_balls_and_a_wrong_colour_are_distinguished() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, video: &TestVideo| {
         let path = folder.path().join(name);
@@ -64,16 +64,16 @@ fn no_ball_two_balls_and_a_wrong_colour_are_told_apart() {
     let two = file("two.avi", &TestVideo { balls: vec![GREEN, GREEN], ..TestVideo::default() });
     let one = file("one.avi", &TestVideo { balls: vec![GREEN], ..TestVideo::default() });
     let shaken = file("shaken.avi", &TestVideo { balls: vec![GREEN], shake_px: 9.0, ..TestVideo::default() });
-    assert_eq!(reason(&none, &Settings::default()), Unseen::NoBall);
-    assert_eq!(reason(&two, &Settings::default()), Unseen::TwoBalls);
-    assert_eq!(reason(&one, &red()), Unseen::NoBall);
-    assert_eq!(reason(&shaken, &Settings::default()), Unseen::CameraMoves);
+    assert_eq!(reason(&none, &Settings::default()), TrackFailure::NoBall);
+    assert_eq!(reason(&two, &Settings::default()), TrackFailure::TwoBalls);
+    assert_eq!(reason(&one, &red()), TrackFailure::NoBall);
+    assert_eq!(reason(&shaken, &Settings::default()), TrackFailure::CameraMoves);
 }
 
 #[test]
 fn a_ball_of_the_backgrounds_hue_is_found_where_it_moves() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("film.avi");
+    let path = folder.path().join("video.avi");
     let centres =
         disc_video(&path, &TestVideo { balls: vec![GREEN], poster: Some([60.0, 170.0, 70.0]), ..TestVideo::default() });
     let track = tracked(&path, &Settings::default());
@@ -88,12 +88,12 @@ fn a_ball_of_the_backgrounds_hue_is_found_where_it_moves() {
 #[test]
 fn repeated_frames_and_a_ball_that_leaves_are_noticed() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("film.avi");
+    let path = folder.path().join("video.avi");
     disc_video(&path, &TestVideo { balls: vec![RED], repeat: vec![20, 40], speed_px_s: 320.0, ..TestVideo::default() });
     let track = tracked(&path, &Settings::default());
     assert_eq!(track.repeated, [21, 42]);
     let kinds: Vec<_> = track.notes.iter().map(|n| n.kind).collect();
-    assert_eq!(kinds, [findings::FILM_REPEATED, findings::BALL_CUT, findings::BALL_GONE], "{:?}", track.notes);
+    assert_eq!(kinds, [findings::VIDEO_REPEATED, findings::BALL_CUT, findings::BALL_GONE], "{:?}", track.notes);
     assert!(track.notes[2].text.contains("leaves the view"));
     assert!(track.whole().all(|s| s.frame != 21 && s.frame != 42));
 }
@@ -101,7 +101,7 @@ fn repeated_frames_and_a_ball_that_leaves_are_noticed() {
 #[test]
 fn a_rate_that_is_given_sets_the_clock() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("film.avi");
+    let path = folder.path().join("video.avi");
     disc_video(&path, &TestVideo { balls: vec![RED], ..TestVideo::default() });
     let track = tracked(&path, &Settings { rate_hz: Some(240.0), most_frames: Some(30), ..Settings::default() });
     assert_eq!(track.frames, 30);
@@ -114,7 +114,7 @@ fn a_rate_that_is_given_sets_the_clock() {
 #[test]
 fn a_long_video_is_decoded_once_and_not_kept() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("film.avi");
+    let path = folder.path().join("video.avi");
     let frames = WAITING_BYTES / (320 * 240 * 3) + 100;
     disc_video(&path, &TestVideo { balls: vec![RED], speed_px_s: 5.0, frames, ..TestVideo::default() });
     let mut calls = 0;

@@ -133,7 +133,7 @@ fn deviation(plain: &(Rows, Rows), there: &(Rows, Rows)) -> f64 {
 
 /// What encoders and torque sensors show without noise.
 ///
-/// The arm is commanded by its encoders: they follow the path, and where they are wrong the links stand elsewhere.
+/// The arm is commanded by its encoders: they follow the path, and where they are wrong the links are in other positions.
 fn run(
     model: &Model,
     frame: &Frame,
@@ -153,7 +153,7 @@ fn run(
         tilt = [size * shape[0], size * shape[1]];
     }
     let world = ArmWorld::new(model, frame, PAYLOAD_KG, com, tilt);
-    let straight = ArmWorld::new(model, frame, PAYLOAD_KG, com, [0.0; 2]);
+    let untilted = ArmWorld::new(model, frame, PAYLOAD_KG, com, [0.0; 2]);
     let links = |t: f64| -> Vec<f64> {
         let mut q = path.at(t, 0);
         for j in 0..JOINTS {
@@ -167,7 +167,7 @@ fn run(
         }
         if is("joint_elasticity") {
             let encoders = |t: f64| path.at(t, 0);
-            let torque = straight.torques(&encoders, t);
+            let torque = untilted.torques(&encoders, t);
             // The load is that of the twisted arm: one more round of the fixed point changes a thousandth.
             q.iter_mut().zip(&torque).zip(shape).for_each(|((q, torque), s)| *q -= size * s * torque);
         }

@@ -151,7 +151,7 @@ mod tests {
         Recursion::new(&model, gravity(9.81)).inverse_dynamics(&q(0.7), &dq, &ddq, &mut expected);
         let found = ArmWorld::new(&model, &frame, 0.0, [0.0; 3], [0.0; 2]).torques(&q, 0.7);
         for (a, b) in found.iter().zip(&expected) {
-            assert!((a - b).abs() < 1e-4, "{found:?} beside {expected:?}");
+            assert!((a - b).abs() < 1e-4, "{found:?} instead of {expected:?}");
         }
     }
 }

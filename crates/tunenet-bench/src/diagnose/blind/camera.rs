@@ -107,7 +107,7 @@ impl Noise {
     pub const WHITE: Self = Self { sd_m: 0.002, colour: 0.0, outliers: 0.0, dropped: 0.0 };
 
     /// Adds noise to `positions`; says which samples arrive.
-    pub fn spoil(&self, positions: &mut [Vector], random: &mut ChaCha8Rng) -> Vec<bool> {
+    pub fn corrupt(&self, positions: &mut [Vector], random: &mut ChaCha8Rng) -> Vec<bool> {
         let fresh = (1.0 - self.colour * self.colour).sqrt();
         let normal = |random: &mut ChaCha8Rng| -> Vector { std::array::from_fn(|_| random.sample(StandardNormal)) };
         let mut last = normal(random);

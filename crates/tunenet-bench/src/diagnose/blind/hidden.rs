@@ -121,8 +121,8 @@ impl EffectKind {
         }
     }
 
-    /// Effects that no throw whatever can tell from this one, itself included. A ball that falls freely onto a floor of
-    /// unknown height, without friction, shows one length alone, g t²: whatever scales heights, times or g is the same, and
+    /// Effects that no throw can distinguish from this one, itself included. A ball that falls freely onto a floor of
+    /// unknown height, without friction, shows one length alone, g t²: what scales heights, times or g is the same, and
     /// what happens to lengths along the floor is the start's.
     pub fn twins(self) -> &'static [Self] {
         const SCALES: &[EffectKind] =

@@ -131,7 +131,7 @@ fn clock() -> Vec<f64> {
 fn recorded(world: &BallWorld, throw: &BlindThrow, noise: Noise, random: &mut ChaCha8Rng) -> Result<Observation> {
     let clock = clock();
     let mut positions = seen(world, throw, &clock);
-    let arrives = noise.spoil(&mut positions, random);
+    let arrives = noise.corrupt(&mut positions, random);
     let (clock, positions): (Vec<f64>, Vec<Vector>) =
         clock.into_iter().zip(positions).zip(arrives).filter(|(_, arrives)| *arrives).map(|(sample, _)| sample).unzip();
     Ok(Observation::positions(clock, &positions)?)

@@ -30,8 +30,8 @@ impl BallWorld {
     pub fn normal(&self) -> Vector {
         let mut normal = [0.0, 0.0, 1.0];
         for tilt in self.hidden.iter().filter(|h| h.kind == EffectKind::SurfaceTilt) {
-            let (lean, [x, y]) = (tilt.size, [tilt.turn.cos(), tilt.turn.sin()]);
-            normal = [x * lean.sin(), y * lean.sin(), lean.cos()];
+            let (tilt_rad, [x, y]) = (tilt.size, [tilt.turn.cos(), tilt.turn.sin()]);
+            normal = [x * tilt_rad.sin(), y * tilt_rad.sin(), tilt_rad.cos()];
         }
         normal
     }
@@ -115,9 +115,9 @@ impl BallWorld {
                 EffectKind::TangentialRestitution => 2.0 / 7.0 * fast * hidden.size,
                 _ => continue,
             };
-            let kick = times(slide, -taken / fast);
-            after.v = plus(after.v, kick, 1.0);
-            after.w = plus(after.w, cross(arm, kick), 2.5 / (RADIUS_M * RADIUS_M));
+            let impulse = times(slide, -taken / fast);
+            after.v = plus(after.v, impulse, 1.0);
+            after.w = plus(after.w, cross(arm, impulse), 2.5 / (RADIUS_M * RADIUS_M));
         }
         after
     }

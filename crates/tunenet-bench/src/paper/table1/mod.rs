@@ -23,7 +23,7 @@ use tunenet_cli::view::text::progress;
 pub const ROLLOUTS: usize = 10;
 /// Standard deviation of the noise on the torques of the targets, N·m, in the noisy half of the table.
 pub const NOISE_NM: f64 = 0.5;
-/// Pairs and trainings are drawn anew with each of these seeds.
+/// Pairs and trainings are drawn afresh with each of these seeds.
 const SEEDS: u64 = 3;
 const QUICK_SEEDS: u64 = 1;
 /// Pairs of one seed to train on, and in each of the two sets to judge by: over all seeds as many as the paper judges by.

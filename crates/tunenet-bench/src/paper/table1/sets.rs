@@ -72,7 +72,7 @@ pub struct Case {
 /// The arm, and the pairs.
 pub struct Sets {
     pub arm: ObservedArm,
-    /// The same, whose payload may weigh whatever nine steps of a network can lead to.
+    /// The same, whose payload may have any mass that nine steps of a network can lead to.
     pub unbounded: ObservedArm,
     /// Masses of training 0 to 1 kg, for the paper's settings.
     pub training: std::path::PathBuf,
@@ -95,7 +95,7 @@ impl Sets {
         let make = |name: &str, preset: &str, pairs: u64, pairs_seed: u64, set: &[&str]| -> Result<f64> {
             let out = path(name);
             store.keep(&format!("table1-{name}-{seed}"), || {
-                // Whatever another program left there is not ours to go on with.
+                // Files that another program left there must not be resumed.
                 let _ = std::fs::remove_file(&out);
                 let (pairs, pairs_seed) = (pairs.to_string(), pairs_seed.to_string());
                 let (sim, out) = (text(&file)?, text(&out)?);

@@ -1,4 +1,4 @@
-//! Table 2 and Figure 2: the error of a tuned restitution against the rollouts spent, beside what else they could be spent
+//! Table 2 and Figure 2: the error of a tuned restitution against the rollouts spent, compared with other uses of
 //! on.
 //!
 //! ```text
@@ -30,7 +30,7 @@ use tunenet_cli::view::text::progress;
 
 /// Rollouts after which the estimates are compared.
 pub const BUDGETS: [usize; 4] = [1, 5, 10, 100];
-/// Targets and trainings are drawn anew with each of these seeds.
+/// Targets and trainings are drawn afresh with each of these seeds.
 const SEEDS: u64 = 3;
 /// Targets of one seed in one set: the paper's number.
 const TARGETS: u64 = 100;

@@ -13,7 +13,7 @@ use super::methods::Method;
 use super::results::{POINTS, ROUNDING, TIED, Table2Cell, Table2Results};
 use super::{BUDGETS, SETS, figure};
 
-/// `table2.default.easy.k5`, and what the paper reports beside it.
+/// `table2.default.easy.k5`, and the value in the paper.
 pub fn as_json(results: &Table2Results) -> Value {
     let mut all = Map::new();
     for method in Method::ALL {

@@ -17,7 +17,7 @@ use super::super::super::tuning::closed_form;
 use crate::scene::{EASY, PAPER_BALL, PAPER_CENTRE_M, seeds};
 use tunenet_video_protocol::synthetic::Places;
 
-/// A ball that is let go in front of a camera.
+/// A ball that is released in front of a camera.
 pub struct RecordedDrop {
     pub top_m: f64,
     pub restitution: f64,
@@ -30,14 +30,14 @@ pub struct RecordedDrop {
 
 /// The paper's ball, and what sees it.
 pub struct Drops {
-    pub filmed: VideoDrops,
+    pub video: VideoDrops,
 }
 
 impl Drops {
     pub fn new() -> Result<Self> {
         let mut file = SimulationFile::parse(Path::new("ball_easy.toml"), PAPER_BALL)?;
         file.leave_open(&[LeftOpen::ReleaseHeight]);
-        Ok(Self { filmed: VideoDrops::new(&file)? })
+        Ok(Self { video: VideoDrops::new(&file)? })
     }
 
     /// Drop number `number` of a seed; each depends on these two alone. Its motion is the closed form's.
@@ -46,34 +46,32 @@ impl Drops {
         random.set_stream(number);
         let (top_m, restitution) = (random.random_range(PAPER_CENTRE_M), random.random_range(EASY.0..=EASY.1));
         let proposed = random.random_range(EASY.0..=EASY.1);
-        let camera = self.filmed.camera(top_m, &mut random)?;
-        let radius = self.filmed.radius_m();
-        let lowest = closed_form::ClosedFormDrop { fall_m: top_m - radius, restitution }.heights(self.filmed.clock());
+        let camera = self.video.camera(top_m, &mut random)?;
+        let radius = self.video.radius_m();
+        let lowest = closed_form::ClosedFormDrop { fall_m: top_m - radius, restitution }.heights(self.video.clock());
         let heights_m = lowest.into_iter().map(|z| z + radius).collect();
         Ok(RecordedDrop { top_m, restitution, proposed, camera, heights_m })
     }
 
     /// Heights of the centre in our simulator, m.
     pub fn roll(&self, restitution: f64, top_m: f64) -> Result<Vec<f64>> {
-        Ok(self.filmed.roll(restitution, top_m)?.into_iter().skip(2).step_by(3).collect())
+        Ok(self.video.roll(restitution, top_m)?.into_iter().skip(2).step_by(3).collect())
     }
 
     /// The drop as a tuner sees its positions.
     pub fn positions(&self, drop: &RecordedDrop) -> Result<Prepared> {
         let rows: Vec<[f64; 3]> = drop.heights_m.iter().map(|z| [0.0, 0.0, *z]).collect();
-        let seen = Observation::positions(self.filmed.clock().to_vec(), &rows)?;
-        Ok(self.filmed.known(drop.top_m, seen)?)
+        let seen = Observation::positions(self.video.clock().to_vec(), &rows)?;
+        Ok(self.video.known(drop.top_m, seen)?)
     }
 
     /// The drop as a tuner sees its video.
     pub fn video(&self, drop: &RecordedDrop, track: &Places) -> Result<Prepared> {
-        Ok(self
-            .filmed
-            .prepared(drop.top_m, track.u_px.iter().zip(&track.v_px).flat_map(|(u, v)| [*u, *v]).collect())?)
+        Ok(self.video.prepared(drop.top_m, track.u_px.iter().zip(&track.v_px).flat_map(|(u, v)| [*u, *v]).collect())?)
     }
 
     pub fn start(&self, drop: &RecordedDrop, prepared: &Prepared) -> Point {
-        let mut point = Point::start(self.filmed.ball(), std::slice::from_ref(prepared));
+        let mut point = Point::start(self.video.ball(), std::slice::from_ref(prepared));
         point.parameters[0] = drop.proposed;
         point
     }

@@ -20,7 +20,7 @@ use super::super::resume::Store;
 use tunenet_cli::view::text::progress;
 use tunenet_video_protocol::synthetic::SyntheticTrack;
 
-/// Cameras, drops and trainings are drawn anew with each of these seeds.
+/// Cameras, drops and trainings are drawn afresh with each of these seeds.
 const SEEDS: u64 = 5;
 const QUICK_SEEDS: u64 = 1;
 /// Drops of one seed.
@@ -37,7 +37,7 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<Table3Results
         let set_seed = seed * SEEDS + number;
         let test = (0..count).map(|i| drops.draw(set_seed, i)).collect::<Result<Vec<_>>>()?;
         let clean = store.keep(&format!("table3-tracks-{set_seed}"), || video::tracks(&test, set_seed, false))?;
-        let spoilt = store.keep(&format!("table3-spoilt-{set_seed}"), || video::tracks(&test, set_seed, true))?;
+        let degraded = store.keep(&format!("table3-spoilt-{set_seed}"), || video::tracks(&test, set_seed, true))?;
         bar.inc(1);
         let tuners = DropTuners::make(store, set_seed, quick)?;
         bar.inc(2);
@@ -54,7 +54,7 @@ pub fn run(store: &Store, seed: u64, quick: bool) -> Result<Option<Table3Results
             };
             let make = || {
                 test.par_iter()
-                    .zip(if row.title.spoilt { &spoilt } else { &clean })
+                    .zip(if row.title.degraded { &degraded } else { &clean })
                     .map(one)
                     .collect::<Result<Vec<_>>>()
             };

@@ -13,7 +13,7 @@ use crate::output::{file_of, mean_and_sd, write_all};
 
 use super::super::counted_seeds;
 use super::tuners::Table3Title;
-use super::video::SPOILT;
+use super::video::DEGRADATION;
 
 /// How far off one tuned drop is.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -125,7 +125,7 @@ pub fn as_json(results: &Table3Results) -> Value {
 /// The table for users. Writing to a string cannot fail, so its results are dropped.
 pub fn markdown(results: &Table3Results) -> String {
     let mut out = String::new();
-    let (noise, exposure, quality) = SPOILT;
+    let (noise, exposure, quality) = DEGRADATION;
     let quick = if results.quick { " --quick" } else { "" };
     let _ = writeln!(out, "# Table 3: distance in height of the tuned ball\n");
     let _ = writeln!(out, "    tunenet bench paper --only table3{quick} --seed {}\n", results.seed);
@@ -133,7 +133,7 @@ pub fn markdown(results: &Table3Results) -> String {
         out,
         "{} of {} drops. The drops are a closed form's, rendered at 160 × 120 and tracked; every camera and every \
          training is new with the seed. Percent is the mean of |Δz| over the mean of |z|, run by run. Five rollouts. A \
-         spoilt video has noise of {noise} on every channel (of 255), a shutter open for {exposure} of the time between \
+         degraded video has noise of {noise} on every channel (of 255), a shutter open for {exposure} of the time between \
          frames, and JPEG of quality {quality}. A video in which no ball is found counts as refused, and in no mean. The \
          published rows Neural and VRNN are not here: their figures are not at hand.\n",
         counted_seeds(results.seeds),

@@ -21,8 +21,8 @@ const ROLLOUTS: usize = 5;
 pub struct Table3Title {
     pub key: &'static str,
     pub words: &'static str,
-    /// Whether the video is spoilt.
-    pub spoilt: bool,
+    /// Whether the video is degraded.
+    pub degraded: bool,
     /// What the paper states, cm and percent.
     pub published: Option<(f64, Option<f64>)>,
     /// Greatest mean distance, cm, percent and error of the restitution that are aimed at.
@@ -30,7 +30,7 @@ pub struct Table3Title {
 }
 
 const fn row(key: &'static str, words: &'static str) -> Table3Title {
-    Table3Title { key, words, spoilt: false, published: None, goal: None }
+    Table3Title { key, words, degraded: false, published: None, goal: None }
 }
 
 /// What a tuner says of a drop.
@@ -65,16 +65,19 @@ impl DropTuners {
         },
         row("apex_pixels", "video, apex rule on raw pixels"),
         row("apex_camera", "video, apex rule after the camera of the first fall"),
-        Table3Title { spoilt: true, ..row("obs_paper_spoilt", "spoilt video, preset `paper`") },
-        Table3Title { spoilt: true, ..row("obs_network_spoilt", "spoilt video, preset `default`, the network alone") },
+        Table3Title { degraded: true, ..row("obs_paper_spoilt", "degraded video, preset `paper`") },
         Table3Title {
-            spoilt: true,
-            ..row("obs_default_spoilt", "spoilt video, preset `default`, the camera fitted as well")
+            degraded: true,
+            ..row("obs_network_spoilt", "degraded video, preset `default`, the network alone")
         },
-        Table3Title { spoilt: true, ..row("apex_pixels_spoilt", "spoilt video, apex rule on raw pixels") },
         Table3Title {
-            spoilt: true,
-            ..row("apex_camera_spoilt", "spoilt video, apex rule after the camera of the first fall")
+            degraded: true,
+            ..row("obs_default_spoilt", "degraded video, preset `default`, the camera fitted as well")
+        },
+        Table3Title { degraded: true, ..row("apex_pixels_spoilt", "degraded video, apex rule on raw pixels") },
+        Table3Title {
+            degraded: true,
+            ..row("apex_camera_spoilt", "degraded video, apex rule after the camera of the first fall")
         },
     ];
 
@@ -116,9 +119,9 @@ impl DropTuners {
             "obs_network" => along(drops, drop, &self.obs_default, &seen, alone),
             "obs_default" => along(drops, drop, &self.obs_default, &seen, whole),
             "apex_camera" => {
-                let radius_m = drops.filmed.radius_m();
+                let radius_m = drops.video.radius_m();
                 let heights: Vec<f64> = seen.seen.column(2).map(|z| z - radius_m).collect();
-                Ok(DropEstimate::Restitution(apex(drop.top_m - radius_m, drops.filmed.clock(), &heights)))
+                Ok(DropEstimate::Restitution(apex(drop.top_m - radius_m, drops.video.clock(), &heights)))
             }
             other => anyhow::bail!("`{other}` is no row of this table"),
         }
@@ -127,17 +130,17 @@ impl DropTuners {
 
 /// Where a network's loop ends.
 fn along(drops: &Drops, drop: &RecordedDrop, model: &Model, seen: &Prepared, how: Loop) -> Result<DropEstimate> {
-    let walk = walk(drops.filmed.ball(), seen, model, &drops.start(drop, seen), how)?;
+    let walk = walk(drops.video.ball(), seen, model, &drops.start(drop, seen), how)?;
     Ok(DropEstimate::Restitution(walk.point.parameters[0]))
 }
 
 /// The apex rule as if pixels were heights: the deepest place seen is the floor, the first the top.
 fn apex_of_pixels(drops: &Drops, drop: &RecordedDrop, track: &Places) -> f64 {
-    let fall_m = drop.top_m - drops.filmed.radius_m();
+    let fall_m = drop.top_m - drops.video.radius_m();
     let floor = track.v_px.iter().copied().fold(f64::MIN, f64::max);
     let unit = fall_m / (floor - track.v_px[0]);
     let heights: Vec<f64> = track.v_px.iter().map(|v| (floor - v) * unit).collect();
-    apex(fall_m, drops.filmed.clock(), &heights)
+    apex(fall_m, drops.video.clock(), &heights)
 }
 
 /// A model of a seed, from disk where it has been trained already.
@@ -158,7 +161,7 @@ fn trained(
         }
         let data = path.with_extension("mcap");
         let out = data.to_str().context("the folder's name is not Unicode")?;
-        // Whatever another program left there is not ours to go on with.
+        // Files that another program left there must not be resumed.
         let _ = std::fs::remove_file(&data);
         let seed_text = seed.to_string();
         process::run(&["gen", domain, "--preset", pairs, "--pairs", count, "--seed", &seed_text, "--out", out])?;

@@ -10,7 +10,7 @@ pub fn run() -> Result<Vec<SyntheticTrack>> {
     let order: Order = serde_json::from_reader(std::io::stdin().lock()).context("the order")?;
     let one = |(i, take): (usize, &Take)| {
         let seed = order.seed.wrapping_mul(0x9E37_79B9).wrapping_add(i as u64);
-        Ok(synthetic::rehearse(take, order.radius_m, &order.spoilt, seed)?)
+        Ok(synthetic::synthetic_track(take, order.radius_m, &order.degradation, seed)?)
     };
-    order.films.par_iter().enumerate().map(one).collect()
+    order.videos.par_iter().enumerate().map(one).collect()
 }

@@ -11,8 +11,8 @@ use tunenet_track::track::Settings;
 use tunenet_track::tracker::Tracker;
 use tunenet_track::view::View;
 use tunenet_track::{Answer, Source, synthetic::scene, track};
-use tunenet_video_protocol::speed::{Film, Render, Track, VideoSpeed};
-use tunenet_video_protocol::synthetic::{Spoilt, Take};
+use tunenet_video_protocol::speed::{DecodingSpeed, Render, Track, VideoSpeed};
+use tunenet_video_protocol::synthetic::{Degradation, Take};
 
 /// Each figure is the median of so many measurements.
 const REPEATS: usize = 5;
@@ -28,15 +28,15 @@ const SPOILT: (f64, i32) = (6.0, 75);
 pub fn run(folder: &Path) -> Result<VideoSpeed> {
     let take = Take { camera: camera((160, 120))?, heights_m: heights(FRAMES), across_m: Vec::new() };
     let clean = render(&take, 0.0, None)?;
-    let spoilt = render(&take, SPOILT.0, Some(SPOILT.1))?;
+    let degradation = render(&take, SPOILT.0, Some(SPOILT.1))?;
     let (tracked, off_px) = small(&take)?;
     let film = folder.join("phone.mp4");
     write(&film, (1920, 1080), FILM_FRAMES)?;
     let (decoded, both) = film_rates(&film)?;
     Ok(VideoSpeed {
-        render: Render { clean_frames_s: clean, noise_and_jpeg_frames_s: spoilt },
+        render: Render { clean_frames_s: clean, noise_and_jpeg_frames_s: degradation },
         track: Track { frames_s: tracked, worst_px: off_px },
-        film: Film { decode_frames_s: decoded, track_frames_s: both, frames: FILM_FRAMES },
+        video: DecodingSpeed { decode_frames_s: decoded, track_frames_s: both, frames: FILM_FRAMES },
     })
 }
 
@@ -61,10 +61,10 @@ fn heights(count: usize) -> Vec<f64> {
 
 /// Frames per second of the renderer on one core.
 fn render(take: &Take, noise: f64, jpeg_quality: Option<i32>) -> Result<f64> {
-    let spoilt = Spoilt { noise, jpeg_quality, ..Spoilt::default() };
+    let degradation = Degradation { noise, jpeg_quality, ..Degradation::default() };
     rates(take.heights_m.len(), || {
         if jpeg_quality.is_some() {
-            std::hint::black_box(synthetic::pictures(take, RADIUS_M, &spoilt, 1)?);
+            std::hint::black_box(synthetic::pictures(take, RADIUS_M, &degradation, 1)?);
             return Ok(());
         }
         let mut renderer = Renderer::new(take.camera.clone(), RADIUS_M, Look::default(), 1);
@@ -77,7 +77,7 @@ fn render(take: &Take, noise: f64, jpeg_quality: Option<i32>) -> Result<f64> {
 
 /// Frames per second of the tracker on one core, pictures in memory, and its greatest distance from the projection, px.
 fn small(take: &Take) -> Result<(f64, f64)> {
-    let pictures = synthetic::pictures(take, RADIUS_M, &Spoilt::default(), 1)?;
+    let pictures = synthetic::pictures(take, RADIUS_M, &Degradation::default(), 1)?;
     let scene = scene(&pictures)?.map_err(|reason| anyhow::anyhow!("{}", reason.word()))?;
     let mut places = Vec::new();
     let rate = rates(pictures.len(), || {
@@ -103,7 +103,7 @@ fn film_rates(path: &Path) -> Result<(f64, f64)> {
     })?;
     let both = rates(FILM_FRAMES, || match track(&source, &Settings::default(), &mut |_, _| {})? {
         Answer::Tracked(_) => Ok(()),
-        Answer::Unseen { finding, .. } => anyhow::bail!("{}", finding.text),
+        Answer::Untracked { finding, .. } => anyhow::bail!("{}", finding.text),
     })?;
     Ok((decoded, both))
 }

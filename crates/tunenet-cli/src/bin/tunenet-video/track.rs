@@ -93,7 +93,7 @@ fn found(options: &Options) -> tunenet_core::Result<TrackAnswer> {
     let answer = track(&source, &settings, &mut |done, promised| advance(&bar, "track", done, promised));
     let track = match answer? {
         Answer::Tracked(track) => track,
-        Answer::Unseen { reason, frames, finding } => {
+        Answer::Untracked { reason, frames, finding } => {
             let pictures = if options.sheet > 0 { plain(&source, frames, options.sheet)? } else { Vec::new() };
             return Ok(TrackAnswer::Untracked(Untracked { reason, finding, frames, pictures: sheet(&pictures) }));
         }

@@ -28,7 +28,7 @@ pub fn tune_to(
     paths: &[PathBuf],
 ) -> Result<(Outcome, ChosenNetwork)> {
     // With `--each` several fits may run at a time.
-    let session = &session.counted_apart();
+    let session = &session.counted_separately();
     let kind = one_kind(recordings, paths)?;
     if let Some(model) = model {
         network::require_use(model, file, kind, recordings.len())?;

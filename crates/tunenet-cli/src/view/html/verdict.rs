@@ -47,7 +47,7 @@ pub fn prose(text: &str) -> Markup {
 /// Why a parameter is not determined.
 fn open(outcome: &Outcome) -> Option<&Note> {
     let opening = [
-        sim_findings::FRICTION_UNSEEN,
+        sim_findings::FRICTION_NOT_OBSERVABLE,
         core_findings::RECORDINGS_SHORT,
         core_findings::PARAMETER_NOT_IDENTIFIABLE,
         core_findings::PARAMETER_NO_EFFECT,

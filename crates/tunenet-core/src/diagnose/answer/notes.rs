@@ -32,7 +32,7 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
     if judged.lag1 != 0.0 {
         let rho = judged.lag1;
         let text = format!("noise is autocorrelated (lag-1 {rho:.2}); residuals were prewhitened");
-        notes.push(Note::new(findings::NOISE_COLOURED, text, ""));
+        notes.push(Note::new(findings::NOISE_AUTOCORRELATED, text, ""));
     }
     note_unidentifiable(&judged.context, judged.best(), notes);
     if judged.reports_effects() {
@@ -87,7 +87,7 @@ fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, no
             let name = context.catalogue[other].name;
             let text = format!("`{name}` would explain these recordings about as well, but {why}");
             notes.push(Note::new(
-                findings::EFFECT_UNLIKELY,
+                findings::EFFECT_IMPLAUSIBLE,
                 text,
                 "set world.medium = \"other\" where it did not move in air",
             ));

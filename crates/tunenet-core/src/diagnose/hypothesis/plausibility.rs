@@ -36,7 +36,7 @@ pub(in crate::diagnose) fn implausible(context: &Context<'_>, model: &Hypothesis
 
 /// Whether the effect has to be there in every object, so that recordings need only say how large it is.
 pub(in crate::diagnose) fn is_required(context: &Context<'_>, entry: usize) -> bool {
-    context.catalogue[entry].of.iter().all(crate::simulator::Effect::certain)
+    context.catalogue[entry].of.iter().all(crate::simulator::Effect::required)
 }
 
 /// Whether `other` explains what `entry` does, but is not to be expected of these objects as `entry` is.
@@ -46,7 +46,7 @@ pub(in crate::diagnose) fn is_less_plausible(context: &Context<'_>, other: usize
 
 pub(in crate::diagnose) fn implausible_reason(context: &Context<'_>, entry: usize) -> Option<&'static str> {
     let of = &context.catalogue[entry].of;
-    of.iter().all(|effect| effect.unlikely.is_some()).then_some(of[0].unlikely)?
+    of.iter().all(|effect| effect.implausible.is_some()).then_some(of[0].implausible)?
 }
 
 /// The simulation with what has to be there, where it is taken to be there; else `None`.

@@ -33,7 +33,7 @@ fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64
         sentence: "",
         random: false,
         mistaken_for: &[],
-        unlikely: None,
+        implausible: None,
     }
 }
 

@@ -62,11 +62,11 @@ fn a_checkpoint_is_resumed_on_its_own_device_only() {
     let (out, kept) = (dataset(60, 60), Kept::default());
     let stopped = train(&out, &options(short(100)), kept.here(), &mut |at| at.step < 40);
     assert!(matches!(stopped, Err(Error::Stopped)));
-    let mut elsewhere = kept.0.borrow_mut();
-    let about = elsewhere.as_mut().map(|weights| &mut weights.about).unwrap();
+    let mut on_device = kept.0.borrow_mut();
+    let about = on_device.as_mut().map(|weights| &mut weights.about).unwrap();
     assert!(about.contains(r#""device":"cpu""#), "{about}");
     *about = about.replace(r#""device":"cpu""#, r#""device":"cuda""#);
-    drop(elsewhere);
+    drop(on_device);
     let refused = train(&out, &options(short(100)), kept.here(), &mut |_| true).unwrap_err();
     let Error::Weights { fault, .. } = refused else { panic!("{refused}") };
     assert_eq!(fault, WeightsFault::OtherDevice("cuda".into()));

@@ -74,7 +74,7 @@ impl MeasurementEffect {
             sentence: self.sentence,
             random: false,
             mistaken_for: self.mistaken_for,
-            unlikely: None,
+            implausible: None,
         }
     }
 }

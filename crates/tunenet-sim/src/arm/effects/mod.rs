@@ -88,7 +88,7 @@ impl ArmEffect {
             sentence: self.sentence,
             random: false,
             mistaken_for: self.mistaken_for,
-            unlikely: None,
+            implausible: None,
         }
     }
 

@@ -14,7 +14,7 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
         Coefficient::new("z_m", "m", 0.0, (-1.0, 1.0), 0.01),
     ],
     plausible: &[(-0.5, 0.5), (-0.5, 0.5), (-0.5, 0.5)],
-    sentence: "the payload's centre of mass lies elsewhere than the file says, in the axes of its link",
+    sentence: "the payload's centre of mass differs from the file's, in the axes of its link",
     mistaken_for: &["joint_offset", "base_tilt", "torque_gain"],
     apply: |arm, c| add(&mut arm.com_offset_m, c),
 };

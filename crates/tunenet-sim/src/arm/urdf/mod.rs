@@ -180,7 +180,7 @@ impl File<'_> {
         Ok(found)
     }
 
-    /// The coordinate behind joint `i`, through whatever joints it mimics.
+    /// The coordinate behind joint `i`, through the joints it mimics.
     fn mimicked(&self, i: usize, own: &[Option<(JointKind, Coordinate)>]) -> Result<Coordinate> {
         let name = &self.robot.joints[i].name;
         let (mut at, mut multiplier, mut offset) = (i, 1.0, 0.0);

@@ -12,7 +12,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 1.5)],
     sentence: "the surface rubs: bounces slow the ball along it and spin it, by Coulomb's mu beyond `friction`",
     mistaken_for: &["tangential_restitution", "quadratic_drag", "linear_drag", "bounce_scatter"],
-    unlikely: |_| None,
+    implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |scene, c| scene.friction += c[0],
 };

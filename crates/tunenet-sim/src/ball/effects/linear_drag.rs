@@ -25,7 +25,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     ],
     // Stokes' law holds below a Reynolds number 2 v r / ν of 1; with ν = 1.5e-5 m²/s of air, a ball of 1 cm moves at less
     // than a millimetre a second then.
-    unlikely: |body| {
+    implausible: |body| {
         (body.in_air && body.radius_m > SMALLEST_M)
             .then_some("no ball of this size is slow enough in air for drag in proportion to speed")
     },
@@ -38,15 +38,15 @@ mod tests {
     use super::*;
     use crate::ball::effects::Body;
 
-    /// Stokes' fall in air, v = 2 ρ g r²/(9 μ) with μ = 1.8e-5 Pa s: Re = 2 v r / ν passes 1 between r of .03 and .05 mm in
+    /// Stokes' fall in air, v = 2 ρ g r²/(9 μ) with μ = 1.8e-5 Pa s: Re = 2 v r / ν passes 1 between r of 0.03 and 0.05 mm in
     /// water, so no ball that a camera sees is below it.
     #[test]
     fn only_dust_is_slow_enough_in_air() {
         let reynolds = |r: f64| 2.0 * (2.0 * 1000.0 * 9.81 * r * r / (9.0 * 1.8e-5)) * r / 1.5e-5;
         assert!(reynolds(SMALLEST_M) > 1.0 && reynolds(3e-5) < 1.0);
         let ball = Body { radius_m: 0.02, mass_kg: None, gravity_m_s2: 9.81, in_air: true };
-        assert!((EFFECT.unlikely)(&ball).is_some());
-        assert!((EFFECT.unlikely)(&Body { in_air: false, ..ball }).is_none());
-        assert!((EFFECT.unlikely)(&Body { radius_m: 1e-5, ..ball }).is_none());
+        assert!((EFFECT.implausible)(&ball).is_some());
+        assert!((EFFECT.implausible)(&Body { in_air: false, ..ball }).is_none());
+        assert!((EFFECT.implausible)(&Body { radius_m: 1e-5, ..ball }).is_none());
     }
 }

@@ -15,7 +15,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(-10.0, 10.0); 3],
     sentence: "the ball spins, and the air pushes it across its way: a = S x v",
     mistaken_for: &["wind", "camera_tilt", "quadratic_drag"],
-    unlikely: |_| None,
+    implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |scene, c| (0..3).for_each(|axis| scene.flight.magnus_1_s[axis] += c[axis]),
 };

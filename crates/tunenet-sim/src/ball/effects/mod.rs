@@ -90,7 +90,7 @@ pub struct BallEffect {
     /// Effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
     /// Why it is not to be expected of this ball where something else explains its recordings as well.
-    pub unlikely: fn(&Body) -> Option<&'static str>,
+    pub implausible: fn(&Body) -> Option<&'static str>,
     /// Whether the bounce times of a vertical drop show it.
     pub shows_in_bounce_times: bool,
     /// Adds it to a scene.
@@ -131,7 +131,7 @@ impl BallEffect {
             sentence: self.sentence,
             random: self.name == bounce_scatter::EFFECT.name,
             mistaken_for: self.mistaken_for,
-            unlikely: (self.unlikely)(body),
+            implausible: (self.implausible)(body),
         }
     }
 }

@@ -4,7 +4,7 @@ use tunenet_core::simulator::{Coefficient, Phase};
 
 use super::BallEffect;
 
-/// Drag coefficients of balls: .1 for a golf ball past its drag crisis, .5 for a smooth sphere, 1.5 with fins and fluff.
+/// Drag coefficients of balls: 0.1 for a golf ball past its drag crisis, 0.5 for a smooth sphere, 1.5 with fins and fluff.
 const DRAG_COEFFICIENT: (f64, f64) = (0.1, 1.5);
 
 pub(super) const EFFECT: BallEffect = BallEffect {
@@ -26,7 +26,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         "tangential_restitution",
         "bounce_friction",
     ],
-    unlikely: |_| None,
+    implausible: |_| None,
     shows_in_bounce_times: true,
     apply: |scene, c| scene.flight.quadratic_drag_1_m += c[0],
 };

@@ -13,7 +13,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 0.5)],
     sentence: "fast impacts rebound otherwise than slow ones: e(v) = e (v / 3 m/s)^(-exponent)",
     mistaken_for: &["quadratic_drag", "linear_drag", "contact_time"],
-    unlikely: |_| None,
+    implausible: |_| None,
     shows_in_bounce_times: true,
     apply: |scene, c| scene.contact.restitution_exponent += c[0],
 };

@@ -14,7 +14,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(-0.3, 0.3); 2],
     sentence: "the surface is not level: every bounce turns the ball downhill",
     mistaken_for: &["camera_tilt", "wind", "bounce_scatter", "rolling_resistance"],
-    unlikely: |_| None,
+    implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |scene, c| {
         scene.surface_tilt_about_x_rad += c[0];

@@ -14,7 +14,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(-5.0, 5.0); 2],
     sentence: "a steady push drives the ball sideways in flight",
     mistaken_for: &["magnus", "camera_tilt", "surface_tilt"],
-    unlikely: |_| None,
+    implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |scene, c| (0..2).for_each(|axis| scene.flight.wind_m_s2[axis] += c[axis]),
 };

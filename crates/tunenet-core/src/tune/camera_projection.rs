@@ -1,4 +1,4 @@
-//! A fall read back from a picture, whose camera follows the rollouts.
+//! Variable projection (Golub and Pereyra 1973) of the camera: a track in a video whose camera is fitted again to every rollout.
 
 use crate::camera::LineCamera;
 use crate::observation::Observation;
@@ -8,35 +8,35 @@ use crate::simulator::Prepared;
 const HEIGHT: usize = 2;
 const DOWN: usize = 1;
 
-/// A recording beside the picture that it was read back from.
-pub(super) struct Film<'a> {
+/// A recording and the track, in pixels, that it was computed from.
+pub(super) struct VideoTrack<'a> {
     recording: &'a Prepared,
     v_px: Vec<f64>,
 }
 
-/// A rollout beside the picture, under the camera that suits both best.
-pub(super) struct Beside {
+/// A rollout in the picture, for the camera that fits rollout and track best.
+pub(super) struct ProjectedRollout {
     /// Where the rollout would appear, px.
     pub appears_px: Vec<f64>,
     /// The recording, read back once more.
     pub seen: Observation,
 }
 
-impl<'a> Film<'a> {
-    /// `None` where the recording was never a picture.
+impl<'a> VideoTrack<'a> {
+    /// `None` if the recording is not from a video.
     pub fn of(recording: &'a Prepared) -> Option<Self> {
-        let pixels = recording.film.as_ref()?;
+        let pixels = recording.video.as_ref()?;
         Some(Self { recording, v_px: pixels.column(DOWN).collect() })
     }
 
-    /// What was seen, px.
+    /// The track, px.
     pub fn v_px(&self) -> &[f64] {
         &self.v_px
     }
 
-    /// Fits the camera to a rollout, as all of its heights are known: what stays different is not the camera's doing
-    /// (variable projection, Golub and Pereyra 1973). `None` where no camera shows the rollout.
-    pub fn beside(&self, rollout: &[f64]) -> Option<Beside> {
+    /// Fits the camera to a rollout, all of whose heights are known: the remaining residual is not due to the camera. `None` if
+    /// no camera shows the rollout.
+    pub fn project(&self, rollout: &[f64]) -> Option<ProjectedRollout> {
         let width = self.recording.seen.channels().len();
         let z_m: Vec<f64> = rollout[HEIGHT..].iter().step_by(width).copied().collect();
         let camera = LineCamera::fit(&z_m, &self.v_px)?;
@@ -46,8 +46,8 @@ impl<'a> Film<'a> {
             row[HEIGHT] = camera.height(*v);
         }
         let seen = &self.recording.seen;
-        // A height that the picture cannot hold (beyond the horizon) makes no observation.
+        // A height outside the picture (beyond the horizon) makes no observation.
         let seen = Observation::new(seen.kind(), seen.channels().to_vec(), seen.clock().to_vec(), values);
-        seen.ok().map(|seen| Beside { appears_px, seen })
+        seen.ok().map(|seen| ProjectedRollout { appears_px, seen })
     }
 }

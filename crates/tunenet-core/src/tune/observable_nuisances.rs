@@ -1,19 +1,19 @@
-//! Which of a recording's nuisance parameters it shows at all: the height of a surface that is never touched is none, nor a place
-//! along an axis that was not measured.
+//! Local observability of nuisance parameters by finite differences: which of them change what was measured. The height of a
+//! surface that is never touched does not, nor a position along an axis that was not measured.
 
 use crate::Result;
 use crate::simulator::{Parameter, Prepared, Simulator, predict};
 
-/// How far an unknown is moved to see whether anything follows, as a share of its bounds.
+/// Step of the finite difference, as a share of the bounds.
 const NUDGE: f64 = 1e-6;
-/// What follows counts from this share of the noise on: rounding alone stays below.
+/// A change counts from this share of the noise on: rounding stays below.
 const LEAST: f64 = 1e-5;
 
-/// The nuisance parameters of a recording with the values `own`, without those that nothing measured depends on.
+/// The nuisance parameters of a recording, with their values `nuisances`, on which a measured channel depends.
 ///
 /// # Errors
 /// Where the simulator refuses the values themselves.
-pub(super) fn shown(
+pub(super) fn observable_nuisances(
     simulator: &dyn Simulator,
     recording: &Prepared,
     noise: &[f64],

@@ -1,6 +1,7 @@
-//! Root finding along a ray by regula falsi with bisection: where it leaves the joint region of two parameters.
+//! Regula falsi alternating with bisection along a ray of a profile-likelihood contour: where the ray leaves the joint region of two
+//! parameters.
 
-use super::interval::{Spread, held};
+use super::interval::{ScaleEstimate, fit_with_fixed};
 use super::output_error::Problem;
 use super::problem::Point;
 
@@ -11,7 +12,7 @@ const MOST_HALVINGS: usize = 12;
 /// A ray in the plane of two parameters, everything else fitted again along it.
 pub(super) struct Ray<'a> {
     pub problem: &'a Problem<'a>,
-    pub spread: &'a Spread,
+    pub scale: &'a ScaleEstimate,
     /// Positions of the two among the simulator's parameters.
     pub positions: [usize; 2],
     /// The best point, and its cost.
@@ -26,7 +27,7 @@ impl Ray<'_> {
     /// The last place whose misfit is at most `quantile`, or where the ray meets a bound or what the simulator refuses before,
     /// and the rollouts it took.
     ///
-    /// The root of the misfit is nearly straight along a ray, so a place is interpolated; where it is not (a flat stretch, a
+    /// The root of the misfit is nearly linear along a ray, so a place is interpolated; where it is not (a flat stretch, a
     /// kink), every second guess halves what is left.
     pub fn edge(&self, quantile: f64) -> ([f64; 2], usize) {
         let (mut rollouts, mut near) = (0, self.best.0.clone());
@@ -67,12 +68,12 @@ impl Ray<'_> {
     /// refuses.
     fn misfit(&self, near: &Point, length: f64, rollouts: &mut usize) -> (f64, Point) {
         let start = near.with(&self.positions, &self.at(length));
-        let Ok(fit) = held(self.problem, start, &self.positions, self.spread) else {
+        let Ok(fit) = fit_with_fixed(self.problem, start, &self.positions, self.scale) else {
             *rollouts += self.problem.recordings.len();
             return (f64::INFINITY, near.clone());
         };
         *rollouts += fit.rollouts;
-        (self.spread.excess(fit.cost - self.best.1).sqrt(), fit.point)
+        (self.scale.excess(fit.cost - self.best.1).sqrt(), fit.point)
     }
 
     /// The length at which a bound is met.

@@ -28,7 +28,7 @@ pub const KINDS: [Kind; 27] = [
     Kind { name: "one gap", found_by: &[findings::CLOCK_GAPS, findings::VIEW_LEFT], make: gap },
     Kind { name: "irregular clock", found_by: &[findings::CLOCK_IRREGULAR], make: jitter },
     Kind { name: "too few frames", found_by: &[findings::CLOCK_SLOW], make: slow },
-    Kind { name: "outliers", found_by: &[findings::SAMPLES_WILD], make: outliers },
+    Kind { name: "outliers", found_by: &[findings::SAMPLES_OUTLIERS], make: outliers },
     Kind { name: "tracker stands still", found_by: &[findings::SAMPLES_FROZEN], make: frozen },
     Kind { name: "tracker lost to the end", found_by: &[findings::SAMPLES_FROZEN], make: lost },
     Kind { name: "cut off at the top of the view", found_by: &[findings::SAMPLES_FROZEN], make: clipped },
@@ -122,7 +122,7 @@ fn dropped(random: &mut ChaCha8Rng) -> (Record, Expected) {
 }
 
 /// One to three frames lost amid a fall of thirty or more, where the ball does in them ten times the noise, and the others
-/// numbered anew.
+/// renumbered.
 fn renumbered(random: &mut ChaCha8Rng) -> (Record, Expected) {
     let mut setup = Setup::draw(random);
     setup.velocity_m_s[2] = 0.0;

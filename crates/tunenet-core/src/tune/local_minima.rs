@@ -1,17 +1,19 @@
-//! The misfit far from a fit. Where an impact slips that gripped, or where weak rebounds are too short to be seen, the misfit
-//! has kinks, and beyond each may lie another local minimum, as deep or nearly so.
+//! Multistart over one parameter at a time by a grid of profiled misfits.
+//!
+//! The misfit has kinks where an impact changes from grip to slip, or where weak rebounds are too short to be seen; beyond
+//! each kink another local minimum may be as deep.
 
 use super::Tuning;
 use super::starts::local_estimate;
-use crate::estimate::{Elsewhere, Fit, Place, Problem, Spread};
+use crate::estimate::{Fit, GridPoint, MisfitGrid, Problem, ScaleEstimate};
 
-/// Places at which the misfit over a parameter is looked at, as multiples of its distance from its lower bound.
+/// Grid over a parameter, as multiples of its distance from its lower bound.
 const BELOW: [f64; 5] = [0.85, 0.7, 0.5, 0.35, 0.2];
 const ABOVE: [f64; 6] = [1.18, 1.4, 2.0, 2.8, 4.0, 8.0];
 /// A fit near the lower bound is looked at from this share of the bounds instead.
 const LEAST_SHARE: f64 = 1e-3;
-/// A parameter that the events tell is looked for elsewhere only this near to its lower bound, as a share of the bounds: a
-/// weak rebound is no event. The places are even then.
+/// A parameter that the events determine is searched only this near to its lower bound, as a share of the bounds: a weak
+/// rebound is no event. The grid is even then.
 const WEAK_SHARE: f64 = 0.3;
 const WEAK_PLACES: u32 = 12;
 /// Another local minimum is fitted where its misfit, in squares of standard deviations, exceeds the least by no more than this: the
@@ -21,24 +23,24 @@ const WORTH_A_FIT: f64 = 100.0;
 const SAME_COST: f64 = 1e-9;
 
 impl Tuning<'_> {
-    /// The best local minimum near `found`, the places that were looked at around it, and the rollouts it took.
-    pub(super) fn look_across(&self, mut found: Fit) -> (Fit, Elsewhere, usize) {
+    /// The best local minimum near `found`, the grid around it, and the number of rollouts used.
+    pub(super) fn search_local_minima(&self, mut found: Fit) -> (Fit, MisfitGrid, usize) {
         let problem = self.problem();
         let (mut rollouts, mut all) = (0, vec![Vec::new(); self.free.len()]);
         for (k, kept) in all.iter_mut().enumerate() {
             let p = &self.simulator.parameters()[self.free[k]];
             let share = (found.point.parameters[self.free[k]] - p.min) / p.span();
-            let told = local_estimate(self.recordings, self.free[k]).is_some();
-            if told && share > WEAK_SHARE {
+            let local = local_estimate(self.recordings, self.free[k]).is_some();
+            if local && share > WEAK_SHARE {
                 continue;
             }
-            let shares = if told { even(share) } else { around(share) };
+            let shares = if local { even(share) } else { around(share) };
             let (mut places, used) = places(&problem, &found, k, shares);
             rollouts += used;
-            let spread = Spread::of(&problem, &found);
+            let scale = ScaleEstimate::of(&problem, &found);
             let mut bottoms = Vec::new();
-            for place in valleys(&places, &found, self.free[k]) {
-                if spread.excess(place.cost - found.cost) > WORTH_A_FIT {
+            for place in local_minima(&places, &found, self.free[k]) {
+                if scale.excess(place.cost - found.cost) > WORTH_A_FIT {
                     continue;
                 }
                 let Ok(again) = problem.fit(place.point.clone(), 1.0) else { continue };
@@ -47,7 +49,7 @@ impl Tuning<'_> {
                 let (best, other) = if again.cost < found.cost { (again, found) } else { (found, again) };
                 found = best;
                 let value = other.point.parameters[self.free[k]];
-                bottoms.push(Place { value, cost: other.cost, point: other.point });
+                bottoms.push(GridPoint { value, cost: other.cost, point: other.point });
             }
             places.extend(bottoms);
             *kept = places;
@@ -72,7 +74,7 @@ fn even(share: f64) -> [Vec<f64>; 2] {
 
 /// The misfit over free parameter number `k` at these shares of its bounds, outwards from `fit` on either side, each place
 /// fitted from the one before.
-fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec<Place>, usize) {
+fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec<GridPoint>, usize) {
     let position = problem.free[k];
     let p = &problem.simulator.parameters()[position];
     let others: Vec<usize> = problem.free.iter().copied().filter(|&f| f != position).collect();
@@ -94,7 +96,7 @@ fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec
             if flat {
                 break;
             }
-            found.push(Place { value, cost, point: point.clone() });
+            found.push(GridPoint { value, cost, point: point.clone() });
         }
     }
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -102,7 +104,7 @@ fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec
 }
 
 /// The places that are deeper than both their neighbours, the fit itself among the neighbours, and those deeper than the fit.
-fn valleys<'a>(places: &'a [Place], fit: &Fit, position: usize) -> Vec<&'a Place> {
+fn local_minima<'a>(places: &'a [GridPoint], fit: &Fit, position: usize) -> Vec<&'a GridPoint> {
     let own = places.partition_point(|p| p.value < fit.point.parameters[position]);
     let mut costs: Vec<f64> = places.iter().map(|p| p.cost).collect();
     costs.insert(own, fit.cost);
@@ -140,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interval_reaches_to_the_other_valley() {
+    fn an_interval_reaches_to_the_other_local_minimum() {
         let roof = Roof(vec![Parameter::new("p", "1", 1.5, 0.0, 20.0).unwrap()], vec![Channel::new("y", "1")]);
         let clock: Vec<f64> = (0..200).map(|i| f64::from(i) / 200.0).collect();
         // A slope of 1, which 2 and 8 have, and something like noise.

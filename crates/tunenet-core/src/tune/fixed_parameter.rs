@@ -1,31 +1,37 @@
-//! The answer beside other values of a parameter: what recordings leave of it where they do not determine it.
+//! Profile likelihood at given values of one parameter, with their posterior shares (Student's t): the range of a parameter
+//! that the recordings do not determine.
 
 use super::channel_weights;
-use crate::estimate::{self, Fit, Point, Problem, Spread, free, weights};
+use crate::estimate::{self, Fit, Point, Problem, ScaleEstimate, free, weights};
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};
 use crate::{Error, Origin, Result};
 
-/// The answer beside one value of a parameter.
+/// The fit with one parameter fixed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Held {
-    /// The value at which it was held.
+pub struct FixedValueFit {
+    /// The fixed value.
     pub value: f64,
-    /// What was fitted beside it: name, value and 95 % interval by the curvature, within the bounds.
+    /// The other parameters, fitted: name, value and 95 % interval by the curvature, within the bounds.
     pub fitted: Vec<(String, f64, (f64, f64))>,
-    /// How likely the recordings are beside it; those of all values add up to 1.
+    /// Likelihood of the recordings at this value, normalised: the shares of all values add up to 1.
     pub share: f64,
 }
 
-/// Holds the parameter `name` at each of `values` in turn and fits everything else again, from where the fit before it ended;
+/// Fixes the parameter `name` at each of `values` in turn and fits everything else again, from where the fit before it ended;
 /// the first starts at the simulator's own values, which should be tuned ones.
 ///
-/// A share is the density of Student's t at the distance from the best of them in standard deviations, the spread of the
-/// residuals and what their correlation widens it taken from that best one.
+/// A share is the density of Student's t at the distance from the best of them in standard deviations, with the
+/// scale estimate of the residuals at that best one.
 ///
 /// # Errors
-/// [`Error::Setting`] where no parameter is called so; whatever the simulator refuses. Empty where no recording can be used.
-pub fn held(simulator: &dyn Simulator, observations: &[Observation], name: &str, values: &[f64]) -> Result<Vec<Held>> {
+/// [`Error::Setting`] if there is no such parameter; what the simulator refuses. Empty where no recording can be used.
+pub fn fit_at_fixed_values(
+    simulator: &dyn Simulator,
+    observations: &[Observation],
+    name: &str,
+    values: &[f64],
+) -> Result<Vec<FixedValueFit>> {
     let parameters = simulator.parameters();
     let Some(position) = parameters.iter().position(|p| p.name == name) else {
         let expected = parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
@@ -47,34 +53,34 @@ pub fn held(simulator: &dyn Simulator, observations: &[Observation], name: &str,
     let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &others };
     let mut point = Point::start(simulator, &recordings);
     let mut fits: Vec<Fit> = Vec::with_capacity(values.len());
-    let mut spread = None;
+    let mut scale = None;
     for &value in values {
         point.parameters[position] = value;
-        let fit = match &spread {
+        let fit = match &scale {
             None => problem.fit(point, 1.0)?,
-            Some(spread) => estimate::held(&problem, point, &[position], spread)?,
+            Some(scale) => estimate::fit_with_fixed(&problem, point, &[position], scale)?,
         };
-        spread.get_or_insert_with(|| Spread::of(&problem, &fit));
+        scale.get_or_insert_with(|| ScaleEstimate::of(&problem, &fit));
         point = fit.point.clone();
         fits.push(fit);
     }
     let Some(best) = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)) else { return Ok(Vec::new()) };
-    let spread = Spread::of(&problem, best);
+    let scale = ScaleEstimate::of(&problem, best);
     let density = |fit: &Fit| {
-        let excess = spread.excess(fit.cost - best.cost);
-        (-0.5 * (spread.freedom + 1.0) * (excess / spread.freedom).ln_1p()).exp()
+        let excess = scale.excess(fit.cost - best.cost);
+        (-0.5 * (scale.degrees_of_freedom + 1.0) * (excess / scale.degrees_of_freedom).ln_1p()).exp()
     };
     let total: f64 = fits.iter().map(density).sum();
-    let of = |fit: &Fit| {
+    let at_value = |fit: &Fit| {
         let each = others.iter().enumerate().map(|(k, &i)| {
             let (p, value) = (&parameters[i], fit.point.parameters[i]);
-            let reach = spread.quantile() * spread.sd(fit.covariance[(k, k)]);
-            let reach = if reach.is_finite() { reach } else { p.span() };
-            (p.name.clone(), value, ((value - reach).max(p.min), (value + reach).min(p.max)))
+            let half_width = scale.quantile() * scale.sd(fit.covariance[(k, k)]);
+            let half_width = if half_width.is_finite() { half_width } else { p.span() };
+            (p.name.clone(), value, ((value - half_width).max(p.min), (value + half_width).min(p.max)))
         });
-        Held { value: fit.point.parameters[position], fitted: each.collect(), share: density(fit) / total }
+        FixedValueFit { value: fit.point.parameters[position], fitted: each.collect(), share: density(fit) / total }
     };
-    Ok(fits.iter().map(of).collect())
+    Ok(fits.iter().map(at_value).collect())
 }
 
 #[cfg(test)]
@@ -101,10 +107,10 @@ mod tests {
         }
     }
 
-    /// Of a straight line with white noise the profile over the slope is Student's t around the slope of least squares, and
-    /// the intercept beside a slope is the mean of what is left.
+    /// For a line with white noise the profile over the slope is Student's t around the least-squares slope, and the intercept
+    /// at a slope is the mean of the residual.
     #[test]
-    fn of_a_straight_line_it_is_the_closed_form() {
+    fn the_profile_of_a_line_is_the_closed_form() {
         let channel = Channel::new("y", "m");
         let parameter = |name: &str| Parameter::new(name, "m", 0.0, -10.0, 10.0).unwrap();
         let line = Line(vec![parameter("a"), parameter("b")], vec![channel.clone()]);
@@ -119,12 +125,14 @@ mod tests {
         let slope = clock.iter().zip(&y).map(|(t, y)| (t - mean_t) * (y - mean_y)).sum::<f64>() / stt;
         let seen = Observation::new(Kind::Other, vec![channel], clock.clone(), y.clone()).unwrap();
         let values: Vec<f64> = (-4..=4).map(|i| slope + 0.02 * f64::from(i)).collect();
-        let found = held(&line, &[seen], "b", &values).unwrap();
-        // Held at the best slope, the intercept alone was fitted.
-        let freedom = n - 1.0;
+        let found = fit_at_fixed_values(&line, &[seen], "b", &values).unwrap();
+        // At the best slope only the intercept was fitted.
+        let degrees_of_freedom = n - 1.0;
         let rest = |b: f64| -> f64 { clock.iter().zip(&y).map(|(t, y)| (y - mean_y - b * (t - mean_t)).powi(2)).sum() };
-        let variance = rest(slope) / freedom;
-        let density = |b: f64| (1.0 + (rest(b) - rest(slope)) / variance / freedom).powf(-0.5 * (freedom + 1.0));
+        let variance = rest(slope) / degrees_of_freedom;
+        let density = |b: f64| {
+            (1.0 + (rest(b) - rest(slope)) / variance / degrees_of_freedom).powf(-0.5 * (degrees_of_freedom + 1.0))
+        };
         let total: f64 = values.iter().map(|b| density(*b)).sum();
         for (one, b) in found.iter().zip(&values) {
             assert!((one.share - density(*b) / total).abs() < 0.01, "{b}: {} {}", one.share, density(*b) / total);
@@ -136,7 +144,7 @@ mod tests {
     #[test]
     fn a_name_that_is_none_is_refused() {
         let line = Line(vec![Parameter::new("a", "m", 0.0, -1.0, 1.0).unwrap()], vec![Channel::new("y", "m")]);
-        let error = held(&line, &[], "c", &[0.0]).unwrap_err().to_string();
+        let error = fit_at_fixed_values(&line, &[], "c", &[0.0]).unwrap_err().to_string();
         assert!(error.contains('a') && error.contains("`c`"), "{error}");
     }
 }

@@ -1,8 +1,9 @@
-//! What is not known of a value that stays as it is: a torque gain that an earlier recording calibrated, say.
+//! Propagation of calibration uncertainty (GUM, JCGM 100:2008): a fixed value that is itself known only within an interval, for
+//! example a torque gain calibrated from an earlier recording.
 //!
-//! The fit takes such a value as exact, so that its intervals lack the error that it brings. Here everything is fitted again
-//! with the value at either end of its own 95 % interval. How far an answer moves is half an interval that is independent of
-//! the recording's own, and the two add as squares.
+//! The fit treats such a value as exact, so its intervals lack that error. Here everything is fitted again with the value at
+//! either end of its own 95 % interval. The change of an estimate is a half-width that is independent of the recording's own;
+//! the two add in quadrature.
 
 use nalgebra::DVector;
 
@@ -12,17 +13,17 @@ use crate::findings;
 use crate::observation::{Note, with_decimals};
 use crate::statistics::NORMAL_95;
 
-/// What all such values do to the answers.
-pub(super) struct Carried {
+/// The effect of all such values on the estimates.
+pub(super) struct CalibrationUncertainty {
     /// For each value: how far each free parameter moves as it moves by half its interval.
     moves: Vec<Vec<f64>>,
-    /// What a person should know of it.
+    /// Messages for the user.
     pub notes: Vec<Note>,
-    /// The rollouts that it took.
+    /// Number of rollouts used.
     pub rollouts: usize,
 }
 
-impl Carried {
+impl CalibrationUncertainty {
     /// Finds every value that stays and is not exact, and widens the `intervals` of the free parameters at `fit` by what it may be
     /// off.
     ///
@@ -52,7 +53,7 @@ impl Carried {
                 }
             }
             let text = format!(
-                "`{}` stays at {} and is itself known to {} to {} (95 %) only; the intervals allow for that",
+                "`{}` is fixed at {}, known only to {} to {} (95 %); the intervals include that uncertainty",
                 parameter.name,
                 with_decimals(parameter.value, 4),
                 with_decimals(low, 4),

@@ -2,13 +2,13 @@
 
 use super::problem::Point;
 
-/// A place far from the fit: one parameter there, everything else fitted to it.
+/// A point of the grid: one parameter at `value`, everything else fitted.
 #[derive(Debug, Clone)]
-pub(crate) struct Place {
+pub(crate) struct GridPoint {
     pub value: f64,
     pub cost: f64,
     pub point: Point,
 }
 
-/// For each free parameter, the places that were looked at.
-pub(crate) type Elsewhere = Vec<Vec<Place>>;
+/// For each free parameter, the points of its grid.
+pub(crate) type MisfitGrid = Vec<Vec<GridPoint>>;
