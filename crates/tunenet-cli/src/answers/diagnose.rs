@@ -9,7 +9,7 @@ use tunenet_sim::arm::effects::ArmEffect;
 use tunenet_sim::{Session, SimulationFile};
 
 /// What could be in the place of a lone effect that earns no name.
-pub const NAMELESS: &str = "what is in no catalogue";
+pub const NOT_IN_CATALOGUE: &str = "what is in no catalogue";
 /// The effect whose coefficient is known to everyone in another form.
 pub const DRAG: &str = "quadratic_drag";
 

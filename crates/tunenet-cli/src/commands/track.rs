@@ -6,7 +6,7 @@ use tunenet_core::observation::Note;
 use tunenet_video_protocol::VideoFinding;
 use tunenet_video_protocol::track::Untracked;
 
-use super::video::{Asked, Unseen};
+use super::video::{Asked, TrackFailure};
 use crate::args::Track;
 use crate::failure::{Exit, sentence};
 use crate::files::destination::{self, Output, Product};
@@ -43,8 +43,8 @@ pub fn run(options: &Track) -> Result<Exit> {
         .length(options.length);
     let found = match asked.track(&options.video) {
         Ok(found) => found,
-        Err(error) => match error.downcast_ref::<Unseen>() {
-            Some(unseen @ Unseen { untracked: Some(untracked), .. }) => return no(options, untracked, unseen),
+        Err(error) => match error.downcast_ref::<TrackFailure>() {
+            Some(failure @ TrackFailure { untracked: Some(untracked), .. }) => return no(options, untracked, failure),
             _ => return Err(error),
         },
     };
@@ -71,7 +71,7 @@ pub fn run(options: &Track) -> Result<Exit> {
     Ok(Exit::Inconclusive)
 }
 
-fn no(options: &Track, untracked: &Untracked, error: &Unseen) -> Result<Exit> {
+fn no(options: &Track, untracked: &Untracked, error: &TrackFailure) -> Result<Exit> {
     let mut shown = Printout::default();
     let word = untracked.reason.word().replace('_', " ").to_uppercase();
     shown.verdict(&format!("{word}  {}", sentence(&anyhow::anyhow!("{error}"))));
@@ -81,7 +81,7 @@ fn no(options: &Track, untracked: &Untracked, error: &Unseen) -> Result<Exit> {
     let object = track_json(&name, untracked.reason.word(), &facts)?;
     shown.show(options.common.json, || object)?;
     if let Some(path) = &options.report {
-        html::track::unseen(path, &names::file_name(&options.video), untracked)?;
+        html::track::refused(path, &names::file_name(&options.video), untracked)?;
         stage("wrote", &names::file_name(path));
     }
     Ok(Exit::Inconclusive)

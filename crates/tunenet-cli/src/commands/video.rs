@@ -17,7 +17,7 @@ use crate::files::videos::is_video;
 /// A video in which no ball could be followed: an answer, and no fault of the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {}", path.display(), note.text)]
-pub struct Unseen {
+pub struct TrackFailure {
     /// The video.
     pub path: PathBuf,
     /// Why, and what to try.
@@ -60,7 +60,7 @@ impl Asked {
     /// All that is found in the video at `path`.
     ///
     /// # Errors
-    /// [`Unseen`] where no ball can be followed; [`Error::File`] where the video cannot be read or nothing reads videos here.
+    /// [`TrackFailure`] where no ball can be followed; [`Error::File`] where the video cannot be read or nothing reads videos here.
     pub fn track(self, path: &Path) -> Result<Tracked> {
         match self.run(path)? {
             TrackAnswer::Tracked(tracked) => Ok(*tracked),
@@ -69,7 +69,8 @@ impl Asked {
                 Err(Error::Setting { origin: Origin::Flag, name: flag.word(), expected, found }.into())
             }
             TrackAnswer::Untracked(untracked) => {
-                Err(Unseen { path: path.into(), note: untracked.finding.note(), untracked: Some(untracked) }.into())
+                Err(TrackFailure { path: path.into(), note: untracked.finding.note(), untracked: Some(untracked) }
+                    .into())
             }
         }
     }

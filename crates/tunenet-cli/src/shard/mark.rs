@@ -54,7 +54,7 @@ pub struct Mark {
     schema: String,
     /// The version that wrote the shard.
     pub version: String,
-    /// The program itself, as a digest: a version alone would not tell two builds apart.
+    /// The program itself, as a digest: a version alone would not distinguish two builds.
     pub program: String,
     /// Which share this is.
     pub shard: Shard,

@@ -33,7 +33,7 @@ pub struct Settings {
     /// Greatest probability of an effect by chance, all candidates together.
     pub significance: f64,
     /// How much the information criterion has to gain for an effect, and how far apart two explanations have to lie to be
-    /// told apart: 6 is odds of twenty to one.
+    /// distinguished: 6 is odds of twenty to one.
     pub margin: f64,
     /// Most effects added.
     pub most_effects: usize,

@@ -73,7 +73,7 @@ pub(super) struct Outcome {
     /// Half the robust sum of squares with that of the nuisance parameters from their priors.
     pub cost: f64,
     /// The part of the cost that the priors have.
-    pub pull: f64,
+    pub prior_part: f64,
     /// Covariance of the shared parameters for noise as stated.
     pub covariance: DMatrix<f64>,
 }
@@ -125,7 +125,7 @@ impl LeastSquares for Portion<'_> {
     }
 
     fn prior_sd(&self, recording: usize, i: usize) -> f64 {
-        self.joint.sets[recording].pull[i]
+        self.joint.sets[recording].prior_sd[i]
     }
 
     fn residual(&self, recording: usize, parameters: &[f64], nuisances: &[f64]) -> Result<Vec<f64>> {
@@ -299,9 +299,9 @@ impl Joint<'_> {
             }
         }
         let part = self.whole();
-        let pull = prior_cost(&Portion { joint: self, part: &part, which: Which::ALL }, &point);
-        let cost = huber_cost(&residuals, spread(&residuals)) + pull;
-        Ok(Outcome { point, residuals, cost, pull, covariance })
+        let prior_part = prior_cost(&Portion { joint: self, part: &part, which: Which::ALL }, &point);
+        let cost = huber_cost(&residuals, spread(&residuals)) + prior_part;
+        Ok(Outcome { point, residuals, cost, prior_part, covariance })
     }
 }
 

@@ -27,11 +27,11 @@ pub(super) fn set_aside(sets: &mut [Set], residuals: &[Vec<f64>]) -> usize {
             (if beside[i / width] { &mut near } else { &mut far }).all += 1;
         }
         for i in outlying(set, values) {
-            (if beside[i / width] { &mut near } else { &mut far }).wild += 1;
+            (if beside[i / width] { &mut near } else { &mut far }).outlying += 1;
             chosen.push((d, i, beside[i / width]));
         }
     }
-    let gathered = near.wild >= FEWEST_GATHERED && near.of() > GATHERED * far.of();
+    let gathered = near.outlying >= FEWEST_GATHERED && near.of() > GATHERED * far.of();
     chosen.retain(|(_, _, beside)| !(gathered && *beside));
     for &(d, i, _) in &chosen {
         sets[d].keep[i] = false;
@@ -41,13 +41,13 @@ pub(super) fn set_aside(sets: &mut [Set], residuals: &[Vec<f64>]) -> usize {
 
 #[derive(Default)]
 struct Share {
-    wild: usize,
+    outlying: usize,
     all: usize,
 }
 
 impl Share {
     fn of(&self) -> f64 {
-        self.wild as f64 / (self.all as f64).max(1.0)
+        self.outlying as f64 / (self.all as f64).max(1.0)
     }
 }
 
@@ -81,9 +81,9 @@ fn outlying(set: &Set, residuals: &[f64]) -> Vec<usize> {
             })
             .collect();
         let spread = mad_sd(off.iter().copied()).max(0.5);
-        let wild: Vec<usize> = (0..off.len()).filter(|&k| off[k].abs() > OUTLYING * spread).collect();
-        if (wild.len() as f64) < MOST_OUTLYING * places.len() as f64 {
-            all.extend(wild.into_iter().map(|k| places[k]));
+        let outlying: Vec<usize> = (0..off.len()).filter(|&k| off[k].abs() > OUTLYING * spread).collect();
+        if (outlying.len() as f64) < MOST_OUTLYING * places.len() as f64 {
+            all.extend(outlying.into_iter().map(|k| places[k]));
         }
     }
     all
@@ -96,13 +96,13 @@ mod tests {
     use crate::simulator::Prepared;
 
     /// Two seconds at 100 Hz with contacts every 0.4 s, residuals of alternating sign, and these samples far off.
-    fn with(wild: &[usize]) -> (Vec<Set>, Vec<Vec<f64>>) {
+    fn with(outlying: &[usize]) -> (Vec<Set>, Vec<Vec<f64>>) {
         let clock: Vec<f64> = (0..200).map(|k| f64::from(k) * 0.01).collect();
         let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.5 * t, (t * 5.0).sin()]).collect();
         let mut set = Set::new(0, 0, false, Prepared::whole(Observation::positions(clock, &rows).unwrap(), 1));
         set.events = vec![0.4, 0.8, 1.2, 1.6];
         let mut residuals: Vec<f64> = (0..600).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
-        for k in wild {
+        for k in outlying {
             residuals[3 * k + 2] = 20.0;
         }
         (vec![set], vec![residuals])

@@ -4,8 +4,8 @@
 //! every command that needs no video. It prints one JSON object on standard output and exits 0, or one sentence on standard
 //! error and exits 1; wrong usage exits 2. What `track` cannot do is reported on standard output as well, for the parent to say.
 
-mod rehearse;
 mod speed;
+mod synthetic;
 mod track;
 
 use std::io::Write;
@@ -30,8 +30,8 @@ enum Command {
     #[command(after_help = "Example:\n  tunenet-video track drop.mp4")]
     Track(track::Options),
     /// Render and track the videos that standard input asks for; print the tracks as a JSON array
-    #[command(hide = true)]
-    Film,
+    #[command(name = "film", hide = true)]
+    Synthetic,
     /// Measure how fast pictures are made, decoded and tracked
     #[command(hide = true)]
     Speed {
@@ -39,8 +39,8 @@ enum Command {
         folder: PathBuf,
     },
     /// Write a video of 4K frames
-    #[command(hide = true)]
-    LongFilm {
+    #[command(name = "long-film", hide = true)]
+    LongVideo {
         /// Where to
         path: PathBuf,
         /// How many
@@ -51,9 +51,9 @@ enum Command {
 fn main() -> ExitCode {
     let Arguments { command } = Arguments::parse();
     let done = match command {
-        Command::Film => rehearse::run().and_then(|tracks| print(&tracks)),
+        Command::Synthetic => synthetic::run().and_then(|tracks| print(&tracks)),
         Command::Speed { folder } => speed::run(&folder).and_then(|speed| print(&speed)),
-        Command::LongFilm { path, frames } => speed::long_film(&path, frames),
+        Command::LongVideo { path, frames } => speed::long_video(&path, frames),
         Command::Track(options) => track::run(&options).and_then(|answer| print(&answer)),
     };
     match done {

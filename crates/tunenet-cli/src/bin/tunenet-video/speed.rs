@@ -1,4 +1,4 @@
-//! How fast pictures are made, decoded and tracked: what `tunenet bench speed` prints of films.
+//! How fast pictures are made, decoded and tracked: what `tunenet bench speed` prints of videos.
 
 use std::path::Path;
 use std::time::Instant;
@@ -17,31 +17,31 @@ use tunenet_video_protocol::synthetic::{Degradation, Take};
 /// Each figure is the median of so many measurements.
 const REPEATS: usize = 5;
 const FRAMES: usize = 400;
-const FILM_FRAMES: usize = 240;
+const VIDEO_FRAMES: usize = 240;
 const RATE_HZ: f64 = 60.0;
 /// The paper's ball, m.
 const RADIUS_M: f64 = 0.5;
 /// What noise and compression are where they are asked for.
-const SPOILT: (f64, i32) = (6.0, 75);
+const DEGRADED: (f64, i32) = (6.0, 75);
 
 /// All figures. `folder` takes the videos that are made.
 pub fn run(folder: &Path) -> Result<VideoSpeed> {
     let take = Take { camera: camera((160, 120))?, heights_m: heights(FRAMES), across_m: Vec::new() };
     let clean = render(&take, 0.0, None)?;
-    let degradation = render(&take, SPOILT.0, Some(SPOILT.1))?;
+    let degradation = render(&take, DEGRADED.0, Some(DEGRADED.1))?;
     let (tracked, off_px) = small(&take)?;
-    let film = folder.join("phone.mp4");
-    write(&film, (1920, 1080), FILM_FRAMES)?;
-    let (decoded, both) = film_rates(&film)?;
+    let video = folder.join("phone.mp4");
+    write(&video, (1920, 1080), VIDEO_FRAMES)?;
+    let (decoded, both) = video_rates(&video)?;
     Ok(VideoSpeed {
         render: Render { clean_frames_s: clean, noise_and_jpeg_frames_s: degradation },
         track: Track { frames_s: tracked, worst_px: off_px },
-        video: DecodingSpeed { decode_frames_s: decoded, track_frames_s: both, frames: FILM_FRAMES },
+        video: DecodingSpeed { decode_frames_s: decoded, track_frames_s: both, frames: VIDEO_FRAMES },
     })
 }
 
 /// Writes a video of so many frames of 4K, for the memory that tracking it takes.
-pub fn long_film(path: &Path, frames: usize) -> Result<()> {
+pub fn long_video(path: &Path, frames: usize) -> Result<()> {
     write(path, (3840, 2160), frames)
 }
 
@@ -95,13 +95,13 @@ fn small(take: &Take) -> Result<(f64, f64)> {
 }
 
 /// Frames per second of decoding a video alone, and of decoding and tracking it.
-fn film_rates(path: &Path) -> Result<(f64, f64)> {
+fn video_rates(path: &Path) -> Result<(f64, f64)> {
     let source = Source::new(path, None);
-    let decoded = rates(FILM_FRAMES, || {
+    let decoded = rates(VIDEO_FRAMES, || {
         source.stream(usize::MAX, &mut |_, _, image, _| Ok(vec![image]))?;
         Ok(())
     })?;
-    let both = rates(FILM_FRAMES, || match track(&source, &Settings::default(), &mut |_, _| {})? {
+    let both = rates(VIDEO_FRAMES, || match track(&source, &Settings::default(), &mut |_, _| {})? {
         Answer::Tracked(_) => Ok(()),
         Answer::Untracked { finding, .. } => anyhow::bail!("{}", finding.text),
     })?;

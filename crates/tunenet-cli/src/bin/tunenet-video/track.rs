@@ -39,10 +39,10 @@ pub struct Options {
     /// The camera's true frames per second
     #[arg(long)]
     camera_rate: Option<f64>,
-    /// Samples per second that are told
+    /// Samples per second that are reported
     #[arg(long)]
     rate: Option<f64>,
-    /// Samples that are told with a rate, else most frames
+    /// Samples that are reported with a rate, else most frames
     #[arg(long)]
     frames: Option<usize>,
     /// The ball's radius, m

@@ -39,7 +39,7 @@ pub fn of(recordings: &[PathBuf]) -> Result<Vec<String>> {
 }
 
 /// What each of `recordings` is called for users, in their order: the file's name, and of several files with one name as
-/// many of their folders as tell them apart. One that is given twice is called the same twice.
+/// many of their folders as distinguish them. One that is given twice is called the same twice.
 pub fn shown(recordings: &[PathBuf]) -> Vec<String> {
     let parts = |path: &PathBuf| -> Vec<String> {
         let place = straight(path).unwrap_or_else(|_| path.clone());
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn files_of_one_name_are_told_apart() {
+    fn files_of_one_name_get_names_of_their_own() {
         let shown = |paths: &[&str]| shown(&paths.iter().map(PathBuf::from).collect::<Vec<_>>());
         assert_eq!(shown(&["runs/a/drop.csv", "runs/b/other.csv"]), ["drop.csv", "other.csv"]);
         assert_eq!(shown(&["runs/a/drop.csv", "runs/b/drop.csv", "c.csv"]), ["a/drop.csv", "b/drop.csv", "c.csv"]);

@@ -61,8 +61,8 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
     if file.ball()?.surface.height_m.is_none() {
         file.set("surface.height_m=0")?;
     }
-    let filmed = VideoDrops::new(&file)?;
-    let ball = filmed.ball();
+    let drops = VideoDrops::new(&file)?;
+    let ball = drops.ball();
     let floor = file.ball()?.surface.height_m.unwrap_or(0.0);
     let (proposed, target) = ranges(preset);
     let pixels = options.domain == Domain::BallVideo;
@@ -90,7 +90,7 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
         let pair = |_: u64, random: &mut ChaCha8Rng| {
             let top = floor + random.random_range(CENTRE_HEIGHT_M);
             let [proposed, target] = [proposed, target].map(|(low, high)| random.random_range(low..=high));
-            filmed.pair(proposed, target, top, random)
+            drops.pair(proposed, target, top, random)
         };
         let shard = options.sharing.shard;
         return made(options, &header, |report| fill(&header, shard, &pair, out, report));

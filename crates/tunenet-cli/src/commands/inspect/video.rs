@@ -6,7 +6,7 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_video_protocol::track::Facts;
 
-use crate::commands::video::{Asked, Unseen};
+use crate::commands::video::{Asked, TrackFailure};
 use crate::view::answer::Printout;
 
 /// What is in the video at `path`, and whether it can be used.
@@ -15,12 +15,12 @@ pub fn look(path: &Path, camera_rate: Option<f64>, shown: &mut Printout) -> Resu
     let found = match asked.track(path) {
         Ok(found) => found,
         Err(error) => {
-            let unseen = error.downcast::<Unseen>()?;
-            shown.row("unusable", &unseen.note.text);
-            shown.line(&format!("  try: {}", unseen.note.remedy));
-            let (frames, warnings) = unseen.untracked.map_or((0, Vec::new()), |u| (u.frames, vec![u.finding]));
+            let failure = error.downcast::<TrackFailure>()?;
+            shown.row("unusable", &failure.note.text);
+            shown.line(&format!("  try: {}", failure.note.remedy));
+            let (frames, warnings) = failure.untracked.map_or((0, Vec::new()), |u| (u.frames, vec![u.finding]));
             let object = json!({
-                "kind": "film", "reason": unseen.note.text, "remedy": unseen.note.remedy,
+                "kind": "film", "reason": failure.note.text, "remedy": failure.note.remedy,
                 "frames": frames, "seen": 0, "warnings": warnings,
             });
             return Ok((object, false));

@@ -9,15 +9,15 @@ use tunenet_formats::Recording;
 use tunenet_video_protocol::VideoFinding;
 use tunenet_video_protocol::track::{Metres, Tracked};
 
-use crate::commands::video::Unseen;
+use crate::commands::video::TrackFailure;
 
 /// The positions in what was found.
 ///
 /// # Errors
-/// [`Unseen`] where the ball never flies; [`Error::File`] where the video shows too little of it to say how large a pixel is.
+/// [`TrackFailure`] where the ball never flies; [`Error::File`] where the video shows too little of it to say how large a pixel is.
 pub fn positions(path: &Path, Tracked { facts, samples, .. }: &Tracked) -> Result<Recording> {
     if let Some(finding) = facts.rolls() {
-        return Err(Unseen { path: path.into(), note: finding.note(), untracked: None }.into());
+        return Err(TrackFailure { path: path.into(), note: finding.note(), untracked: None }.into());
     }
     let Some(Metres { x_m, z_m }) = &samples.metres else {
         let message = "expected a flight that shows how large a pixel is, found none";

@@ -32,7 +32,7 @@ use tunenet_sim::{Session, SimulationFile, simulator};
 use self::paths::{inputs, outputs, provenance};
 use self::read::read;
 use self::written::write_tuned;
-use super::video::Unseen;
+use super::video::TrackFailure;
 use super::{load, start};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
@@ -62,7 +62,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let recordings = threads.install(all);
     let recordings = match recordings {
         Ok(recordings) => recordings,
-        Err(error) => return unseen(error, options.common.json),
+        Err(error) => return rejected_video(error, options.common.json),
     };
     let (outcome, chosen) = threads
         .install(|| fit::tune_to(options, &file, &session, model.as_ref(), &recordings, &options.observation))?;
@@ -103,11 +103,11 @@ fn exit(verdict: Verdict) -> Exit {
 }
 
 /// A video that shows no ball to tune to is an answer; every other error stays one.
-fn unseen(error: anyhow::Error, as_json: bool) -> Result<Exit> {
-    let unseen = error.downcast::<Unseen>()?;
+fn rejected_video(error: anyhow::Error, as_json: bool) -> Result<Exit> {
+    let rejected_video = error.downcast::<TrackFailure>()?;
     let mut shown = Printout::default();
-    shown.verdict(&format!("REJECTED  {unseen}"));
-    shown.warn(&unseen.note);
-    shown.show(as_json, || json::rejected(&unseen.note))?;
+    shown.verdict(&format!("REJECTED  {rejected_video}"));
+    shown.warn(&rejected_video.note);
+    shown.show(as_json, || json::rejected(&rejected_video.note))?;
     Ok(Exit::Inconclusive)
 }

@@ -19,7 +19,7 @@ pub struct Axis {
 impl Axis {
     /// From `low` to `high` (widened where they coincide) over the places `from` to `to`.
     pub fn new((low, high): (f64, f64), (from, to): (f64, f64)) -> Self {
-        // Below, doubles can no longer tell ticks apart.
+        // Below, doubles no longer distinguish ticks.
         let least = 1e-14 * low.abs().max(high.abs()).max(1e-9);
         let (low, high) = if high - low > least { (low, high) } else { (low - least.max(0.5), high + least.max(0.5)) };
         let mut axis = Self { low, high, from, to, offset: 0.0 };

@@ -9,7 +9,7 @@ const HEIGHT: f64 = 17.0;
 const TRIES: usize = 48;
 /// What another label in the way costs, in points of a line in the way ...
 const OVERLAP: usize = 1000;
-/// ... and what it costs to stand where another line runs within this distance, so that a reader cannot tell which is meant.
+/// ... and what it costs to stand where another line runs within this distance, so that it is unclear which is meant.
 const AMBIGUOUS: (usize, f64) = (400, 24.0);
 /// Lines are felt at places this far apart.
 const FEEL: f64 = 4.0;

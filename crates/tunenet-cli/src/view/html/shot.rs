@@ -33,7 +33,7 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
     let (class, word) =
         if plan.reachable { ("verdict tuned", "PLANNED") } else { ("verdict rejected", "OUT OF REACH") };
     let text = sentence::plan(answer);
-    let told = text.split_once("  ").map_or(text.as_str(), |(_, told)| told);
+    let sentence = text.split_once("  ").map_or(text.as_str(), |(_, sentence)| sentence);
     let chance = |c: &Candidate| c.probability.map(|p| 100.0 * p);
     let rule = if answer.settings.rule == Rule::Nearest {
         "the path that passes closest to the hoop's centre"
@@ -43,7 +43,7 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
     let rollouts =
         format!("{} heights; balls drawn from what is uncertain: {}", plan.candidates.len(), answer.settings.draws);
     let body = html! {
-        section class=(class) { div { p.word { (word) } p { (told) } } }
+        section class=(class) { div { p.word { (word) } p { (sentence) } } }
         section {
             h2 { "Shot" }
             p.how { "To scale, seen from the side. The dark line is the ball's centre with the values of the file, the circles are that "
@@ -144,8 +144,8 @@ fn shot(answer: &Answer) -> Markup {
     }
     // The plane is a ball's radius below the centre of a ball that touches it.
     let [nx, ny, nz] = scene.plane_normal;
-    let (lean, _) = along(answer, [nx, ny, 0.0]);
-    let on_plane = |s: f64| (s, -(scene.radius_m + lean * s) / nz);
+    let (tilt, _) = along(answer, [nx, ny, 0.0]);
+    let on_plane = |s: f64| (s, -(scene.radius_m + tilt * s) / nz);
     svg.path("plane", &panel.spots(&inside(&[on_plane(-PLANE_M), on_plane(0.0), on_plane(PLANE_M)])), false);
     let rim = panel.spots(&[(middle - reach, level), (middle + reach, level)]);
     svg.line("limit", rim[0], rim[1]);

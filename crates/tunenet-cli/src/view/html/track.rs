@@ -40,7 +40,7 @@ pub fn write(path: &Path, name: &str, found: &Tracked, notes: &[Note]) -> Result
 }
 
 /// Writes the page for the video `name`, in which no ball could be followed.
-pub fn unseen(path: &Path, name: &str, found: &Untracked) -> Result<()> {
+pub fn refused(path: &Path, name: &str, found: &Untracked) -> Result<()> {
     let word = found.reason.word().replace('_', " ").to_uppercase();
     let body = html! {
         section.verdict.not {

@@ -9,7 +9,7 @@ use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
 use super::{four_digits, in_words, list, note, rounded, stage, verbose};
-use crate::answers::diagnose::{Answer, Loaded, NAMELESS, is_per_joint};
+use crate::answers::diagnose::{Answer, Loaded, NOT_IN_CATALOGUE, is_per_joint};
 use crate::answers::improved::Written;
 use crate::view::answer::Printout;
 
@@ -155,7 +155,7 @@ pub fn sentence(answer: &Answer) -> String {
 fn choices(answer: &Answer) -> String {
     let (open, firm) = answer.open_and_firm();
     let one = |names: &Vec<&str>| match names.as_slice() {
-        [lone] => format!("{lone}, or {NAMELESS}"),
+        [lone] => format!("{lone}, or {NOT_IN_CATALOGUE}"),
         names => names.join(", "),
     };
     let open: Vec<String> = open.iter().map(one).collect();

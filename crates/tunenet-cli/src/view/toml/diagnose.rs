@@ -50,7 +50,7 @@ pub fn provenance(
     ];
     if diagnosis.verdict == Verdict::OneOf {
         entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
-        // Of what cannot be told apart only one is written, never all together.
+        // Of effects that are not distinguished only one is written, never all together.
         entries.push(("chosen", answer.chosen().into_iter().collect::<Array>().into()));
         // Numbers of flights alone are not those that a fit to whole recordings finds, where these are not explained.
         if gap.of == GapOf::Recordings {

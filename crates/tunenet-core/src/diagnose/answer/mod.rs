@@ -268,7 +268,7 @@ pub struct Diagnosis {
     pub margin: f64,
     /// How much the information criterion has to gain for an effect to be there at all.
     pub least_gain: f64,
-    /// Where verdict is `OneOf` although the evidence tells the first of what is left from all others by far: why it earns no
+    /// Where verdict is `OneOf` although the evidence distinguishes the first of what is left from all others by far: why it earns no
     /// lone name all the same.
     pub doubt: Option<&'static str>,
     /// Where verdict is `Unknown`: what is left, in words.

@@ -152,7 +152,7 @@ fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
                 object: set.object,
                 motion: 0,
                 held_out: false,
-                pull: set.pull.clone(),
+                prior_sd: set.prior_sd.clone(),
                 prepared,
                 noise: set.noise.clone(),
                 keep,

@@ -102,7 +102,7 @@ pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>)
     if recordings.len() > 1 && context.evidence.shows_one_motion() {
         let words = words(context);
         let text = format!(
-            "all {} recordings show one and the same {motion}, so they count as one: what one {motion} cannot tell apart \
+            "all {} recordings show one and the same {motion}, so they count as one: what one {motion} does not distinguish \
              stays together, however often it is repeated",
             recordings.len(),
             motion = words.motion

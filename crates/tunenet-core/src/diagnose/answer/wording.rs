@@ -18,7 +18,7 @@ pub struct Wording {
     pub add: &'static str,
     /// What to do where nothing known explains.
     pub vary: &'static str,
-    /// What is said before effects that no design separates: "no motion tells".
+    /// What is said before effects that no design separates: "no motion distinguishes".
     pub inseparable: &'static str,
     /// What separates effects that no design separates, by the name of an effect; `None` of one of which nothing is known.
     pub knowledge: fn(&str) -> Option<&'static str>,
@@ -44,7 +44,7 @@ pub static GENERAL: Wording = Wording {
     otherwise: "record motions that start otherwise or are driven otherwise, slower and faster",
     add: "add recordings that start otherwise or are driven otherwise",
     vary: "vary one thing at a time (start, inputs, parameters, sensor) and see with which of them it changes",
-    inseparable: "no motion tells",
+    inseparable: "no motion distinguishes",
     knowledge,
     start,
     segment: ["segment", "segments"],

@@ -26,8 +26,8 @@ pub struct PreparedRecording {
     pub(in crate::diagnose) motion: usize,
     pub(in crate::diagnose) held_out: bool,
     pub(in crate::diagnose) prepared: Prepared,
-    /// How strongly each nuisance parameter is drawn to its guess: a standard deviation.
-    pub(in crate::diagnose) pull: Vec<f64>,
+    /// The standard deviation of the prior of each nuisance parameter, about its guess.
+    pub(in crate::diagnose) prior_sd: Vec<f64>,
     /// Standard deviation of each channel.
     pub(in crate::diagnose) noise: Vec<f64>,
     /// Whether a value counts, shape `[sample · channel]`.
@@ -117,14 +117,14 @@ impl PreparedRecording {
             (0..seen.values().len()).map(|i| ranges[i % width] > STILL_SHARE * widest || width == 1).collect();
         let events = segmentation.map_or_else(Vec::new, |known| known.events(seen));
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
-        let pull = prepared.nuisances.iter().map(Parameter::span).collect();
+        let prior_sd = prepared.nuisances.iter().map(Parameter::span).collect();
         Self {
             recording,
             object,
             motion: recording,
             held_out,
             prepared,
-            pull,
+            prior_sd,
             noise,
             keep,
             filter,
@@ -138,9 +138,9 @@ impl PreparedRecording {
         let width = self.width();
         let keep = self.keep[range.start * width..range.end * width].to_vec();
         let filter = Filter::new(prepared.seen.clock(), &self.noise, &keep, 0.0);
-        let pull = prepared.nuisances.iter().map(Parameter::span).collect();
+        let prior_sd = prepared.nuisances.iter().map(Parameter::span).collect();
         let (noise, events) = (self.noise.clone(), Vec::new());
-        let mut piece = Self { prepared, pull, noise, keep, filter, events, ..*self };
+        let mut piece = Self { prepared, prior_sd, noise, keep, filter, events, ..*self };
         piece.hold_still();
         piece
     }

@@ -42,7 +42,7 @@ fn raise_noise(segment: &mut PreparedRecording) {
     segment.colour(0.0);
 }
 
-/// The standard deviation of `values` from their best cubic in `places`, robust to wild ones; `None` for too few.
+/// The standard deviation of `values` from their best cubic in `places`, robust to outliers; `None` for too few.
 fn astray(places: &[f64], values: &[f64]) -> Option<f64> {
     if values.len() < TERMS * SAMPLES_EACH {
         return None;
@@ -58,7 +58,7 @@ fn astray(places: &[f64], values: &[f64]) -> Option<f64> {
         let spread = CHANGES_OVER * mad_sd(left.iter().copied());
         weights = left.map(|v| if v.abs() > spread { spread / v.abs() } else { 1.0 });
     }
-    // Huber's loss counts a wild value by its distance, not by its square.
+    // Huber's loss counts an outlier by its distance, not by its square.
     let squares: f64 = left.iter().zip(weights.iter()).map(|(v, w)| w * v * v).sum();
     Some((squares / (values.len() - TERMS) as f64).sqrt())
 }
@@ -81,9 +81,9 @@ mod tests {
         let sd = astray(&places, &values).unwrap();
         assert!((sd / 0.002 - 1.0).abs() < 0.15, "{sd}");
         values[40] += 1.0;
-        let wild = astray(&places, &values).unwrap();
+        let with_outlier = astray(&places, &values).unwrap();
         // By its square it would raise the spread to 58 mm.
-        assert!(wild < 2.5 * sd, "{wild} {sd}");
+        assert!(with_outlier < 2.5 * sd, "{with_outlier} {sd}");
         assert!(astray(&places[..15], &values[..15]).is_none());
     }
 }

@@ -19,14 +19,14 @@ const ALIKE: f64 = 1e-6;
 pub(in crate::diagnose) fn fix_sign_ambiguous(context: &Context) -> Result<Evidence> {
     let mut evidence = Evidence::clone(&context.evidence);
     for sets in [&mut evidence.training, &mut evidence.validation] {
-        let mirrored = mirrored(context, sets)?;
-        hold(sets, &mirrored);
+        let ambiguous = ambiguous(context, sets)?;
+        hold(sets, &ambiguous);
     }
     Ok(evidence)
 }
 
 /// For each recording: which of its nuisance parameters are such.
-fn mirrored(context: &Context<'_>, sets: &[Set]) -> Result<Vec<Vec<bool>>> {
+fn ambiguous(context: &Context<'_>, sets: &[Set]) -> Result<Vec<Vec<bool>>> {
     let none = |set: &Set| vec![false; set.prepared.nuisances.len()];
     let mut found: Vec<Vec<bool>> = sets.iter().map(none).collect();
     if sets.iter().all(|set| set.unmeasured().is_empty()) {
@@ -60,9 +60,9 @@ fn mirrored(context: &Context<'_>, sets: &[Set]) -> Result<Vec<Vec<bool>>> {
     Ok(found)
 }
 
-fn hold(sets: &mut [Set], mirrored: &[Vec<bool>]) {
-    for (set, mirrored) in sets.iter_mut().zip(mirrored) {
-        for i in (0..mirrored.len()).filter(|&i| mirrored[i]) {
+fn hold(sets: &mut [Set], ambiguous: &[Vec<bool>]) {
+    for (set, ambiguous) in sets.iter_mut().zip(ambiguous) {
+        for i in (0..ambiguous.len()).filter(|&i| ambiguous[i]) {
             set.hold(i);
         }
     }

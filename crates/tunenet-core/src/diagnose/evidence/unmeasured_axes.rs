@@ -10,13 +10,13 @@ use crate::diagnose::joint::{Joint, Point, Which};
 use crate::statistics::dot;
 
 /// A coefficient that moves the recordings by less than this share of what another of its effect does is not seen.
-const UNSEEN_SHARE: f64 = 1e-3;
+const UNOBSERVED_SHARE: f64 = 1e-3;
 /// ... nor is one of a driven recording that moves it by less than this over all its physical range (root of the summed squares, in
 /// units of the noise).
 const VISIBLE: f64 = 2.0;
 /// A nuisance parameter whose whole range moves nothing by more than this (in units of the noise) is held at its guess ...
 pub(in crate::diagnose) const SILENT: f64 = 0.01;
-/// ... by a pull of this share of its range.
+/// ... by a prior with this share of its range as standard deviation.
 const HELD_SHARE: f64 = 1e-6;
 
 /// The context with nuisance parameters along axes that were not measured held, and no coefficient free that acts along them
@@ -83,7 +83,7 @@ fn observable(context: &Context<'_>, entry: usize, base: &Hypothesis) -> Result<
         return Ok(visible.into_iter().map(|seen| seen || none).collect());
     }
     let largest = sizes.iter().copied().fold(0.0, f64::max);
-    Ok(sizes.into_iter().map(|size| largest <= 0.0 || size > UNSEEN_SHARE * largest).collect())
+    Ok(sizes.into_iter().map(|size| largest <= 0.0 || size > UNOBSERVED_SHARE * largest).collect())
 }
 
 impl Set {
@@ -107,7 +107,7 @@ impl Set {
 
     /// Holds nuisance parameter `i` at its guess.
     pub(in crate::diagnose) fn hold(&mut self, i: usize) {
-        self.pull[i] = HELD_SHARE * self.prepared.nuisances[i].span();
+        self.prior_sd[i] = HELD_SHARE * self.prepared.nuisances[i].span();
     }
 }
 
@@ -149,9 +149,9 @@ mod tests {
     #[test]
     fn only_what_moves_nothing_is_held() {
         let mut set = seen_along_x_and_z();
-        let before = set.pull.clone();
+        let before = set.prior_sd.clone();
         set.hold_silent(&[vec![0.1; 90], vec![0.0; 90]]);
-        assert_eq!(set.pull[0], before[0]);
-        assert!(set.pull[1] < 1e-4 * before[1], "{:?}", set.pull);
+        assert_eq!(set.prior_sd[0], before[0]);
+        assert!(set.prior_sd[1] < 1e-4 * before[1], "{:?}", set.prior_sd);
     }
 }

@@ -52,7 +52,7 @@ pub(in crate::diagnose) struct CandidateFit<'a> {
 }
 
 impl CandidateFit<'_> {
-    /// A candidate that was fitted elsewhere.
+    /// A candidate that was fitted in another search.
     pub fn unfitted(entry: usize, gain: f64) -> Self {
         Self { entry, gain, predicted: gain, model: None, excluded: None, span: Vec::new() }
     }
@@ -270,7 +270,7 @@ fn fit_fully<'a>(context: &Context<'a>, trial: &CandidateFit<'a>, model: &Hypoth
             globals[place] = value.clamp(global.parameter.min, global.parameter.max);
         }
         let start = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
-        // A few steps tell whether this local minimum is a better one.
+        // A few steps show whether this local minimum is a better one.
         let tried = context.joint(&structure).fit(start, FEW_STEPS).ok()?;
         let tried = Some(Hypothesis { structure, fit: tried });
         if gain(&tried) > gain(&best) {

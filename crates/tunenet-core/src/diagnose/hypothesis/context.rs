@@ -62,7 +62,7 @@ impl Hypothesis<'_> {
     /// The robust sum of squares in units of the noise, losses changing over at 4 times `scale`, with that of the nuisance
     /// parameters from their priors.
     pub fn deviance(&self, scale: f64) -> f64 {
-        2.0 * (huber_cost(&self.fit.residuals, scale) + self.fit.pull)
+        2.0 * (huber_cost(&self.fit.residuals, scale) + self.fit.prior_part)
     }
 
     pub fn scale(&self) -> f64 {

@@ -1,9 +1,9 @@
-//! Physical plausibility: which coefficients can be believed, and which effects are required, optional or implausible.
+//! Physical plausibility: which coefficients are physical, and which effects are required, optional or implausible.
 
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 
-/// Why a coefficient of `model` cannot be believed: outside what is physical, or pushed against a bound.
+/// Why a coefficient of `model` is implausible: outside what is physical, or pushed against a bound.
 pub(in crate::diagnose) fn implausible(context: &Context<'_>, model: &Hypothesis) -> Option<String> {
     let spread = (model.deviance(model.scale()) / context.count() as f64).sqrt();
     for (position, &entry) in model.structure.effects.iter().enumerate() {

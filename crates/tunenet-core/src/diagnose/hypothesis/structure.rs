@@ -77,8 +77,8 @@ impl<'a> Structure<'a> {
         };
         for (object, subject) in subjects.iter().enumerate() {
             let parameters = subject.simulator.parameters();
-            let heard = |i: usize| sets.iter().any(|s| s.object == object && s.prepared.silent[i].is_none());
-            for i in (0..parameters.len()).filter(|&i| parameters[i].tune && heard(i)) {
+            let observed = |i: usize| sets.iter().any(|s| s.object == object && s.prepared.silent[i].is_none());
+            for i in (0..parameters.len()).filter(|&i| parameters[i].tune && observed(i)) {
                 let global =
                     Global { parameter: parameters[i].clone(), object: Some(object), effect: None, absent: None };
                 structure.add(global, object);

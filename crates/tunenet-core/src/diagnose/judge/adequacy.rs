@@ -104,17 +104,17 @@ fn heterogeneity(context: &Context<'_>, model: &Hypothesis) -> Option<Test> {
         score.places.iter().enumerate().for_each(|(i, &place)| whole[place] += score.normal[(i, i)]);
     }
     let (mut chi, mut freedom) = (0.0, 0.0);
-    for Score { places, normal, pull, .. } in scores {
+    for Score { places, normal, gradient, .. } in scores {
         // In units in which all recordings together know each number to 1.
         let unit: Vec<f64> = places.iter().map(|&p| f64::max(whole[p], f64::MIN_POSITIVE).sqrt()).collect();
         let scaled = DMatrix::from_fn(places.len(), places.len(), |i, j| normal[(i, j)] / (unit[i] * unit[j]));
         if places.is_empty() || scaled.iter().any(|v| !v.is_finite()) {
             continue;
         }
-        let pull = DVector::from_fn(places.len(), |i, _| pull[i] / unit[i]);
+        let gradient = DVector::from_fn(places.len(), |i, _| gradient[i] / unit[i]);
         let eigen = scaled.symmetric_eigen();
         for (k, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > 1e-6) {
-            chi += eigen.eigenvectors.column(k).dot(&pull).powi(2) / value;
+            chi += eigen.eigenvectors.column(k).dot(&gradient).powi(2) / value;
             freedom += 1.0;
         }
     }
@@ -226,7 +226,7 @@ fn band_power(sets: &[Set], residuals: &[Vec<f64>], unknowns: f64) -> Option<Tes
     })
 }
 
-/// Fails where the noise that was prewhitened is correlated for longer than noise is known to: nothing tells it from a misfit.
+/// Fails where the noise that was prewhitened is correlated for longer than noise is known to: nothing distinguishes it from a misfit.
 pub(in crate::diagnose) fn noise_correlation(rho: f64) -> Option<Test> {
     (rho > LONG_LAG1).then_some(Test {
         name: "correlation of the noise",

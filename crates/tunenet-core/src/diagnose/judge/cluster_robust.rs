@@ -26,12 +26,12 @@ pub(in crate::diagnose) fn stretch_robust_half_widths(context: &Context<'_>, mod
 
 fn half_widths(scores: &[Score], size: usize) -> Vec<Option<f64>> {
     let mut whole = DMatrix::zeros(size, size);
-    let mut pulls: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
+    let mut gradients: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
     let mut bearing = vec![std::collections::BTreeSet::new(); size];
     for score in scores {
-        let pull = pulls.entry(score.recording).or_insert_with(|| DVector::zeros(size));
+        let gradient = gradients.entry(score.recording).or_insert_with(|| DVector::zeros(size));
         for (i, &row) in score.places.iter().enumerate() {
-            pull[row] += score.pull[i];
+            gradient[row] += score.gradient[i];
             for (j, &column) in score.places.iter().enumerate() {
                 whole[(row, column)] += score.normal[(i, j)];
             }
@@ -41,7 +41,9 @@ fn half_widths(scores: &[Score], size: usize) -> Vec<Option<f64>> {
         }
     }
     let known = inverse(whole);
-    let meat = pulls.values().fold(DMatrix::zeros(size, size), |sum: DMatrix<f64>, pull| sum + pull * pull.transpose());
+    let meat = gradients
+        .values()
+        .fold(DMatrix::zeros(size, size), |sum: DMatrix<f64>, gradient| sum + gradient * gradient.transpose());
     let covariance = &known * meat * &known;
     let half = |place: usize| {
         let draws = bearing[place].len() as f64;
@@ -67,7 +69,7 @@ mod tests {
             recording,
             places: vec![0],
             normal: DMatrix::from_element(1, 1, normal),
-            pull: DVector::from_element(1, normal * by),
+            gradient: DVector::from_element(1, normal * by),
         };
         let values: Vec<f64> = (0..10).map(f64::from).collect();
         let (mean, sharp) = (4.5, 1e4);

@@ -31,13 +31,13 @@ fn share_moved(scores: &[Score], size: &dyn Fn(usize) -> Option<f64>, by_noise: 
             continue;
         }
         let normal = DMatrix::from_fn(mine.len(), mine.len(), |i, j| score.normal[(mine[i], mine[j])]);
-        let pull = DVector::from_fn(mine.len(), |i, _| score.pull[mine[i]]);
+        let gradient = DVector::from_fn(mine.len(), |i, _| score.gradient[mine[i]]);
         let sizes = DVector::from_vec(sizes);
         whole += sizes.dot(&(&normal * &sizes));
         let eigen = normal.symmetric_eigen();
         let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
         for (k, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, v)| **v > SILENT * largest) {
-            moved += eigen.eigenvectors.column(k).dot(&pull).powi(2) / value - by_noise;
+            moved += eigen.eigenvectors.column(k).dot(&gradient).powi(2) / value - by_noise;
         }
     }
     if whole > 0.0 { (moved.max(0.0) / whole).sqrt() } else { 0.0 }
@@ -54,7 +54,7 @@ mod tests {
             recording,
             places: vec![7, 3],
             normal: DMatrix::from_row_slice(2, 2, &[400.0, 0.0, 0.0, 1.0]),
-            pull: DVector::from_row_slice(&[400.0 * by, 50.0]),
+            gradient: DVector::from_row_slice(&[400.0 * by, 50.0]),
         };
         let scores = [score(0, 0.2), score(1, -0.2)];
         let size = |place: usize| (place == 7).then_some(2.0);

@@ -53,7 +53,7 @@ impl<'a> Judgement<'a> {
             Some(best) => validate(&context, best)?,
             None => before.clone(),
         };
-        tests.extend(worse_on_unseen(before.as_ref(), after.as_ref()));
+        tests.extend(worse_on_held_out(before.as_ref(), after.as_ref()));
         // Copies of the motion that was fitted confirm nothing.
         let evidence = &context.evidence;
         let another = |set: &Set| !evidence.shows_one_motion() || set.motion != evidence.training[0].motion;
@@ -88,7 +88,7 @@ impl<'a> Judgement<'a> {
         self.found.best.as_ref().unwrap_or(&self.found.base)
     }
 
-    /// The hypothesis that the answer tells: without effects where none are reported.
+    /// The hypothesis that the answer reports: without effects where none are reported.
     pub fn last(&self) -> &Hypothesis<'a> {
         if self.reports_effects() { self.best() } else { &self.found.base }
     }
@@ -100,7 +100,7 @@ impl<'a> Judgement<'a> {
 }
 
 /// Whether the effects raise the residual of recordings that were not fitted.
-fn worse_on_unseen(before: Option<&HeldOut>, after: Option<&HeldOut>) -> Option<Test> {
+fn worse_on_held_out(before: Option<&HeldOut>, after: Option<&HeldOut>) -> Option<Test> {
     let value = after?.rmse / before?.rmse.max(f64::MIN_POSITIVE);
     let passed = value <= HELD_OUT_WORSE;
     Some(Test { name: "held-out residual after over before", value, threshold: HELD_OUT_WORSE, passed })
@@ -114,7 +114,7 @@ mod tests {
     use crate::diagnose::strategy::explain;
 
     #[test]
-    fn what_is_told_is_the_hypothesis_with_its_effects() {
+    fn a_hypothesis_is_reported_with_its_effects() {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
             let judged = Judgement::new(explain(context, &|_| {}).unwrap()).unwrap();
             assert_eq!((judged.decision.verdict, judged.reports_effects()), (Verdict::Named, true));

@@ -6,7 +6,7 @@ use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::joint::Joint;
 
-/// Every so many segments one is hidden, the first never: nothing else tells how it began.
+/// Every so many segments one is hidden, the first never: nothing else shows how it began.
 const EVERY: usize = 3;
 
 /// Root mean square, in units of what each channel takes for noise, of what `model`, fitted anew to the other

@@ -17,20 +17,20 @@ pub(in crate::diagnose) const LEFT_SHARE: f64 = 0.1;
 /// ... where each of them has to be there anyhow (drag of a body of known mass and size): most of what was missing is
 /// accounted for, and the rest is something else. Whether such an effect exists is no question; how large it is, is.
 const LEFT_SHARE_CERTAIN: f64 = 1.0 / 3.0;
-/// Effects have to take the residual of unseen recordings down to this share ...
+/// Effects have to take the residual of held-out recordings down to this share ...
 pub(in crate::diagnose) const CONFIRMED: f64 = 0.5;
 /// ... and a wrong effect has to leave this many times as much.
 pub(in crate::diagnose) const CONTROL: f64 = 1.3;
 /// An effect may differ from recording to recording by this share of itself; what is only like it differs by more.
 const UNSTEADY: f64 = 0.15;
 
-/// Whether the effects found take away enough; the floors are the noise of the recordings themselves, and of the unseen
+/// Whether the effects found take away enough; the floors are the noise of the recordings themselves, and of the held-out
 /// ones, as mean squares of plain residuals.
 pub(in crate::diagnose) fn practical_tests(
     context: &Context<'_>,
     found: &Selection,
-    (floor, unseen_floor): (f64, f64),
-    unseen: Option<(&HeldOut, &HeldOut)>,
+    (floor, held_out_floor): (f64, f64),
+    held_out: Option<(&HeldOut, &HeldOut)>,
     control: Option<f64>,
 ) -> Result<Vec<Test>> {
     let Some(best) = &found.best else { return Ok(Vec::new()) };
@@ -46,19 +46,19 @@ pub(in crate::diagnose) fn practical_tests(
     let value = relative_heterogeneity(context, best);
     let passed = certain || value <= UNSTEADY;
     tests.push(Test { name: "difference between recordings", value, threshold: UNSTEADY, passed });
-    if let Some((before, after)) = unseen {
+    if let Some((before, after)) = held_out {
         // Where it is no question whether the effects are there, only what is no noise has to shrink.
-        let noise = if certain { unseen_floor } else { 0.0 };
+        let noise = if certain { held_out_floor } else { 0.0 };
         let beyond = |rmse: f64| (rmse * rmse - noise).max(0.0).sqrt();
         let after = beyond(after.rmse);
         let value = after / beyond(before.rmse).max(f64::MIN_POSITIVE);
         let passed = value <= CONFIRMED;
-        tests.push(Test { name: "unseen residual after over before", value, threshold: CONFIRMED, passed });
+        tests.push(Test { name: "held-out residual, share left", value, threshold: CONFIRMED, passed });
         if let Some(control) = control {
             let value = after / beyond(control).max(f64::MIN_POSITIVE);
             let threshold = CONTROL.recip();
             tests.push(Test {
-                name: "unseen residual over that of a wrong effect",
+                name: "held-out residual over that of a wrong effect",
                 value,
                 threshold,
                 passed: value <= threshold,

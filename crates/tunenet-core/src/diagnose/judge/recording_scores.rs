@@ -21,8 +21,8 @@ pub(in crate::diagnose) struct Score {
     pub places: Vec<usize>,
     /// What it knows of them, shape `[places, places]`.
     pub normal: DMatrix<f64>,
-    /// Where it pulls them, shape `[places]`: 0 summed over all recordings where the fit has arrived.
-    pub pull: DVector<f64>,
+    /// Gradient of its log-likelihood by them, shape `[places]`: 0 summed over all recordings where the fit has arrived.
+    pub gradient: DVector<f64>,
 }
 
 /// Derivatives of one recording's white residuals by the shared parameters, its nuisance parameters projected out.
@@ -54,8 +54,8 @@ fn project(directions: &[Vec<f64>], column: &mut [f64]) {
 
 fn score(recording: usize, places: &[usize], columns: &[&[f64]], residual: &[f64]) -> Score {
     let normal = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(columns[i], columns[j]));
-    let pull = DVector::from_fn(columns.len(), |i, _| -dot(columns[i], residual));
-    Score { recording, places: places.to_vec(), normal, pull }
+    let gradient = DVector::from_fn(columns.len(), |i, _| -dot(columns[i], residual));
+    Score { recording, places: places.to_vec(), normal, gradient }
 }
 
 /// The scores of all recordings at `model`.
@@ -160,7 +160,7 @@ mod tests {
             let scores = recording_scores(context, &base);
             assert_eq!(scores.iter().map(|s| s.recording).collect::<Vec<_>>(), [0, 1, 2, 3]);
             let known: f64 = scores.iter().map(|s| s.normal[(0, 0)]).sum();
-            let step = scores.iter().map(|s| s.pull[0]).sum::<f64>() / known;
+            let step = scores.iter().map(|s| s.gradient[0]).sum::<f64>() / known;
             assert!(step.abs() < 0.3 / known.sqrt(), "{step} of {}", known.sqrt().recip());
         });
     }

@@ -62,7 +62,7 @@ pub(in crate::diagnose) fn decide(context: &Context, found: &Selection, tests: &
     let mut near_any = false;
     for place in &found.places {
         let mut near = in_place_of(context, place, widest);
-        // One motion cannot tell what is in the catalogue from what is not, so the next best is left beside the best; where
+        // One motion does not distinguish what is in the catalogue from what is not, so the next best is left beside the best; where
         // nothing else explains anything, the best is left alone, and what is in no catalogue beside it.
         let doubtful = doubtful(context, place, confirmed);
         near_any |= !near.is_empty();

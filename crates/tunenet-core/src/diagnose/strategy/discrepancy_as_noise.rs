@@ -60,7 +60,7 @@ pub(in crate::diagnose) fn with_inflated_noise<'a>(
     floor: f64,
     progress: &dyn Fn(Progress),
 ) -> Result<Second<'a>> {
-    let unseen_floor = noise_floor(&context.evidence.validation);
+    let held_out_floor = noise_floor(&context.evidence.validation);
     let (context, mut found) = search_inflated(context, first, progress)?;
     let before = validate(&context, &found.base)?;
     let after = found.best.as_ref().map_or(Ok(None), |best| validate(&context, best))?;
@@ -68,7 +68,8 @@ pub(in crate::diagnose) fn with_inflated_noise<'a>(
         admit_equals(&context, &mut found, before.rmse, after.rmse)?;
     }
     let control = negative_control(&context, &found)?.map(|c| c.1);
-    let tests = practical_tests(&context, &found, (floor, unseen_floor), before.as_ref().zip(after.as_ref()), control)?;
+    let tests =
+        practical_tests(&context, &found, (floor, held_out_floor), before.as_ref().zip(after.as_ref()), control)?;
     Ok(Second { context, found, before, tests })
 }
 

@@ -89,7 +89,7 @@ fn understood<'a>(
         let tests = if small { Vec::new() } else { tests };
         return Ok(adequate.then_some((context, found, tests)));
     }
-    // The least that takes the large part away, where unseen segments confirm it.
+    // The least that takes the large part away, where held-out segments confirm it.
     if !context.evidence.validation.is_empty() {
         let mut second = with_inflated_noise(&context, &found, noise_floor(context.sets()), progress)?;
         prune(&second.context, &mut second.found)?;

@@ -65,7 +65,7 @@ fn what_no_glide_separates_is_reported_together_with_what_would() {
         assert!(found.names.contains(&twin), "{twin} in {:?}", found.names);
     }
     let text = found.next_experiment.unwrap().text;
-    assert!(text.starts_with("no motion tells") && text.contains("known length"), "{text}");
+    assert!(text.starts_with("no motion distinguishes") && text.contains("known length"), "{text}");
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub fn left(diagnosis: &Diagnosis) -> impl Iterator<Item = &Candidate> {
     diagnosis.candidates.iter().filter(|c| c.excluded.is_none())
 }
 
-/// Names that these recordings cannot tell from the best.
+/// Names that these recordings do not distinguish from the best.
 pub fn confusable(diagnosis: &Diagnosis) -> Vec<&'static str> {
     match diagnosis.verdict {
         Verdict::OneOf => diagnosis.names.clone(),

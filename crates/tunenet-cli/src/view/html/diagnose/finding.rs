@@ -6,7 +6,7 @@ use tunenet_core::simulator::Phase;
 use tunenet_sim::phase;
 
 use super::{capital, plain};
-use crate::answers::diagnose::{Answer, NAMELESS};
+use crate::answers::diagnose::{Answer, NOT_IN_CATALOGUE};
 use crate::view::html::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, prose, quantity, shape};
 
 pub fn finding(answer: &Answer) -> Markup {
@@ -73,8 +73,11 @@ pub fn sentence(answer: &Answer) -> String {
         Verdict::OneOf => {
             let (open, firm) = answer.open_and_firm();
             let words = |names: &[&str]| names.iter().map(|name| plain(name)).collect::<Vec<_>>();
-            let or_nameless =
-                if open.iter().any(|names| names.len() == 1) { format!(", or {NAMELESS}") } else { String::new() };
+            let or_unknown = if open.iter().any(|names| names.len() == 1) {
+                format!(", or {NOT_IN_CATALOGUE}")
+            } else {
+                String::new()
+            };
             let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
             let place = common_place(answer).map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
             let beside = if firm.is_empty() {
@@ -85,7 +88,7 @@ pub fn sentence(answer: &Answer) -> String {
             let why = diagnosis.doubt.map_or("not distinguishable in these recordings".into(), |doubt| {
                 format!("the first by far, but {doubt}")
             });
-            format!("{}{place}{or_nameless}{beside}: {why}.", capital(&open.join("; and ")))
+            format!("{}{place}{or_unknown}{beside}: {why}.", capital(&open.join("; and ")))
         }
         Verdict::Unknown => {
             let place = diagnosis.remains.map(|p| format!(" {}", phase::name(p))).unwrap_or_default();

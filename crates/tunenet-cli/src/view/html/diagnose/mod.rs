@@ -141,7 +141,7 @@ fn evidence(answer: &Answer) -> Markup {
                     "Decrease of the information criterion with only this effect added. An effect has to gain "
                     (format!("{:.0}", diagnosis.least_gain)) ", and every candidate within "
                     (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well, unless a warning says why not"
-                    @if diagnosis.verdict == Verdict::OneOf && diagnosis.doubt.is_none() { "; the bracket holds what these recordings cannot tell apart" }
+                    @if diagnosis.verdict == Verdict::OneOf && diagnosis.doubt.is_none() { "; the bracket holds what these recordings do not distinguish" }
                     "."
                     @if let Some(doubt) = diagnosis.doubt { " " (capital(doubt)) ", so " @if diagnosis.names.len() > diagnosis.effects.len() { "the second-best candidate is kept as well." } @else { "an effect outside the catalogue remains possible." } }
                     @else if single && diagnosis.verdict == Verdict::OneOf { " " (one_throw) " does not identify one effect, so the second-best candidate is kept as well." }
