@@ -30,7 +30,7 @@ pub struct Region {
     pub parameters: Vec<String>,
     /// The estimate, shape `[parameter]`.
     pub centre: Vec<f64>,
-    /// Covariance of the estimate, the scatter and the colour of the residuals included, shape `[parameter, parameter]`.
+    /// Covariance of the estimate, the scatter and the autocorrelation of the residuals included, shape `[parameter, parameter]`.
     /// `None` where a parameter has no slope at the estimate, so that the region is no ellipse.
     pub covariance: Option<DMatrix<f64>>,
     /// The ellipse holds θ with (θ − centre)ᵀ covariance⁻¹ (θ − centre) ≤ this.

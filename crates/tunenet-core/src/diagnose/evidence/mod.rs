@@ -65,7 +65,7 @@ impl Evidence {
 
     /// The same with residuals prewhitened by this lag-1 correlation; 0 is white noise.
     pub fn prewhitened(mut self, rho: f64) -> Self {
-        self.training.iter_mut().chain(&mut self.validation).for_each(|set| set.colour(rho));
+        self.training.iter_mut().chain(&mut self.validation).for_each(|set| set.prewhiten(rho));
         self.noise = if rho == 0.0 { NoiseModel::White } else { NoiseModel::Ar1 { rho } };
         self
     }

@@ -93,7 +93,7 @@ impl PreparedRecording {
         for (sd, known) in self.noise.iter_mut().zip(noise) {
             *sd = if *known > 0.0 { *known } else { *sd };
         }
-        self.colour(0.0);
+        self.prewhiten(0.0);
         self
     }
 }
@@ -149,7 +149,7 @@ impl PreparedRecording {
     /// evidence for anything else, and do not count.
     pub(in crate::diagnose) fn hold_still(&mut self) {
         self.held_still = true;
-        self.colour(0.0);
+        self.prewhiten(0.0);
     }
 
     /// Which values weigh.
@@ -179,7 +179,7 @@ impl PreparedRecording {
     }
 
     /// Takes this lag-one correlation of the noise for given.
-    pub(in crate::diagnose) fn colour(&mut self, rho: f64) {
+    pub(in crate::diagnose) fn prewhiten(&mut self, rho: f64) {
         self.filter = Filter::new(self.prepared.seen.clock(), &self.noise, &self.weighed(), rho);
     }
 }

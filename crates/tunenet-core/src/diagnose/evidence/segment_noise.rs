@@ -39,7 +39,7 @@ fn raise_noise(segment: &mut PreparedRecording) {
             segment.noise[channel] = segment.noise[channel].max(sd);
         }
     }
-    segment.colour(0.0);
+    segment.prewhiten(0.0);
 }
 
 /// The standard deviation of `values` from their best cubic in `places`, robust to outliers; `None` for too few.

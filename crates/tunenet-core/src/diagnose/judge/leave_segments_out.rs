@@ -42,7 +42,7 @@ fn without(set: &Set, turn: usize) -> (Set, Set) {
             judged.keep[i] &= hide;
         }
     }
-    shown.colour(0.0);
+    shown.prewhiten(0.0);
     (shown, judged)
 }
 
