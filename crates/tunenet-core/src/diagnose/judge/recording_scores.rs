@@ -37,7 +37,9 @@ fn reduced(context: &Context<'_>, model: &Hypothesis) -> Vec<Reduced> {
     let one = |one: Columns| {
         let nuisances = orthonormal(one.nuisances);
         let mut columns = one.shared;
-        columns.iter_mut().for_each(|column| project(&nuisances, column));
+        for column in &mut columns {
+            project(&nuisances, column);
+        }
         Reduced { places: one.places, columns, nuisances }
     };
     columns.into_iter().map(one).collect()
