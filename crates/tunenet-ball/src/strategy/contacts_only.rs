@@ -4,7 +4,8 @@
 use crate::findings;
 use tunenet_core::Result;
 use tunenet_core::diagnose::{
-    Candidate, Diagnosis, Explanation, GapOf, NextExperiment, PreparedRecording, Problem, Settings, Strategy, Verdict,
+    Candidate, Conclusion, Explanation, GapOf, NamedEffect, NextExperiment, PreparedRecording, Problem, Settings,
+    Strategy, Verdict,
 };
 use tunenet_core::observation::{Kind, Note};
 use tunenet_core::simulator::{Effect, Phase, Preparation, Simulator, measurement_effects};
@@ -32,7 +33,7 @@ impl Strategy for ContactsOnly {
         let whole = &so_far.diagnosis;
         let as_recorded = whole.gap.as_ref().is_none_or(|gap| gap.of == GapOf::Recordings);
         let adequate = whole.adequacy.iter().all(|test| test.passed);
-        as_recorded && (crowded(problem, whole) || whole.verdict == Verdict::Unknown || !adequate)
+        as_recorded && (crowded(problem, whole) || whole.verdict() == Verdict::Unknown || !adequate)
     }
 
     fn attempt(&self, problem: &Problem, so_far: &Explanation) -> Result<Option<Explanation>> {
@@ -49,9 +50,10 @@ impl Strategy for ContactsOnly {
         }
         let Some((mut explained, used)) = found else { return Ok(None) };
         let answer = &mut explained.diagnosis;
-        keep_kin(answer, problem.settings().margin);
-        if used < FEWEST_RECORDINGS {
-            leave_open(answer);
+        let kin = only_kin(answer.conclusion.clone(), &answer.candidates, problem.settings().margin);
+        answer.conclusion = if used < FEWEST_RECORDINGS { left_open(kin, &answer.candidates) } else { kin };
+        if used < FEWEST_RECORDINGS && answer.next_experiment.is_none() {
+            answer.next_experiment = Some(NextExperiment { text: WORDING.add.into(), settings: Vec::new() });
         }
         answer.rollouts += so_far.diagnosis.rollouts;
         answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Events);
@@ -89,10 +91,10 @@ fn of_contacts(problem: &Problem, spinning: &[Box<dyn Simulator>], wider: f64) -
     let settings = Settings { most_effects: 1, ..problem.settings().clone() };
     let Ok(explained) = problem.explain(spinning, detrended, &settings, &at_contact) else { return Ok(None) };
     let answer = &explained.diagnosis;
-    let named = matches!(answer.verdict, Verdict::Named | Verdict::OneOf) && !answer.effects.is_empty();
+    let effects = answer.effects();
     let seen_so: Vec<&str> = measurement_effects(Kind::Positions).iter().map(|e| e.name).collect();
-    let by_camera = answer.effects.iter().any(|n| n.effect.mistaken_for.iter().any(|o| seen_so.contains(o)));
-    Ok((named && !by_camera).then_some((explained, used)))
+    let by_camera = effects.iter().any(|n| n.effect.mistaken_for.iter().any(|o| seen_so.contains(o)));
+    Ok((!effects.is_empty() && !by_camera).then_some((explained, used)))
 }
 
 /// A recording whose flights are de-trended under the gravity of its scene, where that shows something, and what no tilt
@@ -124,26 +126,30 @@ fn detrended_recording(
 
 /// One throw leaves what lies within ten times the usual margin. Here the alternatives are what acts at contacts only, so
 /// beyond the usual margin only those are left that the catalogue says can be mistaken for the one named.
-fn keep_kin(answer: &mut Diagnosis, margin: f64) {
-    for place in &mut answer.effects {
-        let near = |name: &str| answer.candidates.iter().any(|c| c.name == name && c.delta < margin);
-        place.alternatives.retain(|name| near(name) || place.effect.mistaken_for.contains(name));
+fn only_kin(conclusion: Conclusion, candidates: &[Candidate], margin: f64) -> Conclusion {
+    let Conclusion::OneOf { mut effects, doubt, .. } = conclusion else { return conclusion };
+    let near = |name: &str| candidates.iter().any(|c| c.name == name && c.delta < margin);
+    for NamedEffect { effect, alternatives, .. } in &mut effects {
+        alternatives.retain(|name| near(name) || effect.mistaken_for.contains(name));
     }
-    answer.names =
-        answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
+    Conclusion::OneOf { names: with_alternatives(&effects), effects, doubt }
 }
 
 /// Leaves another effect of contact that can be mistaken for the only one named.
-fn leave_open(answer: &mut Diagnosis) {
-    for place in answer.effects.iter_mut().filter(|place| place.alternatives.is_empty()) {
-        let kin = |c: &&Candidate| place.effect.mistaken_for.contains(&c.name);
-        place.alternatives.extend(answer.candidates.iter().find(kin).map(|c| c.name));
+fn left_open(conclusion: Conclusion, candidates: &[Candidate]) -> Conclusion {
+    let (mut effects, doubt) = match conclusion {
+        Conclusion::Named { effects } => (effects, None),
+        Conclusion::OneOf { effects, doubt, .. } => (effects, doubt),
+        nothing => return nothing,
+    };
+    for NamedEffect { effect, alternatives, .. } in effects.iter_mut().filter(|one| one.alternatives.is_empty()) {
+        let kin = candidates.iter().find(|c| effect.mistaken_for.contains(&c.name));
+        alternatives.extend(kin.map(|c| c.name));
     }
-    answer.names =
-        answer.effects.iter().flat_map(|p| [p.effect.name].into_iter().chain(p.alternatives.clone())).collect();
-    answer.verdict = Verdict::OneOf;
-    if answer.next_experiment.is_none() {
-        let text = WORDING.add.into();
-        answer.next_experiment = Some(NextExperiment { text, settings: Vec::new() });
-    }
+    Conclusion::OneOf { names: with_alternatives(&effects), effects, doubt }
+}
+
+/// Every effect, each with what could be in its place.
+fn with_alternatives(effects: &[NamedEffect]) -> Vec<&'static str> {
+    effects.iter().flat_map(|one| [one.effect.name].into_iter().chain(one.alternatives.clone())).collect()
 }

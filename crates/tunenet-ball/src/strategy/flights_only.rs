@@ -4,7 +4,8 @@
 use crate::findings;
 use tunenet_core::Result;
 use tunenet_core::diagnose::{
-    Diagnosis, Explanation, GapOf, NextExperiment, PreparedRecording, Problem, Settings, Strategy, Tuned, Verdict,
+    Conclusion, Diagnosis, Explanation, GapOf, NextExperiment, PreparedRecording, Problem, Settings, Strategy, Tuned,
+    Verdict,
 };
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Preparation, Simulator};
@@ -31,7 +32,7 @@ impl Strategy for FlightsOnly {
     /// contact: fewer of the flights are better.
     fn applies(&self, problem: &Problem, so_far: &Explanation) -> bool {
         let whole = &so_far.diagnosis;
-        whole.verdict == Verdict::Unknown || so_far.events_open || crowded(problem, whole)
+        whole.verdict() == Verdict::Unknown || so_far.events_open || crowded(problem, whole)
     }
 
     fn attempt(&self, problem: &Problem, so_far: &Explanation) -> Result<Option<Explanation>> {
@@ -56,19 +57,20 @@ impl Strategy for FlightsOnly {
 
 /// Whether an answer leaves several effects together, of recordings with contacts.
 pub(super) fn crowded(problem: &Problem, whole: &Diagnosis) -> bool {
-    let several = whole.verdict == Verdict::OneOf && whole.effects.len() > 1;
+    let several = whole.verdict() == Verdict::OneOf && whole.effects().len() > 1;
     several && problem.recordings().iter().any(|recording| !recording.events().is_empty())
 }
 
 /// What the flights of so many recordings say of the recordings as they are; `None` where they name nothing that has to be there.
 fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: usize) -> Option<Explanation> {
     let mut answer = explained.diagnosis;
-    let named = matches!(answer.verdict, Verdict::Named | Verdict::OneOf);
-    if !named || !answer.effects.iter().all(|one| one.effect.required()) {
+    let named = matches!(answer.verdict(), Verdict::Named | Verdict::OneOf);
+    if !named || !answer.effects().iter().all(|one| one.effect.required()) {
         return None;
     }
-    if used < FEWEST_RECORDINGS && answer.verdict == Verdict::Named {
-        leave_open(problem, &mut answer);
+    if used < FEWEST_RECORDINGS && answer.verdict() == Verdict::Named {
+        answer.conclusion = left_open(problem, &answer);
+        answer.next_experiment = Some(NextExperiment { text: WORDING.add.into(), settings: Vec::new() });
     }
     answer.rollouts += whole.rollouts;
     answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Segments);
@@ -88,20 +90,20 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
     Some(Explanation { diagnosis: answer, ..explained })
 }
 
-/// Turns a single name into a set of two, with the next candidate.
-fn leave_open(problem: &Problem, answer: &mut Diagnosis) {
-    let effects = problem.subjects()[0].simulator.effects();
-    let implausible = |name: &str| effects.iter().any(|e| e.name == name && e.implausible.is_some());
-    let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && !implausible(c.name)).map(|c| c.name);
-    let next = next.filter(|name| !answer.names.contains(name)).take(1).collect::<Vec<_>>();
+/// A set of the single name and the next candidate.
+fn left_open(problem: &Problem, answer: &Diagnosis) -> Conclusion {
+    let known = problem.subjects()[0].simulator.effects();
+    let implausible = |name: &str| known.iter().any(|e| e.name == name && e.implausible.is_some());
+    let mut names = answer.names();
+    let others = answer.candidates.iter().filter(|c| c.excluded.is_none() && !implausible(c.name)).map(|c| c.name);
+    let next = others.into_iter().find(|name| !names.contains(name));
+    names.extend(next);
+    let mut effects = answer.effects().to_vec();
     // A single name belongs to one effect.
-    if let Some(named) = answer.effects.first_mut() {
-        named.alternatives.extend(&next);
+    if let Some(named) = effects.first_mut() {
+        named.alternatives.extend(next);
     }
-    answer.names.extend(next);
-    answer.verdict = Verdict::OneOf;
-    let text = WORDING.add.into();
-    answer.next_experiment = Some(NextExperiment { text, settings: Vec::new() });
+    Conclusion::OneOf { effects, names, doubt: None }
 }
 
 /// One flight as a recording of its own, where it can be used as one.

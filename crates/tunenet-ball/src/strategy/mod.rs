@@ -70,7 +70,7 @@ mod tests {
         let seen = [[0.0, 1.5], [0.1, -2.0]]
             .map(|start| shuttle.observe(&[("kick.speed_m_s", 0.3), ("slip.step_m", 0.05)], &start, 1e-3, 1).unwrap());
         let [plain, ball] = both(&shuttle, &seen);
-        assert_eq!((plain.verdict, &plain.names, plain.rollouts), (ball.verdict, &ball.names, ball.rollouts));
+        assert_eq!((plain.verdict(), plain.names(), plain.rollouts), (ball.verdict(), ball.names(), ball.rollouts));
         assert!(variants_of(&shuttle).is_none());
     }
 
@@ -79,9 +79,9 @@ mod tests {
         let pendulum = Exact::new(Pendulum);
         let seen = [pendulum.observe(&[("viscous_friction.rate_1_s", 0.2)], &[0.2, 0.0], 1e-3, 1).unwrap()];
         let [plain, ball] = both(&pendulum, &seen);
-        assert_eq!(plain.verdict, Verdict::OneOf);
+        assert_eq!(plain.verdict(), Verdict::OneOf);
         assert_eq!(plain.next_experiment, ball.next_experiment);
-        assert_eq!(plain.doubt, ball.doubt);
+        assert_eq!(plain.conclusion.doubt(), ball.conclusion.doubt());
     }
 
     fn variants_of(simulator: &dyn Simulator) -> Option<Box<dyn Simulator>> {

@@ -200,23 +200,23 @@ impl Several {
         let settings = diagnose::Settings { set_aside: false, ..diagnose::Settings::default() };
         let found = tunenet_ball::diagnose(&subjects, &recordings, &settings, &|_| {})?;
         let Some(e) = found.parameters.iter().find(|p| p.name == "restitution") else { return Ok(None) };
-        let effects = found.effects.iter().map(|named| {
+        let effects = found.effects().iter().map(|named| {
             let one =
                 |c: &diagnose::Fitted| Some((c.key.to_owned(), c.values.first().map(|v| (v.value, v.interval95))?));
             (named.effect.name.to_owned(), named.coefficients.iter().filter_map(one).collect())
         });
-        let verdict = serde_json::to_value(found.verdict)?.as_str().unwrap_or_default().to_owned();
+        let verdict = serde_json::to_value(found.verdict())?.as_str().unwrap_or_default().to_owned();
         let effects = effects.collect();
         // As `tunenet diagnose` writes them into its file.
-        let named = found.effects.iter().map(|e| e.effect.name);
-        let sure: Vec<&str> = named.filter(|name| !found.names.contains(name)).collect();
-        let alternatives = match found.verdict {
-            Verdict::OneOf => fitted(simulator.as_ref(), &found.names, &sure, &self.seen).to_string(),
+        let named = found.effects().iter().map(|e| e.effect.name);
+        let sure: Vec<&str> = named.filter(|name| !found.names().contains(name)).collect();
+        let alternatives = match found.verdict() {
+            Verdict::OneOf => fitted(simulator.as_ref(), &found.names(), &sure, &self.seen).to_string(),
             _ => NOTHING.into(),
         };
         let restitution = (e.value, e.interval95);
         let estimate = BallEstimate { restitution, effects, verdict, alternatives, open_drag: NOTHING.into() };
-        let closed = matches!(found.verdict, Verdict::None | Verdict::Named);
+        let closed = matches!(found.verdict(), Verdict::None | Verdict::Named);
         Ok(Some(if closed { self.with_open_drag(estimate)? } else { estimate }))
     }
 

@@ -71,10 +71,10 @@ pub struct Answer<'a> {
 
 impl Answer<'_> {
     /// Names to choose from: of a set, or the nearest where nothing fits.
-    pub fn candidates(&self) -> &[&'static str] {
-        match self.diagnosis.verdict {
-            Verdict::OneOf | Verdict::Unknown => &self.diagnosis.names,
-            _ => &[],
+    pub fn candidates(&self) -> Vec<&'static str> {
+        match self.diagnosis.verdict() {
+            Verdict::OneOf | Verdict::Unknown => self.diagnosis.names(),
+            _ => Vec::new(),
         }
     }
 
@@ -82,7 +82,7 @@ impl Answer<'_> {
     /// alone in theirs are certain beside the others.
     pub fn choices(&self) -> Vec<Vec<&'static str>> {
         let one = |e: &NamedEffect| std::iter::once(e.effect.name).chain(e.alternatives.iter().copied()).collect();
-        self.diagnosis.effects.iter().map(one).collect()
+        self.diagnosis.effects().iter().map(one).collect()
     }
 
     /// The [choices](Self::choices) in the place of something else, and what is certain beside them. Where nothing is left to
@@ -94,7 +94,7 @@ impl Answer<'_> {
 
     /// The effects that the improved file holds where several could be in their place.
     pub fn chosen(&self) -> Vec<&'static str> {
-        self.diagnosis.effects.iter().map(|e| e.effect.name).collect()
+        self.diagnosis.effects().iter().map(|e| e.effect.name).collect()
     }
 
     /// The drag coefficient of an object: the force over that of the pressure ρv²/2 on the ball's section. None where its
@@ -149,7 +149,7 @@ impl Answer<'_> {
 
     /// Names of objects whose own recordings do not need what is reported for all together.
     pub fn without_effect(&self) -> Vec<&str> {
-        let whole = self.diagnosis.verdict;
+        let whole = self.diagnosis.verdict();
         let spared = |one: &OfObject| one.verdict == Verdict::None && whole != Verdict::None;
         self.objects().filter(|(_, one)| spared(one)).map(|(name, _)| name).collect()
     }

@@ -20,7 +20,7 @@ pub enum Written {
 
 /// Why there is no improved file.
 pub fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
-    match diagnosis.verdict {
+    match diagnosis.verdict() {
         Verdict::Unknown => Some("no known effect explains the recordings"),
         Verdict::Insufficient => Some("the recordings do not suffice for an answer"),
         Verdict::None | Verdict::Named | Verdict::OneOf => diagnosis.gap.is_none().then_some(UNFITTED),
@@ -41,7 +41,7 @@ pub fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
             None => file.set_value(&tuned.name, tuned.value),
         }
     }
-    for effect in &diagnosis.effects {
+    for effect in diagnosis.effects() {
         let values: Vec<(&str, f64)> =
             effect.coefficients.iter().filter_map(|c| Some((c.key, value_of(c, number)?.value))).collect();
         file.add_effect(effect.effect.name, &values)?;
@@ -55,7 +55,7 @@ fn improved_arm(answer: &Answer, number: usize, mut file: SimulationFile) -> Res
     for tuned in answer.diagnosis.parameters.iter().filter(|p| p.object == number) {
         file.set_arm_value(&tuned.name, tuned.value, joints)?;
     }
-    for effect in &answer.diagnosis.effects {
+    for effect in answer.diagnosis.effects() {
         let values: Vec<f64> = effect.coefficients.iter().filter_map(|c| Some(value_of(c, number)?.value)).collect();
         file.add_arm_effect(effect.effect.name, &values)?;
     }

@@ -24,8 +24,8 @@ mod tests;
 
 pub use answer::wording::{GENERAL, Wording};
 pub use answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, OfObject,
-    OwnEffect, Test, Tuned, Use, Value, Verdict,
+    Candidate, Change, Conclusion, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment,
+    OfObject, OwnEffect, Test, Tuned, Use, Value, Verdict,
 };
 pub use evidence::recording::PreparedRecording;
 pub use input::{Progress, Recording, Settings, Subject};

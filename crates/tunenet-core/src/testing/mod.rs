@@ -32,7 +32,7 @@
 //!     .collect();
 //! let subjects = [Subject { name: "pendulum".into(), simulator: &simulator }];
 //! let found = diagnose(&subjects, &recordings, &Settings::default(), &|_| {})?;
-//! assert_eq!((found.verdict, found.names), (Verdict::Named, vec!["viscous_friction"]));
+//! assert_eq!((found.verdict(), found.names()), (Verdict::Named, vec!["viscous_friction"]));
 //! # Ok::<(), tunenet_core::Error>(())
 //! ```
 

@@ -53,9 +53,9 @@ fn drag_is_found_with_its_size_although_contacts_are_not_understood() {
     let truth = [0.09, 0.03, 0.05];
     let found = diagnosed(truth);
     // Each ball was dropped once, so that beside what the contacts lack a lone name is not earned.
-    assert!(matches!(found.verdict, Verdict::Named | Verdict::OneOf), "{:?}: {:?}", found.verdict, found.names);
-    assert_eq!(found.names.first(), Some(&"quadratic_drag"));
-    let drag = found.effects.iter().find(|e| e.effect.name == "quadratic_drag").expect("drag");
+    assert!(matches!(found.verdict(), Verdict::Named | Verdict::OneOf), "{:?}: {:?}", found.verdict(), found.names());
+    assert_eq!(found.names().first(), Some(&"quadratic_drag"));
+    let drag = found.effects().iter().find(|e| e.effect.name == "quadratic_drag").expect("drag");
     for (value, truth) in drag.coefficients[0].values.iter().zip(truth) {
         // Steps of 1/60 s themselves are good for a few percent of a drag.
         assert!((value.value / truth - 1.0).abs() < 0.05, "{} of {truth}", value.value);
@@ -65,6 +65,10 @@ fn drag_is_found_with_its_size_although_contacts_are_not_understood() {
 #[test]
 fn nothing_in_flight_is_named_where_nothing_acts() {
     let found = diagnosed([0.0; 3]);
-    assert!(found.effects.iter().all(|e| e.effect.phase == tunenet_core::simulator::Phase::Event), "{:?}", found.names);
-    assert_ne!(found.verdict, Verdict::None);
+    assert!(
+        found.effects().iter().all(|e| e.effect.phase == tunenet_core::simulator::Phase::Event),
+        "{:?}",
+        found.names()
+    );
+    assert_ne!(found.verdict(), Verdict::None);
 }

@@ -196,13 +196,13 @@ fn trial(model: &Model, frame: &Frame, hidden: ArmEffect, ratio: f64, seed: u64,
     let recording = Recording { name: "log".into(), object: 0, held_out: false, seen: &seen };
     let found = diagnose(&[subject], &[recording], &Settings::default(), &|_| {})?;
     let outside = matches!(hidden, ArmEffect::Ripple | ArmEffect::Play | ArmEffect::Drift);
-    let names = if found.verdict == Verdict::OneOf {
-        found.names
+    let names = if found.verdict() == Verdict::OneOf {
+        found.names()
     } else {
-        found.effects.iter().map(|e| e.effect.name).collect()
+        found.effects().iter().map(|e| e.effect.name).collect()
     };
     let names = names.into_iter().map(str::to_owned).collect();
-    Ok(ArmTrial { truth: hidden.name().into(), ratio, outside, verdict: found.verdict, names })
+    Ok(ArmTrial { truth: hidden.name().into(), ratio, outside, verdict: found.verdict(), names })
 }
 
 fn lines(trials: &[ArmTrial]) -> Vec<ArmLine> {

@@ -52,7 +52,7 @@ pub fn write_urdf(options: &Diagnose, answer: &Answer) -> Result<Option<PathBuf>
         let (expected, found) = ("an arm with `motion.kind = \"replay\"`".into(), "another simulation".into());
         return Err(Error::Setting { origin: Origin::Flag, name: "--out-urdf", expected, found }.into());
     }
-    let found = answer.diagnosis.effects.iter().any(|e| e.effect.name.ends_with("_friction"));
+    let found = answer.diagnosis.effects().iter().any(|e| e.effect.name.ends_with("_friction"));
     if why_not(answer.diagnosis).is_some() || !found {
         return Ok(None);
     }

@@ -55,7 +55,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         html::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
         stage("report", &path.display().to_string());
     }
-    Ok(match diagnosis.verdict {
+    Ok(match diagnosis.verdict() {
         Verdict::None | Verdict::Named => Exit::Done,
         Verdict::OneOf | Verdict::Unknown | Verdict::Insufficient => Exit::Inconclusive,
     })

@@ -14,16 +14,16 @@ pub fn object(answer: &Answer) -> Json {
     let warnings: Vec<Json> = answer.notes().iter().map(warning).collect();
     json!({
         "schema": "tunenet.diagnose/1",
-        "verdict": diagnosis.verdict,
+        "verdict": diagnosis.verdict(),
         "objects": answer.objects().map(of_object).collect::<Vec<_>>(),
-        "effects": diagnosis.effects.iter().map(|e| effect(answer, e)).collect::<Vec<_>>(),
+        "effects": diagnosis.effects().iter().map(|e| effect(answer, e)).collect::<Vec<_>>(),
         "candidates": answer.candidates(),
         "scores": diagnosis.candidates.iter().map(score).collect::<Vec<_>>(),
         "gap": diagnosis.gap.as_ref().map(gap),
         "margin": diagnosis.margin,
         "adequacy": diagnosis.adequacy.iter().map(test).collect::<Vec<_>>(),
-        "doubt": diagnosis.doubt,
-        "description": diagnosis.description,
+        "doubt": diagnosis.conclusion.doubt(),
+        "description": diagnosis.conclusion.description(),
         "next_experiment": diagnosis.next_experiment.as_ref().map(|next| {
             let settings: Map<String, Json> = next.settings.iter().map(|(k, v)| (k.clone(), json!(v))).collect();
             json!({ "text": next.text, "settings": settings })

@@ -53,7 +53,7 @@ pub fn answer(answer: &Answer) -> Printout {
     let (diagnosis, mut shown) = (answer.diagnosis, Printout::default());
     if let Some(gap) = &diagnosis.gap {
         let words = |value: f64| in_words(value, &gap.unit);
-        let remains = if diagnosis.verdict == Verdict::None { "nothing remains" } else { "structure remains" };
+        let remains = if diagnosis.verdict() == Verdict::None { "nothing remains" } else { "structure remains" };
         shown.row("tuned", &format!("gap {}, noise floor {}: {remains}", words(gap.before), words(gap.noise_floor)));
     }
     shown.line("");
@@ -94,7 +94,7 @@ pub fn end(out: Option<&Path>, seed: u64, answer: &Answer, written: &Written) {
         Written::NotAsked => String::new(),
         Written::Files(files) => {
             let paths: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
-            let several = diagnosis.verdict == Verdict::OneOf;
+            let several = diagnosis.verdict() == Verdict::OneOf;
             let with = if several {
                 format!(" with {}, the best of them", answer.chosen().join(" and "))
             } else {
@@ -134,11 +134,11 @@ fn given_as_held_out(answer: &Answer, name: &str) -> bool {
 /// The verdict in one sentence.
 pub fn sentence(answer: &Answer) -> String {
     let diagnosis = answer.diagnosis;
-    match diagnosis.verdict {
+    match diagnosis.verdict() {
         Verdict::None => "NONE  nothing is missing that these recordings could show".into(),
-        Verdict::Named => format!("NAMED  {}", diagnosis.effects.iter().map(lone).collect::<Vec<_>>().join(" and ")),
+        Verdict::Named => format!("NAMED  {}", diagnosis.effects().iter().map(lone).collect::<Vec<_>>().join(" and ")),
         Verdict::OneOf => {
-            let why = diagnosis.doubt.map_or("these recordings cannot distinguish them".into(), |doubt| {
+            let why = diagnosis.conclusion.doubt().map_or("these recordings cannot distinguish them".into(), |doubt| {
                 format!("{} by far, but {doubt}", answer.chosen().join(" and "))
             });
             format!("ONE OF  {}: {why}", choices(answer))
@@ -170,8 +170,8 @@ fn lone(named: &NamedEffect) -> String {
 /// What a person wants to know beyond the verdict.
 fn details(answer: &Answer) -> Vec<String> {
     let diagnosis = answer.diagnosis;
-    let mut lines: Vec<String> = diagnosis.description.iter().cloned().collect();
-    for named in &diagnosis.effects {
+    let mut lines: Vec<String> = diagnosis.conclusion.description().map(Into::into).into_iter().collect();
+    for named in diagnosis.effects() {
         let joints = is_per_joint(named);
         for (i, fitted) in named.coefficients.iter().enumerate() {
             let joint = 1 + named.coefficients[..i].iter().filter(|other| other.key == fitted.key).count();
@@ -199,7 +199,7 @@ fn details(answer: &Answer) -> Vec<String> {
     }
     if let Some(gap) = &diagnosis.gap {
         let words = |value: f64| in_words(value, &gap.unit);
-        if !diagnosis.effects.is_empty() {
+        if !diagnosis.effects().is_empty() {
             let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
             let of = match gap.of {
                 GapOf::Recordings => "",
@@ -238,7 +238,7 @@ fn candidates(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
         let ratio = c.held_out_ratio.map_or("-".into(), |r| format!("×{}", with_decimals(r, 3)));
         vec![c.name.to_owned(), format!("{about}{}", whole(c.bic_gain)), format!("{about}{}", whole(c.delta)), ratio]
     };
-    let shown = |(i, c): &(usize, &Candidate)| *i < SHOWN || verbose() || diagnosis.names.contains(&c.name);
+    let shown = |(i, c): &(usize, &Candidate)| *i < SHOWN || verbose() || diagnosis.names().contains(&c.name);
     let left = diagnosis.candidates.iter().filter(|c| c.excluded.is_none()).enumerate().filter(shown);
     rows.extend(left.map(|(_, c)| row(c)));
     rows.push(vec!["none".into(), "0".into(), "-".into(), "×1".into()]);
@@ -274,7 +274,7 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
         line = format!("{line} (failed: {})", failed.join(", "));
     }
     let runners_up =
-        diagnosis.effects.iter().filter_map(|e| Some((e.evidence.runner_up?, e.evidence.runner_up_bic_gap)));
+        diagnosis.effects().iter().filter_map(|e| Some((e.evidence.runner_up?, e.evidence.runner_up_bic_gap)));
     if let Some((name, gap)) = runners_up.min_by(|a, b| a.1.total_cmp(&b.1)) {
         // What is ahead was passed over for another reason than its evidence.
         let place = if gap < 0.0 { "as good".into() } else { format!("{} behind", whole(gap)) };

@@ -18,7 +18,7 @@ pub fn provenance(
     file: &SimulationFile,
 ) -> Result<Vec<(&'static str, Toml)>> {
     let diagnosis = answer.diagnosis;
-    let verdict = serde_json::to_value(diagnosis.verdict)?;
+    let verdict = serde_json::to_value(diagnosis.verdict())?;
     let mut observations = Array::new();
     for recorded in answer.loaded.recorded.iter().filter(|r| r.object == object) {
         let mut one = InlineTable::new();
@@ -38,7 +38,7 @@ pub fn provenance(
         .filter(|p| p.object == object)
         .map(|p| (p.name.replace('.', "_"), Array::from_iter([p.interval95.0, p.interval95.1])))
         .collect();
-    let effects: Array = diagnosis.effects.iter().map(|e| evidence(e, object)).collect();
+    let effects: Array = diagnosis.effects().iter().map(|e| evidence(e, object)).collect();
     let mut entries: Vec<(&str, Toml)> = vec![
         ("tool", concat!("tunenet ", env!("CARGO_PKG_VERSION")).into()),
         ("command", "diagnose".into()),
@@ -48,7 +48,7 @@ pub fn provenance(
         ("interval95", intervals.into()),
         ("effects", effects.into()),
     ];
-    if diagnosis.verdict == Verdict::OneOf {
+    if diagnosis.verdict() == Verdict::OneOf {
         entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
         // Of effects that are not distinguished only one is written, never all together.
         entries.push(("chosen", answer.chosen().into_iter().collect::<Array>().into()));
@@ -57,7 +57,7 @@ pub fn provenance(
             entries.push(("alternatives", alternatives(answer, object).into()));
         }
     }
-    if matches!(diagnosis.verdict, Verdict::None | Verdict::Named) {
+    if matches!(diagnosis.verdict(), Verdict::None | Verdict::Named) {
         let open = open(answer, object, file)?;
         entries.extend((!open.is_empty()).then(|| ("open_drag", open.into())));
     }
@@ -109,14 +109,14 @@ fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
 /// all of them, and how well it then fits. One that cannot be fitted alone is left out.
 fn alternatives(answer: &Answer, object: usize) -> Array {
     let candidates = answer.candidates();
-    let sure = answer.diagnosis.effects.iter().map(|e| e.effect.name).filter(|name| !candidates.contains(name));
+    let sure = answer.diagnosis.effects().iter().map(|e| e.effect.name).filter(|name| !candidates.contains(name));
     let sure: Vec<&str> = sure.collect();
-    fitted(answer.loaded.objects[object].simulator.as_ref(), candidates, &sure, &seen_of(answer, object))
+    fitted(answer.loaded.objects[object].simulator.as_ref(), &candidates, &sure, &seen_of(answer, object))
 }
 
 /// The drag that an object's recordings leave open beside the effects that are certain, which its `improved` file holds.
 fn open(answer: &Answer, object: usize, improved: &SimulationFile) -> Result<Array> {
-    let sure: Vec<&str> = answer.diagnosis.effects.iter().map(|e| e.effect.name).collect();
+    let sure: Vec<&str> = answer.diagnosis.effects().iter().map(|e| e.effect.name).collect();
     Ok(open_to(improved, &sure, &seen_of(answer, object))?)
 }
 

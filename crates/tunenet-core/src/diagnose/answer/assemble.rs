@@ -11,8 +11,8 @@ use crate::diagnose::answer::per_object::by_object;
 use crate::diagnose::answer::residual_description::describe;
 use crate::diagnose::answer::wording::words;
 use crate::diagnose::answer::{
-    Candidate, Change, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment, Tuned, Use,
-    Value, Verdict,
+    Candidate, Change, Conclusion, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment,
+    Tuned, Use, Value, Verdict,
 };
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
@@ -41,35 +41,42 @@ pub(in crate::diagnose) fn assemble(
             "",
         ));
     }
-    let places = found.places.iter().zip(&decision.alternatives).filter(|_| judged.reports_effects());
-    let effects = places.map(|(place, alternatives)| named(context, last, &intervals, place, alternatives)).collect();
-    let gap = gap(judged)?;
-    let (description, remains) = match decision.verdict {
-        Verdict::Unknown => {
-            let (text, phase) = describe(context, judged.best())?;
-            (Some(text), if judged.events_open() { Some(Phase::Event) } else { phase })
-        }
-        _ => (None, None),
-    };
     Ok(Diagnosis {
-        verdict: decision.verdict,
+        conclusion: conclusion(judged, &intervals)?,
         objects: by_object(judged, &intervals),
-        effects,
         candidates: candidates(context, found, &judged.control.ratios),
-        gap: Some(gap),
+        gap: Some(gap(judged)?),
         next_experiment: next(judged)?,
         margin: decision.margin,
         least_gain: context.settings.margin,
-        doubt: decision.doubt,
-        description,
-        remains,
         parameters: parameters(context, found, last, &intervals),
         explained: explained(judged, recordings)?,
-        names: decision.names.clone(),
         adequacy: judged.tests.clone(),
         uses,
         notes,
         rollouts: context.rollouts.load(Ordering::Relaxed),
+    })
+}
+
+/// The verdict with what belongs to it.
+fn conclusion(judged: &Judgement, intervals: &Intervals) -> Result<Conclusion> {
+    let Judgement { context, found, decision, .. } = judged;
+    let effects = || {
+        let places = found.places.iter().zip(&decision.alternatives);
+        places.map(|(place, near)| named(context, judged.last(), intervals, place, near)).collect()
+    };
+    Ok(match decision.verdict {
+        Verdict::None => Conclusion::None,
+        Verdict::Named => Conclusion::Named { effects: effects() },
+        Verdict::OneOf => {
+            Conclusion::OneOf { effects: effects(), names: decision.names.clone(), doubt: decision.doubt }
+        }
+        Verdict::Unknown => {
+            let (description, phase) = describe(context, judged.best())?;
+            let remains = if judged.events_open() { Some(Phase::Event) } else { phase };
+            Conclusion::Unknown { nearest: decision.names.clone(), description, remains }
+        }
+        Verdict::Insufficient => Conclusion::Insufficient,
     })
 }
 

@@ -1,6 +1,6 @@
 //! Recordings that cannot give an answer.
 
-use crate::diagnose::answer::{Diagnosis, Use, Verdict, driven_experiment};
+use crate::diagnose::answer::{Conclusion, Diagnosis, Use, driven_experiment};
 use crate::diagnose::hypothesis::context::Context;
 use crate::findings;
 use crate::observation::{Kind, Note};
@@ -25,19 +25,14 @@ pub(in crate::diagnose) fn too_little(context: &Context, uses: &[Use], notes: &[
     };
     let joints = context.subjects.iter().all(|s| s.simulator.kind() == Kind::Joints);
     Some(Diagnosis {
-        verdict: Verdict::Insufficient,
+        conclusion: Conclusion::Insufficient,
         objects: Vec::new(),
-        effects: Vec::new(),
-        names: Vec::new(),
         candidates: Vec::new(),
         gap: None,
         adequacy: Vec::new(),
         next_experiment: joints.then(driven_experiment::first),
         margin: context.margin(),
         least_gain: context.settings.margin,
-        doubt: None,
-        description: None,
-        remains: None,
         parameters: Vec::new(),
         explained: Vec::new(),
         uses: uses.to_vec(),

@@ -243,18 +243,97 @@ pub struct OfObject {
     pub effects: Vec<OwnEffect>,
 }
 
+/// The answer, each with what it alone has.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Conclusion {
+    /// Nothing is missing that these recordings could show.
+    None,
+    /// These effects are missing, and no others explain the recordings as well.
+    Named {
+        /// Each with its numbers and its evidence.
+        effects: Vec<NamedEffect>,
+    },
+    /// Something of the catalogue is missing, but the recordings do not separate several explanations.
+    OneOf {
+        /// The best explanation.
+        effects: Vec<NamedEffect>,
+        /// All names of the confusable set: a single one beside what is in no catalogue, where nothing else explains anything
+        /// and there is a doubt.
+        names: Vec<&'static str>,
+        /// Why the best explanation is not named alone, where the evidence distinguishes it from all others by far.
+        doubt: Option<&'static str>,
+    },
+    /// Something is missing, and nothing in the catalogue explains it.
+    Unknown {
+        /// The effects that come nearest.
+        nearest: Vec<&'static str>,
+        /// What is left, in words.
+        description: String,
+        /// Where it acts, as far as that shows.
+        remains: Option<Phase>,
+    },
+    /// The recordings are too few or too short to say.
+    Insufficient,
+}
+
+impl Conclusion {
+    /// The answer in one word.
+    #[must_use]
+    pub const fn verdict(&self) -> Verdict {
+        match self {
+            Self::None => Verdict::None,
+            Self::Named { .. } => Verdict::Named,
+            Self::OneOf { .. } => Verdict::OneOf,
+            Self::Unknown { .. } => Verdict::Unknown,
+            Self::Insufficient => Verdict::Insufficient,
+        }
+    }
+
+    /// The named effects, or the best explanation of several. Empty otherwise.
+    #[must_use]
+    pub fn effects(&self) -> &[NamedEffect] {
+        match self {
+            Self::Named { effects } | Self::OneOf { effects, .. } => effects,
+            Self::None | Self::Unknown { .. } | Self::Insufficient => &[],
+        }
+    }
+
+    /// The names of the answer: the effects named, the confusable set, or the nearest.
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        match self {
+            Self::Named { effects } => effects.iter().map(|named| named.effect.name).collect(),
+            Self::OneOf { names, .. } | Self::Unknown { nearest: names, .. } => names.clone(),
+            Self::None | Self::Insufficient => Vec::new(),
+        }
+    }
+
+    /// Why the first of a confusable set is not named alone although the evidence distinguishes it.
+    #[must_use]
+    pub const fn doubt(&self) -> Option<&'static str> {
+        if let Self::OneOf { doubt, .. } = self { *doubt } else { None }
+    }
+
+    /// What an unknown effect leaves, in words.
+    #[must_use]
+    pub fn description(&self) -> Option<&str> {
+        if let Self::Unknown { description, .. } = self { Some(description) } else { None }
+    }
+
+    /// Where an unknown effect acts, as far as that shows.
+    #[must_use]
+    pub const fn remains(&self) -> Option<Phase> {
+        if let Self::Unknown { remains, .. } = self { *remains } else { None }
+    }
+}
+
 /// Everything that a diagnosis found.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
     /// The answer.
-    pub verdict: Verdict,
-    /// The answer of each object that has recordings to fit. Empty of an arm's logs, and where nothing could be fitted.
+    pub conclusion: Conclusion,
+    /// The answer of each object that has recordings to fit. Empty where nothing could be fitted.
     pub objects: Vec<OfObject>,
-    /// The named effects (`Named`), or the best explanation of an ambiguous one (`OneOf`). Empty otherwise.
-    pub effects: Vec<NamedEffect>,
-    /// Names that are left: all of the set when `OneOf` (a single one beside what is in no catalogue, where nothing else explains
-    /// anything and there is a [`doubt`](Self::doubt)), the nearest when `Unknown`, the effects' own when `Named`.
-    pub names: Vec<&'static str>,
     /// Every candidate as it stood alone, best first, the excluded last.
     pub candidates: Vec<Candidate>,
     /// The gap; absent where nothing could be fitted.
@@ -268,13 +347,6 @@ pub struct Diagnosis {
     pub margin: f64,
     /// How much the information criterion has to gain for an effect to be there at all.
     pub least_gain: f64,
-    /// Where verdict is `OneOf` although the evidence distinguishes the first of what is left from all others by far: why it earns no
-    /// lone name all the same.
-    pub doubt: Option<&'static str>,
-    /// Where verdict is `Unknown`: what is left, in words.
-    pub description: Option<String>,
-    /// Where it acts, as far as that shows.
-    pub remains: Option<Phase>,
     /// The tuned parameters.
     pub parameters: Vec<Tuned>,
     /// The recordings used, before and after.
@@ -285,4 +357,24 @@ pub struct Diagnosis {
     pub notes: Vec<Note>,
     /// Rollouts in all.
     pub rollouts: usize,
+}
+
+impl Diagnosis {
+    /// The answer in one word.
+    #[must_use]
+    pub const fn verdict(&self) -> Verdict {
+        self.conclusion.verdict()
+    }
+
+    /// The named effects, or the best explanation of several; see [`Conclusion::effects`].
+    #[must_use]
+    pub fn effects(&self) -> &[NamedEffect] {
+        self.conclusion.effects()
+    }
+
+    /// The names of the answer; see [`Conclusion::names`].
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        self.conclusion.names()
+    }
 }

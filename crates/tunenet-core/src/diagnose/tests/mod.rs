@@ -37,7 +37,7 @@ fn verdict_of(truth: Truth, count: usize, seed: u64) -> Diagnosis {
 fn a_glider_without_anything_missing_gets_none() {
     for seed in 0..20 {
         let found = verdict_of(Truth { push: 0.4, ..Truth::default() }, 3, seed);
-        assert_eq!(found.verdict, Verdict::None, "seed {seed}: {:?} {:?}", found.names, found.adequacy);
+        assert_eq!(found.verdict(), Verdict::None, "seed {seed}: {:?} {:?}", found.names(), found.adequacy);
         assert!((found.parameters[0].value - 0.4).abs() < 0.02, "{:?}", found.parameters);
     }
 }
@@ -46,8 +46,8 @@ fn a_glider_without_anything_missing_gets_none() {
 fn drag_is_named_with_its_size_and_proven_on_a_glide_set_aside() {
     let truth = Truth { push: 0.3, drag: 0.15, ..Truth::default() };
     let found = verdict_of(truth, 5, 1);
-    assert_eq!((found.verdict, found.names.as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
-    let value = &found.effects[0].coefficients[0].values[0];
+    assert_eq!((found.verdict(), found.names().as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
+    let value = &found.effects()[0].coefficients[0].values[0];
     let half = 0.5 * (value.interval95.1 - value.interval95.0);
     assert!((value.value - 0.15).abs() < 2.0 * half && half < 0.02, "{value:?}");
     let gap = found.gap.unwrap();
@@ -60,9 +60,9 @@ fn drag_is_named_with_its_size_and_proven_on_a_glide_set_aside() {
 #[test]
 fn what_no_glide_separates_is_reported_together_with_what_would() {
     let found = verdict_of(Truth { more_gravity: 0.3, ..Truth::default() }, 3, 2);
-    assert_eq!(found.verdict, Verdict::OneOf);
+    assert_eq!(found.verdict(), Verdict::OneOf);
     for twin in ["effective_gravity", "length_scale", "time_scale"] {
-        assert!(found.names.contains(&twin), "{twin} in {:?}", found.names);
+        assert!(found.names().contains(&twin), "{twin} in {:?}", found.names());
     }
     let text = found.next_experiment.unwrap().text;
     assert!(text.starts_with("no motion distinguishes") && text.contains("known length"), "{text}");
@@ -71,34 +71,34 @@ fn what_no_glide_separates_is_reported_together_with_what_would() {
 #[test]
 fn what_is_in_no_catalogue_is_unknown_and_described() {
     let found = verdict_of(Truth { sway_m: 0.02, ..Truth::default() }, 3, 3);
-    assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.names);
-    assert!(found.effects.is_empty() && found.adequacy.iter().any(|t| !t.passed));
-    assert!(found.description.unwrap().contains("along z"));
+    assert_eq!(found.verdict(), Verdict::Unknown, "{:?}", found.names());
+    assert!(found.effects().is_empty() && found.adequacy.iter().any(|t| !t.passed));
+    assert!(found.conclusion.description().unwrap().contains("along z"));
 }
 
 #[test]
 fn a_single_glide_earns_no_lone_name() {
     let found = verdict_of(Truth { drag: 0.01, ..Truth::default() }, 1, 4);
-    assert!(matches!(found.verdict, Verdict::OneOf | Verdict::None), "{:?} {:?}", found.verdict, found.names);
+    assert!(matches!(found.verdict(), Verdict::OneOf | Verdict::None), "{:?} {:?}", found.verdict(), found.names());
     let found = verdict_of(Truth { drag: 0.02, ..Truth::default() }, 1, 5);
-    assert_eq!(found.verdict, Verdict::OneOf);
-    assert!(found.names.len() > 1 && found.names.contains(&"linear_drag"), "{:?}", found.names);
+    assert_eq!(found.verdict(), Verdict::OneOf);
+    assert!(found.names().len() > 1 && found.names().contains(&"linear_drag"), "{:?}", found.names());
 }
 
 #[test]
 fn a_handful_of_samples_is_insufficient() {
     let found = ask(&[&glides(Truth::default(), 1, 6, 6)], &Settings::default());
-    assert_eq!(found.verdict, Verdict::Insufficient);
+    assert_eq!(found.verdict(), Verdict::Insufficient);
     assert!(found.notes.iter().any(|n| n.kind == findings::RECORDINGS_SHORT));
-    assert_eq!(ask(&[&[]], &Settings::default()).verdict, Verdict::Insufficient);
+    assert_eq!(ask(&[&[]], &Settings::default()).verdict(), Verdict::Insufficient);
 }
 
 #[test]
 fn each_object_has_its_own_size_of_a_shared_effect() {
     let (light, heavy) = (Truth { drag: 0.3, ..Truth::default() }, Truth { drag: 0.05, push: 1.0, ..Truth::default() });
     let found = ask(&[&glides(light, 3, 180, 7), &glides(heavy, 3, 180, 8)], &Settings::default());
-    assert_eq!((found.verdict, found.names.as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
-    let values = &found.effects[0].coefficients[0].values;
+    assert_eq!((found.verdict(), found.names().as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
+    let values = &found.effects()[0].coefficients[0].values;
     assert!((values[0].value - 0.3).abs() < 0.03 && (values[1].value - 0.05).abs() < 0.03, "{values:?}");
     assert!((found.parameters[1].value - 1.0).abs() < 0.05 && found.parameters[1].object == 1);
 }
@@ -132,9 +132,9 @@ fn a_single_driven_recording_names_an_effect_in_the_joint_that_shows_it() {
     let subjects = [Subject { name: "levers".into(), simulator: &levers }];
     let recordings = [Recording { name: "run".into(), object: 0, held_out: false, seen: &seen }];
     let found = diagnose(&subjects, &recordings, &Settings::default(), &|_| {}).unwrap();
-    assert_eq!((found.verdict, found.names.as_slice()), (Verdict::Named, ["viscous_friction"].as_slice()));
+    assert_eq!((found.verdict(), found.names().as_slice()), (Verdict::Named, ["viscous_friction"].as_slice()));
     let values: Vec<_> =
-        found.effects[0].coefficients.iter().map(|c| (c.values[0].value, c.values[0].interval95)).collect();
+        found.effects()[0].coefficients.iter().map(|c| (c.values[0].value, c.values[0].interval95)).collect();
     assert!((values[0].0 - 0.5).abs() < 0.01 && values[0].1.0 < 0.5 && 0.5 < values[0].1.1, "{values:?}");
     assert_eq!(values[1], (0.0, (0.0, 20.0)), "the second lever is held");
     assert!(found.gap.unwrap().held_out.is_some_and(|gap| gap.after < 1.2 * NOISE_NM * 2.0f64.sqrt()));

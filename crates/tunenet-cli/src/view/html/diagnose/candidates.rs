@@ -29,15 +29,15 @@ pub fn left(diagnosis: &Diagnosis) -> impl Iterator<Item = &Candidate> {
 
 /// Names that these recordings do not distinguish from the best.
 pub fn confusable(diagnosis: &Diagnosis) -> Vec<&'static str> {
-    match diagnosis.verdict {
-        Verdict::OneOf => diagnosis.names.clone(),
+    match diagnosis.verdict() {
+        Verdict::OneOf => diagnosis.names().clone(),
         _ => Vec::new(),
     }
 }
 
 /// Bars of the gain, with the line that an explanation has to reach to be left.
 pub fn gains(diagnosis: &Diagnosis) -> Markup {
-    let is_shown = |(i, c): &(usize, &Candidate)| *i < MOST || diagnosis.names.contains(&c.name);
+    let is_shown = |(i, c): &(usize, &Candidate)| *i < MOST || diagnosis.names().contains(&c.name);
     let shown: Vec<&Candidate> = left(diagnosis).enumerate().filter(is_shown).map(|(_, c)| c).collect();
     let width = Size::Narrow.width();
     let best = shown.iter().map(|c| c.bic_gain).fold(0.0, f64::max);
@@ -91,7 +91,7 @@ pub fn table(answer: &Answer) -> Markup {
         _ => None,
     };
     let (kept, idle): (Vec<&Candidate>, Vec<&Candidate>) =
-        left(diagnosis).partition(|c| c.bic_gain > 0.0 || ratio(c).is_some() || diagnosis.names.contains(&c.name));
+        left(diagnosis).partition(|c| c.bic_gain > 0.0 || ratio(c).is_some() || diagnosis.names().contains(&c.name));
     html! {
         table {
             thead { tr { th { "effect" } th { "acts" } th { "gain" } th { "behind the best" } th { "held-out error" } th { "" } } }
@@ -103,7 +103,7 @@ pub fn table(answer: &Answer) -> Markup {
                         td.number data-name="gain" { (gain(one)) }
                         td.number data-name="behind the best" { (format!("{:.0}", one.delta)) }
                         td.number data-name="held-out error" { @if let Some(ratio) = ratio(one) { (format!("\u{d7}\u{a0}{}", with_decimals(ratio, 3))) } }
-                        td.state { @if diagnosis.names.contains(&one.name) { (role(diagnosis.verdict)) } @else if control == Some(one.name) { "control" } }
+                        td.state { @if diagnosis.names().contains(&one.name) { (role(diagnosis.verdict())) } @else if control == Some(one.name) { "control" } }
                     }
                 }
             }

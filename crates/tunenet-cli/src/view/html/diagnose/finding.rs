@@ -12,22 +12,22 @@ use crate::view::html::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, pro
 pub fn finding(answer: &Answer) -> Markup {
     let diagnosis = answer.diagnosis;
     let class =
-        if matches!(diagnosis.verdict, Verdict::None | Verdict::Named) { "verdict tuned" } else { "verdict not" };
+        if matches!(diagnosis.verdict(), Verdict::None | Verdict::Named) { "verdict tuned" } else { "verdict not" };
     let next = diagnosis.next_experiment.as_ref();
     html! {
         section class=(class) {
-            (shape(shape_of(diagnosis.verdict), word(diagnosis.verdict)))
+            (shape(shape_of(diagnosis.verdict()), word(diagnosis.verdict())))
             div {
-                p.word { (word(diagnosis.verdict)) }
+                p.word { (word(diagnosis.verdict())) }
                 p.act { (sentence(answer)) }
-                @if diagnosis.verdict == Verdict::Named {
-                    @for named in &diagnosis.effects { p { (capital(named.effect.sentence)) "." } }
+                @if diagnosis.verdict() == Verdict::Named {
+                    @for named in diagnosis.effects() { p { (capital(named.effect.sentence)) "." } }
                 }
                 @let spared = answer.without_effect();
                 @if !spared.is_empty() { p { "The recordings of " (joined(&spared.iter().map(ToString::to_string).collect::<Vec<_>>(), "and")) " alone do not need it." } }
-                @if let Some(text) = &diagnosis.description { p { (capital(text)) "." } }
+                @if let Some(text) = &diagnosis.conclusion.description() { p { (capital(text)) "." } }
                 @if let Some(gap) = gap(answer) { p { (gap) } }
-                @if diagnosis.verdict == Verdict::Insufficient {
+                @if diagnosis.verdict() == Verdict::Insufficient {
                     @for note in answer.reasons() { p { (capital(&note.text)) "." @if !note.remedy.is_empty() { " " span.try { (prose(&note.remedy)) "." } } } }
                 }
                 @if let Some(next) = next { p { span.try { (next.text) "." } } }
@@ -59,11 +59,11 @@ fn shape_of(verdict: Verdict) -> Shape {
 /// What is missing, and where.
 pub fn sentence(answer: &Answer) -> String {
     let diagnosis = answer.diagnosis;
-    match diagnosis.verdict {
+    match diagnosis.verdict() {
         Verdict::None => "Nothing is missing that these recordings could show.".into(),
         Verdict::Named => {
             let each: Vec<_> = diagnosis
-                .effects
+                .effects()
                 .iter()
                 .map(|e| format!("{} {}", plain(e.effect.name), phase::name(e.effect.phase)))
                 .collect();
@@ -85,13 +85,13 @@ pub fn sentence(answer: &Answer) -> String {
             } else {
                 format!(", in addition to {}", joined(&words(&firm), "and"))
             };
-            let why = diagnosis.doubt.map_or("not distinguishable in these recordings".into(), |doubt| {
+            let why = diagnosis.conclusion.doubt().map_or("not distinguishable in these recordings".into(), |doubt| {
                 format!("the first by far, but {doubt}")
             });
             format!("{}{place}{or_unknown}{beside}: {why}.", capital(&open.join("; and ")))
         }
         Verdict::Unknown => {
-            let place = diagnosis.remains.map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
+            let place = diagnosis.conclusion.remains().map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
             format!("Something is missing{place}; no known effect explains it.")
         }
         Verdict::Insufficient => "The data are insufficient for an answer.".into(),
@@ -100,7 +100,8 @@ pub fn sentence(answer: &Answer) -> String {
 
 /// Where all effects that are left act, if they act at the same place.
 fn common_place(answer: &Answer) -> Option<Phase> {
-    let mut places = answer.candidates().iter().map(|name| answer.entry(name).map(|effect| effect.phase));
+    let candidates = answer.candidates();
+    let mut places = candidates.iter().map(|name| answer.entry(name).map(|effect| effect.phase));
     let first = places.next()??;
     places.all(|place| place == Some(first)).then_some(first)
 }
@@ -114,7 +115,7 @@ fn gap(answer: &Answer) -> Option<String> {
         GapOf::Segments => " of the flights only, cut at the contacts,",
         GapOf::Events => " of the contacts only, with de-trended flights,",
     };
-    if answer.diagnosis.effects.is_empty() {
+    if answer.diagnosis.effects().is_empty() {
         return Some(format!(
             "Tuned, the gap is {}; the noise floor is {}.",
             words(gap.before),
@@ -127,7 +128,7 @@ fn gap(answer: &Answer) -> Option<String> {
         }
         None => String::new(),
     };
-    let which = if answer.diagnosis.verdict == Verdict::OneOf {
+    let which = if answer.diagnosis.verdict() == Verdict::OneOf {
         let chosen: Vec<String> = answer.chosen().into_iter().map(plain).collect();
         format!("With {}, the best of them,", joined(&chosen, "and"))
     } else {

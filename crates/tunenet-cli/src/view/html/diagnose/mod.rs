@@ -78,7 +78,7 @@ fn seen(answer: &Answer) -> Markup {
         (left_over::overlays(&shown, both))
         h2 { "Residuals" @if both { ", before and after" } }
         (left_over::residuals(&shown, all.len(), both, if both { "with the effect" } else { "tuned" }))
-        h2 { @if answer.diagnosis.verdict == Verdict::None { "Location of the residual" } @else { "Location of the effect" } }
+        h2 { @if answer.diagnosis.verdict() == Verdict::None { "Location of the residual" } @else { "Location of the effect" } }
         (place(answer, both))
     }
 }
@@ -90,14 +90,14 @@ fn place(answer: &Answer, both: bool) -> Markup {
     let all_of = |kind: Kind| answer.loaded.recorded.iter().all(|r| r.seen.kind() == kind);
     let (driven, other) = (all_of(Kind::Joints), all_of(Kind::Other));
     html! {
-        @if !diagnosis.effects.is_empty() {
+        @if !diagnosis.effects().is_empty() {
             ul.plain {
-                @for named in &diagnosis.effects {
+                @for named in diagnosis.effects() {
                     li { code { (named.effect.name) } " acts " b { (phase::name(named.effect.phase)) } ": " (named.effect.sentence) "." }
                 }
             }
         }
-        @if let Some(text) = &diagnosis.description { p { (capital(text)) "." } }
+        @if let Some(text) = &diagnosis.conclusion.description() { p { (capital(text)) "." } }
         div.grid {
             @for (title, places) in &groups {
                 @let rows: Vec<Pair> = places.iter().map(|p| pair(&p.name, both.then_some(p.before), p.after, |v| format!("{}\u{a0}\u{3c3}", with_decimals(v, 2)))).collect();
@@ -141,10 +141,10 @@ fn evidence(answer: &Answer) -> Markup {
                     "Decrease of the information criterion with only this effect added. An effect has to gain "
                     (format!("{:.0}", diagnosis.least_gain)) ", and every candidate within "
                     (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well, unless a warning says why not"
-                    @if diagnosis.verdict == Verdict::OneOf && diagnosis.doubt.is_none() { "; the bracket holds what these recordings do not distinguish" }
+                    @if diagnosis.verdict() == Verdict::OneOf && diagnosis.conclusion.doubt().is_none() { "; the bracket holds what these recordings do not distinguish" }
                     "."
-                    @if let Some(doubt) = diagnosis.doubt { " " (capital(doubt)) ", so " @if diagnosis.names.len() > diagnosis.effects.len() { "the second-best candidate is kept as well." } @else { "an effect outside the catalogue remains possible." } }
-                    @else if single && diagnosis.verdict == Verdict::OneOf { " " (one_throw) " does not identify one effect, so the second-best candidate is kept as well." }
+                    @if let Some(doubt) = diagnosis.conclusion.doubt() { " " (capital(doubt)) ", so " @if diagnosis.names().len() > diagnosis.effects().len() { "the second-best candidate is kept as well." } @else { "an effect outside the catalogue remains possible." } }
+                    @else if single && diagnosis.verdict() == Verdict::OneOf { " " (one_throw) " does not identify one effect, so the second-best candidate is kept as well." }
                 }
             }
             (candidates::table(answer))
@@ -163,7 +163,7 @@ fn evidence(answer: &Answer) -> Markup {
                     @if gap.of == GapOf::Segments { ", of flights that were cut at the contacts: each has a start and a spin of its own, so this says "
                         "nothing of how well a whole recording is predicted" }
                     ". "
-                    @if !diagnosis.effects.is_empty() {
+                    @if !diagnosis.effects().is_empty() {
                         "The dashed mark is the simulation without the effect, parameters tuned; the dot is the one with it. "
                     }
                     @if gap.held_out.is_some() && fitted_start { "For held-out recordings only the initial state is fitted; the forecast uses the first 40 % and is compared with the rest. " }
@@ -177,7 +177,7 @@ fn evidence(answer: &Answer) -> Markup {
 
 fn totals(answer: &Answer) -> Vec<Pair> {
     let Some(gap) = &answer.diagnosis.gap else { return Vec::new() };
-    let named = !answer.diagnosis.effects.is_empty();
+    let named = !answer.diagnosis.effects().is_empty();
     let one =
         |name: &str, before: f64, after: f64| pair(name, named.then_some(before), after, |v| quantity(v, &gap.unit));
     let mut rows = vec![one("fitted", gap.before, gap.after)];
@@ -192,7 +192,7 @@ fn totals(answer: &Answer) -> Vec<Pair> {
 /// The gap of every held-out recording.
 fn held_out(diagnosis: &Diagnosis) -> Vec<Pair> {
     let unit = diagnosis.gap.as_ref().map_or("m", |g| g.unit.as_str());
-    let named = !diagnosis.effects.is_empty();
+    let named = !diagnosis.effects().is_empty();
     let held = diagnosis.explained.iter().filter(|one| one.held_out).take(MOST_PAIRS);
     held.map(|one| {
         let before = named.then(|| distance(one, &one.before));
@@ -213,9 +213,9 @@ fn distance(one: &Explained, residual: &[f64]) -> f64 {
 fn numbers(answer: &Answer) -> Markup {
     let diagnosis = answer.diagnosis;
     html! {
-        @if !diagnosis.effects.is_empty() || !diagnosis.parameters.is_empty() {
+        @if !diagnosis.effects().is_empty() || !diagnosis.parameters.is_empty() {
             h2 { "Coefficients and parameters" }
-            @if !diagnosis.effects.is_empty() { (numbers::coefficients(answer)) }
+            @if !diagnosis.effects().is_empty() { (numbers::coefficients(answer)) }
             (numbers::parameters(answer))
         }
         @if !diagnosis.adequacy.is_empty() {

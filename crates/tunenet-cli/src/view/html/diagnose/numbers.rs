@@ -40,7 +40,7 @@ struct Row<'a> {
 }
 
 fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
-    let effects = answer.diagnosis.effects.iter();
+    let effects = answer.diagnosis.effects().iter();
     let fitted =
         effects.flat_map(|named| named.coefficients.iter().enumerate().map(move |(i, fitted)| (named, fitted, i)));
     fitted
@@ -96,7 +96,7 @@ pub fn coefficients(answer: &Answer) -> Markup {
                 }
             }
         }
-        @for named in &answer.diagnosis.effects {
+        @for named in answer.diagnosis.effects() {
             @let evidence = &named.evidence;
             p.how {
                 code { (named.effect.name) } ": the criterion falls by " (format!("{:.0}", evidence.bic_gain)) " by having it"
