@@ -42,3 +42,24 @@ fn files_of_commands_are_short() {
         assert!(lines <= MOST_LINES, "{}: {lines} lines", path.display());
     }
 }
+
+/// The folders of a diagnosis in the order in which values flow through them.
+const PIPELINE: [&str; 5] = ["evidence", "hypothesis", "judge", "strategy", "answer"];
+
+#[test]
+fn values_of_a_diagnosis_flow_one_way() {
+    let diagnose = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tunenet-core/src/diagnose");
+    for (position, folder) in PIPELINE.iter().enumerate() {
+        let paths: Vec<PathBuf> =
+            std::fs::read_dir(diagnose.join(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();
+        assert!(paths.len() <= 12, "{folder}: {} files", paths.len());
+        for path in paths {
+            let text = std::fs::read_to_string(&path).unwrap();
+            // Unit tests may use what comes later to judge by.
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            for later in &PIPELINE[position + 1..] {
+                assert!(!code.contains(&format!("diagnose::{later}::")), "{} imports {later}", path.display());
+            }
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! What a diagnosis starts from.
 
-use super::answer::wording::{GENERAL, Wording};
+use super::hypothesis::wording::{GENERAL, Wording};
 use crate::observation::{Note, Observation};
 use crate::simulator::Simulator;
 use crate::{Error, Origin, Result};

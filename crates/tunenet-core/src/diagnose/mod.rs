@@ -4,31 +4,39 @@
 //! recordings → prepare → tune → score every candidate → fit the best → what else explains as much? → is the rest noise?
 //! ```
 //!
+//! The folders stand in the order in which values flow through them, and none imports a later one:
+//!
+//! | folder | what it makes |
+//! |---|---|
+//! | `evidence` | prepared recordings, those held out, and a model of their noise |
+//! | `hypothesis` | effects, parameters and nuisance parameters with their fit; forward selection |
+//! | `judge` | tests of what a hypothesis leaves: noise, practical significance, heterogeneity, held-out proof |
+//! | `strategy` | attempts at the whole record, at segments, with discrepancy as noise, with random contacts |
+//! | `answer` | the verdict, its numbers and the next experiment |
+//!
 //! [`diagnose`] runs the whole chain. A smaller residual does not prove a name, since any further coefficient shrinks it; so
 //! an effect is named only where the information criterion gains clearly, its coefficients are physical, nothing else of the
 //! catalogue does as well, and what is left looks like noise. Otherwise the answer says which of these failed.
 
 mod answer;
-mod columns;
 mod evidence;
 mod hypothesis;
 mod input;
-mod joint;
 mod judge;
-mod outliers;
 mod pipeline;
 mod strategy;
 
 #[cfg(test)]
 mod tests;
 
-pub use answer::wording::{GENERAL, Wording};
 pub use answer::{
     Candidate, Change, Conclusion, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment,
-    OfObject, OwnEffect, Test, Tuned, Use, Value, Verdict,
+    OfObject, OwnEffect, Tuned, Use, Value, Verdict,
 };
 pub use evidence::recording::PreparedRecording;
+pub use hypothesis::wording::{GENERAL, Wording};
 pub use input::{Progress, Recording, Settings, Subject};
+pub use judge::Test;
 pub use pipeline::{Explanation, Problem, Strategy};
 
 use crate::findings;
@@ -37,7 +45,7 @@ use crate::simulator::Preparation;
 use crate::{Error, Origin, Result};
 use evidence::copies;
 use evidence::recording::Set;
-use judge::held_out_proof;
+use evidence::validation_split::{hold_end_out, set_aside};
 use pipeline::Preparations;
 
 /// Finds which effects are missing from the simulators of `subjects`, given what was seen of them.
@@ -95,13 +103,13 @@ pub fn diagnose_with(
     copies::label(&mut sets);
     let mut notes = Vec::new();
     if settings.set_aside && !sets.iter().any(|s| s.held_out) && sets.iter().all(Set::driven) {
-        let ends = sets.iter_mut().map(held_out_proof::hold_end_out).collect::<Result<Vec<_>>>()?;
+        let ends = sets.iter_mut().map(hold_end_out).collect::<Result<Vec<_>>>()?;
         sets.extend(ends.into_iter().flatten());
         let text = "the last third of each recording is held out for validation";
         notes.push(Note::new(findings::HELD_OUT_CHOSEN, text, ""));
     } else if settings.set_aside && !sets.iter().any(|s| s.held_out) {
         let objects: Vec<usize> = sets.iter().map(|s| s.object).collect();
-        for i in held_out_proof::set_aside(&objects, settings.seed) {
+        for i in set_aside(&objects, settings.seed) {
             sets[i].held_out = true;
             uses[sets[i].recording].held_out = true;
         }

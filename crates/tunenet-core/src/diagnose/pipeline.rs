@@ -2,6 +2,7 @@
 
 use super::answer::assemble::assemble;
 use super::answer::insufficient::too_little;
+use super::answer::judgement::Judgement;
 use super::answer::notes::{add_notes, note_copies};
 use super::answer::{Diagnosis, Use};
 use super::evidence::Evidence;
@@ -9,7 +10,6 @@ use super::evidence::recording::PreparedRecording;
 use super::hypothesis::catalogue::catalogue;
 use super::hypothesis::context::Context;
 use super::input::{Progress, Recording, Settings, Subject};
-use super::judge::judgement::Judgement;
 use super::strategy::explain;
 use crate::Result;
 use crate::observation::Note;

@@ -15,14 +15,18 @@
 //! | `misfit_grid` | grid of profiled misfits |
 //! | `information`, `cluster_robust` | Fisher information; cluster-robust covariance |
 //! | `adequacy` | residual against noise |
+//! | `projection`, `canonical_correlation` | Frisch–Waugh projection; correlation of two spans |
+//! | `information_criterion` | Bayesian information criterion |
 
 mod adequacy;
 pub(crate) mod block_arrow;
+pub(crate) mod canonical_correlation;
 mod cluster_robust;
 mod contour;
 mod contour_ray;
 pub(crate) mod huber;
 mod information;
+pub(crate) mod information_criterion;
 mod interval;
 pub(crate) mod jacobian;
 pub(crate) mod levenberg_marquardt;
@@ -32,6 +36,7 @@ pub(crate) mod normal_equations;
 mod output_error;
 pub(crate) mod problem;
 mod profile;
+pub(crate) mod projection;
 mod region;
 
 pub use adequacy::Adequacy;

@@ -6,19 +6,20 @@ use crate::Result;
 use crate::diagnose::Recording;
 use crate::diagnose::answer::driven_experiment;
 use crate::diagnose::answer::intervals::Intervals;
+use crate::diagnose::answer::judgement::Judgement;
 use crate::diagnose::answer::next_experiment;
 use crate::diagnose::answer::per_object::by_object;
 use crate::diagnose::answer::residual_description::describe;
-use crate::diagnose::answer::wording::words;
 use crate::diagnose::answer::{
     Candidate, Change, Conclusion, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment,
     Tuned, Use, Value, Verdict,
 };
 use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
-use crate::diagnose::judge::held_out_proof::{HeldOut, rmse};
-use crate::diagnose::judge::judgement::Judgement;
+use crate::diagnose::hypothesis::wording::words;
+use crate::diagnose::judge::held_out_proof::HeldOut;
 use crate::findings;
 use crate::observation::Note;
 use crate::simulator::Phase;

@@ -4,12 +4,14 @@ pub(in crate::diagnose) mod assemble;
 pub(in crate::diagnose) mod driven_experiment;
 pub(in crate::diagnose) mod insufficient;
 pub(in crate::diagnose) mod intervals;
+pub(in crate::diagnose) mod judgement;
 pub(in crate::diagnose) mod next_experiment;
 pub(in crate::diagnose) mod notes;
 pub(in crate::diagnose) mod per_object;
 pub(in crate::diagnose) mod residual_description;
-pub(in crate::diagnose) mod wording;
+pub(in crate::diagnose) mod verdict;
 
+use crate::diagnose::judge::Test;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Effect, Phase};
 use serde::{Deserialize, Serialize};
@@ -136,19 +138,6 @@ pub struct Gap {
     pub control: Option<(&'static str, f64)>,
     /// On the same, their later part predicted from the start of the first 40 %.
     pub forecast: Option<Change>,
-}
-
-/// One test of what the final model leaves.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Test {
-    /// What was tested.
-    pub name: &'static str,
-    /// The statistic.
-    pub value: f64,
-    /// The greatest that passes.
-    pub threshold: f64,
-    /// Whether it passed.
-    pub passed: bool,
 }
 
 /// What to measure next.

@@ -1,16 +1,16 @@
 //! Next experiment, maximin T-optimal (Atkinson and Fedorov 1975): where the confusable effects differ most.
 
 use crate::Result;
-use crate::diagnose::answer::wording::{is_segmented, words};
+use crate::diagnose::answer::verdict::unique;
 use crate::diagnose::answer::{NextExperiment, driven_experiment};
-use crate::diagnose::columns::{Projector, orthonormal, stack};
 use crate::diagnose::evidence::ar1_prewhitening::Filter;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
-use crate::diagnose::joint::{Joint, Point, Which};
-use crate::diagnose::judge::verdict::unique;
+use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
+use crate::diagnose::hypothesis::wording::{is_segmented, words};
 use crate::estimate::jacobian::Columns;
+use crate::estimate::projection::{Projector, orthonormal, stack};
 use crate::observation::Observation;
 use crate::simulator::{Parameter, Prepared, rollout};
 use crate::statistics::dot;

@@ -1,12 +1,12 @@
 //! What a person should know of a diagnosis beside its answer.
 
-use crate::diagnose::answer::wording::words;
-use crate::diagnose::evidence::unmeasured_axes::SILENT;
+use crate::diagnose::answer::judgement::Judgement;
+use crate::diagnose::answer::verdict::in_place_of;
+use crate::diagnose::evidence::unmeasured::SILENT;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::plausibility::implausible_reason;
-use crate::diagnose::judge::judgement::Judgement;
-use crate::diagnose::judge::verdict::in_place_of;
+use crate::diagnose::hypothesis::wording::words;
 use crate::findings;
 use crate::observation::{Note, with_decimals};
 

@@ -4,10 +4,10 @@
 //! true of all together need not be needed by each: air brakes foam, and rubber falls as it would without.
 
 use crate::diagnose::answer::intervals::Intervals;
+use crate::diagnose::answer::judgement::Judgement;
 use crate::diagnose::answer::{OfObject, OwnEffect, Verdict};
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::forward_selection::SelectedEffect;
-use crate::diagnose::judge::judgement::Judgement;
 
 /// The verdict of each object that has recordings to fit, in order; of a single one that of the whole.
 pub(in crate::diagnose) fn by_object(judged: &Judgement, intervals: &Intervals) -> Vec<OfObject> {

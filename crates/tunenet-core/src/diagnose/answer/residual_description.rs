@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Result;
-use crate::diagnose::answer::wording::{Wording, is_segmented, words};
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::wording::{Wording, is_segmented, words};
 use crate::observation::Channel;
 use crate::simulator::Phase;
 

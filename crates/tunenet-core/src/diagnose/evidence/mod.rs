@@ -3,11 +3,12 @@
 pub(in crate::diagnose) mod ar1_correlation;
 pub(in crate::diagnose) mod ar1_prewhitening;
 pub(in crate::diagnose) mod copies;
+pub(in crate::diagnose) mod outliers;
 pub(in crate::diagnose) mod recording;
 pub(in crate::diagnose) mod segment_noise;
 pub(in crate::diagnose) mod segments;
-pub(in crate::diagnose) mod sign_ambiguous;
-pub(in crate::diagnose) mod unmeasured_axes;
+pub(in crate::diagnose) mod unmeasured;
+pub(in crate::diagnose) mod validation_split;
 
 use recording::Set;
 
@@ -91,4 +92,18 @@ impl Evidence {
         let one = |a: &Set| self.training.iter().all(|b| a.object != b.object || a.motion == b.motion);
         self.training.iter().all(|set| !set.driven() && one(set))
     }
+}
+
+/// Root mean square of plain residuals from the share `from` of each recording on, a sample of several channels counted
+/// once; what is set aside does not count.
+pub(in crate::diagnose) fn rmse(sets: &[Set], plain: &[Vec<f64>], from: f64) -> f64 {
+    let (mut squares, mut samples) = (0.0, 0.0);
+    for (set, values) in sets.iter().zip(plain) {
+        let begin = from * values.len() as f64;
+        let kept = values.iter().enumerate().filter(|(i, _)| set.keep[*i] && *i as f64 >= begin);
+        let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (_, v)| (sum + v * v, count + 1.0));
+        squares += sum;
+        samples += count / set.width() as f64;
+    }
+    if samples > 0.0 { (squares / samples).sqrt() } else { 0.0 }
 }

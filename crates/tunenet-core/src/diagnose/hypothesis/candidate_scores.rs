@@ -5,13 +5,13 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use crate::Result;
-use crate::diagnose::answer::wording::done_already;
-use crate::diagnose::columns::{Projector, orthonormal, stack};
-use crate::diagnose::hypothesis::canonical_correlation::canonical_correlation;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
+use crate::diagnose::hypothesis::joint::{Effort, Point, Which};
 use crate::diagnose::hypothesis::plausibility::implausible;
-use crate::diagnose::joint::{Effort, Point, Which};
+use crate::diagnose::hypothesis::wording::done_already;
+use crate::estimate::canonical_correlation::canonical_correlation;
 use crate::estimate::jacobian::Columns;
+use crate::estimate::projection::{Projector, orthonormal, stack};
 use crate::statistics::dot;
 
 /// One step with derivatives that are known already.

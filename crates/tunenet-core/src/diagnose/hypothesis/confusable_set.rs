@@ -2,8 +2,8 @@
 
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::gain;
-use crate::diagnose::hypothesis::canonical_correlation::canonical_correlation;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::estimate::canonical_correlation::canonical_correlation;
 
 /// Two effects whose projected columns share this much (squared canonical correlation) are the same to these recordings,
 /// whatever small difference a fit finds.

@@ -7,14 +7,14 @@ use std::sync::atomic::AtomicUsize;
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::ar1_correlation;
+use crate::diagnose::evidence::outliers;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::catalogue::Entry;
-use crate::diagnose::hypothesis::information_criterion::{bic_gain, likelihood_gain};
+use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, spread};
 use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
-use crate::diagnose::joint::{Effort, Joint, Outcome, Point, spread};
-use crate::diagnose::outliers;
 use crate::diagnose::{Settings, Subject};
 use crate::estimate::huber::huber_cost;
+use crate::estimate::information_criterion::{bic_gain, likelihood_gain};
 
 /// A full fit.
 pub(in crate::diagnose) const FULL: Effort = Effort { steps: 12, tolerance: 0.02, horizon: 1.0 };

@@ -6,10 +6,9 @@ use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::{gain, score_candidates};
 use crate::diagnose::hypothesis::confusable_set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::information_criterion::p_value;
 use crate::diagnose::hypothesis::plausibility::is_required;
 use crate::diagnose::hypothesis::plausibility::{holds_only_required, needs_no_evidence, required_model};
-use crate::diagnose::judge::adequacy::residual_diagnostics;
+use crate::estimate::information_criterion::p_value;
 
 /// A swap may open the way to another; each is better than the one before.
 const MOST_SWAPS: usize = 6;
@@ -57,17 +56,21 @@ pub(in crate::diagnose) struct SelectedEffect {
     pub equals: Vec<usize>,
 }
 
+/// Whether what a hypothesis leaves looks like noise.
+pub(in crate::diagnose) type IsAdequate = fn(&Context, &Hypothesis) -> bool;
+
 /// With the effects in, the noise shows more clearly; where it differs from what was taken for it, all is done again.
 pub(in crate::diagnose) fn search_again<'a>(
     context: Context<'a>,
     found: Selection<'a>,
+    is_adequate: IsAdequate,
     progress: &dyn Fn(Progress),
 ) -> Result<(Context<'a>, Selection<'a>)> {
     let Some(best) = &found.best else { return Ok((context, found)) };
     let Some(evidence) = context.learn_noise(best)? else { return Ok((context, found)) };
     let context = context.with_evidence(evidence);
     let base = context.fit_near(&[], &found.base)?;
-    let found = search(&context, base, progress)?;
+    let found = search(&context, base, is_adequate, progress)?;
     Ok((context, found))
 }
 
@@ -75,6 +78,7 @@ pub(in crate::diagnose) fn search_again<'a>(
 pub(in crate::diagnose) fn search<'a>(
     context: &Context<'a>,
     base: Hypothesis<'a>,
+    is_adequate: IsAdequate,
     progress: &dyn Fn(Progress),
 ) -> Result<Selection<'a>> {
     progress(Progress::Scoring { candidates: context.catalogue.len(), effects: 0 });
@@ -97,7 +101,7 @@ pub(in crate::diagnose) fn search<'a>(
         let Some(model) = best.take() else { break };
         // With all that may be added and still no fit, there is nothing to compare with.
         let full = model.structure.effects.len() >= context.settings.most_effects.max(2);
-        if full && context.effective_fraction() >= 1.0 && !residual_diagnostics(context, &model).passed() {
+        if full && context.effective_fraction() >= 1.0 && !is_adequate(context, &model) {
             best = Some(model);
             break;
         }
@@ -234,7 +238,7 @@ mod tests {
         let mut found = Vec::new();
         in_swings(truth, count, 0, |context| {
             let base = fit_without_effects(context).unwrap();
-            let best = search(context, base, &|_| {}).unwrap().best;
+            let best = search(context, base, |_, _| true, &|_| {}).unwrap().best;
             found = best.map_or_else(Vec::new, |best| names(context, &best.structure.effects));
         });
         found

@@ -2,8 +2,8 @@
 
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
+use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, spread};
 use crate::diagnose::hypothesis::structure::Structure;
-use crate::diagnose::joint::{Effort, Joint, Outcome, Point, spread};
 
 /// Shares of the recordings that are fitted one after the other: the count of events stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];

@@ -1,9 +1,9 @@
 //! Backward elimination of effects that are significant and negligible beside the others.
 
 use crate::Result;
+use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
-use crate::diagnose::judge::held_out_proof::rmse;
 
 /// An effect without which less than this share of the mean square comes back that all take away is worth no name.
 const NEGLIGIBLE: f64 = 0.01;

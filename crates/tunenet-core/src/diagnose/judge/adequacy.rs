@@ -43,6 +43,11 @@ impl ResidualDiagnostics {
     }
 }
 
+/// Whether what `model` leaves passes every test.
+pub(in crate::diagnose) fn is_adequate(context: &Context, model: &Hypothesis) -> bool {
+    residual_diagnostics(context, model).passed()
+}
+
 /// Tests what `model` leaves.
 pub(in crate::diagnose) fn residual_diagnostics(context: &Context, model: &Hypothesis) -> ResidualDiagnostics {
     let residuals = &model.fit.residuals;

@@ -1,19 +1,13 @@
 //! Held-out proof: of validation recordings only the start is fitted, and their later part is forecast.
 
 use crate::Result;
-use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
-use crate::diagnose::joint::{Effort, Joint, Point};
-use crate::observation::FEWEST_SAMPLES;
-use crate::simulator::Prepared;
+use crate::diagnose::hypothesis::joint::{Effort, Joint, Point};
 
 const EARLY: Effort = Effort { steps: 6, tolerance: 0.5, horizon: 0.45 };
 /// The share of a recording from which the rest is forecast.
 const KNOWN: f64 = 0.4;
-/// The share of a driven recording that is fitted where none is held out.
-const FITTED: f64 = 2.0 / 3.0;
-/// Of so many recordings of one object one may be set aside.
-const ONE_OF: usize = 4;
 
 /// How far a model lies from recordings that it never saw, in the channels' unit.
 #[derive(Debug, Clone)]
@@ -52,75 +46,10 @@ pub(in crate::diagnose) fn validate(context: &Context, model: &Hypothesis) -> Re
     Ok(Some(HeldOut { rmse, forecast, residuals, nuisances: whole.nuisances }))
 }
 
-/// Root mean square of plain residuals from the share `from` of each recording on, a sample of several channels counted
-/// once; what is set aside does not count.
-pub(in crate::diagnose) fn rmse(sets: &[Set], plain: &[Vec<f64>], from: f64) -> f64 {
-    let (mut squares, mut samples) = (0.0, 0.0);
-    for (set, values) in sets.iter().zip(plain) {
-        let begin = from * values.len() as f64;
-        let kept = values.iter().enumerate().filter(|(i, _)| set.keep[*i] && *i as f64 >= begin);
-        let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (_, v)| (sum + v * v, count + 1.0));
-        squares += sum;
-        samples += count / set.width() as f64;
-    }
-    if samples > 0.0 { (squares / samples).sqrt() } else { 0.0 }
-}
-
-/// Cuts the last third off a recording and returns it, held out; `None` where it is too short for that.
-///
-/// # Errors
-/// Never where the recording is sound.
-pub(in crate::diagnose) fn hold_end_out(set: &mut Set) -> Result<Option<Set>> {
-    let count = set.prepared.seen.len();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
-    let cut = (count as f64 * FITTED) as usize;
-    if cut < FEWEST_SAMPLES || count - cut < FEWEST_SAMPLES {
-        return Ok(None);
-    }
-    let part = |range, held_out| -> Result<Set> {
-        let prepared = Prepared { seen: set.prepared.seen.slice(range)?, ..set.prepared.clone() };
-        Ok(Set::new(set.recording, set.object, held_out, prepared))
-    };
-    let end = part(cut..count, true)?;
-    *set = part(0..cut, false)?;
-    Ok(Some(end))
-}
-
-/// Which recordings to set aside where none is given: of each object with enough of them every fourth, beginning where the
-/// seed says. `objects` are the objects of the usable recordings.
-pub(in crate::diagnose) fn set_aside(objects: &[usize], seed: u64) -> Vec<usize> {
-    let mut chosen = Vec::new();
-    let most = objects.iter().copied().max().map_or(0, |m| m + 1);
-    for object in 0..most {
-        let mine: Vec<usize> = (0..objects.len()).filter(|&i| objects[i] == object).collect();
-        let count = mine.len() / ONE_OF;
-        let offset = usize::try_from(seed % ONE_OF as u64).unwrap_or(0);
-        chosen.extend((0..count).map(|k| mine[k * ONE_OF + offset]));
-    }
-    chosen
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{set_aside, validate};
-    use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, entry, in_levers, in_swings};
-    use crate::testing::Levers;
-
-    #[test]
-    fn of_a_driven_recording_the_last_third_is_held_out() {
-        in_levers(&Levers::new().unwrap(), &[], |context| {
-            let (fitted, held_out) = (context.sets()[0].clock(), context.evidence.validation[0].clock());
-            assert_eq!((fitted.len(), held_out.len()), (400, 200));
-            assert!(fitted[399] < held_out[0] && !context.evidence.shows_one_motion());
-        });
-    }
-
-    #[test]
-    fn one_in_four_of_each_object_is_set_aside() {
-        assert!(set_aside(&[0, 0, 0], 0).is_empty());
-        assert_eq!(set_aside(&[0, 0, 0, 0, 1, 1], 2), [2]);
-        assert_eq!(set_aside(&[0, 1, 0, 1, 0, 1, 0, 1], 1), [2, 3]);
-    }
+    use super::validate;
+    use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, entry, in_swings};
 
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
 

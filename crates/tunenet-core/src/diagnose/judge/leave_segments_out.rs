@@ -4,7 +4,7 @@
 use crate::Result;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
-use crate::diagnose::joint::Joint;
+use crate::diagnose::hypothesis::joint::Joint;
 
 /// Every so many segments one is hidden, the first never: nothing else shows how it began.
 const EVERY: usize = 3;

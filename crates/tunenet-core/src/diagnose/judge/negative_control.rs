@@ -42,6 +42,7 @@ pub(in crate::diagnose) fn ratios(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::judge::adequacy::is_adequate;
     use crate::diagnose::tests::zoo::{FRICTION, in_swings};
 
     use crate::diagnose::hypothesis::forward_selection::search;
@@ -50,7 +51,7 @@ mod tests {
     #[test]
     fn a_wrong_effect_does_not_reach_what_the_true_one_does() {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
-            let found = search(context, fit_without_effects(context).unwrap(), &|_| {}).unwrap();
+            let found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
             let before = validate(context, &found.base).unwrap();
             let (name, wrong) = negative_control(context, &found).unwrap().unwrap();
             let reached = validate(context, found.best.as_ref().unwrap()).unwrap().unwrap().rmse;

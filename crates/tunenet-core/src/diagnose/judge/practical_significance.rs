@@ -6,10 +6,11 @@
 use crate::Result;
 use crate::diagnose::Test;
 use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::plausibility::is_required;
-use crate::diagnose::judge::held_out_proof::{HeldOut, rmse};
+use crate::diagnose::judge::held_out_proof::HeldOut;
 use crate::diagnose::judge::heterogeneity::relative_heterogeneity;
 
 /// What may be left beyond noise, as a share of what the effects took away (of mean squares).
@@ -83,6 +84,7 @@ pub(in crate::diagnose) fn noise_floor(sets: &[Set]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::judge::adequacy::is_adequate;
     use crate::diagnose::tests::zoo::{FRICTION, NOISE_RAD, in_swings};
 
     use crate::diagnose::hypothesis::forward_selection::search;
@@ -92,7 +94,7 @@ mod tests {
     #[test]
     fn an_effect_that_takes_nearly_all_away_is_significant() {
         in_swings(&[(FRICTION, 0.15)], 4, 1, |context| {
-            let found = search(context, fit_without_effects(context).unwrap(), &|_| {}).unwrap();
+            let found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
             let reach = |model| validate(context, model).unwrap().unwrap();
             let (before, after) = (reach(&found.base), reach(found.best.as_ref().unwrap()));
             let floors = (noise_floor(context.sets()), noise_floor(&context.evidence.validation));

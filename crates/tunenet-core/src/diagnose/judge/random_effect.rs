@@ -7,13 +7,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Result;
-use crate::diagnose::columns::Projector;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::catalogue::carrier;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
-use crate::diagnose::hypothesis::information_criterion::p_value;
-use crate::diagnose::joint::Which;
+use crate::diagnose::hypothesis::joint::Which;
+use crate::estimate::information_criterion::p_value;
+use crate::estimate::projection::Projector;
 use crate::simulator::{Parameter, Preparation, Simulator, predict};
 use crate::statistics::dot;
 

@@ -3,11 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Result;
-use crate::diagnose::columns::orthonormal;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::joint::Which;
+use crate::diagnose::hypothesis::joint::Which;
 use crate::estimate::jacobian::Columns;
+use crate::estimate::projection::orthonormal;
 use crate::statistics::{NORMAL_95, dot};
 
 /// Stretches of a driven recording: long against what its residual remembers, enough for a variance.

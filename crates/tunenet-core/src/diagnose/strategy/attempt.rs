@@ -2,8 +2,6 @@
 
 use crate::Result;
 use crate::diagnose::Test;
-use crate::diagnose::evidence::sign_ambiguous::fix_sign_ambiguous;
-use crate::diagnose::evidence::unmeasured_axes::without_unmeasured;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
@@ -11,6 +9,8 @@ use crate::diagnose::judge::adequacy::{ResidualDiagnostics, residual_diagnostics
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::negative_control::{negative_control, ratios};
 use crate::diagnose::judge::practical_significance::noise_floor;
+use crate::diagnose::strategy::sign_ambiguous::fix_sign_ambiguous;
+use crate::diagnose::strategy::unmeasured_axes::without_unmeasured;
 
 /// What an attempt has looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

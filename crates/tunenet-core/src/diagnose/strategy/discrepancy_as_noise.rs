@@ -7,6 +7,7 @@ use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::evidence::{Evidence, NoiseModel};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::{Selection, search};
+use crate::diagnose::judge::adequacy::is_adequate;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::negative_control::negative_control;
 use crate::diagnose::judge::practical_significance::{CONFIRMED, CONTROL, noise_floor, practical_tests};
@@ -119,7 +120,7 @@ pub(in crate::diagnose) fn search_inflated<'a>(
     let best = found.best.as_ref().unwrap_or(&found.base);
     let context = context.with_evidence(with_discrepancy_as_noise(context, best)?);
     let base = context.fit_near(&[], &found.base)?;
-    let found = search(&context, base, progress)?;
+    let found = search(&context, base, is_adequate, progress)?;
     Ok((context, found))
 }
 

@@ -8,6 +8,8 @@ mod random_contacts;
 mod required_effects_first;
 mod segment_wise;
 mod segments_alone;
+mod sign_ambiguous;
+mod unmeasured_axes;
 mod whole_record;
 
 pub(super) use attempt::{Attempt, Control, Scope};

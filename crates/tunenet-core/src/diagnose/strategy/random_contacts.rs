@@ -10,8 +10,8 @@ use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::search;
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
-use crate::diagnose::joint::{Outcome, Point};
-use crate::diagnose::judge::adequacy::residual_diagnostics;
+use crate::diagnose::hypothesis::joint::{Outcome, Point};
+use crate::diagnose::judge::adequacy::{is_adequate, residual_diagnostics};
 use crate::diagnose::judge::random_effect::RandomTiltFit;
 use crate::diagnose::judge::random_effect::admit;
 use crate::diagnose::judge::random_effect::random_tilts;
@@ -83,7 +83,7 @@ fn with_chance<'a>(
         },
     };
     let base = context.fit_near(&[], &near)?;
-    let again = search(context, base, progress)?;
+    let again = search(context, base, is_adequate, progress)?;
     let place =
         SelectedEffect { entry, gain: scatter.gain, p_value: scatter.p_value, others: Vec::new(), equals: Vec::new() };
     let places = std::iter::once(place).chain(again.places).collect();

@@ -12,6 +12,7 @@ use crate::diagnose::evidence::Evidence;
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::{Selection, search};
 use crate::diagnose::hypothesis::plausibility::{holds_only_required, implausible, is_required};
+use crate::diagnose::judge::adequacy::is_adequate;
 use crate::diagnose::strategy::discrepancy_as_noise::with_inflated_noise;
 
 pub(super) struct RequiredEffectsFirst;
@@ -48,7 +49,7 @@ fn search_required_first<'a>(
     let evidence = Evidence::clone(&context.evidence).prewhitened(0.0);
     let context = Context { required_first: true, ..context.with_evidence(evidence) };
     let base = context.fit_near(&[], &found.base)?;
-    let found = search(&context, base, progress)?;
+    let found = search(&context, base, is_adequate, progress)?;
     let whole = found.best.as_ref().is_some_and(|best| !holds_only_required(&context, best));
     Ok(whole.then_some((context, found)))
 }

@@ -7,7 +7,6 @@
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::evidence::unmeasured_axes::without_unmeasured;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::catalogue::{Entry, catalogue};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
@@ -16,10 +15,11 @@ use crate::diagnose::hypothesis::forward_selection::search;
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
 use crate::diagnose::hypothesis::pruning::prune;
 use crate::diagnose::hypothesis::structure::FixedEffect;
-use crate::diagnose::judge::adequacy::residual_diagnostics;
+use crate::diagnose::judge::adequacy::{is_adequate, residual_diagnostics};
 use crate::diagnose::judge::practical_significance::noise_floor;
 use crate::diagnose::strategy::by_name::ByName;
 use crate::diagnose::strategy::discrepancy_as_noise::with_inflated_noise;
+use crate::diagnose::strategy::unmeasured_axes::without_unmeasured;
 use crate::diagnose::{Progress, Subject, Test};
 use crate::simulator::{Phase, Preparation, Simulator};
 
@@ -79,7 +79,7 @@ fn understood<'a>(
 ) -> Result<Option<(Context<'a>, Selection<'a>, Vec<Test>)>> {
     let base = fit_without_effects(&context)?;
     let context = without_unmeasured(context, &base)?;
-    let found = search(&context, base, progress)?;
+    let found = search(&context, base, is_adequate, progress)?;
     let best = found.best.as_ref().unwrap_or(&found.base);
     let tests = residual_diagnostics(&context, best).tests;
     // Rounding has a pattern of its own, far below the noise.

@@ -8,6 +8,7 @@ use crate::diagnose::evidence::ar1_correlation;
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::{Selection, search, search_again};
 use crate::diagnose::judge::adequacy::LONG_LAG1;
+use crate::diagnose::judge::adequacy::is_adequate;
 
 /// Where effects take so much of the correlation away, it was theirs.
 const TAKEN: f64 = 0.5;
@@ -25,8 +26,8 @@ impl Refinement for WholeRecord {
             context = context.with_evidence(evidence);
             base = context.fit_near(&[], &base)?;
         }
-        let found = search(&context, base, progress)?;
-        let (mut context, mut found) = search_again(context, found, progress)?;
+        let found = search(&context, base, is_adequate, progress)?;
+        let (mut context, mut found) = search_again(context, found, is_adequate, progress)?;
         if let Some(white) = search_white(&context, &found, progress)? {
             (context, found) = white;
         }
@@ -50,10 +51,10 @@ fn search_white<'a>(
     }
     let white = context.with_evidence(Evidence::clone(&context.evidence).prewhitened(0.0));
     let base = white.fit_near(&[], &found.base)?;
-    let found = search(&white, base, progress)?;
+    let found = search(&white, base, is_adequate, progress)?;
     let left = found.best.as_ref().map(|best| white.weighted(best)).transpose()?;
     if left.is_some_and(|left| ar1_correlation::correlation(white.sets(), &left) < rho - TAKEN) {
-        return search_again(white, found, progress).map(Some);
+        return search_again(white, found, is_adequate, progress).map(Some);
     }
     Ok(None)
 }

@@ -1,10 +1,10 @@
 //! Contexts of closed-form recordings, on which every step of the pipeline is tested.
 
 use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::validation_split::hold_end_out;
 use crate::diagnose::evidence::{Evidence, copies};
 use crate::diagnose::hypothesis::catalogue::catalogue;
 use crate::diagnose::hypothesis::context::Context;
-use crate::diagnose::judge::held_out_proof::hold_end_out;
 use crate::diagnose::{Settings, Subject};
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};

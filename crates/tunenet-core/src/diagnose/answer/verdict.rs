@@ -1,11 +1,12 @@
 //! Verdict: none, named, one of a confusable set, or unknown.
 
-use crate::diagnose::answer::wording::words;
-use crate::diagnose::answer::{Test, Verdict};
+use crate::diagnose::Test;
+use crate::diagnose::answer::Verdict;
 use crate::diagnose::hypothesis::context::{Context, SINGLE_MOTION_MARGIN};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::needs_no_evidence;
 use crate::diagnose::hypothesis::plausibility::{is_less_plausible, is_required};
+use crate::diagnose::hypothesis::wording::words;
 
 /// How many alternatives of an effect are offered at most.
 const MOST_ALTERNATIVES: usize = 5;
@@ -122,6 +123,7 @@ pub(in crate::diagnose) fn unique<'a>(names: Vec<&'a str>) -> Vec<&'a str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::judge::adequacy::is_adequate;
     use crate::diagnose::tests::zoo::{FRICTION, in_swings};
 
     use crate::diagnose::hypothesis::forward_selection::search;
@@ -131,7 +133,7 @@ mod tests {
     fn verdict(truth: &[(&str, f64)], count: u32) -> (Verdict, Vec<&'static str>) {
         let mut found = (Verdict::Insufficient, Vec::new());
         in_swings(truth, count, 0, |context| {
-            let searched = search(context, fit_without_effects(context).unwrap(), &|_| {}).unwrap();
+            let searched = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
             let tests = residual_diagnostics(context, searched.best.as_ref().unwrap_or(&searched.base)).tests;
             let decision = decide(context, &searched, &tests, true);
             found = (decision.verdict, decision.names);

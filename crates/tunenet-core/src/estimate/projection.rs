@@ -1,13 +1,13 @@
 //! Columns of effects, less what start states and parameters can do in their stead.
 
-use crate::estimate::jacobian::Columns;
+use super::jacobian::Columns;
 use crate::statistics::dot;
 
 /// A direction whose projection keeps less than this share of its square is taken for dependent.
 const DEPENDENT: f64 = 1e-9;
 
 /// Takes out of a stacked column whatever nuisance parameters and free numbers of the model explain.
-pub(super) struct Projector {
+pub(crate) struct Projector {
     /// Orthonormal, one group for each recording; the stretch of the stack that it covers.
     nuisances: Vec<(std::ops::Range<usize>, Vec<Vec<f64>>)>,
     /// Orthonormal, stacked over all recordings.
@@ -47,7 +47,7 @@ impl Projector {
 }
 
 /// The column of free number `place` over all recordings; 0 where it does not touch one.
-pub(super) fn stack(columns: &[Columns], lengths: &[usize], place: usize) -> Vec<f64> {
+pub(crate) fn stack(columns: &[Columns], lengths: &[usize], place: usize) -> Vec<f64> {
     let mut stacked = Vec::with_capacity(lengths.iter().sum());
     for (one, &length) in columns.iter().zip(lengths) {
         match one.places.iter().position(|&p| p == place) {
@@ -69,7 +69,7 @@ fn take_out(column: &mut [f64], basis: &[Vec<f64>]) {
 }
 
 /// An orthonormal basis of the columns' span; dependent ones are left out.
-pub(super) fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+pub(crate) fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(columns.len());
     for mut column in columns {
         let before = dot(&column, &column);

@@ -1,12 +1,12 @@
 //! Unmeasured axes: what acts along them alone is neither free nor a candidate.
 
 use crate::Result;
-use crate::diagnose::columns::stack;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::joint::{Joint, Point, Which};
+use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
+use crate::estimate::projection::stack;
 use crate::statistics::dot;
 
 /// A coefficient that moves the recordings by less than this share of what another of its effect does is not seen.
@@ -14,10 +14,6 @@ const UNOBSERVED_SHARE: f64 = 1e-3;
 /// ... nor is one of a driven recording that moves it by less than this over all its physical range (root of the summed squares, in
 /// units of the noise).
 const VISIBLE: f64 = 2.0;
-/// A nuisance parameter whose whole range moves nothing by more than this (in units of the noise) is held at its guess ...
-pub(in crate::diagnose) const SILENT: f64 = 0.01;
-/// ... by a prior with this share of its range as standard deviation.
-const HELD_SHARE: f64 = 1e-6;
 
 /// The context with nuisance parameters along axes that were not measured held, and no coefficient free that acts along them
 /// alone. A start velocity across the picture would otherwise turn spin into any force within it.
@@ -86,38 +82,11 @@ fn observable(context: &Context<'_>, entry: usize, base: &Hypothesis) -> Result<
     Ok(sizes.into_iter().map(|size| largest <= 0.0 || size > UNOBSERVED_SHARE * largest).collect())
 }
 
-impl Set {
-    /// Channels of which nothing counts.
-    pub(in crate::diagnose) fn unmeasured(&self) -> Vec<usize> {
-        let width = self.width();
-        (0..width).filter(|c| !self.keep.iter().skip(*c).step_by(width).any(|keep| *keep)).collect()
-    }
-
-    /// Holds the nuisance parameters with these derivatives of the white residuals where they move nothing.
-    fn hold_silent(&mut self, columns: &[Vec<f64>]) {
-        if self.unmeasured().is_empty() {
-            return;
-        }
-        for (i, column) in columns.iter().enumerate() {
-            if dot(column, column).sqrt() * self.prepared.nuisances[i].span() < SILENT {
-                self.hold(i);
-            }
-        }
-    }
-
-    /// Holds nuisance parameter `i` at its guess.
-    pub(in crate::diagnose) fn hold(&mut self, i: usize) {
-        self.prior_sd[i] = HELD_SHARE * self.prepared.nuisances[i].span();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::tests::zoo::{LEVER_FRICTION, entry, in_levers};
-    use crate::observation::Observation;
-    use crate::simulator::{Parameter, Prepared};
     use crate::testing::Levers;
 
     /// The second lever is held: its friction cannot be seen, its bias can.
@@ -129,29 +98,5 @@ mod tests {
             assert_eq!(context.catalogue[entry(&context, "viscous_friction")].seen, [true, false]);
             assert_eq!(context.catalogue[entry(&context, "torque_bias")].seen, [true, true]);
         });
-    }
-
-    fn seen_along_x_and_z() -> Set {
-        let clock: Vec<f64> = (0..30).map(|k| f64::from(k) * 0.02).collect();
-        let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.0, 1.0 - 4.905 * t * t]).collect();
-        let mut prepared = Prepared::whole(Observation::positions(clock, &rows).unwrap(), 1);
-        let nuisance = |name: &str| Parameter::new(name, "m/s", 1.0, -4.0, 4.0).unwrap();
-        prepared.nuisances = vec![nuisance("release.velocity_x"), nuisance("release.velocity_y")];
-        Set::new(0, 0, false, prepared)
-    }
-
-    #[test]
-    fn an_axis_that_stands_still_is_not_measured() {
-        assert_eq!(seen_along_x_and_z().unmeasured(), [1]);
-    }
-
-    /// What moves the recording stays as free as it was, what moves nothing is held at its guess.
-    #[test]
-    fn only_what_moves_nothing_is_held() {
-        let mut set = seen_along_x_and_z();
-        let before = set.prior_sd.clone();
-        set.hold_silent(&[vec![0.1; 90], vec![0.0; 90]]);
-        assert_eq!(set.prior_sd[0], before[0]);
-        assert!(set.prior_sd[1] < 1e-4 * before[1], "{:?}", set.prior_sd);
     }
 }

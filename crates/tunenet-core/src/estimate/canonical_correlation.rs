@@ -6,7 +6,7 @@ use crate::statistics::dot;
 
 /// The largest squared canonical correlation of two column spaces, each given by an orthonormal basis (Hotelling 1936): the
 /// greatest squared singular value of the products.
-pub(in crate::diagnose) fn canonical_correlation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+pub(crate) fn canonical_correlation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     if a.is_empty() || b.is_empty() {
         return 0.0;
     }

@@ -1,6 +1,6 @@
 //! Outliers: single samples far from their neighbours (median filter, Hampel 1974).
 
-use super::evidence::recording::Set;
+use super::recording::Set;
 use crate::statistics::{mad_sd, median};
 
 /// A sample is an outlier where it leaves the median of its neighbours' residuals by this many robust standard deviations.
@@ -18,7 +18,7 @@ const FEWEST_GATHERED: usize = 4;
 ///
 /// A misfit between events is smooth, so it moves neighbours together. One at events (contacts last, or the shutter is open) does
 /// not; but it is there at every contact, and an accident is not.
-pub(super) fn set_aside(sets: &mut [Set], residuals: &[Vec<f64>]) -> usize {
+pub(in crate::diagnose) fn set_aside(sets: &mut [Set], residuals: &[Vec<f64>]) -> usize {
     let (mut chosen, mut near, mut far) = (Vec::new(), Share::default(), Share::default());
     for (d, (set, values)) in sets.iter().zip(residuals).enumerate() {
         let beside = beside_contacts(set);

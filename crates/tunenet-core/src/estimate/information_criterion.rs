@@ -7,7 +7,7 @@ const LEAST_VARIANCE: f64 = 0.3;
 
 /// Twice the gain in logarithmic likelihood between two nested fits of `count` values with unknown noise,
 /// n ln(D₀/D₁), D being the (robust) sum of squares in units of the noise.
-pub(in crate::diagnose) fn likelihood_gain(count: usize, before: f64, after: f64) -> f64 {
+pub(crate) fn likelihood_gain(count: usize, before: f64, after: f64) -> f64 {
     let n = count as f64;
     let gain = n * (before.max(f64::MIN_POSITIVE) / after.max(f64::MIN_POSITIVE)).ln();
     if gain > 0.0 { gain.min((before - after) / LEAST_VARIANCE) } else { gain.max((before - after) / LEAST_VARIANCE) }
@@ -17,12 +17,12 @@ pub(in crate::diagnose) fn likelihood_gain(count: usize, before: f64, after: f64
 /// information criterion (Schwarz 1978) of `count` independent values.
 ///
 /// `coefficients` is how many more numbers the later fit has; negative where it has fewer.
-pub(in crate::diagnose) fn bic_gain(likelihood_gain: f64, count: f64, coefficients: f64) -> f64 {
+pub(crate) fn bic_gain(likelihood_gain: f64, count: f64, coefficients: f64) -> f64 {
     likelihood_gain - coefficients * count.max(std::f64::consts::E).ln()
 }
 
 /// The probability that chance alone gains as much (Wilks 1938).
-pub(in crate::diagnose) fn p_value(likelihood_gain: f64, coefficients: usize) -> f64 {
+pub(crate) fn p_value(likelihood_gain: f64, coefficients: usize) -> f64 {
     upper_chi_squared(likelihood_gain, coefficients as f64)
 }
 

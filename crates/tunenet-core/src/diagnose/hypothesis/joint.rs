@@ -5,9 +5,9 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::evidence::recording::Set;
-use super::hypothesis::structure::Structure;
+use super::structure::Structure;
 use crate::Result;
+use crate::diagnose::evidence::recording::Set;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::{Columns, jacobian};
 use crate::estimate::levenberg_marquardt::{Settings, minimise};
@@ -16,7 +16,7 @@ use crate::estimate::problem::{
 };
 use crate::simulator::{Parameter, every, predict};
 
-pub(super) use crate::estimate::Point;
+pub(in crate::diagnose) use crate::estimate::Point;
 
 /// Difference step of a coefficient, as a share of a small visible one.
 const COEFFICIENT_STEP: f64 = 1e-3;
@@ -39,7 +39,7 @@ const NEARER: f64 = 0.9;
 
 /// How far a fit goes.
 #[derive(Clone, Copy)]
-pub(super) struct Effort {
+pub(in crate::diagnose) struct Effort {
     pub steps: usize,
     /// A step that gains less than this in cost ends it; a half of 1 is what the noise of one sample is worth.
     pub tolerance: f64,
@@ -49,7 +49,7 @@ pub(super) struct Effort {
 
 /// Which derivatives.
 #[derive(Clone, Copy)]
-pub(super) struct Which {
+pub(in crate::diagnose) struct Which {
     /// Over this share of each recording.
     pub horizon: f64,
     /// By shared parameters from this one on ...
@@ -66,7 +66,7 @@ impl Which {
 
 /// What a fit ended with.
 #[derive(Clone)]
-pub(super) struct Outcome {
+pub(in crate::diagnose) struct Outcome {
     pub point: Point,
     /// White residuals in units of the noise, shape `[recording][sample · channel]`.
     pub residuals: Vec<Vec<f64>>,
@@ -79,7 +79,7 @@ pub(super) struct Outcome {
 }
 
 /// Recordings that have shared parameters in common, and those parameters.
-pub(super) struct Part {
+pub(in crate::diagnose) struct Part {
     /// Positions among the recordings.
     pub sets: Vec<usize>,
     /// Positions among the structure's shared parameters.
@@ -87,7 +87,7 @@ pub(super) struct Part {
 }
 
 /// A structure and the recordings that it is fitted to.
-pub(super) struct Joint<'a> {
+pub(in crate::diagnose) struct Joint<'a> {
     pub structure: &'a Structure<'a>,
     pub sets: &'a [Set],
     /// Counts rollouts.
@@ -306,7 +306,7 @@ impl Joint<'_> {
 }
 
 /// The robust size of white residuals; those that do not count are 0 and say nothing of it.
-pub(super) fn spread(residuals: &[Vec<f64>]) -> f64 {
+pub(in crate::diagnose) fn spread(residuals: &[Vec<f64>]) -> f64 {
     let counted: Vec<f64> = residuals.iter().flatten().copied().filter(|r| *r != 0.0).collect();
     if counted.is_empty() { 1.0 } else { robust_scale(&[counted]) }
 }

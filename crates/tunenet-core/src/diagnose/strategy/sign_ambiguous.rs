@@ -8,7 +8,7 @@ use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::Context;
-use crate::diagnose::joint::Point;
+use crate::diagnose::hypothesis::joint::Point;
 
 /// How far from its guess an unknown is tried, as a share of its range.
 const TRIED: f64 = 0.05;
@@ -33,7 +33,7 @@ fn ambiguous(context: &Context<'_>, sets: &[Set]) -> Result<Vec<Vec<bool>>> {
         return Ok(found);
     }
     let structure = context.structure(&[])?;
-    let joint = crate::diagnose::joint::Joint { structure: &structure, sets, rollouts: &context.rollouts };
+    let joint = crate::diagnose::hypothesis::joint::Joint { structure: &structure, sets, rollouts: &context.rollouts };
     let guess = Point {
         parameters: structure.globals.iter().map(|g| g.parameter.value).collect(),
         nuisances: sets.iter().map(|s| s.prepared.nuisance_values()).collect(),

@@ -3,12 +3,12 @@
 use crate::Result;
 use crate::diagnose::Test;
 use crate::diagnose::answer::Verdict;
+use crate::diagnose::answer::verdict::{Decision, decide};
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::judge::adequacy::noise_correlation;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
-use crate::diagnose::judge::verdict::{Decision, decide};
 use crate::diagnose::strategy::{Attempt, Control, Scope};
 
 /// A model may not raise the held-out residual by more than this factor.

@@ -1,0 +1,65 @@
+//! Channels that were not measured, and nuisance parameters that only they would show.
+
+use super::recording::Set;
+use crate::statistics::dot;
+
+/// A nuisance parameter whose whole range moves nothing by more than this (in units of the noise) is held at its guess ...
+pub(in crate::diagnose) const SILENT: f64 = 0.01;
+/// ... by a prior with this share of its range as standard deviation.
+const HELD_SHARE: f64 = 1e-6;
+
+impl Set {
+    /// Channels of which nothing counts.
+    pub(in crate::diagnose) fn unmeasured(&self) -> Vec<usize> {
+        let width = self.width();
+        (0..width).filter(|c| !self.keep.iter().skip(*c).step_by(width).any(|keep| *keep)).collect()
+    }
+
+    /// Holds the nuisance parameters with these derivatives of the white residuals where they move nothing.
+    pub(in crate::diagnose) fn hold_silent(&mut self, columns: &[Vec<f64>]) {
+        if self.unmeasured().is_empty() {
+            return;
+        }
+        for (i, column) in columns.iter().enumerate() {
+            if dot(column, column).sqrt() * self.prepared.nuisances[i].span() < SILENT {
+                self.hold(i);
+            }
+        }
+    }
+
+    /// Holds nuisance parameter `i` at its guess.
+    pub(in crate::diagnose) fn hold(&mut self, i: usize) {
+        self.prior_sd[i] = HELD_SHARE * self.prepared.nuisances[i].span();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::Observation;
+    use crate::simulator::{Parameter, Prepared};
+
+    fn seen_along_x_and_z() -> Set {
+        let clock: Vec<f64> = (0..30).map(|k| f64::from(k) * 0.02).collect();
+        let rows: Vec<[f64; 3]> = clock.iter().map(|t| [*t, 0.0, 1.0 - 4.905 * t * t]).collect();
+        let mut prepared = Prepared::whole(Observation::positions(clock, &rows).unwrap(), 1);
+        let nuisance = |name: &str| Parameter::new(name, "m/s", 1.0, -4.0, 4.0).unwrap();
+        prepared.nuisances = vec![nuisance("release.velocity_x"), nuisance("release.velocity_y")];
+        Set::new(0, 0, false, prepared)
+    }
+
+    #[test]
+    fn an_axis_that_stands_still_is_not_measured() {
+        assert_eq!(seen_along_x_and_z().unmeasured(), [1]);
+    }
+
+    /// What moves the recording stays as free as it was, what moves nothing is held at its guess.
+    #[test]
+    fn only_what_moves_nothing_is_held() {
+        let mut set = seen_along_x_and_z();
+        let before = set.prior_sd.clone();
+        set.hold_silent(&[vec![0.1; 90], vec![0.0; 90]]);
+        assert_eq!(set.prior_sd[0], before[0]);
+        assert!(set.prior_sd[1] < 1e-4 * before[1], "{:?}", set.prior_sd);
+    }
+}
