@@ -29,8 +29,8 @@ pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
     let mut written = Vec::new();
     for (number, object) in answer.loaded.objects.iter().enumerate() {
         let mut file = improved(answer, number)?;
-        let entries = provenance(options.common.seed, answer, gap, number, &file)?;
-        file.set_provenance(&entries);
+        let made = provenance(options.common.seed, answer, gap, number, &file)?;
+        file.set_provenance(made.entries());
         let path =
             if answer.loaded.objects.len() == 1 { out.clone() } else { out.join(format!("{}.toml", object.name)) };
         file.move_program(&path);

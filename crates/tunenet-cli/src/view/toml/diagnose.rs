@@ -1,83 +1,69 @@
 //! The provenance of an improved simulation file: the evidence for each effect, and what the recordings leave open.
 
 use anyhow::Result;
-use toml_edit::{Array, InlineTable, Value as Toml};
+use toml_edit::{Array, InlineTable};
 use tunenet_core::diagnose::{Change, Gap, GapOf, NamedEffect, Verdict};
 use tunenet_core::observation::Observation;
 use tunenet_sim::SimulationFile;
 
 use super::alternatives::{fitted, open_to};
-use crate::answers::diagnose::{Answer, gap_of, is_per_joint, value_of};
+use super::provenance::Provenance;
+use crate::answers::diagnose::{Answer, Recorded, gap_of, is_per_joint, value_of};
 
-/// The table `[provenance]`: what was read, which effects were named, and on what evidence.
+/// The provenance of the `improved` file of one object: what was read, which effects were named, and on what evidence.
 pub fn provenance(
     seed: u64,
     answer: &Answer,
     gap: &Gap,
     object: usize,
-    file: &SimulationFile,
-) -> Result<Vec<(&'static str, Toml)>> {
+    improved: &SimulationFile,
+) -> Result<Provenance> {
     let diagnosis = answer.diagnosis;
-    let verdict = serde_json::to_value(diagnosis.verdict())?;
-    let mut observations = Array::new();
-    for recorded in answer.loaded.recorded.iter().filter(|r| r.object == object) {
-        let mut one = InlineTable::new();
-        one.insert("file", recorded.name.as_str().into());
-        one.insert("sha256", recorded.hash.as_str().into());
-        let held_out =
-            diagnosis.uses.iter().find(|u| u.name == recorded.name).map_or(recorded.held_out, |u| u.held_out);
-        one.insert("held_out", held_out.into());
-        if let Some(reference) = &recorded.reference {
-            one.insert("reference", reference.clone().into());
-        }
-        observations.push(one);
-    }
-    let intervals: InlineTable = diagnosis
-        .parameters
-        .iter()
-        .filter(|p| p.object == object)
-        .map(|p| (p.name.replace('.', "_"), Array::from_iter([p.interval95.0, p.interval95.1])))
-        .collect();
-    let effects: Array = diagnosis.effects().iter().map(|e| evidence(e, object)).collect();
-    let mut entries: Vec<(&str, Toml)> = vec![
-        ("tool", concat!("tunenet ", env!("CARGO_PKG_VERSION")).into()),
-        ("command", "diagnose".into()),
-        ("seed", i64::try_from(seed).unwrap_or(i64::MAX).into()),
-        ("verdict", verdict.as_str().unwrap_or_default().into()),
-        ("observations", observations.into()),
-        ("interval95", intervals.into()),
-        ("effects", effects.into()),
-    ];
+    let mine = diagnosis.parameters.iter().filter(|p| p.object == object);
+    let mut made = Provenance::new("diagnose", seed, diagnosis.verdict())?
+        .with("observations", observations(answer, object))
+        .with_intervals(mine.map(|p| (p.name.clone(), p.interval95)))
+        .with("effects", diagnosis.effects().iter().map(|e| evidence(e, object)).collect::<Array>());
     if diagnosis.verdict() == Verdict::OneOf {
-        entries.push(("candidates", answer.candidates().iter().copied().collect::<Array>().into()));
         // Of effects that are not distinguished only one is written, never all together.
-        entries.push(("chosen", answer.chosen().into_iter().collect::<Array>().into()));
+        made = made
+            .with("candidates", answer.candidates().into_iter().collect::<Array>())
+            .with("chosen", answer.chosen().into_iter().collect::<Array>());
         // Numbers of flights alone are not those that a fit to whole recordings finds, where these are not explained.
         if gap.of == GapOf::Recordings {
-            entries.push(("alternatives", alternatives(answer, object).into()));
+            made = made.with("alternatives", alternatives(answer, object));
         }
     }
     if matches!(diagnosis.verdict(), Verdict::None | Verdict::Named) {
-        let open = open(answer, object, file)?;
-        entries.extend((!open.is_empty()).then(|| ("open_drag", open.into())));
+        made = made.with_any("open_drag", open(answer, object, improved)?);
     }
-    entries.extend([
-        ("gap_of", Toml::from(gap_of(gap))),
-        ("gap_unit", gap.unit.as_str().into()),
-        ("gap_before", gap.before.into()),
-        ("gap_after", gap.after.into()),
-        ("gap_noise_floor", gap.noise_floor.into()),
-    ]);
+    made = made.with("gap_of", gap_of(gap)).with_gap(&gap.unit, [gap.before, gap.after, gap.noise_floor]);
     let pairs = [
         (["held_out_before", "held_out_after"], &gap.held_out),
         (["forecast_before", "forecast_after"], &gap.forecast),
     ];
     for ([before, after], change) in pairs {
         if let Some(Change { before: old, after: new }) = change {
-            entries.extend([(before, Toml::from(*old)), (after, Toml::from(*new))]);
+            made = made.with(before, *old).with(after, *new);
         }
     }
-    Ok(entries)
+    Ok(made)
+}
+
+/// The recordings of one object that were read.
+fn observations(answer: &Answer, object: usize) -> Array {
+    let one = |recorded: &Recorded| {
+        let used = answer.diagnosis.uses.iter().find(|u| u.name == recorded.name);
+        let mut one = InlineTable::new();
+        one.insert("file", recorded.name.as_str().into());
+        one.insert("sha256", recorded.hash.as_str().into());
+        one.insert("held_out", used.map_or(recorded.held_out, |u| u.held_out).into());
+        if let Some(reference) = &recorded.reference {
+            one.insert("reference", reference.clone().into());
+        }
+        one
+    };
+    answer.loaded.recorded.iter().filter(|r| r.object == object).map(one).collect()
 }
 
 /// What an effect stands there for.

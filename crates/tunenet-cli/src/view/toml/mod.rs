@@ -2,3 +2,5 @@
 
 pub mod alternatives;
 pub(crate) mod diagnose;
+pub mod provenance;
+pub(crate) mod tune;
