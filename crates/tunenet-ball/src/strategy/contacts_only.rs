@@ -153,3 +153,39 @@ fn left_open(conclusion: Conclusion, candidates: &[Candidate]) -> Conclusion {
 fn with_alternatives(effects: &[NamedEffect]) -> Vec<&'static str> {
     effects.iter().flat_map(|one| [one.effect.name].into_iter().chain(one.alternatives.clone())).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::strategy::tests::{FRICTION, swings};
+
+    /// A named effect with these alternatives, and the candidates at these distances from the best.
+    fn with(alternatives: &[&'static str], deltas: &[(&'static str, f64)]) -> (NamedEffect, Vec<Candidate>) {
+        let answer = swings(&[(FRICTION, 0.2)], 3);
+        let mut named = answer.effects()[0].clone();
+        named.effect.mistaken_for = &["rest_angle"];
+        named.alternatives = alternatives.to_vec();
+        let candidate = |&(name, delta): &(&'static str, f64)| Candidate { name, delta, ..answer.candidates[0].clone() };
+        (named, deltas.iter().map(candidate).collect())
+    }
+
+    #[test]
+    fn beyond_the_usual_margin_only_kin_is_left() {
+        let (named, candidates) = with(&["rest_angle", "near", "far"], &[("near", 5.0), ("far", 50.0)]);
+        let doubt = Some("it was seen once");
+        let before = Conclusion::OneOf { effects: vec![named.clone()], names: Vec::new(), doubt };
+        let after = only_kin(before, &candidates, 6.0);
+        assert_eq!(after.names(), ["viscous_friction", "rest_angle", "near"]);
+        assert_eq!((after.doubt(), after.effects()[0].alternatives.len()), (doubt, 2));
+        let lone = Conclusion::Named { effects: vec![named] };
+        assert_eq!(only_kin(lone.clone(), &candidates, 6.0), lone, "a lone name has nothing in its place");
+    }
+
+    #[test]
+    fn few_recordings_leave_kin_in_the_place_of_a_lone_name() {
+        let (named, candidates) = with(&[], &[("other", 1.0), ("rest_angle", 90.0)]);
+        let open = left_open(Conclusion::Named { effects: vec![named] }, &candidates);
+        assert_eq!((open.verdict(), open.names()), (Verdict::OneOf, vec!["viscous_friction", "rest_angle"]));
+        assert_eq!(left_open(Conclusion::None, &candidates), Conclusion::None);
+    }
+}

@@ -8,7 +8,7 @@ use tunenet_core::diagnose::{
     Verdict,
 };
 use tunenet_core::observation::{Note, Observation};
-use tunenet_core::simulator::{Preparation, Simulator};
+use tunenet_core::simulator::{Effect, Preparation, Simulator};
 use tunenet_core::statistics::NORMAL_95;
 
 use super::variants;
@@ -69,7 +69,7 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
         return None;
     }
     if used < FEWEST_RECORDINGS && answer.verdict() == Verdict::Named {
-        answer.conclusion = left_open(problem, &answer);
+        answer.conclusion = left_open(&problem.subjects()[0].simulator.effects(), &answer);
         answer.next_experiment = Some(NextExperiment { text: WORDING.add.into(), settings: Vec::new() });
     }
     answer.rollouts += whole.rollouts;
@@ -90,9 +90,8 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
     Some(Explanation { diagnosis: answer, ..explained })
 }
 
-/// A set of the single name and the next candidate.
-fn left_open(problem: &Problem, answer: &Diagnosis) -> Conclusion {
-    let known = problem.subjects()[0].simulator.effects();
+/// A set of the single name and the next candidate; `known` are the effects of the catalogue.
+fn left_open(known: &[Effect], answer: &Diagnosis) -> Conclusion {
     let implausible = |name: &str| known.iter().any(|e| e.name == name && e.implausible.is_some());
     let mut names = answer.names();
     let others = answer.candidates.iter().filter(|c| c.excluded.is_none() && !implausible(c.name)).map(|c| c.name);
@@ -143,4 +142,34 @@ fn next_to_contacts(tuned: &Tuned, problem: &Problem) -> Tuned {
     let p = &parameters[i];
     let interval95 = ((value - half_width).max(p.min), (value + half_width).min(p.max));
     Tuned { value: value.clamp(p.min, p.max), interval95, ..tuned.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::strategy::tests::{FRICTION, swings};
+    use tunenet_core::testing::{Exact, Pendulum};
+
+    #[test]
+    fn a_name_of_few_recordings_is_left_open_with_the_next_plausible_candidate() {
+        let answer = swings(&[(FRICTION, 0.2)], 3);
+        assert_eq!((answer.verdict(), answer.names()), (Verdict::Named, vec!["viscous_friction"]));
+        let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && c.name != "viscous_friction");
+        let next: Vec<&str> = next.map(|c| c.name).collect();
+        let mut known = Exact::new(Pendulum).effects();
+        let open = left_open(&known, &answer);
+        assert_eq!((open.verdict(), open.names()), (Verdict::OneOf, vec!["viscous_friction", next[0]]));
+        assert_eq!(open.effects()[0].alternatives, [next[0]]);
+        for effect in known.iter_mut().filter(|effect| effect.name == next[0]) {
+            effect.implausible = Some("it swings in air");
+        }
+        assert!(!left_open(&known, &answer).names().contains(&next[0]), "an implausible effect is not offered");
+    }
+
+    #[test]
+    fn names_that_may_be_absent_say_nothing_of_the_whole() {
+        let pendulum = Exact::new(Pendulum);
+        assert!(pendulum.effects().iter().all(|effect| !effect.required()));
+        assert!(pendulum.segmented().is_none(), "and what has no segments has no flights");
+    }
 }

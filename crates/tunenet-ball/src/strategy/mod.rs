@@ -64,6 +64,17 @@ mod tests {
         [plain, diagnose(&subjects, &recordings, &settings, &|_| {}).unwrap()]
     }
 
+    pub(super) const FRICTION: &str = "viscous_friction.rate_1_s";
+
+    /// The answer of so many swings of a pendulum with these true values.
+    pub(super) fn swings(truth: &[(&str, f64)], count: u32) -> Diagnosis {
+        let pendulum = Exact::new(Pendulum);
+        let start = |k: u32| [0.1 + 0.05 * f64::from(k), 0.3 * f64::from(k)];
+        let seen: Vec<_> = (0..count).map(|k| pendulum.observe(truth, &start(k), 1e-3, u64::from(k)).unwrap()).collect();
+        let [plain, _] = both(&pendulum, &seen);
+        plain
+    }
+
     #[test]
     fn what_has_no_hidden_state_gets_the_answer_of_its_recordings_as_they_are() {
         let shuttle = Exact::new(Shuttle::default());
@@ -77,7 +88,7 @@ mod tests {
     #[test]
     fn a_pendulum_is_described_in_general_words() {
         let pendulum = Exact::new(Pendulum);
-        let seen = [pendulum.observe(&[("viscous_friction.rate_1_s", 0.2)], &[0.2, 0.0], 1e-3, 1).unwrap()];
+        let seen = [pendulum.observe(&[(FRICTION, 0.2)], &[0.2, 0.0], 1e-3, 1).unwrap()];
         let [plain, ball] = both(&pendulum, &seen);
         assert_eq!(plain.verdict(), Verdict::OneOf);
         assert_eq!(plain.next_experiment, ball.next_experiment);
