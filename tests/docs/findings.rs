@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use tunenet_core::finding::FindingKind;
+use tunenet_core::finding::{FindingKind, Severity};
 
 const PAGES: [&str; 8] = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs", "plan", "grow"];
 
@@ -21,12 +21,13 @@ fn kinds() -> Vec<FindingKind> {
 
 fn row(kind: FindingKind) -> String {
     let cell = |text: &str| text.replace('|', "\\|");
-    format!("| `{}` | {} | {} |", kind.code(), cell(kind.meaning()), cell(kind.remedy()))
+    let severity = if kind.severity() == Severity::Note { " (note)" } else { "" };
+    format!("| `{}`{severity} | {} | {} |", kind.code(), cell(kind.meaning()), cell(kind.remedy()))
 }
 
 /// The kind that a line of a page lists, where it is a row of a table of findings.
 fn listed(line: &str, kinds: &[FindingKind]) -> Option<FindingKind> {
-    let (code, _) = line.strip_prefix("| `")?.split_once("` |")?;
+    let (code, _) = line.strip_prefix("| `")?.split_once('`')?;
     kinds.iter().copied().find(|kind| kind.code() == code)
 }
 

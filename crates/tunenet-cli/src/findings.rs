@@ -3,22 +3,22 @@
 use tunenet_core::finding_kinds;
 
 finding_kinds! {
-    SAMPLES_THINNED = "samples.thinned",
+    note SAMPLES_THINNED = "samples.thinned",
         "the recording is longer than the fit needs; evenly spaced samples are used",
         "none needed";
-    CACHE_REPLACED = "cache.replaced",
+    note CACHE_REPLACED = "cache.replaced",
         "a cached network was damaged or did not match its name, and was trained again",
         "none needed";
-    CACHE_UNUSABLE = "cache.unusable",
+    warning CACHE_UNUSABLE = "cache.unusable",
         "the cache could not be read or written",
         "make the folder writable, set `TUNENET_CACHE`, or use `--no-cache`";
-    PLAN_ARM_REACH = "plan.arm_reach",
+    warning PLAN_ARM_REACH = "plan.arm_reach",
         "the arm does not reach all of the heights",
         "move its base in the task file, or narrow `release.heights_m`";
-    PLAN_AT_END = "plan.at_end",
+    warning PLAN_AT_END = "plan.at_end",
         "the best height is the lowest or highest that the task allows",
         "widen `release.heights_m` if possible";
-    SHARDS_MANY = "shards.many",
+    warning SHARDS_MANY = "shards.many",
         "there are more shards than pieces of work, so some have none",
         "use as many shards as there are pieces, or fewer";
 }

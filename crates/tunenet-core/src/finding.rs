@@ -1,8 +1,29 @@
-//! What a finding is: a kind with a stable code, its meaning and what to do about it.
+//! What a finding is: a kind with a stable code, its severity, its meaning and what to do about it.
 
 use std::fmt;
 
 use serde::{Serialize, Serializer};
+
+/// Whether a finding asks for something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// It says what was done; nothing is wrong.
+    Note,
+    /// It may make the answer wrong, or keeps it from being better.
+    Warning,
+}
+
+impl Severity {
+    /// The word for it: `note`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+        }
+    }
+}
 
 /// A kind of finding. Decisions compare kinds; scripts read [`code`](Self::code); the tables in `docs/` are made of
 /// [`meaning`](Self::meaning) and [`remedy`](Self::remedy).
@@ -12,6 +33,7 @@ use serde::{Serialize, Serializer};
 #[derive(Debug, Clone, Copy)]
 pub struct FindingKind {
     code: &'static str,
+    severity: Severity,
     meaning: &'static str,
     remedy: &'static str,
 }
@@ -19,14 +41,20 @@ pub struct FindingKind {
 impl FindingKind {
     /// A kind from its code (`release.late`), what it means and what to do about it.
     #[must_use]
-    pub const fn new(code: &'static str, meaning: &'static str, remedy: &'static str) -> Self {
-        Self { code, meaning, remedy }
+    pub const fn new(code: &'static str, severity: Severity, meaning: &'static str, remedy: &'static str) -> Self {
+        Self { code, severity, meaning, remedy }
     }
 
     /// The fixed code for scripts: `release.late`.
     #[must_use]
     pub const fn code(self) -> &'static str {
         self.code
+    }
+
+    /// Whether it is a warning.
+    #[must_use]
+    pub const fn severity(self) -> Severity {
+        self.severity
     }
 
     /// What was found, in general; Markdown.
@@ -62,24 +90,34 @@ impl Serialize for FindingKind {
     }
 }
 
-/// Declares kinds of findings as constants, and `ALL` of them in one list.
+/// Declares kinds of findings as constants, each a `note` or a `warning`, and `ALL` of them in one list.
 ///
 /// ```
+/// use tunenet_core::finding::Severity;
+///
 /// tunenet_core::finding_kinds! {
-///     SENSOR_COLD = "sensor.cold",
+///     warning SENSOR_COLD = "sensor.cold",
 ///         "the sensor had not reached its working temperature",
 ///         "wait a minute after switching it on";
+///     note SENSOR_SLOW = "sensor.slow", "the sensor answers once a second", "none needed";
 /// }
-/// assert_eq!(ALL, [SENSOR_COLD]);
-/// assert_eq!(SENSOR_COLD.code(), "sensor.cold");
+/// assert_eq!(ALL, [SENSOR_COLD, SENSOR_SLOW]);
+/// assert_eq!((SENSOR_COLD.code(), SENSOR_COLD.severity()), ("sensor.cold", Severity::Warning));
 /// ```
 #[macro_export]
 macro_rules! finding_kinds {
-    ($($name:ident = $code:literal, $meaning:literal, $remedy:literal;)*) => {
+    (@severity note) => { $crate::finding::Severity::Note };
+    (@severity warning) => { $crate::finding::Severity::Warning };
+    ($($severity:ident $name:ident = $code:literal, $meaning:literal, $remedy:literal;)*) => {
         $(
             #[doc = concat!("`", $code, "`: ", $meaning, ".")]
             pub const $name: $crate::finding::FindingKind =
-                $crate::finding::FindingKind::new($code, $meaning, $remedy);
+                $crate::finding::FindingKind::new(
+                    $code,
+                    $crate::finding_kinds!(@severity $severity),
+                    $meaning,
+                    $remedy,
+                );
         )*
 
         /// All kinds that this module declares.

@@ -3,58 +3,58 @@
 use crate::finding_kinds;
 
 finding_kinds! {
-    RECORDINGS_NONE = "recordings.none",
+    warning RECORDINGS_NONE = "recordings.none",
         "no recording can be used for the fit",
         "see the notes of each recording";
-    RECORDINGS_SHORT = "recordings.short",
+    warning RECORDINGS_SHORT = "recordings.short",
         "no more values than fitted parameters, so any fit is exact",
         "use longer recordings, or more of them";
-    FIT_POOR = "fit.poor",
+    warning FIT_POOR = "fit.poor",
         "the tuned simulation leaves more than noise explains",
         "look for a missing effect, a wrong radius or unit, or another object in the recording; add a known effect to the file";
-    FIT_UNTESTED = "fit.untested",
+    warning FIT_UNTESTED = "fit.untested",
         "too few samples to distinguish noise from model error",
         "use a longer recording";
-    FIT_LOCAL = "fit.local",
+    warning FIT_LOCAL = "fit.local",
         "a parameter was estimated from the contacts only, because the full fit is poor; all figures are of that value, and the result of the full fit is reported",
         "resolve `fit.poor`";
-    PARAMETER_NOT_IDENTIFIABLE = "parameter.not_identifiable",
+    warning PARAMETER_NOT_IDENTIFIABLE = "parameter.not_identifiable",
         "the data do not determine a parameter",
         "use a recording that depends on it";
-    PARAMETER_NO_EFFECT = "parameter.no_effect",
+    warning PARAMETER_NO_EFFECT = "parameter.no_effect",
         "a parameter changes nothing in these recordings",
         "use a recording that depends on it";
-    PARAMETER_DIRECTION = "parameter.direction",
+    warning PARAMETER_DIRECTION = "parameter.direction",
         "a combination of parameters is not determined",
         "fix one of them, or use a recording that separates them";
-    PARAMETER_AT_BOUND = "parameter.at_bound",
+    warning PARAMETER_AT_BOUND = "parameter.at_bound",
         "a parameter ends on its bound, and the data favour values beyond it",
         "widen the bound if the value may lie beyond; otherwise check units, surface height and missing effects";
-    PARAMETER_ONE_SIDED = "parameter.one_sided",
+    note PARAMETER_ONE_SIDED = "parameter.one_sided",
         "a parameter lies on its bound, which is allowed",
         "none needed";
-    HELD_OUT_CHOSEN = "held_out.chosen",
+    note HELD_OUT_CHOSEN = "held_out.chosen",
         "which recordings were held out for validation",
         "none needed; you can also choose them yourself";
-    NOISE_AUTOCORRELATED = "noise.coloured",
+    note NOISE_AUTOCORRELATED = "noise.coloured",
         "the noise is autocorrelated; residuals were prewhitened. Above a correlation of 0.7 a model error looks the same: the search is then repeated with white noise, and its answer is taken if the effects found remove the correlation; without any effect the answer is `unknown`, never `none`",
         "none needed below 0.7; more recordings above";
-    ADEQUACY_PRACTICAL = "adequacy.practical",
+    note ADEQUACY_PRACTICAL = "adequacy.practical",
         "a small discrepancy remains; the effects remove most of it, and held-out recordings confirm them",
         "none needed; the coefficients absorb a small part of what remains";
-    CONTACT_UNEXPLAINED = "contact.unexplained",
+    warning CONTACT_UNEXPLAINED = "contact.unexplained",
         "the named effects explain the motion between contacts; contacts leave a discrepancy that no effect explains",
         "vary height and surface, to see which of them changes it";
-    INTERVALS_WIDENED = "intervals.widened",
+    note INTERVALS_WIDENED = "intervals.widened",
         "recordings differ by more than their noise; intervals follow from their scatter",
         "vary less between recordings, or specify the difference";
-    RECORDINGS_ALIKE = "recordings.alike",
+    warning RECORDINGS_ALIKE = "recordings.alike",
         "all recordings show the same motion and count as one",
         "record motions with other initial states or inputs";
-    EFFECT_IMPLAUSIBLE = "effect.unlikely",
+    note EFFECT_IMPLAUSIBLE = "effect.unlikely",
         "an effect explains the recordings as well, but is implausible for this object",
         "state in the simulation file in which medium the object moved";
-    PARAMETER_CARRIED = "parameter.carried",
+    note PARAMETER_CARRIED = "parameter.carried",
         "a fixed value was itself tuned, and the intervals allow for its uncertainty",
         "none needed";
 }

@@ -3,58 +3,58 @@
 use tunenet_core::finding_kinds;
 
 finding_kinds! {
-    COLUMNS_IGNORED = "columns.ignored",
+    note COLUMNS_IGNORED = "columns.ignored",
         "columns with unknown names are ignored",
         "map them with `--columns` if they matter";
-    COLUMNS_REPEATED = "columns.repeated",
+    warning COLUMNS_REPEATED = "columns.repeated",
         "columns that repeat a quantity are ignored",
         "choose with `--columns`";
-    COLUMNS_ABSENT = "columns.absent",
+    warning COLUMNS_ABSENT = "columns.absent",
         "no column for x or y: taken as 0",
         "name them with `--columns` if the file has them";
-    COLUMNS_CONVERTED = "columns.converted",
+    note COLUMNS_CONVERTED = "columns.converted",
         "a column was converted to SI units",
         "check the unit";
-    ROWS_EMPTY_CELL = "rows.empty_cell",
+    note ROWS_EMPTY_CELL = "rows.empty_cell",
         "rows with an empty cell were left out",
         "none needed if they are few";
-    ROWS_REPEATED = "rows.repeated",
+    note ROWS_REPEATED = "rows.repeated",
         "rows that repeat the previous one were left out",
         "none needed";
-    CLOCK_REPEATED = "clock.repeated",
+    warning CLOCK_REPEATED = "clock.repeated",
         "rows with the time of the previous row were left out",
         "record the time with more digits";
-    BOUNCES_MISSED = "bounces.missed",
+    warning BOUNCES_MISSED = "bounces.missed",
         "an interval does not fit the previous one: an impact is missing or false; the list is used up to there",
         "number the impacts in a column `bounce_number`";
-    BOUNCES_TRAILING_ZERO = "bounces.trailing_zero",
+    note BOUNCES_TRAILING_ZERO = "bounces.trailing_zero",
         "zeros at the end of a list of times were left out",
         "none needed";
-    MESSAGES_NOT_FINITE = "messages.not_finite",
+    warning MESSAGES_NOT_FINITE = "messages.not_finite",
         "messages with a number that is not finite were left out",
         "none needed if they are few";
-    MESSAGES_REPEATED = "messages.repeated",
+    warning MESSAGES_REPEATED = "messages.repeated",
         "messages that repeat the previous one were left out",
         "none needed";
-    CLOCK_FALLING = "clock.falling",
+    warning CLOCK_FALLING = "clock.falling",
         "messages whose time does not rise were left out",
         "check the driver's clock";
-    CLOCK_LOG_TIME = "clock.log_time",
+    warning CLOCK_LOG_TIME = "clock.log_time",
         "time stamps are not set or do not rise: the recording times are used",
         "set the time stamps where the data are measured";
-    JOINTS_ORDER = "joints.order",
+    note JOINTS_ORDER = "joints.order",
         "which joint got which number",
         "none needed";
-    JOINTS_ABSENT = "joints.absent",
+    warning JOINTS_ABSENT = "joints.absent",
         "positions, velocities or efforts are not in the messages",
         "record them where the driver measures them";
-    JOINTS_PARTIAL = "joints.partial",
+    warning JOINTS_PARTIAL = "joints.partial",
         "messages that lack a joint or a quantity were left out",
         "none needed if they are few";
-    ROWS_BROKEN = "rows.broken",
+    warning ROWS_BROKEN = "rows.broken",
         "lines that were skipped, with the reason for each",
         "check whether the rest can be trusted";
-    JOINTS_OTHERS = "joints.others",
+    note JOINTS_OTHERS = "joints.others",
         "joints in the messages that the arm does not have between base and payload",
         "none needed";
 }

@@ -3,97 +3,97 @@
 use tunenet_core::finding_kinds;
 
 finding_kinds! {
-    PREFLIGHT_FORCED = "preflight.forced",
+    warning PREFLIGHT_FORCED = "preflight.forced",
         "a recording that failed the checks is used because of `--force`",
         "correct the recording";
-    FRICTION_NOT_OBSERVABLE = "friction.unseen",
+    warning FRICTION_NOT_OBSERVABLE = "friction.unseen",
         "bounce times do not depend on friction",
         "record positions of a throw along the surface";
-    PROGRAM_REFUSED = "program.refused",
+    warning PROGRAM_REFUSED = "program.refused",
         "the program reported that it cannot simulate some parameter values; how many, those nearest to the file's values, and its message",
         "narrow `min` and `max` of `[parameters.NAME]` if the answer is close to these values";
-    PROGRAM_BEYOND = "program.beyond",
+    warning PROGRAM_BEYOND = "program.beyond",
         "the same for rollouts that returned numbers beyond 1e100",
         "the same";
-    URDF_IGNORED = "urdf.ignored",
+    note URDF_IGNORED = "urdf.ignored",
         "elements of the file that the simulation leaves out",
         "none needed";
-    URDF_LIMITS = "urdf.limits",
+    warning URDF_LIMITS = "urdf.limits",
         "a joint has no range between its limits, as exporters write if none are known; it moves freely",
         "write lower and upper";
-    URDF_HELD = "urdf.held",
+    warning URDF_HELD = "urdf.held",
         "a joint that is not between base and payload is held",
         "name another `arm.payload_link`";
-    URDF_WEIGHTLESS = "urdf.weightless",
+    warning URDF_WEIGHTLESS = "urdf.weightless",
         "a moving link has no inertia",
         "add it";
-    ARM_UNUSABLE = "arm.unusable",
+    warning ARM_UNUSABLE = "arm.unusable",
         "the recording lacks torques, has those of other joints, or fewer than 20 samples of the motion",
         "record the efforts of all joints between base and payload, over the whole motion";
-    ARM_CLOCK = "arm.clock",
+    warning ARM_CLOCK = "arm.clock",
         "the clock does not begin with the motion; the first sample is taken for its start",
         "start the clock with the motion";
-    ARM_LONGER = "arm.longer",
+    note ARM_LONGER = "arm.longer",
         "samples after the end of the motion are left out",
         "raise `motion.duration_s`";
-    JOINTS_COUNT = "joints.count",
+    warning JOINTS_COUNT = "joints.count",
         "positions exist for as many joints as the URDF has between base and payload",
         "number or map the columns in the order of the URDF";
-    JOINTS_CLOCK = "joints.clock",
+    warning JOINTS_CLOCK = "joints.clock",
         "samples cover at least half of the log",
         "cut it at its gaps";
-    JOINTS_EFFORT = "joints.effort",
+    warning JOINTS_EFFORT = "joints.effort",
         "torques exist, or currents with their constants",
         "record efforts; set `arm.current_gain_nm_a`";
-    JOINTS_UNITS = "joints.units",
+    warning JOINTS_UNITS = "joints.units",
         "angles and speeds are in radians, the clock in seconds: no angle far beyond the limits, speeds as large as the slopes of the positions",
         "name columns `q1_deg`, `dq1_deg_s`, `t_ms`";
-    JOINTS_LIMITS = "joints.limits",
+    warning JOINTS_LIMITS = "joints.limits",
         "no joint exceeds its limits by more than 0.05 rad; `not_run` if the URDF gives none",
         "check order and zero of the joints, and the URDF";
-    JOINTS_SPEEDS = "joints.speeds",
+    warning JOINTS_SPEEDS = "joints.speeds",
         "measured speeds are the slopes of the positions (`noticed` only)",
         "check order and signs";
-    JOINTS_SHORT = "joints.short",
+    warning JOINTS_SHORT = "joints.short",
         "at least 20 windows remain",
         "record longer, without gaps";
-    JOINTS_SIGNS = "joints.signs",
+    warning JOINTS_SIGNS = "joints.signs",
         "no joint's torque has the opposite sign of the arm's",
         "change the sign of the column; with currents, use a negative `arm.current_gain_nm_a`";
-    REFERENCE_SWAPPED = "reference.swapped",
+    warning REFERENCE_SWAPPED = "reference.swapped",
         "the run needs more torque than its reference, not less",
         "give the loaded run to `--observation`, the bare one to `--reference`";
-    PAYLOAD_GAIN = "payload.gain",
+    warning PAYLOAD_GAIN = "payload.gain",
         "mass and gain are not tuned together (`noticed` only; with their correlation)",
         "calibrate the gain first, with a known payload and a reference";
-    PAYLOAD_ALONE = "payload.alone",
+    warning PAYLOAD_ALONE = "payload.alone",
         "a reference is given, or the URDF explains the torques (`noticed` only)",
         "record the same motion without payload, and give it with `--reference`";
-    PAYLOAD_PLACE = "payload.place",
+    warning PAYLOAD_PLACE = "payload.place",
         "the centre of mass lies where a payload of that mass can have one: within 0.2 m, or half the edge of a cube of 5 kg/m³ (`noticed` only)",
         "check order, zeros and constants of the joints; record a reference";
-    PAYLOAD_MOVED = "payload.moved",
+    warning PAYLOAD_MOVED = "payload.moved",
         "the centre of mass agrees with the one tuned before, in `[provenance]` (`noticed` only)",
         "check how the payload was mounted, and the zeros and signs of both logs";
-    REFERENCE_ALIGNED = "reference.aligned",
+    note REFERENCE_ALIGNED = "reference.aligned",
         "by which lag the reference was aligned",
         "none needed";
-    CAMERA_UNKNOWN = "camera.unknown",
+    warning CAMERA_UNKNOWN = "camera.unknown",
         "the pixels of a drop from a known height do not match its first fall for any camera",
         "correct `release.height_m` and `release.time_s`, or leave both out and give metres";
-    PLAN_UNTUNED = "plan.untuned",
+    warning PLAN_UNTUNED = "plan.untuned",
         "this simulation was never tuned; its values are used as they are",
         "tune it to a drop of this ball";
-    PLAN_POOR_FIT = "plan.poor_fit",
+    warning PLAN_POOR_FIT = "plan.poor_fit",
         "it was tuned, but does not match the measurement",
         "ask `tunenet diagnose` what it lacks";
-    PLAN_ONE_EXPLANATION = "plan.one_explanation",
+    warning PLAN_ONE_EXPLANATION = "plan.one_explanation",
         "several effects explain the measurement, and the file has only the numbers of one",
         "record what `diagnose` proposes next, and diagnose again";
-    PLAN_OPEN_DRAG = "plan.open_drag",
+    warning PLAN_OPEN_DRAG = "plan.open_drag",
         "the measurement leaves air drag uncertain by more than 0.01 1/m",
         "nothing, or a recording with more or higher bounces";
-    PLAN_CHANGED = "plan.changed",
+    warning PLAN_CHANGED = "plan.changed",
         "a value of the file is not the one that was tuned; its interval is not used",
         "tune the file again, or restore the value";
 }

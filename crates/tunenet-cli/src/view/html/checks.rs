@@ -1,6 +1,7 @@
 //! What was checked before tuning, and what a person should know after it.
 
 use maud::{Markup, html};
+use tunenet_core::finding::Severity;
 use tunenet_core::observation::Note;
 use tunenet_core::observation::{Check, State};
 
@@ -49,16 +50,17 @@ fn sign(state: State) -> char {
     }
 }
 
-/// Warnings with their remedies.
+/// Warnings and notes with their remedies, the warnings first.
 pub fn warnings(notes: &[Note]) -> Markup {
+    let (warnings, others): (Vec<_>, Vec<_>) = notes.iter().partition(|n| n.kind.severity() == Severity::Warning);
     html! {
         @if notes.is_empty() {
             p.none { "None." }
         } @else {
             ul.plain {
-                @for note in notes {
+                @for note in warnings.into_iter().chain(others) {
                     li {
-                        code { (note.kind) } " \u{b7} " (prose(&note.text))
+                        b { (note.kind.severity().name()) } " " code { (note.kind) } " \u{b7} " (prose(&note.text))
                         @if !note.remedy.is_empty() { br; span.try { (prose(&note.remedy)) } }
                     }
                 }

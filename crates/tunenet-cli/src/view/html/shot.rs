@@ -61,7 +61,7 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
             }
         }
         section { h2 { "Release" } (release(answer)) }
-        section { h2 { "Warnings" } (warnings(&answer.notes)) }
+        section { h2 { "Warnings and notes" } (warnings(&answer.notes)) }
         section { h2 { "Provenance" } (provenance.section(&rollouts)) }
     };
     page::write(path, &page::page("Shot", name, &body))

@@ -33,7 +33,7 @@ pub fn write(path: &Path, name: &str, found: &Tracked, notes: &[Note]) -> Result
             div.grid { @for picture in &found.pictures { (frame(picture)) } }
         }
         section { h2 { "Position over time" } (curves(&found.samples, &facts.bounces_s)) }
-        section { h2 { "Warnings" } (warnings(notes)) }
+        section { h2 { "Warnings and notes" } (warnings(notes)) }
         section { h2 { "Video" } (table(facts)) }
     };
     page::write(path, &page::page("Track", name, &body))

@@ -94,7 +94,7 @@ impl Answer {
             }
             (heading("Recording checks"))
             @for (name, found) in self.names.iter().zip(&outcome.preflight) { (checks::checks(name, found)) }
-            (heading("Warnings"))
+            (heading("Warnings and notes"))
             (checks::warnings(&outcome.notes))
         }
     }

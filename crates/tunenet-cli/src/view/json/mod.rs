@@ -13,7 +13,7 @@ use tunenet_core::observation::Note;
 
 /// A note as every command's JSON has it.
 pub fn warning(note: &Note) -> Value {
-    json!({ "code": note.kind, "text": note.text, "remedy": note.remedy })
+    json!({ "code": note.kind, "severity": note.kind.severity(), "text": note.text, "remedy": note.remedy })
 }
 
 /// Prints the one JSON object of a command.

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use tunenet_core::finding::Severity;
 use tunenet_core::observation::{Check, State};
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_core::text::visible;
@@ -96,13 +97,18 @@ pub fn lines(text: &str) -> String {
     text.split('\n').map(visible).collect::<Vec<_>>().join("\n")
 }
 
-/// Prints a warning with its remedy to standard error.
+/// Prints a note or a warning with its remedy to standard error.
 pub fn warn(note: &Note) {
     if quiet() {
         return;
     }
-    let (yellow, reset) = (anstyle::AnsiColor::Yellow.on_default().bold(), anstyle::Reset);
-    anstream::eprintln!("{yellow}warning{reset}[{}]: {}", note.kind, lines(&note.text));
+    let severity = note.kind.severity();
+    let accent = match severity {
+        Severity::Note => anstyle::AnsiColor::Cyan,
+        Severity::Warning => anstyle::AnsiColor::Yellow,
+    };
+    let (style, reset) = (accent.on_default().bold(), anstyle::Reset);
+    anstream::eprintln!("{style}{}{reset}[{}]: {}", severity.name(), note.kind, lines(&note.text));
     if !note.remedy.is_empty() {
         anstream::eprintln!("  try: {}", lines(&note.remedy));
     }

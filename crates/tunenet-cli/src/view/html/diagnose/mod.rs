@@ -42,7 +42,7 @@ pub fn write(
         (change::change(edits))
         h2 { "Excluded effects and recordings" }
         (excluded(answer))
-        h2 { "Warnings" }
+        h2 { "Warnings and notes" }
         (checks::warnings(&answer.notes()))
         h2 { "Provenance" }
         (provenance.section(&answer.diagnosis.rollouts.to_string()))
