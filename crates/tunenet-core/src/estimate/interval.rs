@@ -65,7 +65,7 @@ impl ScaleEstimate {
         let rho = if bottom > 0.0 { top / bottom } else { 0.0 };
         let rho = if rho > 2.0 / (count as f64).sqrt() { rho.min(WORST_CORRELATION) } else { 0.0 };
         let (variance, inflation) = (squares / degrees_of_freedom, (1.0 + rho) / (1.0 - rho));
-        match problem.blocks(fit, variance) {
+        match problem.robust_scale(fit, variance) {
             Ok(Some(blocks)) => Self {
                 variance,
                 inflation: inflation.max(blocks.inflation),

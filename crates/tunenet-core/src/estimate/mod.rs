@@ -21,7 +21,7 @@
 mod adequacy;
 pub(crate) mod block_arrow;
 pub(crate) mod canonical_correlation;
-mod cluster_robust;
+pub(crate) mod cluster_robust;
 mod contour;
 mod contour_ray;
 pub(crate) mod huber;

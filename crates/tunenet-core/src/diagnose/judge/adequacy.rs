@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use crate::diagnose::Test;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::judge::recording_scores::Score;
 use crate::diagnose::judge::recording_scores::recording_scores;
 use crate::estimate::Adequacy;
+use crate::estimate::cluster_robust::Score;
 use crate::observation::Kind;
 use crate::statistics::{chi_squared_quantile, dot, fisher_quantile, upper_chi_squared, upper_f};
 

@@ -1,17 +1,13 @@
-//! Cluster-robust covariance (Liang and Zeger 1986): intervals where recordings differ by more than noise.
+//! Cluster-robust intervals (Liang and Zeger 1986): where recordings differ by more than noise.
 //!
 //! The covariance of the fit knows the noise within recordings alone. Where they differ among themselves as well (another
 //! spin, another spot of the table), their scatter is what bounds the answer: each recording is taken for one draw, by the
 //! covariance that is robust to clusters (Liang and Zeger 1986), with Student's quantile for as many draws.
 
-use std::collections::BTreeMap;
-
-use crate::statistics::{UPPER_95, student_quantile};
-use nalgebra::{DMatrix, DVector};
-
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::judge::recording_scores::{Score, recording_scores, stretch_scores};
-use crate::estimate::block_arrow::inverse;
+use crate::diagnose::judge::recording_scores::{recording_scores, stretch_scores};
+use crate::estimate::cluster_robust::{ClusterRobust, Score};
+use crate::statistics::{UPPER_95, student_quantile};
 
 /// Half the 95 % interval of each shared parameter by the scatter between recordings; `None` where fewer than two bear on it.
 pub(in crate::diagnose) fn cluster_robust_half_widths(context: &Context<'_>, model: &Hypothesis) -> Vec<Option<f64>> {
@@ -25,28 +21,9 @@ pub(in crate::diagnose) fn stretch_robust_half_widths(context: &Context<'_>, mod
 }
 
 fn half_widths(scores: &[Score], size: usize) -> Vec<Option<f64>> {
-    let mut whole = DMatrix::zeros(size, size);
-    let mut gradients: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
-    let mut bearing = vec![std::collections::BTreeSet::new(); size];
-    for score in scores {
-        let gradient = gradients.entry(score.recording).or_insert_with(|| DVector::zeros(size));
-        for (i, &row) in score.places.iter().enumerate() {
-            gradient[row] += score.gradient[i];
-            for (j, &column) in score.places.iter().enumerate() {
-                whole[(row, column)] += score.normal[(i, j)];
-            }
-            if score.normal[(i, i)] > 0.0 {
-                bearing[row].insert(score.recording);
-            }
-        }
-    }
-    let known = inverse(whole);
-    let meat = gradients
-        .values()
-        .fold(DMatrix::zeros(size, size), |sum: DMatrix<f64>, gradient| sum + gradient * gradient.transpose());
-    let covariance = &known * meat * &known;
+    let ClusterRobust { covariance, clusters, .. } = ClusterRobust::new(scores, size);
     let half = |place: usize| {
-        let draws = bearing[place].len() as f64;
+        let draws = clusters[place] as f64;
         if draws < 1.5 {
             return None;
         }
@@ -60,13 +37,14 @@ fn half_widths(scores: &[Score], size: usize) -> Vec<Option<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::{DMatrix, DVector};
 
     /// Ten equally sharp recordings whose own values are 0 to 9, the last of two pieces: the interval is that of the mean of
     /// ten numbers, however sharp each is.
     #[test]
     fn the_interval_is_that_of_a_mean_of_recordings() {
         let score = |recording: usize, normal: f64, by: f64| Score {
-            recording,
+            cluster: recording,
             places: vec![0],
             normal: DMatrix::from_element(1, 1, normal),
             gradient: DVector::from_element(1, normal * by),

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::judge::recording_scores::Score;
 use crate::diagnose::judge::recording_scores::recording_scores;
+use crate::estimate::cluster_robust::Score;
 
 /// A share of the information below which a direction of the coefficients says nothing.
 const SILENT: f64 = 1e-9;
@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn the_share_is_the_scatter_over_the_size() {
         let score = |recording: usize, by: f64| Score {
-            recording,
+            cluster: recording,
             places: vec![7, 3],
             normal: DMatrix::from_row_slice(2, 2, &[400.0, 0.0, 0.0, 1.0]),
             gradient: DVector::from_row_slice(&[400.0 * by, 50.0]),

@@ -1,29 +1,15 @@
 //! Scores of each recording: gradient and information of the shared parameters, nuisances eliminated.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use crate::Result;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::joint::Which;
+use crate::estimate::cluster_robust::{Score, stretches};
 use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::orthonormal;
 use crate::statistics::{NORMAL_95, dot};
-
-/// Stretches of a driven recording: long against what its residual remembers, enough for a variance.
-const STRETCHES: usize = 15;
-
-/// The normal equations of one recording, its nuisance parameters eliminated.
-pub(in crate::diagnose) struct Score {
-    /// Its position among the recordings given; several pieces may share one.
-    pub recording: usize,
-    /// Which shared parameters it touches.
-    pub places: Vec<usize>,
-    /// What it knows of them, shape `[places, places]`.
-    pub normal: DMatrix<f64>,
-    /// Gradient of its log-likelihood by them, shape `[places]`: 0 summed over all recordings where the fit has arrived.
-    pub gradient: DVector<f64>,
-}
 
 /// Derivatives of one recording's white residuals by the shared parameters, its nuisance parameters projected out.
 struct Reduced {
@@ -54,32 +40,23 @@ fn project(directions: &[Vec<f64>], column: &mut [f64]) {
     }
 }
 
-fn score(recording: usize, places: &[usize], columns: &[&[f64]], residual: &[f64]) -> Score {
-    let normal = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(columns[i], columns[j]));
-    let gradient = DVector::from_fn(columns.len(), |i, _| -dot(columns[i], residual));
-    Score { recording, places: places.to_vec(), normal, gradient }
-}
-
 /// The scores of all recordings at `model`.
 pub(in crate::diagnose) fn recording_scores(context: &Context<'_>, model: &Hypothesis) -> Vec<Score> {
     let all = context.sets().iter().zip(reduced(context, model)).zip(&model.fit.residuals);
     let one = |((set, one), residual): ((&Set, Reduced), &Vec<f64>)| {
         let columns: Vec<&[f64]> = one.columns.iter().map(Vec::as_slice).collect();
-        score(set.recording, &one.places, &columns, residual)
+        Score::new(set.recording, &one.places, &columns, residual)
     };
     all.map(one).collect()
 }
 
-/// The same of stretches of the recordings, [`STRETCHES`] of each, numbered through.
+/// The same of stretches of the recordings, numbered through.
 pub(in crate::diagnose) fn stretch_scores(context: &Context<'_>, model: &Hypothesis) -> Vec<Score> {
     let mut scores = Vec::new();
     for ((set, one), residual) in context.sets().iter().zip(reduced(context, model)).zip(&model.fit.residuals) {
-        let (width, samples) = (set.width(), set.clock().len());
-        let stretches = STRETCHES.min(samples);
-        for b in 0..stretches {
-            let range = b * samples / stretches * width..(b + 1) * samples / stretches * width;
+        for range in stretches(residual.len(), set.width()) {
             let columns: Vec<&[f64]> = one.columns.iter().map(|c| &c[range.clone()]).collect();
-            scores.push(score(scores.len(), &one.places, &columns, &residual[range.clone()]));
+            scores.push(Score::new(scores.len(), &one.places, &columns, &residual[range]));
         }
     }
     scores
@@ -147,7 +124,7 @@ mod tests {
             }
             let expected = (product / square * 0.4 / (2.0 * NORMAL_95)).abs();
             assert!((moves[0][0].abs() / expected - 1.0).abs() < 0.02, "{moves:?} {expected}");
-            assert_eq!(stretch_scores(context, &base).len(), STRETCHES);
+            assert_eq!(stretch_scores(context, &base).len(), 15);
         });
         in_levers(&Levers::new().unwrap(), &[], |context| {
             let base = fit_without_effects(context).unwrap();
@@ -160,7 +137,7 @@ mod tests {
         in_swings(&[], 4, 0, |context| {
             let base = fit_without_effects(context).unwrap();
             let scores = recording_scores(context, &base);
-            assert_eq!(scores.iter().map(|s| s.recording).collect::<Vec<_>>(), [0, 1, 2, 3]);
+            assert_eq!(scores.iter().map(|s| s.cluster).collect::<Vec<_>>(), [0, 1, 2, 3]);
             let known: f64 = scores.iter().map(|s| s.normal[(0, 0)]).sum();
             let step = scores.iter().map(|s| s.gradient[0]).sum::<f64>() / known;
             assert!(step.abs() < 0.3 / known.sqrt(), "{step} of {}", known.sqrt().recip());
