@@ -156,6 +156,9 @@ pub enum Error {
         /// What was given.
         found: String,
     },
+    /// A GPU was asked of a build without support for one.
+    #[error("`device`: expected `cpu` or `auto` in a build without support for GPUs, found `cuda`")]
+    GpuNotBuilt,
     /// A device cannot be used.
     #[error("expected a GPU that CUDA can use, found none: {message}")]
     Device {

@@ -165,7 +165,8 @@ mod tests {
         let mut named = answer.effects()[0].clone();
         named.effect.mistaken_for = &["rest_angle"];
         named.alternatives = alternatives.to_vec();
-        let candidate = |&(name, delta): &(&'static str, f64)| Candidate { name, delta, ..answer.candidates[0].clone() };
+        let candidate =
+            |&(name, delta): &(&'static str, f64)| Candidate { name, delta, ..answer.candidates[0].clone() };
         (named, deltas.iter().map(candidate).collect())
     }
 

@@ -70,7 +70,8 @@ mod tests {
     pub(super) fn swings(truth: &[(&str, f64)], count: u32) -> Diagnosis {
         let pendulum = Exact::new(Pendulum);
         let start = |k: u32| [0.1 + 0.05 * f64::from(k), 0.3 * f64::from(k)];
-        let seen: Vec<_> = (0..count).map(|k| pendulum.observe(truth, &start(k), 1e-3, u64::from(k)).unwrap()).collect();
+        let seen: Vec<_> =
+            (0..count).map(|k| pendulum.observe(truth, &start(k), 1e-3, u64::from(k)).unwrap()).collect();
         let [plain, _] = both(&pendulum, &seen);
         plain
     }

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use serde::Deserialize as _;
 use serde_json::{Value, json};
-use tunenet_core::Error;
 use tunenet_core::network::Shard;
+use tunenet_core::{Error, diagnose, tune};
 use tunenet_formats::write_atomically;
 
 use crate::failure::Exit;
@@ -39,13 +40,20 @@ pub fn write(path: &Path, value: &Value) -> Result<()> {
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
 }
 
+/// Whether an answer is one that ends a single run with success.
+fn is_certain(answer: &Value) -> bool {
+    let tuned = tune::Verdict::deserialize(&answer["verdict"]).map(|v| v == tune::Verdict::Tuned);
+    let found = diagnose::Verdict::deserialize(&answer["verdict"]);
+    let found = found.map(|v| matches!(v, diagnose::Verdict::None | diagnose::Verdict::Named));
+    tuned.or(found).unwrap_or(false)
+}
+
 /// The one object of all answers, and how the command ends with them.
 pub fn together(tool: &str, objects: Vec<Value>, shard: Option<Shard>) -> (Exit, Value) {
     let refused = objects.iter().filter(|object| object.get("error").is_some()).count();
-    let certain = |object: &Value| matches!(object["verdict"].as_str(), Some("tuned" | "none" | "named"));
     let exit = if refused > 0 {
         Exit::Refused
-    } else if objects.iter().all(certain) {
+    } else if objects.iter().all(is_certain) {
         Exit::Done
     } else {
         Exit::Inconclusive

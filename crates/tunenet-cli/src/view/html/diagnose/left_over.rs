@@ -180,59 +180,49 @@ pub struct Place {
     pub after: f64,
 }
 
+/// Flights by the number of contacts before them; the last name is that of all later ones.
+const FLIGHTS: [&str; 5] = ["before the 1st contact", "after the 1st", "after the 2nd", "after the 3rd", "later"];
+/// Thirds of a recording's height.
+const THIRDS: [&str; 3] = ["low third", "middle third", "high third"];
+
 /// The misfit by axis, by flight between contacts and by height.
 pub fn places(all: &[Explained]) -> Vec<(&'static str, Vec<Place>)> {
-    let axis = |one: &Explained, i: usize| Some(one.seen.channels()[i % one.noise.len()].name.clone());
+    let axes: Vec<String> =
+        all.first().map_or_else(Vec::new, |one| one.seen.channels().iter().map(|c| c.name.clone()).collect());
+    let axis = |one: &Explained, i: usize| Some(i % one.noise.len());
     let flight = |one: &Explained, i: usize| {
         let at = one.seen.clock()[i / one.noise.len()];
         let passed = one.events.iter().filter(|t| **t <= at).count();
-        (!one.events.is_empty()).then(|| match passed {
-            0 => "before the 1st contact".to_string(),
-            1 => "after the 1st".into(),
-            2 => "after the 2nd".into(),
-            3 => "after the 3rd".into(),
-            _ => "later".into(),
-        })
+        (!one.events.is_empty()).then(|| passed.min(FLIGHTS.len() - 1))
     };
     let third = |one: &Explained, i: usize| {
         let width = one.noise.len();
         let heights = || one.seen.column(width - 1);
         let (low, high) = heights().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let share = (one.seen.row(i / width)[width - 1] - low) / (high - low).max(f64::MIN_POSITIVE);
-        (one.seen.kind() == Kind::Positions).then(|| {
-            let name = if share < 1.0 / 3.0 {
-                "low third"
-            } else if share < 2.0 / 3.0 {
-                "middle third"
-            } else {
-                "high third"
-            };
-            name.to_string()
-        })
+        let third = if share < 1.0 / 3.0 { 0 } else { 1 + usize::from(share >= 2.0 / 3.0) };
+        (one.seen.kind() == Kind::Positions).then_some(third)
     };
-    let order = ["low third", "middle third", "high third"];
-    let mut heights = grouped(all, third);
-    heights.sort_by_key(|place| order.iter().position(|o| *o == place.name));
-    let mut flights = grouped(all, flight);
-    flights.sort_by_key(|p| (p.name == "later", !p.name.starts_with("before"), p.name.clone()));
-    let groups = [("by axis", grouped(all, axis)), ("by flight", flights), ("by height of the recording", heights)];
+    let groups = [
+        ("by axis", grouped(all, &axes, axis)),
+        ("by flight", grouped(all, &FLIGHTS, flight)),
+        ("by height of the recording", grouped(all, &THIRDS, third)),
+    ];
     groups.into_iter().filter(|(_, places)| places.len() > 1).collect()
 }
 
-fn grouped(all: &[Explained], of: impl Fn(&Explained, usize) -> Option<String>) -> Vec<Place> {
-    let mut sums: Vec<(String, f64, f64, f64)> = Vec::new();
+/// The misfit of all values that `of` puts into the group of each name; groups without values are left out.
+fn grouped(all: &[Explained], names: &[impl ToString], of: impl Fn(&Explained, usize) -> Option<usize>) -> Vec<Place> {
+    let mut sums = vec![(0.0, 0.0, 0.0); names.len()];
     for one in all {
         for i in (0..one.kept.len()).filter(|&i| one.kept[i]) {
-            let Some(name) = of(one, i) else { continue };
-            let at = sums.iter().position(|s| s.0 == name).unwrap_or_else(|| {
-                sums.push((name, 0.0, 0.0, 0.0));
-                sums.len() - 1
-            });
-            sums[at].1 += one.before[i].powi(2);
-            sums[at].2 += one.after[i].powi(2);
-            sums[at].3 += 1.0;
+            let Some(sum) = of(one, i).and_then(|group| sums.get_mut(group)) else { continue };
+            sum.0 += one.before[i].powi(2);
+            sum.1 += one.after[i].powi(2);
+            sum.2 += 1.0;
         }
     }
     let mean = |sum: f64, count: f64| (sum / count).sqrt();
-    sums.into_iter().map(|(name, b, a, n)| Place { name, before: mean(b, n), after: mean(a, n) }).collect()
+    let groups = names.iter().zip(sums).filter(|(_, (.., count))| *count > 0.0);
+    groups.map(|(name, (b, a, n))| Place { name: name.to_string(), before: mean(b, n), after: mean(a, n) }).collect()
 }
