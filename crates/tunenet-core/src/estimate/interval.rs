@@ -35,6 +35,10 @@ const QUADRATIC: f64 = 0.2;
 /// A bound farther from the estimate than this share of the bounds, and as good, leaves the estimate open.
 const OPEN_SHARE: f64 = 0.25;
 
+/// Residuals below the square root of this share of the noise of the recording itself are rounding: an interval of width 0 has no
+/// ends to search for.
+const LEAST_VARIANCE: f64 = 1e-8;
+
 /// Scale estimate of a fit's residuals: their variance, its inflation by correlation, and the degrees of freedom.
 #[derive(Debug, Clone, Copy)]
 pub struct ScaleEstimate {
@@ -64,7 +68,8 @@ impl ScaleEstimate {
         let (top, bottom) = correlations.fold((0.0, 0.0), |(t, b), (product, square)| (t + product, b + square));
         let rho = if bottom > 0.0 { top / bottom } else { 0.0 };
         let rho = if rho > 2.0 / (count as f64).sqrt() { rho.min(WORST_CORRELATION) } else { 0.0 };
-        let (variance, inflation) = (squares / degrees_of_freedom, (1.0 + rho) / (1.0 - rho));
+        let variance = (squares / degrees_of_freedom).max(LEAST_VARIANCE);
+        let inflation = (1.0 + rho) / (1.0 - rho);
         match problem.robust_scale(fit, variance) {
             Ok(Some(blocks)) => Self {
                 variance,

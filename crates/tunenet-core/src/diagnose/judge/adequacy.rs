@@ -26,8 +26,8 @@ const HIGH_HZ: f64 = 14.0;
 
 /// A lag-1 correlation above this is more than sensors and trackers are known for at the rates that people record at.
 pub(in crate::diagnose) const LONG_LAG1: f64 = 0.7;
-/// What rounding leaves of a number, as a share of the largest, with room for the sums that led to it.
-const ROUNDING: f64 = 1e-12;
+/// What rounding leaves of a number, as a share of the largest: of clocks in whole nanoseconds, with room for speeds.
+const ROUNDING: f64 = 1e-8;
 
 /// Residual diagnostics of a hypothesis: what it leaves is noise where all tests pass.
 #[derive(Default)]
