@@ -6,7 +6,7 @@ use crate::Result;
 use crate::diagnose::Recording;
 use crate::diagnose::answer::driven_experiment;
 use crate::diagnose::answer::intervals::Intervals;
-use crate::diagnose::answer::judgement::Judgement;
+use crate::diagnose::answer::judgement::{Judgement, root_mean_square};
 use crate::diagnose::answer::next_experiment;
 use crate::diagnose::answer::per_object::by_object;
 use crate::diagnose::answer::residual_description::describe;
@@ -15,7 +15,6 @@ use crate::diagnose::answer::{
     Tuned, Use, Value, Verdict,
 };
 use crate::diagnose::evidence::recording::Set;
-use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::wording::words;
@@ -38,7 +37,7 @@ pub(in crate::diagnose) fn assemble(
     if intervals.widened {
         notes.push(Note::new(
             findings::INTERVALS_WIDENED,
-            "the recordings differ among themselves by more than their noise; intervals are as wide as that scatter makes them",
+            "recordings differ by more than their noise; intervals follow from that scatter",
             "",
         ));
     }
@@ -163,10 +162,7 @@ fn candidates(context: &Context, found: &Selection, ratios: &[(usize, f64)]) -> 
 
 fn gap(judged: &Judgement) -> Result<Gap> {
     let (context, found) = (&judged.context, &judged.found);
-    let error = |model: &Hypothesis| -> Result<f64> {
-        let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
-        Ok(rmse(context.sets(), &plain, 0.0))
-    };
+    let before = if found.best.is_some() { root_mean_square(context, &found.base)? } else { judged.left };
     let pair = |of: fn(&HeldOut) -> f64| {
         let (before, after) = (judged.before.as_ref()?, judged.after.as_ref()?);
         Some(Change { before: of(before), after: if judged.reports_effects() { of(after) } else { of(before) } })
@@ -174,8 +170,8 @@ fn gap(judged: &Judgement) -> Result<Gap> {
     Ok(Gap {
         unit: context.subjects[0].simulator.channels()[0].unit.clone(),
         of: GapOf::Recordings,
-        before: error(&found.base)?,
-        after: error(judged.last())?,
+        before,
+        after: if judged.reports_effects() { judged.left } else { before },
         noise_floor: judged.floor.sqrt(),
         held_out: pair(|h| h.rmse),
         control: judged.control.wrong,

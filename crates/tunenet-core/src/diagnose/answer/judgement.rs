@@ -5,10 +5,12 @@ use crate::diagnose::Test;
 use crate::diagnose::answer::Verdict;
 use crate::diagnose::answer::verdict::{Decision, decide};
 use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::rmse;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::judge::adequacy::noise_correlation;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::judge::validation_doubt::validation_doubt;
 use crate::diagnose::strategy::{Attempt, Control, Scope};
 
 /// A model may not raise the held-out residual by more than this factor.
@@ -32,6 +34,8 @@ pub(in crate::diagnose) struct Judgement<'a> {
     pub lag1: f64,
     /// The mean square that noise alone leaves.
     pub floor: f64,
+    /// Root mean square of what the best hypothesis leaves of the recordings that were fitted, in the channels' unit.
+    pub left: f64,
     /// Whether recordings differ among themselves by more than their noise.
     pub heterogeneous: bool,
 }
@@ -58,7 +62,11 @@ impl<'a> Judgement<'a> {
         let evidence = &context.evidence;
         let another = |set: &Set| !evidence.shows_one_motion() || set.motion != evidence.training[0].motion;
         let confirmed = practical.is_none() || evidence.validation.iter().any(another);
-        let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed);
+        let left = root_mean_square(&context, found.best.as_ref().unwrap_or(&found.base))?;
+        let held_out = (before.as_ref(), after.as_ref());
+        let doubt =
+            validation_doubt(&context, &found, held_out, left.max(floor.sqrt()), practical.is_some()).filter(|_| whole);
+        let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
         let significant = whole && practical.is_some();
         tests.extend(practical.into_iter().flatten());
@@ -74,6 +82,7 @@ impl<'a> Judgement<'a> {
             control,
             lag1,
             floor,
+            left,
             heterogeneous,
         })
     }
@@ -97,6 +106,12 @@ impl<'a> Judgement<'a> {
     pub fn events_open(&self) -> bool {
         matches!(self.scope, Scope::Segments { events_open: true })
     }
+}
+
+/// Root mean square of what a hypothesis leaves of the recordings that were fitted, in the channels' unit.
+pub(in crate::diagnose) fn root_mean_square(context: &Context, model: &Hypothesis) -> Result<f64> {
+    let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
+    Ok(rmse(context.sets(), &plain, 0.0))
 }
 
 /// Whether the effects raise the residual of recordings that were not fitted.

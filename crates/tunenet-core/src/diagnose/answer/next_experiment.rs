@@ -159,6 +159,7 @@ fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
                 filter,
                 events: Vec::new(),
                 held_still: false,
+                random_draws: 0,
             });
         }
     }

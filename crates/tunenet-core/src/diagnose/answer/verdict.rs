@@ -7,6 +7,7 @@ use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::needs_no_evidence;
 use crate::diagnose::hypothesis::plausibility::{is_less_plausible, is_required};
 use crate::diagnose::hypothesis::wording::words;
+use crate::diagnose::judge::validation_doubt::ValidationDoubt;
 
 /// How many alternatives of an effect are offered at most.
 const MOST_ALTERNATIVES: usize = 5;
@@ -41,8 +42,14 @@ pub(in crate::diagnose) fn in_place_of(context: &Context, place: &SelectedEffect
 }
 
 /// The verdict of what was found. `confirmed` is whether recordings that were not fitted bear it out, or nothing is left
-/// that they would have to.
-pub(in crate::diagnose) fn decide(context: &Context, found: &Selection, tests: &[Test], confirmed: bool) -> Decision {
+/// that they would have to; `validation` is what keeps the effects in doubt all the same.
+pub(in crate::diagnose) fn decide(
+    context: &Context,
+    found: &Selection,
+    tests: &[Test],
+    confirmed: bool,
+    validation: Option<ValidationDoubt>,
+) -> Decision {
     let adequate = tests.iter().all(|t| t.passed);
     let names = |entries: &mut dyn Iterator<Item = usize>| unique(entries.map(|e| context.catalogue[e].name).collect());
     let widest = context.margin();
@@ -65,7 +72,7 @@ pub(in crate::diagnose) fn decide(context: &Context, found: &Selection, tests: &
         let mut near = in_place_of(context, place, widest);
         // One motion does not distinguish what is in the catalogue from what is not, so the next best is left beside the best; where
         // nothing else explains anything, the best is left alone, and what is in no catalogue beside it.
-        let doubtful = doubtful(context, place, confirmed);
+        let doubtful = validation.is_some() || doubtful(context, place, confirmed);
         near_any |= !near.is_empty();
         if near.is_empty() && doubtful {
             near.extend(runner_up(context, found, place));
@@ -73,13 +80,15 @@ pub(in crate::diagnose) fn decide(context: &Context, found: &Selection, tests: &
         near.truncate(MOST_ALTERNATIVES);
         alternatives.push(near);
     }
-    let doubt = found.places.iter().any(|place| doubtful(context, place, confirmed));
+    let doubt = validation.is_some() || found.places.iter().any(|place| doubtful(context, place, confirmed));
     let open = doubt || alternatives.iter().any(|near| !near.is_empty());
     let all = found.places.iter().zip(&alternatives);
     let names = names(&mut all.flat_map(|(place, near)| std::iter::once(place.entry).chain(near.iter().copied())));
     let margin = found.places.iter().map(|p| margin_of(context, p, widest)).fold(context.settings.margin, f64::max);
-    let doubt = (doubt && !near_any).then(|| {
-        if context.evidence.shows_one_motion() {
+    let doubt = (doubt && (!near_any || validation.is_some())).then(|| {
+        if let Some(doubt) = validation {
+            doubt.text()
+        } else if context.evidence.shows_one_motion() {
             words(context).single
         } else {
             "no recording that was not fitted bears it out"
@@ -135,7 +144,7 @@ mod tests {
         in_swings(truth, count, 0, |context| {
             let searched = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
             let tests = residual_diagnostics(context, searched.best.as_ref().unwrap_or(&searched.base)).tests;
-            let decision = decide(context, &searched, &tests, true);
+            let decision = decide(context, &searched, &tests, true, None);
             found = (decision.verdict, decision.names);
         });
         found

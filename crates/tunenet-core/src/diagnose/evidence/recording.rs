@@ -38,6 +38,8 @@ pub struct PreparedRecording {
     pub(in crate::diagnose) events: Vec<f64>,
     /// Whether channels that stand still weigh, too.
     pub(in crate::diagnose) held_still: bool,
+    /// How many of its last nuisance parameters are draws of a random effect, two to each event.
+    pub(in crate::diagnose) random_draws: usize,
 }
 
 pub(in crate::diagnose) type Set = PreparedRecording;
@@ -130,6 +132,7 @@ impl PreparedRecording {
             filter,
             events,
             held_still: false,
+            random_draws: 0,
         }
     }
 

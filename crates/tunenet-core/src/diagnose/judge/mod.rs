@@ -8,7 +8,9 @@ pub(in crate::diagnose) mod leave_segments_out;
 pub(in crate::diagnose) mod negative_control;
 pub(in crate::diagnose) mod practical_significance;
 pub(in crate::diagnose) mod random_effect;
+pub(in crate::diagnose) mod random_effect_diagnostics;
 pub(in crate::diagnose) mod recording_scores;
+pub(in crate::diagnose) mod validation_doubt;
 
 /// One test of what the final model leaves.
 #[derive(Debug, Clone, PartialEq)]

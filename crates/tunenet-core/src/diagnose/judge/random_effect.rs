@@ -105,10 +105,12 @@ pub(in crate::diagnose) fn admit<'a>(context: &Context<'a>, scatter: &RandomTilt
     let mut evidence = Evidence::clone(&context.evidence);
     for set in &mut evidence.validation {
         let tilts = tilts(&*carrier(&context.subjects[set.object], &entries)?, set)?;
+        set.random_draws = tilts.len();
         set.prior_sd.extend(tilts.iter().map(|_| scatter.sd));
         set.prepared.nuisances.extend(tilts);
     }
     for (set, tilts) in evidence.training.iter_mut().zip(&scatter.unknowns) {
+        set.random_draws = tilts.len();
         set.prior_sd.extend(tilts.iter().map(|_| scatter.sd));
         set.prepared.nuisances.extend(tilts.iter().cloned());
     }

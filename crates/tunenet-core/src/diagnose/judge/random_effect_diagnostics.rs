@@ -1,0 +1,143 @@
+//! Randomisation test (Fisher 1935) of the draws of a random effect: whether they are drawn at random.
+//!
+//! A random effect per contact can imitate any force that acts at contacts: one that pushes a whole recording to one side, or along
+//! its motion. True draws are symmetric about 0 and know neither their recording nor the motion, so that turning the sign of any
+//! of them changes nothing that is to be expected of their sums.
+
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::judge::held_out_proof::HeldOut;
+
+/// Random turns of signs.
+const TURNS: u32 = 4000;
+/// Samples before a contact between which its velocity is taken.
+const STEPS: usize = 3;
+
+/// One draw of a random effect.
+#[derive(Debug, Clone, PartialEq)]
+struct Draw {
+    /// Its recording, the held-out ones counted on.
+    recording: usize,
+    /// Its two components.
+    value: [f64; 2],
+    /// How fast each channel changes right before the event, in the channels' unit per second.
+    velocity: Vec<f64>,
+}
+
+/// The least probability of sums as large as those of the draws of `model` if they were random: of the sum over each recording, and
+/// of that along the motion. 1 where nothing is drawn.
+pub(in crate::diagnose) fn p_value_of_draws(context: &Context, model: &Hypothesis, held_out: Option<&HeldOut>) -> f64 {
+    let validation = held_out.map(|held_out| (&context.evidence.validation, &held_out.nuisances));
+    let all = [Some((&context.evidence.training, &model.fit.point.nuisances)), validation];
+    let of = |(sets, nuisances): (&Vec<Set>, &Vec<Vec<f64>>)| -> Vec<(Vec<[f64; 2]>, Vec<Vec<f64>>)> {
+        sets.iter().zip(nuisances).map(|(set, nuisances)| (pairs(set, nuisances), velocities(set))).collect()
+    };
+    let recordings = all.into_iter().flatten().flat_map(of).enumerate();
+    let draws: Vec<Draw> = recordings
+        .flat_map(|(recording, (values, velocities))| {
+            let each = values.into_iter().zip(velocities);
+            each.map(move |(value, velocity)| Draw { recording, value, velocity })
+        })
+        .collect();
+    p_value(&draws, context.settings.seed)
+}
+
+/// The draws of one recording: its last nuisance parameters, two to each event.
+fn pairs(set: &Set, nuisances: &[f64]) -> Vec<[f64; 2]> {
+    let first = nuisances.len().saturating_sub(set.random_draws);
+    nuisances[first..].chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// The velocity right before each event.
+fn velocities(set: &Set) -> Vec<Vec<f64>> {
+    let (seen, clock) = (&set.prepared.seen, set.clock());
+    let one = |event: &f64| -> Vec<f64> {
+        let last = clock.partition_point(|t| t < event).clamp(1, clock.len() - 1) - 1;
+        let (first, last) = (last.saturating_sub(STEPS), last.max(1));
+        let dt = clock[last] - clock[first];
+        seen.row(last).iter().zip(seen.row(first)).map(|(b, a)| (b - a) / dt).collect()
+    };
+    set.events.iter().map(one).collect()
+}
+
+/// The lesser of two probabilities, doubled: that the squared sums over recordings, or those along the motion, are as large by
+/// chance.
+fn p_value(draws: &[Draw], seed: u64) -> f64 {
+    if draws.is_empty() {
+        return 1.0;
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let measured = statistics(draws, |_| 1.0);
+    let mut larger = [0u32; 2];
+    for _ in 0..TURNS {
+        let signs: Vec<f64> = draws.iter().map(|_| if random.random() { 1.0 } else { -1.0 }).collect();
+        let turned = statistics(draws, |i| signs[i]);
+        for k in 0..2 {
+            larger[k] += u32::from(turned[k] >= measured[k] * (1.0 - 1e-12));
+        }
+    }
+    let share = |count: u32| (f64::from(count) + 1.0) / (f64::from(TURNS) + 1.0);
+    (2.0 * share(larger[0]).min(share(larger[1]))).min(1.0)
+}
+
+/// The squared sums over each recording, and those weighed by each channel's velocity over its squared sum.
+fn statistics(draws: &[Draw], sign: impl Fn(usize) -> f64) -> [f64; 2] {
+    let recordings = draws.iter().map(|draw| draw.recording + 1).max().unwrap_or(0);
+    let channels = draws.first().map_or(0, |draw| draw.velocity.len());
+    let mut sums = vec![[0.0; 2]; recordings];
+    let mut along = vec![[0.0; 2]; channels];
+    let mut squares = vec![0.0; channels];
+    for (i, draw) in draws.iter().enumerate() {
+        for j in 0..2 {
+            let value = sign(i) * draw.value[j];
+            sums[draw.recording][j] += value;
+            along.iter_mut().zip(&draw.velocity).for_each(|(along, velocity)| along[j] += velocity * value);
+        }
+        squares.iter_mut().zip(&draw.velocity).for_each(|(square, velocity)| *square += velocity * velocity);
+    }
+    let square = |[a, b]: &[f64; 2]| a * a + b * b;
+    let along = along.iter().zip(&squares).map(|(sum, whole)| square(sum) / f64::max(*whole, f64::MIN_POSITIVE));
+    [sums.iter().map(square).sum(), along.sum()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_distr::StandardNormal;
+
+    /// Five recordings of four contacts each, whose draws are `of` their recording, their velocity and two normal numbers.
+    fn drawn(seed: u64, of: impl Fn(usize, &[f64], [f64; 2]) -> [f64; 2]) -> f64 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let draws: Vec<Draw> = (0..20)
+            .map(|i| {
+                let mut normal = || random.sample::<f64, _>(StandardNormal);
+                let velocity = vec![normal(), normal(), -3.0 + 0.1 * normal()];
+                let value = of(i / 4, &velocity, [normal(), normal()]);
+                Draw { recording: i / 4, value, velocity }
+            })
+            .collect();
+        p_value(&draws, 7)
+    }
+
+    #[test]
+    fn true_draws_pass_as_often_as_the_level_says() {
+        let rejected = (0..200).filter(|&seed| drawn(seed, |_, _, value| value) < 0.05).count();
+        assert!(rejected <= 20, "{rejected} of 200 at 5 %");
+    }
+
+    #[test]
+    fn draws_that_know_their_recording_or_the_motion_do_not_pass() {
+        let to_one_side = |r: usize, _: &[f64], [a, b]: [f64; 2]| [a + if r % 2 == 0 { 2.0 } else { -2.0 }, b];
+        assert!(drawn(1, to_one_side) < 0.01);
+        assert!(drawn(2, |_, v, [a, b]| [a + 2.0 * v[0], b + 2.0 * v[1]]) < 0.01);
+        assert!(drawn(3, |_, _, [a, b]| [a, b + 1.5]) < 0.01, "a mean that is not 0");
+    }
+
+    #[test]
+    fn without_draws_nothing_is_said() {
+        assert_eq!(p_value(&[], 0), 1.0);
+    }
+}
