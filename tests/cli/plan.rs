@@ -96,7 +96,7 @@ fn the_approach_and_the_page_are_written() {
     assert!(last.columns[0].iter().zip(told).all(|(q, told)| (q - told).abs() < 1e-12), "it ends at the release");
     moves_as_stated(&way);
     let page = folder.text("shot.html");
-    assert!(page.contains("PLANNED") && page.matches("<svg").count() == 3 && !page.contains("NaN"), "{page}");
+    assert!(page.contains("Planned") && page.matches("<svg").count() == 4 && !page.contains("NaN"), "{page}");
     // Asked again, the page may be replaced, and the log may not.
     refused(&folder, &format!("{LINE} --out approach.mcap"), &["approach.mcap", "--overwrite"]);
     folder.run(&format!("{LINE} --report shot.html")).ends(0);

@@ -13,6 +13,7 @@ use super::checks::warnings;
 use super::page;
 use super::panel::{ABOVE, BELOW, Panel, left_edge};
 use super::svg::{Anchor, Svg};
+use super::verdict::{CROSS, TICK, capital, shape};
 use crate::answers::plan::Answer;
 use crate::view::sentence;
 
@@ -30,8 +31,8 @@ const AFTERWARDS_S: f64 = 0.25;
 /// Writes the page for the task `name`.
 pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) -> Result<()> {
     let plan = &answer.plan;
-    let (class, word) =
-        if plan.reachable { ("verdict tuned", "PLANNED") } else { ("verdict rejected", "OUT OF REACH") };
+    let (class, word) = if plan.reachable { ("verdict tuned", "Planned") } else { ("verdict not", "Out of reach") };
+    let sign = if plan.reachable { TICK } else { CROSS };
     let text = sentence::plan(answer);
     let sentence = text.split_once("  ").map_or(text.as_str(), |(_, sentence)| sentence);
     let chance = |c: &Candidate| c.probability.map(|p| 100.0 * p);
@@ -43,7 +44,7 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
     let rollouts =
         format!("{} heights; balls drawn from what is uncertain: {}", plan.candidates.len(), answer.settings.draws);
     let body = html! {
-        section class=(class) { div { p.word { (word) } p { (sentence) } } }
+        section class=(class) { (shape(sign, word)) div { p.word { (word) } p { (capital(sentence)) "." } } }
         section {
             h2 { "Shot" }
             p.how { "To scale, seen from the side. The dark line is the ball's centre with the values of the file, the circles are that "

@@ -5,13 +5,14 @@ use std::path::Path;
 use maud::{Markup, html};
 use tunenet_core::Result;
 use tunenet_core::observation::Note;
-use tunenet_video_protocol::track::{Facts, Picture, Samples, Tracked, Untracked};
+use tunenet_video_protocol::track::{Estimate, Facts, Picture, Samples, Tracked, Untracked};
 
 use super::axis::Axis;
 use super::checks::warnings;
 use super::page;
 use super::panel::{ABOVE, BELOW, Panel, left_edge};
 use super::svg::Svg;
+use super::verdict::{CROSS, TICK, shape};
 
 /// Size of a curve, in the units of its drawing.
 const SIZE: (f64, f64) = (720.0, 240.0);
@@ -21,9 +22,15 @@ pub fn write(path: &Path, name: &str, found: &Tracked, notes: &[Note]) -> Result
     let facts = &found.facts;
     let body = html! {
         section.verdict.tuned {
+            (shape(TICK, "Tracked"))
             div {
-                p.word { "TRACKED" }
+                p.word { "Tracked" }
                 p { "The ball is seen in " (facts.seen) " of " (facts.frames) " frames, whole in " (facts.whole) "." }
+                @if !facts.bounces_s.is_empty() { p { "Bounces at " (bounces(facts)) " s." } }
+                @if let Some(Estimate { value, interval95: [low, high] }) = facts.restitution {
+                    p { "Rebound " span.value { (format!("{value:.3}")) } (format!(" of the speed (95 %: {low:.3}\u{2013}{high:.3}), from the flights only.")) }
+                }
+                @if let Some(scale) = &facts.scale { p { "Scale " (format!("{:.4} mm a pixel, by {}.", 1e3 * scale.m_per_px, scale.words)) } }
             }
         }
         section {
@@ -44,6 +51,7 @@ pub fn refused(path: &Path, name: &str, found: &Untracked) -> Result<()> {
     let word = found.reason.word().replace('_', " ").to_uppercase();
     let body = html! {
         section.verdict.not {
+            (shape(CROSS, &word))
             div { p.word { (word) } p { (found.finding.text) "." } }
         }
         section { h2 { "Remedy" } p { (found.finding.remedy) "." } }
@@ -54,6 +62,10 @@ pub fn refused(path: &Path, name: &str, found: &Untracked) -> Result<()> {
         }
     };
     page::write(path, &page::page("Track", name, &body))
+}
+
+fn bounces(facts: &Facts) -> String {
+    facts.bounces_s.iter().map(|t| format!("{t:.3}")).collect::<Vec<_>>().join(", ")
 }
 
 fn frame(picture: &Picture) -> Markup {

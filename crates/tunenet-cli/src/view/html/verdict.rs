@@ -29,6 +29,12 @@ pub fn verdict(outcome: &Outcome, names: &str) -> Markup {
     }
 }
 
+/// With a capital at its beginning.
+pub fn capital(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or_else(String::new, |first| first.to_uppercase().chain(characters).collect())
+}
+
 /// A sentence in which names stand between backticks.
 pub fn prose(text: &str) -> Markup {
     // An even number of backticks leaves an odd number of pieces.

@@ -6,11 +6,11 @@ use tunenet_core::diagnose::{Candidate, Diagnosis, Verdict};
 use tunenet_core::observation::with_decimals;
 use tunenet_sim::phase;
 
-use super::capital;
 use crate::answers::diagnose::Answer;
 use crate::view::html::axis::Axis;
 use crate::view::html::series::Size;
 use crate::view::html::svg::{Anchor, Svg, bold_width, text_width};
+use crate::view::html::verdict::capital;
 
 /// Bars that are drawn; the table has all.
 const MOST: usize = 8;

@@ -5,9 +5,10 @@ use tunenet_core::diagnose::{Change, GapOf, Verdict};
 use tunenet_core::simulator::Phase;
 use tunenet_sim::phase;
 
-use super::{capital, plain};
+use super::numbers::in_short;
+use super::plain;
 use crate::answers::diagnose::{Answer, NOT_IN_CATALOGUE};
-use crate::view::html::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, prose, quantity, shape};
+use crate::view::html::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, capital, prose, quantity, shape};
 
 pub fn finding(answer: &Answer) -> Markup {
     let diagnosis = answer.diagnosis;
@@ -22,6 +23,9 @@ pub fn finding(answer: &Answer) -> Markup {
                 p.act { (sentence(answer)) }
                 @if diagnosis.verdict() == Verdict::Named {
                     @for named in diagnosis.effects() { p { (capital(named.effect.sentence)) "." } }
+                }
+                @if !diagnosis.effects().is_empty() {
+                    @for line in in_short(answer) { p.value { (line) } }
                 }
                 @let spared = answer.without_effect();
                 @if !spared.is_empty() { p { "The recordings of " (joined(&spared.iter().map(ToString::to_string).collect::<Vec<_>>(), "and")) " alone do not need it." } }

@@ -18,7 +18,7 @@ use tunenet_sim::phase;
 use self::pairs::{Pair, pairs};
 use super::provenance::Provenance;
 use super::series::{Series, drawings};
-use super::verdict::{prose, quantity};
+use super::verdict::{capital, prose, quantity};
 use super::{checks, page};
 use crate::answers::diagnose::{Answer, Edited};
 
@@ -280,10 +280,4 @@ fn excluded(answer: &Answer) -> Markup {
 /// An effect's name as words.
 fn plain(name: &str) -> String {
     name.replace('_', " ")
-}
-
-/// With a capital at its beginning.
-fn capital(text: &str) -> String {
-    let mut characters = text.chars();
-    characters.next().map_or_else(String::new, |first| first.to_uppercase().chain(characters).collect())
 }

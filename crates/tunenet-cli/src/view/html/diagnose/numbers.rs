@@ -56,6 +56,30 @@ fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
         .collect()
 }
 
+/// Most lines of the answer in short.
+const FEW: usize = 6;
+
+/// Coefficients and tuned parameters, each with its interval, where these are few.
+pub fn in_short(answer: &Answer) -> Vec<String> {
+    let objects = &answer.loaded.objects;
+    let line = |name: &str, object: Option<&str>, value: &Value, of: &str| {
+        let (best, interval) = value_and_interval(value);
+        let object = object.map(|o| format!(" of {o}")).unwrap_or_default();
+        format!("{name}{object} {best}{} (95 %: {interval})", unit(of))
+    };
+    let coefficients = rows(answer).into_iter().map(|row| {
+        let object = answer.object(row.value).filter(|_| objects.len() > 1);
+        line(&format!("{} {}", row.named.effect.name, row.key), object, row.value, row.unit)
+    });
+    let parameters = answer.diagnosis.parameters.iter().map(|tuned| {
+        let value = Value { object: None, value: tuned.value, interval95: tuned.interval95 };
+        let object = objects.get(tuned.object).filter(|_| objects.len() > 1).map(|o| o.name.as_str());
+        line(&tuned.name, object, &value, &tuned.unit)
+    });
+    let lines: Vec<String> = coefficients.chain(parameters).collect();
+    if lines.len() > FEW { Vec::new() } else { lines }
+}
+
 /// The heads of a table's columns; the object is reported where there are several.
 fn heads(answer: &Answer, first: &str, others: &[&str]) -> Markup {
     html! {
