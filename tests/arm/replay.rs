@@ -277,7 +277,7 @@ fn the_urdf_is_never_written_over() {
         ("diagnose --out pendulum.urdf", "pendulum.urdf"),
     ] {
         let ran = folder.run(&format!("{command} --sim scene.toml --observation log.csv --overwrite")).ends(1);
-        assert!(ran.stderr.contains("found one that is read"), "{command}: {}", ran.stderr);
+        assert!(ran.stderr.contains("read as an input"), "{command}: {}", ran.stderr);
         assert_eq!(folder.read(urdf), URDF.as_bytes(), "{command}");
     }
 }

@@ -84,7 +84,7 @@ fn what_is_read_is_never_written_over() {
         ("diagnose --sim out/ball.toml --manifest objects.toml --out out", "out/ball.toml"),
     ] {
         let before = folder.read(name);
-        let wanted = ["another file to write to", "choose another name for --"];
+        let wanted = ["read as an input", "choose another name for --"];
         refused(&folder, &format!("{line} --overwrite"), &wanted);
         assert!(folder.read(name) == before, "{line}");
     }

@@ -164,9 +164,9 @@ fn shards_that_do_not_belong_together_are_refused() {
     refused(
         &folder,
         &merge("p.shard-1-of-3.mcap").replace("merged.mcap", "p.shard-0-of-3.mcap"),
-        &["found one that is read"],
+        &["read as an input"],
     );
-    misused(&folder, "merge 'none-*.mcap' --out merged.mcap", "which none matches");
+    misused(&folder, "merge 'none-*.mcap' --out merged.mcap", "which matches none");
     // Half a shard is told, and made again by its command; a whole one is kept.
     let whole = folder.read("p.shard-1-of-3.mcap");
     folder.write("p.shard-1-of-3.mcap", &whole[..whole.len() / 2]);
@@ -344,7 +344,7 @@ fn recordings_are_tuned_to_in_shards() {
     refused(&folder, merge, &["found one of another simulation, seed or setting"]);
     misused(&folder, &format!("{line} --shard 0/3"), "expected --out-dir with it");
     misused(&folder, &format!("{line} --out-dir out --report r.html"), "no `--report` with `--out-dir`");
-    misused(&folder, "tune --sim scene.toml --observation logs/*/none.csv --each", "which none matches");
+    misused(&folder, "tune --sim scene.toml --observation logs/*/none.csv --each", "which matches none");
     misused(&folder, "tune --sim scene.toml --observation logs/a/drop0.csv --out-dir out", "--each");
 }
 

@@ -113,7 +113,7 @@ fn disagreement(by_gravity: f64, by_length: f64) -> Option<VideoFinding> {
     let slower = (1.0 / factor).sqrt();
     ((factor - 1.0).abs() > DISAGREE).then(|| {
         let text = format!(
-            "by its size a pixel is {:.3} mm, by its fall {:.3} mm: the clock would be {slower:.2} times as fast as it says",
+            "by its size a pixel is {:.3} mm, by its fall {:.3} mm: the frame rate in the file is then wrong by a factor of {slower:.2}",
             1e3 * by_length,
             1e3 * by_gravity
         );

@@ -102,7 +102,11 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
             track.repeated.len(),
             numbers.join(", ")
         );
-        notes.push(VideoFinding::new(findings::VIDEO_REPEATED, text, "they are left out"));
+        notes.push(VideoFinding::new(
+            findings::VIDEO_REPEATED,
+            text,
+            "save the video at the rate at which it was taken",
+        ));
     }
     if track.dropped > 0 {
         let text = format!("{} frames are missing according to the video's clock", track.dropped);
@@ -138,7 +142,7 @@ pub(crate) fn of(track: &Track, clutter: bool, missing: Option<&CutOff>) -> Vec<
             last.time_s,
             frames - 1 - last.frame
         );
-        notes.push(VideoFinding::new(findings::BALL_GONE, text, "what was seen until then is used"));
+        notes.push(VideoFinding::new(findings::BALL_GONE, text, ""));
     }
     notes
 }

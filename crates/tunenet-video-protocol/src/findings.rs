@@ -3,7 +3,7 @@
 use tunenet_core::finding_kinds;
 
 finding_kinds! {
-    warning VIDEO_REPEATED = "film.repeated",
+    note VIDEO_REPEATED = "film.repeated",
         "frames repeat the previous one; they are left out",
         "save the video at the rate at which it was taken";
     warning VIDEO_DROPPED = "film.dropped",
@@ -24,7 +24,7 @@ finding_kinds! {
     warning BALL_ROLLS = "ball.rolls",
         "the ball moves along a straight line and never flies",
         "record a ball that falls and bounces";
-    warning BALL_GONE = "ball.gone",
+    note BALL_GONE = "ball.gone",
         "the ball is last seen well before the end: it leaves the view, or is covered",
         "nothing, if the bounces were seen";
     warning FLIGHT_ODD = "flight.odd",

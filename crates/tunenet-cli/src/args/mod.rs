@@ -140,7 +140,7 @@ const SIMULATE_EXAMPLES: &str = "\
 Examples:
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 -o drop.csv
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.mcap
-  tunenet simulate --sim process.toml --allow-process --out swing.csv";
+  tunenet simulate --sim process.toml --allow-process --set parameters.length.value=0.62 --out swing.csv";
 const INSPECT_EXAMPLES: &str = "\
 Examples:
   tunenet inspect drop.csv

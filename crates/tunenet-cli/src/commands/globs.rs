@@ -28,7 +28,7 @@ pub fn expanded(paths: &[PathBuf], flag: &'static str) -> Result<Vec<PathBuf>> {
         let matching = glob::glob(pattern).map_err(|e| refuse("a pattern", format!("`{pattern}`: {}", e.msg)))?;
         let mut found: Vec<PathBuf> = matching.filter_map(std::result::Result::ok).collect();
         if found.is_empty() {
-            return Err(refuse("a pattern that files match", format!("`{pattern}`, which none matches")).into());
+            return Err(refuse("a pattern that matches files", format!("`{pattern}`, which matches none")).into());
         }
         found.sort();
         all.append(&mut found);
@@ -60,6 +60,6 @@ mod tests {
         assert_eq!(names("[1].csv"), ["[1].csv"]);
         assert_eq!(names("none.csv"), ["none.csv"]);
         let refused = expanded(&[folder.path().join("*.mcap")], "--observation").unwrap_err().to_string();
-        assert!(refused.starts_with("`--observation`: expected a pattern that files match, found"), "{refused}");
+        assert!(refused.starts_with("`--observation`: expected a pattern that matches files, found"), "{refused}");
     }
 }

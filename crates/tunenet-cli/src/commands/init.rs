@@ -42,7 +42,7 @@ pub fn run(options: &Init) -> Result<Exit> {
         shown.row("wrote", &format!("{}", program.display()));
     }
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
-    shown.row("next", &format!("{first}, then `tunenet tune --sim {path}{leave} --observation FILE`"));
+    shown.row("next", &format!("{first}, then `tunenet tune --sim {path}{leave} FILE`"));
     shown.show(options.common.json, || {
         let mut object = json!({ "schema": "tunenet.init/1", "file": names::file_name(&out), "warnings": [] });
         if domain == Domain::Process {

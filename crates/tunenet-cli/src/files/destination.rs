@@ -134,7 +134,7 @@ pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()
         if let Ok(same) = path.canonicalize()
             && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == same))
         {
-            let message = "expected another file to write to, found one that is read";
+            let message = "this file is read as an input, and would be overwritten";
             return Err(Error::file(path, message, format!("choose another name for {flag}")).into());
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -175,7 +175,7 @@ pub fn leads_somewhere(named: &Path, folder: &Path, makes: bool) -> Result<()> {
             return Err(Error::file(named, message, hint).into());
         }
         if !makes {
-            let message = format!("expected a folder to write into, found none at {}", way.display());
+            let message = format!("the folder {} does not exist", way.display());
             return Err(Error::file(named, message, "make the folder first").into());
         }
         return Ok(());

@@ -19,7 +19,7 @@ pub use header::plain;
 pub use local::{LocalEstimate, widened};
 pub use noise::{noise_sd, step};
 pub use note::Note;
-pub use number::with_decimals;
+pub use number::{three_digits, with_decimals};
 pub use resample::resample;
 
 use crate::{Error, Result};

@@ -14,6 +14,30 @@ pub fn with_decimals(value: f64, decimals: usize) -> String {
     if value.abs() >= LARGE { format!("{value:.2e}") } else { format!("{value:.decimals$}") }
 }
 
+/// A number with three significant digits; of a very small or large one with a power of ten: `1.36`, `0.0214`, `2.0e-6`.
+///
+/// ```
+/// use tunenet_core::observation::three_digits;
+/// assert_eq!([three_digits(1.3649), three_digits(0.021_44), three_digits(2e-6)], ["1.36", "0.0214", "2.0e-6"]);
+/// ```
+#[must_use]
+pub fn three_digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "an exponent")]
+    let exponent = value.abs().log10().floor() as i32;
+    if exponent < -4 {
+        return format!("{value:.1e}");
+    }
+    // Nobody counts a row of digits.
+    if exponent > 9 {
+        return format!("{value:.2e}");
+    }
+    let decimals = usize::try_from(2 - exponent).unwrap_or(0);
+    format!("{value:.decimals$}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,7 @@ use super::Tuning;
 use super::outcome::{Estimate, Status, Verdict};
 use super::starts::local_estimate;
 use crate::estimate::{Adequacy, Fit, Information, Interval, Point, ScaleEstimate, floor};
-use crate::observation::{Kind, Note, with_decimals};
+use crate::observation::{Kind, Note, three_digits, with_decimals};
 use crate::simulator::Parameter;
 use crate::statistics::NORMAL_95;
 
@@ -65,7 +65,7 @@ impl Tuning<'_> {
                 notes.push(Note::new(
                     findings::FIT_POOR,
                     text,
-                    "a diagnosis of the same recordings names the effect that is missing, or says that it is none it knows",
+                    "search for the missing effect with a diagnosis of the same recordings",
                 ));
             } else if !adequacy.tested {
                 let text = format!("{} samples are too few to separate noise from misfit", recording.seen.len());
@@ -143,11 +143,12 @@ impl Tuning<'_> {
             let p = &self.simulator.parameters()[i];
             if let Some((value, sd)) = local_estimate(self.recordings, i) {
                 let text = format!(
-                    "`{}` is read off the contacts alone ({}), and the gap is that of this value; the whole record would give \
-                     {}, and a gap of {whole:.2e} {unit}",
+                    "`{}` = {} comes from the events only, because the full fit is poor; the gap above is that of this value. \
+                     The full fit gives {}, with a gap of {} {unit}",
                     p.name,
                     with_decimals(value, 4),
-                    with_decimals(fit.point.parameters[i], 4)
+                    with_decimals(fit.point.parameters[i], 4),
+                    three_digits(whole)
                 );
                 fit.point.parameters[i] = value.clamp(p.min, p.max);
                 *standing = Standing::local(p, value, sd, standing);

@@ -152,7 +152,8 @@ impl Messages {
                 letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
             }
         };
-        let hint = format!("try `mcap recover {} -o recovered.mcap`, which keeps them", self.path.display());
+        let hint =
+            format!("try `mcap recover {} -o recovered.mcap`, which keeps what can be read", self.path.display());
         Error::file(&self.path, format!("{what}: {} could be read before", counted(self.count, "message")), hint)
     }
 

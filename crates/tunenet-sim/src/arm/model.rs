@@ -218,7 +218,7 @@ impl Model {
             }
             if body.coordinate.own {
                 let text = format!("joint `{}` is held at {position}", body.joint.name);
-                new.notes.push(Note::new(findings::URDF_HELD, text, "it is not between the base and the payload"));
+                new.notes.push(Note::new(findings::URDF_HELD, text, ""));
             }
             homes.push((parent, place));
         }

@@ -10,7 +10,7 @@ use super::schema::{Definition, Key, PARAMETER_KEYS, Shape};
 const BALL_HEAD: &str = "\
 # A ball that falls and bounces. Set your ball's radius and tune:
 #
-#   tunenet tune --sim ball.toml --observation drop.csv --out tuned.toml
+#   tunenet tune --sim ball.toml drop.csv --out tuned.toml
 #
 # A line `# key = value` is optional: remove the `#` to use it, and the one before its [table] if there is one. Above each
 # key are its meaning, unit and range. z points up, axes are right-handed; a ball's position is that of its centre, and a
@@ -21,7 +21,7 @@ const BALL_HEAD: &str = "\
 const ARM_HEAD: &str = "\
 # An arm that moves a payload. Set your arm's URDF and the link that holds the payload, and tune:
 #
-#   tunenet tune --sim arm.toml --observation torques.csv --out tuned.toml
+#   tunenet tune --sim arm.toml torques.csv --out tuned.toml
 #
 # A line `# key = value` is optional: remove the `#` to use it. Above each key are its meaning, unit and range. World axes
 # have z up and the arm's base at the origin. The end effector's z axis points down while it moves along the circle, at
@@ -32,8 +32,8 @@ const PROCESS_HEAD: &str = "\
 # A simulation by an external program, in any language, that speaks lines of JSON. The program in this folder is an
 # example; it runs only with --allow-process, because it has your user's permissions:
 #
-#   tunenet simulate --sim process.toml --allow-process --out swing.csv
-#   tunenet tune --sim process.toml --allow-process --observation swing.csv --out tuned.toml
+#   tunenet simulate --sim process.toml --allow-process --set parameters.length.value=0.62 --out swing.csv
+#   tunenet tune --sim process.toml --allow-process swing.csv --out tuned.toml
 #
 # It reads a line and answers with a line, until its input ends:
 #

@@ -39,7 +39,7 @@ pub fn place(options: &Gen) -> PathBuf {
     options.sharing.shard.map_or_else(|| options.out.clone(), |shard| shard::file(&options.out, shard))
 }
 
-/// Whether the shard is complete already, as of a task that is sent off again. One that is not is made again, with a note.
+/// Whether the shard is complete already, as of a task that is submitted again. One that is not is made again, with a note.
 ///
 /// # Errors
 /// Where it is a shard of something else, which somebody may still want.

@@ -40,5 +40,4 @@ pub fn add(
 }
 
 /// What to type where a fit is poor.
-const DIAGNOSE: &str =
-    "`tunenet diagnose` with the same files names the effect that is missing, or says that it is none it knows";
+const DIAGNOSE: &str = "search for the missing effect: `tunenet diagnose` with the same files";

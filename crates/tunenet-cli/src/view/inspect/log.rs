@@ -37,7 +37,10 @@ pub fn verdict(found: &Log, path: &Path, rejected: Option<&str>, shown: &mut Pri
         (_, Some(reason)) => {
             let seconds = found.span_s.map_or_else(String::new, |s| format!(" and span {s:.2} s"));
             shown.row("unusable", &format!("{reason}{seconds}; the rest is missing, so `tune` refuses the file"));
-            shown.line(&format!("  try: `mcap recover {} -o recovered.mcap`, which keeps them", path.display()));
+            shown.line(&format!(
+                "  try: `mcap recover {} -o recovered.mcap`, which keeps what can be read",
+                path.display()
+            ));
         }
         ([], _) => shown.row("unusable", "no topic carries positions, joints or bounces"),
         _ if rejected.is_some() => shown.row("unusable", rejected.unwrap_or_default()),

@@ -6,6 +6,7 @@ use tunenet_core::observation::{Check, Kind, State};
 
 use crate::answers::motion::Motion;
 use crate::view::answer::Printout;
+use crate::view::json::warning;
 use crate::view::text::{in_words, tally};
 
 /// Adds what was found to the text.
@@ -51,7 +52,7 @@ pub fn add_to(motion: &Motion, object: &mut Value) {
     object["preflight"] = json!(motion.preflight.checks);
     if let Some(warnings) = object["warnings"].as_array_mut() {
         let notes = motion.preflight.checks.iter().filter_map(Check::note);
-        warnings.extend(notes.map(|n| json!({ "code": n.kind, "text": n.text, "remedy": n.remedy })));
+        warnings.extend(notes.map(|note| warning(&note)));
     }
 }
 

@@ -11,7 +11,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use tunenet_core::finding::Severity;
 use tunenet_core::observation::{Check, State};
-use tunenet_core::observation::{Note, with_decimals};
+use tunenet_core::observation::{Note, three_digits, with_decimals};
 use tunenet_core::text::visible;
 use tunenet_sim::Session;
 
@@ -196,23 +196,6 @@ pub fn in_words(value: f64, unit: &str) -> String {
         Some(small) if value.abs() < 0.1 => format!("{} {small}", three_digits(value * 1e3)),
         _ => format!("{} {unit}", three_digits(value)),
     }
-}
-
-fn three_digits(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "an exponent")]
-    let exponent = value.abs().log10().floor() as i32;
-    if exponent < -4 {
-        return format!("{value:.1e}");
-    }
-    // Nobody counts a row of digits.
-    if exponent > 9 {
-        return format!("{value:.2e}");
-    }
-    let decimals = usize::try_from(2 - exponent).unwrap_or(0);
-    format!("{value:.decimals$}")
 }
 
 #[cfg(test)]

@@ -18,15 +18,19 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
     if judged.practical {
         notes.push(Note::new(
             findings::ADEQUACY_PRACTICAL,
-            "something small is left beyond noise; the effects are named for the large part that they take away",
+            "a small discrepancy beyond noise remains; the effects remove most of the misfit",
             "",
         ));
     }
     if judged.events_open() {
+        let words = words(&judged.context);
         notes.push(Note::new(
             findings::CONTACT_UNEXPLAINED,
-            "what flies is explained; at the contacts something is left that no effect takes away",
-            "vary height and surface, to see with which of them it changes",
+            format!(
+                "the {} are explained; the {} leave a discrepancy that no effect explains",
+                words.segment[1], words.events
+            ),
+            words.vary,
         ));
     }
     if judged.lag1 != 0.0 {
@@ -85,7 +89,7 @@ fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, no
         let near = place.others.iter().filter(|(other, gap)| *gap < margin && !offered.contains(other));
         for (other, why) in near.filter_map(|(other, _)| Some((*other, implausible_reason(context, *other)?))) {
             let name = context.catalogue[other].name;
-            let text = format!("`{name}` would explain these recordings about as well, but {why}");
+            let text = format!("`{name}` explains these recordings about as well, but {why}");
             notes.push(Note::new(
                 findings::EFFECT_IMPLAUSIBLE,
                 text,
@@ -102,8 +106,8 @@ pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>)
     if recordings.len() > 1 && context.evidence.shows_one_motion() {
         let words = words(context);
         let text = format!(
-            "all {} recordings show one and the same {motion}, so they count as one: what one {motion} does not distinguish \
-             stays together, however often it is repeated",
+            "all {} recordings show the same {motion} and count as one: effects that one {motion} does not distinguish are \
+             not distinguished by its repetition",
             recordings.len(),
             motion = words.motion
         );

@@ -159,7 +159,7 @@ fn try_score(
     } else if rest <= LEFT_OVER * whole {
         scored.excluded = Some(done_already(context).into());
     } else if !seen {
-        scored.excluded = Some("these recordings cannot show it: all it could do stays below the noise".into());
+        scored.excluded = Some("its effect in these recordings would stay below the noise".into());
     }
     scored.span = orthonormal(projected);
     let explained: f64 = scored.span.iter().map(|direction| dot(direction, left).powi(2)).sum();

@@ -66,11 +66,11 @@ pub(in crate::diagnose) fn is_segmented(context: &Context<'_>) -> bool {
 /// Why an effect is excluded in whose place what is fitted anyhow does the same.
 pub(in crate::diagnose) fn done_already(context: &Context<'_>) -> &'static str {
     if is_segmented(context) {
-        "start states and parameters already do all that it could do here"
+        "not distinguishable from initial state and parameters in these recordings"
     } else if context.sets().iter().any(|set| !set.prepared.nuisances.is_empty()) {
-        "the parameters, and what is fitted of each recording, already do all that it could do here"
+        "not distinguishable from the parameters and what is fitted of each recording"
     } else {
-        "the parameters already do all that it could do here"
+        "not distinguishable from the parameters in these recordings"
     }
 }
 

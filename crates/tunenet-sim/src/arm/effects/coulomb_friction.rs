@@ -10,7 +10,7 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
     per_joint: true,
     coefficients: &[Coefficient::new("nm", "N·m", 0.0, (0.0, 1000.0), 0.1)],
     plausible: &[(0.0, 200.0)],
-    sentence: "a joint rubs with a constant torque against its motion: the motor adds c · sign(dq)",
+    sentence: "Coulomb friction in a joint opposes its motion: the motor adds c · sign(dq)",
     mistaken_for: &["viscous_friction", "stribeck_friction"],
     apply: |arm, c| add(&mut arm.coulomb_nm, c),
 };

@@ -13,7 +13,7 @@ pub(super) const EFFECT: ArmEffect = ArmEffect {
         Coefficient::new("rad_s", "rad/s", 0.1, (0.001, 10.0), 0.05),
     ],
     plausible: &[(0.0, 200.0), (0.001, 10.0)],
-    sentence: "a joint rubs more near rest: the motor adds s · sign(dq) · exp(-(dq / v)²), with v the speed `rad_s`",
+    sentence: "joint friction is larger near rest: the motor adds s · sign(dq) · exp(-(dq / v)²), v being `rad_s`",
     mistaken_for: &["coulomb_friction", "viscous_friction"],
     apply: |arm, c| {
         let (size, speed) = c.split_at(c.len() / 2);

@@ -10,7 +10,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     phase: Phase::Event,
     coefficients: &[Coefficient::new("mu", "1", 0.0, (0.0, 2.0), 0.05)],
     plausible: |_| vec![(0.0, 1.5)],
-    sentence: "the surface rubs: bounces slow the ball along it and spin it, by Coulomb's mu beyond `friction`",
+    sentence: "sliding friction at contacts slows the ball and spins it: Coulomb's mu, added to `friction`",
     mistaken_for: &["tangential_restitution", "quadratic_drag", "linear_drag", "bounce_scatter"],
     implausible: |_| None,
     shows_in_bounce_times: false,

@@ -20,7 +20,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         let known = body.buoyancy().map(|share| (least(share), WRONG_FIGURE_M_S2));
         vec![known.unwrap_or((-UNKNOWN_BALL_M_S2, UNKNOWN_BALL_M_S2))]
     },
-    sentence: "the ball falls as if gravity were otherwise (buoyancy, air moved along): dg adds to it",
+    sentence: "the apparent gravity differs (buoyancy, added mass of the air): dg is added to it",
     mistaken_for: &[
         "length_scale",
         "time_scale",

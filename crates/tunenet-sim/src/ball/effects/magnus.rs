@@ -13,7 +13,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         Coefficient::new("sz_1_s", "1/s", 0.0, (-50.0, 50.0), 0.05),
     ],
     plausible: |_| vec![(-10.0, 10.0); 3],
-    sentence: "the ball spins, and the air pushes it across its way: a = S x v",
+    sentence: "the ball spins, and the air deflects it (Magnus effect): a = S x v",
     mistaken_for: &["wind", "camera_tilt", "quadratic_drag"],
     implausible: |_| None,
     shows_in_bounce_times: false,

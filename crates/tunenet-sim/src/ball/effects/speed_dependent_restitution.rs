@@ -11,7 +11,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     // Solids return less of a faster impact, by yielding (v^(-1/4)) or by inner friction (1 - k v^(1/5)): Johnson, Contact
     // Mechanics (1985), section 11.5. What seems to return more has another cause, such as a force near the floor.
     plausible: |_| vec![(0.0, 0.5)],
-    sentence: "fast impacts rebound otherwise than slow ones: e(v) = e (v / 3 m/s)^(-exponent)",
+    sentence: "restitution depends on the impact speed: e(v) = e (v / 3 m/s)^(-exponent)",
     mistaken_for: &["quadratic_drag", "linear_drag", "contact_time"],
     implausible: |_| None,
     shows_in_bounce_times: true,
