@@ -30,18 +30,17 @@ struct Draw {
 /// The least probability of sums as large as those of the draws of `model` if they were random: of the sum over each recording, and
 /// of that along the motion. 1 where nothing is drawn.
 pub(in crate::diagnose) fn p_value_of_draws(context: &Context, model: &Hypothesis, held_out: Option<&HeldOut>) -> f64 {
+    let training = (&context.evidence.training, &model.fit.point.nuisances);
     let validation = held_out.map(|held_out| (&context.evidence.validation, &held_out.nuisances));
-    let all = [Some((&context.evidence.training, &model.fit.point.nuisances)), validation];
-    let of = |(sets, nuisances): (&Vec<Set>, &Vec<Vec<f64>>)| -> Vec<(Vec<[f64; 2]>, Vec<Vec<f64>>)> {
-        sets.iter().zip(nuisances).map(|(set, nuisances)| (pairs(set, nuisances), velocities(set))).collect()
-    };
-    let recordings = all.into_iter().flatten().flat_map(of).enumerate();
-    let draws: Vec<Draw> = recordings
-        .flat_map(|(recording, (values, velocities))| {
-            let each = values.into_iter().zip(velocities);
-            each.map(move |(value, velocity)| Draw { recording, value, velocity })
-        })
-        .collect();
+    let mut draws = Vec::new();
+    let mut recording = 0;
+    for (sets, nuisances) in [Some(training), validation].into_iter().flatten() {
+        for (set, nuisances) in sets.iter().zip(nuisances) {
+            let each = pairs(set, nuisances).into_iter().zip(velocities(set));
+            draws.extend(each.map(|(value, velocity)| Draw { recording, value, velocity }));
+            recording += 1;
+        }
+    }
     p_value(&draws, context.settings.seed)
 }
 
@@ -130,7 +129,7 @@ mod tests {
 
     #[test]
     fn draws_that_know_their_recording_or_the_motion_do_not_pass() {
-        let to_one_side = |r: usize, _: &[f64], [a, b]: [f64; 2]| [a + if r % 2 == 0 { 2.0 } else { -2.0 }, b];
+        let to_one_side = |r: usize, _: &[f64], [a, b]: [f64; 2]| [a + if r.is_multiple_of(2) { 2.0 } else { -2.0 }, b];
         assert!(drawn(1, to_one_side) < 0.01);
         assert!(drawn(2, |_, v, [a, b]| [a + 2.0 * v[0], b + 2.0 * v[1]]) < 0.01);
         assert!(drawn(3, |_, _, [a, b]| [a, b + 1.5]) < 0.01, "a mean that is not 0");
