@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use tunenet_core::{Error, Origin};
+use tunenet_core::{Error, Origin, diagnose, tune};
 
 use crate::view::text::lines;
 
@@ -23,6 +23,26 @@ pub enum Exit {
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
         Self::from(exit as u8)
+    }
+}
+
+impl From<tune::Verdict> for Exit {
+    fn from(verdict: tune::Verdict) -> Self {
+        match verdict {
+            tune::Verdict::Tuned => Self::Done,
+            tune::Verdict::Rejected | tune::Verdict::PoorFit | tune::Verdict::NotIdentifiable => Self::Inconclusive,
+        }
+    }
+}
+
+impl From<diagnose::Verdict> for Exit {
+    fn from(verdict: diagnose::Verdict) -> Self {
+        match verdict {
+            diagnose::Verdict::None | diagnose::Verdict::Named => Self::Done,
+            diagnose::Verdict::OneOf | diagnose::Verdict::Unknown | diagnose::Verdict::Insufficient => {
+                Self::Inconclusive
+            }
+        }
     }
 }
 

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use serde::Deserialize;
 use serde_json::{Value, json};
-use tunenet_core::Error;
 use tunenet_core::network::Shard;
+use tunenet_core::{Error, diagnose, tune};
 use tunenet_formats::write_atomically;
 
 use crate::failure::Exit;
@@ -30,6 +31,24 @@ fn without_run(mut value: Value) -> Value {
     value
 }
 
+/// The verdict of an answer, by either tool. No word is a verdict of both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+enum Verdict {
+    Tune(tune::Verdict),
+    Diagnose(diagnose::Verdict),
+}
+
+impl Verdict {
+    /// How the command that gave the answer ended.
+    fn exit(self) -> Exit {
+        match self {
+            Self::Tune(verdict) => verdict.into(),
+            Self::Diagnose(verdict) => verdict.into(),
+        }
+    }
+}
+
 /// Writes an answer, and makes its folder.
 pub fn write(path: &Path, value: &Value) -> Result<()> {
     if let Some(folder) = path.parent() {
@@ -42,10 +61,11 @@ pub fn write(path: &Path, value: &Value) -> Result<()> {
 /// The one object of all answers, and how the command ends with them.
 pub fn together(tool: &str, objects: Vec<Value>, shard: Option<Shard>) -> (Exit, Value) {
     let refused = objects.iter().filter(|object| object.get("error").is_some()).count();
-    let certain = |object: &Value| matches!(object["verdict"].as_str(), Some("tuned" | "none" | "named"));
+    let done =
+        |object: &Value| Verdict::deserialize(&object["verdict"]).is_ok_and(|verdict| verdict.exit() == Exit::Done);
     let exit = if refused > 0 {
         Exit::Refused
-    } else if objects.iter().all(certain) {
+    } else if objects.iter().all(done) {
         Exit::Done
     } else {
         Exit::Inconclusive
@@ -83,3 +103,30 @@ pub const RUN: &str = "run";
 
 /// All answers together, beside those to each recording.
 pub const ALL: &str = "each.json";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_verdict_ends_as_its_own_command_does() {
+        let exit = |verdict: &str| Verdict::deserialize(&json!(verdict)).ok().map(Verdict::exit);
+        for done in ["tuned", "none", "named"] {
+            assert_eq!(exit(done), Some(Exit::Done), "{done}");
+        }
+        for open in ["rejected", "poor_fit", "not_identifiable", "one_of", "unknown", "insufficient"] {
+            assert_eq!(exit(open), Some(Exit::Inconclusive), "{open}");
+        }
+        assert_eq!(exit("refused"), None);
+    }
+
+    #[test]
+    fn together_end_as_the_worst_of_them() {
+        let exit = |objects: Vec<Value>| together("tune", objects, None).0;
+        let (tuned, poor, refused) =
+            (json!({"verdict": "tuned"}), json!({"verdict": "poor_fit"}), json!({"error": "no"}));
+        assert_eq!(exit(vec![tuned.clone()]), Exit::Done);
+        assert_eq!(exit(vec![tuned.clone(), poor.clone()]), Exit::Inconclusive);
+        assert_eq!(exit(vec![tuned, poor, refused]), Exit::Refused);
+    }
+}
