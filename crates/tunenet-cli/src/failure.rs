@@ -50,7 +50,9 @@ impl From<diagnose::Verdict> for Exit {
 pub fn render(error: &anyhow::Error) -> Exit {
     let known = error.chain().find_map(|cause| cause.downcast_ref::<Error>());
     let exit = match known {
-        Some(Error::Setting { origin: Origin::Flag | Origin::Caller, .. }) => Exit::Usage,
+        Some(Error::Setting { origin: Origin::Flag | Origin::Caller, .. } | Error::DeviceUnsupported { .. }) => {
+            Exit::Usage
+        }
         _ => Exit::Refused,
     };
     if let Some(Error::Text { path, line, column, width, source_line, message, hint }) = known {
@@ -72,7 +74,7 @@ pub fn render(error: &anyhow::Error) -> Exit {
 /// What to type, where the error itself says no more than what is wrong.
 fn hint(error: &Error) -> Option<&str> {
     match error {
-        Error::Setting { name: "device", .. } => {
+        Error::DeviceUnsupported { .. } => {
             Some("install one with it: `cargo install --locked --path crates/tunenet-cli --features cuda`")
         }
         Error::Device { .. } => Some("check `nvidia-smi`, or train with `--device cpu`"),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::network::WeightsFault;
+use crate::network::{TrainDevice, WeightsFault};
 
 /// What this crate returns.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -155,6 +155,12 @@ pub enum Error {
         expected: String,
         /// What was given.
         found: String,
+    },
+    /// This build has no support for a device.
+    #[error("`device`: expected `cpu` or `auto` in a build without support for GPUs, found `{}`", device.name())]
+    DeviceUnsupported {
+        /// The device that was asked for.
+        device: TrainDevice,
     },
     /// A device cannot be used.
     #[error("expected a GPU that CUDA can use, found none: {message}")]
