@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(unchanged(&path, || Ok(7)).unwrap(), 7);
         let grows = || {
             std::fs::write(&path, "t_s,z_m\n0,1\n1,2\n").unwrap();
-            Err::<(), _>(Error::Stopped)
+            Err::<(), _>(tunenet_core::Error::Stopped.into())
         };
         let (message, hint) = error_text(&unchanged(&path, grows).unwrap_err());
         assert_eq!(message, "a.csv: the file changed while it was read: expected 12 bytes, found 16");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use opencv::core::{Mat, MatTraitConst};
 use opencv::imgcodecs::{IMREAD_COLOR, imread};
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use crate::frames::Pictures;
 

@@ -9,7 +9,7 @@ use opencv::videoio::{
     CAP_ANY, CAP_FFMPEG, CAP_PROP_FPS, VideoCapture, VideoCaptureAPIs, VideoCaptureTrait, VideoCaptureTraitConst,
     has_backend,
 };
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use crate::container::incomplete;
 

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_core::Error;
 use tunenet_core::network::{Preset, TrainDevice, TrainOptions};
+use tunenet_formats::Error;
 use tunenet_formats::dataset::DatasetReader;
 use tunenet_formats::{save_model, train_file};
 

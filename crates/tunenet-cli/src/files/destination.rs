@@ -6,7 +6,8 @@ use std::path::{Component, Path, PathBuf};
 
 use anyhow::Result;
 use toml_edit::DocumentMut;
-use tunenet_core::{Error, Origin};
+use tunenet_core::Origin;
+use tunenet_formats::Error;
 use tunenet_formats::dataset::DatasetReader;
 use tunenet_formats::load_model;
 use tunenet_formats::read_text;
@@ -129,7 +130,7 @@ pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()
         let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
         if let Some(other) = outputs[..number].iter().find(|other| place(&other.path) == place(path)) {
             let (expected, found) = (format!("another file than `{}`", other.flag), names::file_name(path));
-            return Err(Error::Setting { origin: Origin::Flag, name: flag, expected, found }.into());
+            return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: flag, expected, found }.into());
         }
         if let Ok(same) = path.canonicalize()
             && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == same))

@@ -6,8 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use sha2::{Digest, Sha256};
 use toml_edit::InlineTable;
-use tunenet_core::Error;
-use tunenet_formats::open;
+use tunenet_formats::{Error, open};
 
 use super::names::{file_name, pictures};
 

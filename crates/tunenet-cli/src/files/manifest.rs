@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use toml_edit::{Document, Item, TableLike};
-use tunenet_core::Error;
+use tunenet_formats::Error;
 
 /// The object of files that nobody groups: it is called by its kind in the end.
 pub const ONLY: &str = "";

@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tunenet_core::Error;
 use tunenet_core::network::Shard;
-use tunenet_formats::write_atomically;
+use tunenet_formats::{Error, write_atomically};
 
 use crate::files::{hash, programs};
 

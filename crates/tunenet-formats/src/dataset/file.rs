@@ -144,8 +144,8 @@ impl DataSet for DatasetFile {
         &self.header
     }
 
-    fn pairs(&self) -> Result<Box<dyn Iterator<Item = Result<Pair>> + '_>> {
-        Ok(Box::new(DatasetReader::open(&self.path)?))
+    fn pairs(&self) -> tunenet_core::Result<Box<dyn Iterator<Item = tunenet_core::Result<Pair>> + '_>> {
+        Ok(Box::new(DatasetReader::open(&self.path)?.map(|pair| Ok(pair?))))
     }
 }
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Parameter, Preparation, Simulator};
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use crate::SimulationFile;
 use crate::arm::{Model, Motion, urdf};
@@ -107,8 +107,8 @@ pub fn arm(file: &SimulationFile) -> Result<(Model, usize)> {
 }
 
 /// A setting that the file is to blame for.
-fn in_file(file: &SimulationFile, error: Error) -> Error {
-    let Error::Setting { name, expected, found, .. } = error else { return error };
+fn in_file(file: &SimulationFile, error: tunenet_core::Error) -> Error {
+    let tunenet_core::Error::Setting { name, expected, found, .. } = error else { return error.into() };
     let hint = match name {
         "motion" => "change centre_m, radius_m or rate_rad_s under [motion]; the arm's base is the origin",
         "arm.payload_link" => "name the link that holds the payload; its frame is where the payload is",
@@ -146,7 +146,7 @@ impl Simulator for ObservedArm {
         Kind::Joints
     }
 
-    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+    fn prepare(&self, seen: &Observation) -> tunenet_core::Result<Preparation> {
         self.prepared(seen)
     }
 

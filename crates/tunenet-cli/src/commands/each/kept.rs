@@ -6,8 +6,8 @@ use anyhow::{Context, Result};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use tunenet_core::network::Shard;
-use tunenet_core::{Error, diagnose, tune};
-use tunenet_formats::write_atomically;
+use tunenet_core::{diagnose, tune};
+use tunenet_formats::{Error, write_atomically};
 
 use crate::failure::Exit;
 use crate::view::answer;

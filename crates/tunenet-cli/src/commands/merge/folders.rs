@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tunenet_core::Error;
+use tunenet_formats::Error;
 
 use super::complete;
 use super::foreign::foreign;
