@@ -1,5 +1,7 @@
 //! The one error type of this crate.
 
+use std::fmt;
+
 use crate::network::{TrainDevice, WeightsFault};
 
 /// What this crate returns.
@@ -14,6 +16,36 @@ pub enum Origin {
     File,
     /// Whoever called the library: a command with what its line says, or a program.
     Caller,
+}
+
+/// What the operating system was asked to do with a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Action {
+    /// Make a new file or folder.
+    Creating,
+    /// Open what is there.
+    Opening,
+    /// Read from it.
+    Reading,
+    /// Write into it.
+    Writing,
+    /// Give it another name.
+    Renaming,
+    /// Take it away.
+    Removing,
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Creating => "creating",
+            Self::Opening => "opening",
+            Self::Reading => "reading",
+            Self::Writing => "writing",
+            Self::Renaming => "renaming",
+            Self::Removing => "removing",
+        })
+    }
 }
 
 /// Everything that can go wrong, each with where it happened, what was expected and what was found.
@@ -97,8 +129,8 @@ pub enum Error {
     /// Rollouts that do not fit into memory could not be written to a file.
     #[error("temporary file of the training: {action} failed: {source}")]
     Overflow {
-        /// What was being done, as a verb: "reading", "writing".
-        action: &'static str,
+        /// What was being done.
+        action: Action,
         /// What the system said.
         source: std::io::Error,
     },

@@ -3,6 +3,8 @@
 use std::io::ErrorKind;
 use std::path::PathBuf;
 
+use tunenet_core::Action;
+
 /// What this crate returns.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -49,8 +51,8 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What was being done, as a verb: "reading", "writing".
-        action: &'static str,
+        /// What was being done.
+        action: Action,
         /// What the system said.
         source: std::io::Error,
     },
@@ -66,7 +68,7 @@ impl Error {
     pub fn hint(&self) -> Option<&str> {
         match self {
             Self::Text { hint, .. } | Self::File { hint, .. } => Some(hint.as_str()).filter(|hint| !hint.is_empty()),
-            Self::Io { action, source, .. } => io_hint(action, source.kind()),
+            Self::Io { action, source, .. } => io_hint(*action, source.kind()),
             Self::Core(_) => None,
         }
     }
@@ -77,7 +79,7 @@ impl Error {
     }
 
     /// Shorthand for [`Error::Io`].
-    pub fn io(path: impl Into<PathBuf>, action: &'static str, source: std::io::Error) -> Self {
+    pub fn io(path: impl Into<PathBuf>, action: Action, source: std::io::Error) -> Self {
         Self::Io { path: path.into(), action, source }
     }
 }
@@ -107,9 +109,9 @@ impl From<Error> for tunenet_core::Error {
 }
 
 /// What to try where the system refused.
-fn io_hint(action: &str, kind: ErrorKind) -> Option<&'static str> {
+fn io_hint(action: Action, kind: ErrorKind) -> Option<&'static str> {
     match kind {
-        ErrorKind::NotFound if matches!(action, "writing" | "creating") => Some("make the folder first"),
+        ErrorKind::NotFound if matches!(action, Action::Writing | Action::Creating) => Some("make the folder first"),
         ErrorKind::NotFound => Some("check the path"),
         ErrorKind::PermissionDenied => Some("check who may use the file"),
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
@@ -143,7 +145,7 @@ mod tests {
     fn a_message_begins_with_its_place() {
         assert_eq!(text("").to_string(), "a.csv:2:3: no number");
         assert_eq!(Error::file("a.csv", "empty", "").to_string(), "a.csv: empty");
-        let denied = Error::io("a.csv", "reading", ErrorKind::PermissionDenied.into());
+        let denied = Error::io("a.csv", Action::Reading, ErrorKind::PermissionDenied.into());
         assert_eq!(denied.to_string(), "a.csv: reading failed: permission denied");
         assert_eq!(Error::from(stopped()).to_string(), stopped().to_string());
     }
@@ -160,9 +162,9 @@ mod tests {
     #[test]
     fn a_missing_file_is_asked_for_and_a_missing_folder_is_to_be_made() {
         let hint = |action| io_hint(action, ErrorKind::NotFound);
-        assert_eq!(hint("reading"), Some("check the path"));
-        assert_eq!(hint("writing"), Some("make the folder first"));
-        assert_eq!(hint("creating"), Some("make the folder first"));
+        assert_eq!(hint(Action::Reading), Some("check the path"));
+        assert_eq!(hint(Action::Writing), Some("make the folder first"));
+        assert_eq!(hint(Action::Creating), Some("make the folder first"));
     }
 
     #[test]
@@ -176,7 +178,7 @@ mod tests {
 
     #[test]
     fn what_core_carries_reads_and_is_caused_as_before() {
-        let denied = || Error::io("a.csv", "reading", ErrorKind::PermissionDenied.into());
+        let denied = || Error::io("a.csv", Action::Reading, ErrorKind::PermissionDenied.into());
         let supplied = tunenet_core::Error::from(denied());
         assert_eq!(supplied.to_string(), denied().to_string());
         let cause = |error: &dyn std::error::Error| error.source().map(ToString::to_string);

@@ -51,4 +51,5 @@ pub use quantity::kind_name;
 pub use read::read;
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording};
 pub use source::open;
+pub use tunenet_core::Action;
 pub(crate) use tunenet_core::Origin;

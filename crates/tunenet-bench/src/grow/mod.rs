@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use tunenet_core::Origin;
-use tunenet_formats::Error;
+use tunenet_formats::{Action, Error};
 
 use self::results::{Cluster, GrowResults, SizeCost, Spent};
 use super::process;
@@ -132,7 +132,7 @@ fn clear(path: &Path) -> Result<()> {
         name.push(ending);
         match std::fs::remove_file(&name) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Error::io(PathBuf::from(name), "removing", error).into());
+                return Err(Error::io(PathBuf::from(name), Action::Removing, error).into());
             }
             _ => {}
         }

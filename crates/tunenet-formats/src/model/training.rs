@@ -10,7 +10,7 @@ use super::file::at;
 use super::safetensors;
 use crate::dataset::DatasetFile;
 use crate::source::open;
-use crate::{Error, Result, write_atomically};
+use crate::{Action, Error, Result, write_atomically};
 
 /// Trains a network on the dataset at `dataset`; see [`train()`]. Its state is kept at `checkpoint`, where one is given; what
 /// does not fit into memory waits in a temporary file next to that, or else in the system's folder for such files.
@@ -60,7 +60,7 @@ impl Checkpoint for CheckpointFile<'_> {
         let mut hash = Sha256::new();
         let mut file = std::io::BufReader::new(open(self.dataset)?);
         loop {
-            let bytes = file.fill_buf().map_err(|e| Error::io(self.dataset, "reading", e))?;
+            let bytes = file.fill_buf().map_err(|e| Error::io(self.dataset, Action::Reading, e))?;
             if bytes.is_empty() {
                 break;
             }

@@ -11,7 +11,7 @@ use tunenet_ball::preflight::Expected;
 use tunenet_ball::{Arcs, bounces};
 use tunenet_core::observation::{self, Channel, Kind, Observation, resample};
 use tunenet_core::statistics::NORMAL_95;
-use tunenet_formats::Error;
+use tunenet_formats::{Action, Error};
 use tunenet_track::colour::Window;
 use tunenet_track::overlay::{Drawn, overlay, plain};
 use tunenet_track::scale::{Known, Metric};
@@ -114,7 +114,7 @@ fn drawn(options: &Options, source: &Source, track: &Track, bar: &ProgressBar) -
     });
     if let (Some(part), Some(whole)) = (&part, &options.overlay) {
         if drawn.is_ok() {
-            std::fs::rename(part, whole).map_err(|e| Error::io(whole, "writing", e))?;
+            std::fs::rename(part, whole).map_err(|e| Error::io(whole, Action::Writing, e))?;
         } else {
             let _ = std::fs::remove_file(part);
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use tunenet_core::Origin;
-use tunenet_formats::Error;
+use tunenet_formats::{Action, Error};
 
 use crate::args::Diagnose;
 use crate::files::destination::{self, Output, Product};
@@ -36,7 +36,7 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
             let (expected, found) = ("another file than `--out`".into(), names::file_name(out));
             return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "--report", expected, found }.into());
         }
-        std::fs::create_dir_all(out).map_err(|e| Error::io(out, "creating", e))?;
+        std::fs::create_dir_all(out).map_err(|e| Error::io(out, Action::Creating, e))?;
     }
     Ok(())
 }

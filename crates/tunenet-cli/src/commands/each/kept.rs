@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use tunenet_core::network::Shard;
 use tunenet_core::{diagnose, tune};
-use tunenet_formats::{Error, write_atomically};
+use tunenet_formats::{Action, Error, write_atomically};
 
 use crate::failure::Exit;
 use crate::view::answer;
@@ -52,7 +52,7 @@ impl Verdict {
 /// Writes an answer, and makes its folder.
 pub fn write(path: &Path, value: &Value) -> Result<()> {
     if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|source| Error::io(folder, "creating", source))?;
+        std::fs::create_dir_all(folder).map_err(|source| Error::io(folder, Action::Creating, source))?;
     }
     let text = format!("{value:#}\n");
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
@@ -84,7 +84,7 @@ pub fn merged(tool: &str, recordings: &[String], folder: &Path, as_json: bool) -
     let mut objects = Vec::with_capacity(recordings.len());
     for name in recordings {
         let path = folder.join(name);
-        let text = std::fs::read_to_string(&path).map_err(|source| Error::io(&path, "reading", source))?;
+        let text = std::fs::read_to_string(&path).map_err(|source| Error::io(&path, Action::Reading, source))?;
         let value = serde_json::from_str(&text).with_context(|| format!("{} is no answer", path.display()))?;
         objects.push(without_run(value));
     }

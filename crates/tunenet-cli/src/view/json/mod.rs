@@ -9,7 +9,7 @@ use std::io::{ErrorKind, Write};
 
 use serde_json::{Value, json};
 use tunenet_core::observation::Note;
-use tunenet_formats::{Error, Result};
+use tunenet_formats::{Action, Error, Result};
 
 /// A note as every command's JSON has it.
 pub fn warning(note: &Note) -> Value {
@@ -43,7 +43,7 @@ pub fn print_text(text: &str) -> Result<()> {
 fn write_to(out: &mut dyn Write, text: &[u8]) -> Result<()> {
     match out.write_all(text).and_then(|()| out.flush()) {
         Err(source) if source.kind() != ErrorKind::BrokenPipe => {
-            Err(Error::Io { path: "standard output".into(), action: "writing", source })
+            Err(Error::Io { path: "standard output".into(), action: Action::Writing, source })
         }
         _ => Ok(()),
     }
