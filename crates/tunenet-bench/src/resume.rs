@@ -7,9 +7,8 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use tunenet_core::Error;
 use tunenet_core::network::Shard;
-use tunenet_formats::write_atomically;
+use tunenet_formats::{Error, write_atomically};
 
 use crate::args::Measured;
 use tunenet_cli::Sharing;

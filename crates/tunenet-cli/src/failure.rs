@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use tunenet_core::{Error, Origin};
+use tunenet_core::{Origin, diagnose, tune};
 
 use crate::view::text::lines;
 
@@ -26,14 +26,85 @@ impl From<Exit> for ExitCode {
     }
 }
 
+impl From<tune::Verdict> for Exit {
+    fn from(verdict: tune::Verdict) -> Self {
+        match verdict {
+            tune::Verdict::Tuned => Self::Done,
+            tune::Verdict::Rejected | tune::Verdict::PoorFit | tune::Verdict::NotIdentifiable => Self::Inconclusive,
+        }
+    }
+}
+
+impl From<diagnose::Verdict> for Exit {
+    fn from(verdict: diagnose::Verdict) -> Self {
+        match verdict {
+            diagnose::Verdict::None | diagnose::Verdict::Named => Self::Done,
+            diagnose::Verdict::OneOf | diagnose::Verdict::Unknown | diagnose::Verdict::Insufficient => {
+                Self::Inconclusive
+            }
+        }
+    }
+}
+
+/// A library's error, whose kind decides how it is printed and how the process ends.
+#[derive(Debug, Clone, Copy)]
+enum Known<'a> {
+    /// Of a file: never [`tunenet_formats::Error::Core`].
+    File(&'a tunenet_formats::Error),
+    /// Of anything else: no [`tunenet_core::Error::Supplied`] that carries one of these.
+    Core(&'a tunenet_core::Error),
+}
+
+impl<'a> Known<'a> {
+    /// What stands in one place of a chain of causes, taken out of the error that carries it.
+    fn of(cause: &'a (dyn std::error::Error + 'static)) -> Option<Self> {
+        match cause.downcast_ref::<tunenet_formats::Error>() {
+            Some(tunenet_formats::Error::Core(own)) => Some(Self::of_core(own)),
+            Some(file) => Some(Self::File(file)),
+            None => cause.downcast_ref::<tunenet_core::Error>().map(Self::of_core),
+        }
+    }
+
+    fn of_core(error: &'a tunenet_core::Error) -> Self {
+        match error {
+            tunenet_core::Error::Supplied(carried) => Self::of(carried.as_ref()).unwrap_or(Self::Core(error)),
+            own => Self::Core(own),
+        }
+    }
+
+    fn exit(self) -> Exit {
+        match self {
+            Self::Core(
+                tunenet_core::Error::Setting { origin: Origin::Flag | Origin::Caller, .. }
+                | tunenet_core::Error::DeviceUnsupported { .. },
+            ) => Exit::Usage,
+            Self::Core(_) | Self::File(_) => Exit::Refused,
+        }
+    }
+
+    /// What to try. Core names no command, so what to type after its errors is said here.
+    fn hint(self) -> Option<&'a str> {
+        match self {
+            Self::File(error) => error.hint(),
+            Self::Core(tunenet_core::Error::DeviceUnsupported { .. }) => {
+                Some("install one with it: `cargo install --locked --path crates/tunenet-cli --features cuda`")
+            }
+            Self::Core(tunenet_core::Error::Device { .. }) => Some("check `nvidia-smi`, or train with `--device cpu`"),
+            Self::Core(tunenet_core::Error::Model { .. }) => {
+                Some("train a model for this scene: `tunenet gen`, then `tunenet train`")
+            }
+            Self::Core(_) => None,
+        }
+    }
+}
+
 /// Prints an error to standard error and says how the process ends.
 pub fn render(error: &anyhow::Error) -> Exit {
-    let known = error.chain().find_map(|cause| cause.downcast_ref::<Error>());
-    let exit = match known {
-        Some(Error::Setting { origin: Origin::Flag | Origin::Caller, .. } | Error::GpuNotBuilt) => Exit::Usage,
-        _ => Exit::Refused,
-    };
-    if let Some(Error::Text { path, line, column, width, source_line, message, hint }) = known {
+    let known = error.chain().find_map(Known::of);
+    let exit = known.map_or(Exit::Refused, Known::exit);
+    if let Some(Known::File(tunenet_formats::Error::Text { path, line, column, width, source_line, message, hint })) =
+        known
+    {
         anstream::eprintln!(
             "{}",
             snippet(&path.display().to_string(), *line, *column, *width, source_line, message, hint)
@@ -42,23 +113,11 @@ pub fn render(error: &anyhow::Error) -> Exit {
     }
     let (red, reset) = (anstyle::AnsiColor::Red.on_default().bold(), anstyle::Reset);
     anstream::eprintln!("{red}error{reset}: {}", lines(&sentence(error)));
-    if let Some(hint) = known.and_then(hint) {
+    if let Some(hint) = known.and_then(Known::hint) {
         let cyan = anstyle::AnsiColor::Cyan.on_default().bold();
         anstream::eprintln!("{cyan}help{reset}: {}", lines(hint));
     }
     exit
-}
-
-/// What to type, where the error itself says no more than what is wrong.
-fn hint(error: &Error) -> Option<&str> {
-    match error {
-        Error::GpuNotBuilt => {
-            Some("install one with it: `cargo install --locked --path crates/tunenet-cli --features cuda`")
-        }
-        Error::Device { .. } => Some("check `nvidia-smi`, or train with `--device cpu`"),
-        Error::Model { .. } => Some("train a model for this scene: `tunenet gen`, then `tunenet train`"),
-        other => other.hint(),
-    }
 }
 
 /// The whole chain in one sentence; what a message already ends with is not said again.
@@ -87,4 +146,52 @@ fn snippet(path: &str, line: usize, column: usize, width: usize, source: &str, m
         report.push(Group::with_title(Level::HELP.secondary_title(hint)));
     }
     Renderer::styled().render(&report)
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::Context;
+
+    use super::*;
+
+    fn of(error: &anyhow::Error) -> (Exit, Option<&str>) {
+        let known = error.chain().find_map(Known::of);
+        (known.map_or(Exit::Refused, Known::exit), known.and_then(Known::hint))
+    }
+
+    fn setting(origin: Origin) -> tunenet_core::Error {
+        tunenet_core::Error::Setting { origin, name: "rate", expected: "more".into(), found: "less".into() }
+    }
+
+    #[test]
+    fn an_error_counts_the_same_whoever_carries_it() {
+        let file = || tunenet_formats::Error::file("a.csv", "empty", "record it");
+        for carried in [
+            anyhow::Error::new(file()),
+            anyhow::Error::new(tunenet_core::Error::from(file())),
+            Err::<(), _>(tunenet_core::Error::from(file())).context("a recording").unwrap_err(),
+        ] {
+            assert_eq!(of(&carried), (Exit::Refused, Some("record it")), "{carried:?}");
+        }
+        for (origin, exit) in
+            [(Origin::Flag, Exit::Usage), (Origin::Caller, Exit::Usage), (Origin::File, Exit::Refused)]
+        {
+            assert_eq!(of(&setting(origin).into()), (exit, None));
+            assert_eq!(of(&tunenet_formats::Error::from(setting(origin)).into()), (exit, None));
+        }
+    }
+
+    #[test]
+    fn a_device_that_the_build_lacks_is_wrong_usage_and_says_how_to_get_it() {
+        let device = tunenet_core::network::TrainDevice::Cuda;
+        let error = tunenet_core::Error::DeviceUnsupported { device }.into();
+        let (exit, hint) = of(&error);
+        assert_eq!(exit, Exit::Usage);
+        assert!(hint.is_some_and(|hint| hint.ends_with("--features cuda`")), "{hint:?}");
+    }
+
+    #[test]
+    fn an_unknown_error_is_a_refusal_without_a_hint() {
+        assert_eq!(of(&anyhow::anyhow!("something")), (Exit::Refused, None));
+    }
 }

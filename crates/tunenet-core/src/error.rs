@@ -1,8 +1,8 @@
 //! The one error type of this crate.
 
-use std::path::PathBuf;
+use std::fmt;
 
-use crate::network::WeightsFault;
+use crate::network::{TrainDevice, WeightsFault};
 
 /// What this crate returns.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -18,9 +18,40 @@ pub enum Origin {
     Caller,
 }
 
+/// What the operating system was asked to do with a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Action {
+    /// Make a new file or folder.
+    Creating,
+    /// Open what is there.
+    Opening,
+    /// Read from it.
+    Reading,
+    /// Write into it.
+    Writing,
+    /// Give it another name.
+    Renaming,
+    /// Take it away.
+    Removing,
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Creating => "creating",
+            Self::Opening => "opening",
+            Self::Reading => "reading",
+            Self::Writing => "writing",
+            Self::Renaming => "renaming",
+            Self::Removing => "removing",
+        })
+    }
+}
+
 /// Everything that can go wrong, each with where it happened, what was expected and what was found.
 ///
-/// A person reads these: every message is one sentence, and [`Error::hint`] says what to try.
+/// Every message is one sentence for users. This crate knows no files: who reads them has an error with their paths,
+/// and hands it through a trait of this crate as [`Error::Supplied`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -43,44 +74,6 @@ pub enum Error {
         expected: String,
         /// What was given.
         found: String,
-    },
-    /// One place in a text file is wrong.
-    #[error("{path}:{line}:{column}: {message}", path = path.display())]
-    Text {
-        /// The file.
-        path: PathBuf,
-        /// Its line, from 1.
-        line: usize,
-        /// Its column in characters, from 1.
-        column: usize,
-        /// How many characters are wrong, at least 1.
-        width: usize,
-        /// The offending line itself, without its end.
-        source_line: String,
-        /// What is wrong.
-        message: String,
-        /// What to try.
-        hint: String,
-    },
-    /// A file as a whole cannot be used.
-    #[error("{path}: {message}", path = path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What was expected and what was found.
-        message: String,
-        /// What to try.
-        hint: String,
-    },
-    /// The operating system refused.
-    #[error("{path}: {action} failed: {source}", path = path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What was being done, as a verb: "reading", "writing".
-        action: &'static str,
-        /// What the system said.
-        source: std::io::Error,
     },
     /// A simulator could not roll out.
     #[error("the simulator refused {at}: {message}")]
@@ -136,12 +129,12 @@ pub enum Error {
     /// Rollouts that do not fit into memory could not be written to a file.
     #[error("temporary file of the training: {action} failed: {source}")]
     Overflow {
-        /// What was being done, as a verb: "reading", "writing".
-        action: &'static str,
+        /// What was being done.
+        action: Action,
         /// What the system said.
         source: std::io::Error,
     },
-    /// What the caller supplied (a data set, a checkpoint) failed.
+    /// What the caller supplied (a data set, a checkpoint, a simulator) failed, with the caller's own error.
     #[error(transparent)]
     Supplied(Box<dyn std::error::Error + Send + Sync>),
     /// A setting is outside its range.
@@ -156,9 +149,12 @@ pub enum Error {
         /// What was given.
         found: String,
     },
-    /// A GPU was asked of a build without support for one.
-    #[error("`device`: expected `cpu` or `auto` in a build without support for GPUs, found `cuda`")]
-    GpuNotBuilt,
+    /// This build has no support for a device.
+    #[error("`device`: expected `cpu` or `auto` in a build without support for GPUs, found `{}`", device.name())]
+    DeviceUnsupported {
+        /// The device that was asked for.
+        device: TrainDevice,
+    },
     /// A device cannot be used.
     #[error("expected a GPU that CUDA can use, found none: {message}")]
     Device {
@@ -174,42 +170,4 @@ pub enum Error {
     /// The work was asked to stop (the progress callback said so); what is on disk can be resumed.
     #[error("stopped on request")]
     Stopped,
-}
-
-impl Error {
-    /// What a user can try, if anything.
-    #[must_use]
-    pub fn hint(&self) -> Option<&str> {
-        match self {
-            Self::Text { hint, .. } | Self::File { hint, .. } if !hint.is_empty() => Some(hint),
-            Self::Io { action, source, .. } => io_hint(action, source.kind()),
-            _ => None,
-        }
-    }
-
-    /// Shorthand for [`Error::File`].
-    pub fn file(path: impl Into<PathBuf>, message: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self::File { path: path.into(), message: message.into(), hint: hint.into() }
-    }
-
-    /// Shorthand for [`Error::Io`].
-    pub fn io(path: impl Into<PathBuf>, action: &'static str, source: std::io::Error) -> Self {
-        Self::Io { path: path.into(), action, source }
-    }
-}
-
-/// What to try where the system refused.
-fn io_hint(action: &str, kind: std::io::ErrorKind) -> Option<&'static str> {
-    use std::io::ErrorKind;
-    match kind {
-        ErrorKind::NotFound if matches!(action, "writing" | "creating") => Some("make the folder first"),
-        ErrorKind::NotFound => Some("check the path"),
-        ErrorKind::PermissionDenied => Some("check who may use the file"),
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            Some("free some space, or write to another place; the previous file is untouched")
-        }
-        ErrorKind::IsADirectory => Some("name a file, not a folder"),
-        ErrorKind::InvalidData => Some("is this the right file?"),
-        _ => None,
-    }
 }

@@ -39,4 +39,4 @@ pub mod testing;
 pub mod text;
 pub mod tune;
 
-pub use error::{Error, Origin, Result};
+pub use error::{Action, Error, Origin, Result};

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use tempfile::TempPath;
 
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Writes a file so that its name always stands for a whole one: into a new file in the same folder, to the disk, then
 /// under its name. Where anything fails, what stood there before still does, and nothing half-written stays; on most
@@ -21,7 +21,7 @@ pub fn write_atomically(
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<()> {
     let path = path.as_ref();
-    replace(path, write).map_err(|e| Error::io(path, "writing", e))
+    replace(path, write).map_err(|e| Error::io(path, Action::Writing, e))
 }
 
 fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> std::io::Result<()> {

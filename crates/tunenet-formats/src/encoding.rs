@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Share of the bytes at even or odd places that have to be 0 for a text without a mark to count as UTF-16: all of them in
 /// ASCII, which tables and TOML are but for a few signs.
@@ -19,7 +19,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String> {
     use std::io::Read as _;
     let path = path.as_ref();
     let file = crate::source::open(path)?;
-    let failed = |e| Error::io(path, "reading", e);
+    let failed = |e| Error::io(path, Action::Reading, e);
     let bytes = file.metadata().map_err(failed)?.len();
     let mut text = Vec::new();
     file.take(LARGEST_SMALL_TEXT + 1).read_to_end(&mut text).map_err(failed)?;

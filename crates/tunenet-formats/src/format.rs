@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::encoding;
 use crate::source::{LARGEST_TEXT, open};
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// What a file is, judged by its first bytes and, where they say nothing, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,8 +37,8 @@ const OTHERS: [(usize, &[u8], &str, &str); 15] = [
 pub(crate) fn format(path: &Path) -> Result<Format> {
     let mut start = Vec::new();
     let file = open(path)?;
-    let bytes = file.metadata().map_err(|e| Error::io(path, "reading", e))?.len();
-    file.take(512).read_to_end(&mut start).map_err(|e| Error::io(path, "reading", e))?;
+    let bytes = file.metadata().map_err(|e| Error::io(path, Action::Reading, e))?.len();
+    file.take(512).read_to_end(&mut start).map_err(|e| Error::io(path, Action::Reading, e))?;
     let named_mcap = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
     if start.starts_with(mcap::MAGIC) {
         return Ok(Format::Mcap);

@@ -14,12 +14,14 @@
 //! | `model` | trained networks and checkpoints in safetensors |
 //! | `atomic` | replacing a file in one step |
 //! | `contents` | the listing |
+//! | `error` | what a file refuses, with its place and a hint |
 
 mod atomic;
 mod contents;
 mod csv;
 pub mod dataset;
 mod encoding;
+mod error;
 pub mod findings;
 mod format;
 mod mcap;
@@ -39,6 +41,7 @@ pub use atomic::write_atomically;
 pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv::write::write_csv;
 pub use encoding::read_text;
+pub use error::{Error, Result};
 pub use mcap::pictures;
 pub use mcap::topics::Topic;
 pub use mcap::trajectory::{JointPoint, write_approach};
@@ -48,4 +51,5 @@ pub use quantity::kind_name;
 pub use read::read;
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording};
 pub use source::open;
-pub(crate) use tunenet_core::{Error, Origin, Result};
+pub use tunenet_core::Action;
+pub(crate) use tunenet_core::Origin;

@@ -1,7 +1,7 @@
 //! Pairs of `--columns` that stand for one of each joint: `q1..6_rad=2..7`, `tau1..6_nm=effort_*`.
 
 use crate::quantity::{Meaning, meaning};
-use crate::{Error, Origin, Result};
+use crate::{Origin, Result};
 
 /// Most joints that one pair may stand for.
 const MOST: u16 = 1000;
@@ -10,7 +10,7 @@ const MOST: u16 = 1000;
 /// joint, counted from 0 where the file does.
 ///
 /// # Errors
-/// [`Error::Setting`] where a range cannot be what it says.
+/// [`Setting`](tunenet_core::Error::Setting) where a range cannot be what it says.
 pub(crate) fn written_out(mapping: &[(String, String)], names: &[&str]) -> Result<Vec<(String, String)>> {
     let mut all = Vec::with_capacity(mapping.len());
     for (ours, theirs) in mapping {
@@ -60,16 +60,19 @@ fn columns(theirs: &str, first: u16, last: u16, names: &[&str]) -> Result<Vec<St
 }
 
 fn refused<T>(expected: &str, found: &str) -> Result<T> {
-    Err(Error::Setting {
+    Err(tunenet_core::Error::Setting {
         origin: Origin::Flag,
         name: "columns",
         expected: expected.into(),
         found: format!("`{found}`"),
-    })
+    }
+    .into())
 }
 
 #[cfg(test)]
 mod tests {
+    use crate::Error;
+
     use super::*;
 
     fn out(ours: &str, theirs: &str, names: &[&str]) -> Result<String> {
@@ -90,7 +93,13 @@ mod tests {
         for (ours, theirs) in
             [("q1..3_rad", "2..5"), ("q0..3_rad", "2..5"), ("q3..1_rad", "a*"), ("q1..3_rad", "a"), ("w1..3_x", "2..4")]
         {
-            assert!(matches!(out(ours, theirs, &[]), Err(Error::Setting { name: "columns", .. })), "{ours}={theirs}");
+            assert!(
+                matches!(
+                    out(ours, theirs, &[]),
+                    Err(Error::Core(tunenet_core::Error::Setting { name: "columns", .. }))
+                ),
+                "{ours}={theirs}"
+            );
         }
     }
 }

@@ -14,8 +14,8 @@ use crate::{Error, Origin, Result, csv, mcap};
 ///
 /// # Errors
 /// [`Error::Io`] where the system refuses the file, [`Error::Text`] where a line of a CSV file cannot be used,
-/// [`Error::File`] where the file as a whole cannot, [`Error::Setting`] where `options` contradict themselves, and
-/// [`Error::Observation`] where the numbers make no observation.
+/// [`Error::File`] where the file as a whole cannot, [`Setting`](tunenet_core::Error::Setting) where `options`
+/// contradict themselves, and [`Observation`](tunenet_core::Error::Observation) where the numbers make no observation.
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Recording> {
     let path = path.as_ref();
     unchanged(path, || read_once(path, options))
@@ -23,19 +23,21 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Recording> 
 
 fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
     match format(path)? {
-        Format::Csv if options.topic.is_some() => Err(Error::Setting {
+        Format::Csv if options.topic.is_some() => Err(tunenet_core::Error::Setting {
             origin: Origin::Flag,
             name: "topic",
             expected: "an MCAP file".into(),
             found: format!("the text file {}", path.display()),
-        }),
+        }
+        .into()),
         Format::Csv => csv::series::read(path, options),
-        Format::Mcap if !options.columns.is_empty() => Err(Error::Setting {
+        Format::Mcap if !options.columns.is_empty() => Err(tunenet_core::Error::Setting {
             origin: Origin::Flag,
             name: "columns",
             expected: "a CSV file".into(),
             found: format!("the MCAP file {}", path.display()),
-        }),
+        }
+        .into()),
         Format::Mcap => {
             let recording = mcap::series::read(path, options.topic.as_deref(), &options.joints)?;
             refuse_too_large(path, &recording.observation)?;

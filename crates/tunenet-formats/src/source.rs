@@ -4,7 +4,7 @@ use std::fs::{File, Metadata};
 use std::path::Path;
 use std::time::SystemTime;
 
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Largest text that is read, in bytes: half a minute of reading. As many numbers as are read at most
 /// ([`MOST_NUMBERS`](crate::MOST_NUMBERS)) fit in with 20 signs each.
@@ -17,7 +17,7 @@ pub(crate) const LARGEST_TEXT: u64 = 1 << 30;
 /// [`Error::Io`] where the system refuses, [`Error::File`] where there is no file of a known length.
 pub fn open(path: impl AsRef<Path>) -> Result<File> {
     let path = path.as_ref();
-    let failed = |e| Error::io(path, "opening", e);
+    let failed = |e| Error::io(path, Action::Opening, e);
     refuse_other(path, &std::fs::metadata(path).map_err(failed)?)?;
     let file = File::open(path).map_err(failed)?;
     // Whoever swapped it in between gets the same answer.
@@ -55,7 +55,7 @@ fn device(_: &Metadata) -> &'static str {
 /// Reads by `read`, and refuses the file where it was written to meanwhile: half of one recording and half of another fit
 /// together too often.
 pub(crate) fn unchanged<T>(path: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
-    let before = Version::of(&open(path)?.metadata().map_err(|e| Error::io(path, "opening", e))?);
+    let before = Version::of(&open(path)?.metadata().map_err(|e| Error::io(path, Action::Opening, e))?);
     let result = read();
     // What the change broke is no news after the change itself.
     match std::fs::metadata(path).map(|about| Version::of(&about)) {
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(unchanged(&path, || Ok(7)).unwrap(), 7);
         let grows = || {
             std::fs::write(&path, "t_s,z_m\n0,1\n1,2\n").unwrap();
-            Err::<(), _>(Error::Stopped)
+            Err::<(), _>(tunenet_core::Error::Stopped.into())
         };
         let (message, hint) = error_text(&unchanged(&path, grows).unwrap_err());
         assert_eq!(message, "a.csv: the file changed while it was read: expected 12 bytes, found 16");

@@ -37,7 +37,7 @@ fn answer() {
     }
 }
 
-fn program(command: &[&str]) -> tunenet_core::Result<ProcessSimulator> {
+fn program(command: &[&str]) -> tunenet_formats::Result<ProcessSimulator> {
     let words: Vec<String> = command.iter().map(|word| serde_json::json!(word).to_string()).collect();
     let text = format!(
         "kind = \"process\"\n[process]\ncommand = [{}]\nchannels = [\"z_m\"]\n[parameters.k]\nvalue = 1\nmin = 0\nmax = 2\n",

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use tunenet_core::Result;
 use tunenet_core::network::Model;
 use tunenet_core::simulator::Prepared;
 use tunenet_core::statistics::median;
+use tunenet_formats::Result;
 use tunenet_formats::model_from_bytes;
 
 use crate::SimulationFile;
@@ -25,7 +25,7 @@ const GREATEST_DRAG: f64 = 0.3;
 /// The network for any dropped ball; it estimates restitution from positions.
 ///
 /// # Errors
-/// [`tunenet_core::Error::File`] where the program's own bytes are damaged.
+/// [`File`](tunenet_formats::Error::File) where the program's own bytes are damaged.
 pub fn ball() -> Result<Model> {
     model_from_bytes(Path::new("the built-in network"), BYTES)
 }

@@ -75,7 +75,7 @@ impl Drawn {
     ///
     /// # Errors
     /// As [`ObservedBall::new`].
-    pub fn new(file: &SimulationFile, ranges: Ranges) -> Result<Self> {
+    pub fn new(file: &SimulationFile, ranges: Ranges) -> tunenet_formats::Result<Self> {
         let mut open = file.clone();
         open.leave_open(&[
             LeftOpen::ReleaseHeight,

@@ -230,13 +230,13 @@ fn train(
     preset: Preset,
     seed: u64,
     at: &mut dyn FnMut(u64, u64),
-) -> tunenet_core::Result<Model> {
+) -> tunenet_formats::Result<Model> {
     let drawn = Drawn::new(file, ranges.clone())?;
     let header = drawn.header("ball/scene", seed, PAIRS);
     let pair = |number: u64| drawn.pair(&mut stream(seed, number));
     let pairs = (0..PAIRS).into_par_iter().map(pair).collect::<tunenet_core::Result<Vec<Pair>>>()?;
-    train_on(&header, &pairs, &TrainOptions::new(preset, seed), &mut |reached| {
+    Ok(train_on(&header, &pairs, &TrainOptions::new(preset, seed), &mut |reached| {
         at(reached.step, reached.steps);
         true
-    })
+    })?)
 }

@@ -2,8 +2,8 @@
 
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
-use tunenet_core::{Error, Result};
 use tunenet_formats::kind_name;
+use tunenet_formats::{Error, Result};
 
 use crate::process::Session;
 use crate::replayed_arm::{replayed, replays};
@@ -68,7 +68,7 @@ pub fn around(file: &SimulationFile, ball: ObservedBall) -> Result<Box<dyn Simul
 ///
 /// # Errors
 /// As [`Measured::fixed`].
-pub fn seen<S: Simulator>(file: &SimulationFile, simulator: S) -> Result<Measured<S>> {
+pub fn seen<S: Simulator>(file: &SimulationFile, simulator: S) -> tunenet_core::Result<Measured<S>> {
     let present = measured(file, simulator.kind());
     present.iter().try_fold(Measured::new(simulator, &[])?, |measured, (name, values)| measured.fixed(name, values))
 }

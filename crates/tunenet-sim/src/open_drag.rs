@@ -4,10 +4,10 @@
 //! that a few bounces cannot show still makes a shot fall short, and a restitution that was tuned without drag hides a part
 //! of it. So everything is tuned again for each of a few strengths, and each counts by how well it then fits.
 
-use tunenet_core::Result;
 use tunenet_core::observation::Observation;
 use tunenet_core::simulator::Simulator;
 use tunenet_core::tune::{FixedValueFit, fit_at_fixed_values};
+use tunenet_formats::Result;
 
 use crate::SimulationFile;
 use crate::ball::effects::{BallEffect, DRAG};

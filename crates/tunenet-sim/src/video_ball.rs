@@ -31,7 +31,7 @@ impl VideoBall {
     /// # Errors
     /// [`Error::Observation`] where the file leaves the height or the instant of the release, or the surface, to the data,
     /// or throws the ball; as [`ObservedBall::new`].
-    pub fn new(file: &SimulationFile) -> Result<Self> {
+    pub fn new(file: &SimulationFile) -> tunenet_formats::Result<Self> {
         let BallScene { release, surface, .. } = file.ball()?;
         let dropped = release.velocity_m_s.is_none_or(|v| v == [0.0; 3]);
         let (Some(start_s), Some(_), Some(_), true) = (release.time_s, release.height_m, surface.height_m, dropped)
@@ -42,7 +42,8 @@ impl VideoBall {
                            (`release.height_m`, `release.time_s`, `surface.height_m`)"
                     .into(),
                 found: "one that leaves it to the data".into(),
-            });
+            }
+            .into());
         };
         Ok(Self { ball: ObservedBall::new(file, Kind::Positions)?, start_s })
     }

@@ -39,7 +39,7 @@ impl VideoDrops {
     ///
     /// # Errors
     /// As [`ObservedBall::new`].
-    pub fn new(file: &SimulationFile) -> Result<Self> {
+    pub fn new(file: &SimulationFile) -> tunenet_formats::Result<Self> {
         let scene = file.ball()?;
         Ok(Self {
             ball: ObservedBall::new(file, Kind::Positions)?,

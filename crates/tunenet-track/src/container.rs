@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use tunenet_core::Error;
+use tunenet_formats::Error;
 
 const HINT: &str = "copy it again from the camera, once the recording has ended and been saved. Where the original is cut off \
                     as well, no player shows it: `ffmpeg -i FILE -c copy NEW.mp4` mends only a file whose index is there";

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use opencv::core::{Mat, MatTraitConst};
 use opencv::imgcodecs::{IMREAD_COLOR, imread};
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Action, Error, Result};
 
 use crate::frames::Pictures;
 
@@ -21,7 +21,7 @@ pub(crate) struct Folder {
 impl Folder {
     /// The pictures in `path`, in the order in which people number them: `frame2` before `frame10`.
     pub fn open(path: &Path, rate_hz: Option<f64>) -> Result<Self> {
-        let failed = |e| Error::io(path, "reading", e);
+        let failed = |e| Error::io(path, Action::Reading, e);
         let mut files = Vec::new();
         for entry in std::fs::read_dir(path).map_err(failed)? {
             let file = entry.map_err(failed)?.path();

@@ -6,7 +6,7 @@ use opencv::core::{Mat, MatTraitConst};
 use opencv::videoio::{
     CAP_PROP_FRAME_COUNT, CAP_PROP_POS_MSEC, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst,
 };
-use tunenet_core::Result;
+use tunenet_formats::Result;
 
 use crate::video;
 

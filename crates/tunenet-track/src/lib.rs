@@ -20,7 +20,7 @@
 //! | [`render`], [`synthetic`] | synthetic videos of a ball with known position |
 //! | [`overlay`] | the track overlaid on its video |
 //!
-//! Errors are those of [`tunenet_core`]: a file that is no video is a file that cannot be used, like any other.
+//! Errors are those of [`tunenet_formats`]: a file that is no video is a file that cannot be used, like any other.
 
 pub mod ball_colour;
 mod blob;

@@ -8,8 +8,8 @@ use opencv::imgproc::{
     COLOR_BGRA2BGR, COLOR_BayerBG2BGR, COLOR_BayerGB2BGR, COLOR_BayerGR2BGR, COLOR_BayerRG2BGR, COLOR_GRAY2BGR,
     COLOR_RGB2BGR, COLOR_RGBA2BGR, cvt_color_def,
 };
-use tunenet_core::{Error, Result};
 use tunenet_formats::pictures::{self, Content};
+use tunenet_formats::{Error, Result};
 
 use crate::frames::Pictures;
 

@@ -6,7 +6,7 @@ use opencv::core::{Mat, MatTraitConst, Point, Scalar, Size, Vector};
 use opencv::imgcodecs::{IMWRITE_JPEG_QUALITY, imencode};
 use opencv::imgproc::{INTER_AREA, LINE_AA, circle, line, resize};
 use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use crate::colour::{HUES, Window};
 use crate::source::Source;

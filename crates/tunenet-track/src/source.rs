@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{channel, sync_channel};
 
 use opencv::core::{Mat, MatTraitConst};
-use tunenet_core::{Error, Origin, Result};
+use tunenet_core::Origin;
+use tunenet_formats::{Error, Result};
 
 use crate::folder::Folder;
 use crate::frames::{Pictures, VideoFrames};
@@ -64,7 +65,9 @@ impl Source {
         }
         if let Some(topic) = &self.topic {
             let (expected, found) = ("a log in MCAP form".into(), format!("`{topic}` of a video"));
-            return Err(Error::Setting { origin: Origin::Caller, name: "--topic", expected, found });
+            return Err(
+                tunenet_core::Error::Setting { origin: Origin::Caller, name: "--topic", expected, found }.into()
+            );
         }
         if self.path.is_dir() {
             return Ok(Box::new(Folder::open(&self.path, self.rate_hz)?));

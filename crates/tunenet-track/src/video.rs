@@ -9,7 +9,7 @@ use opencv::videoio::{
     CAP_ANY, CAP_FFMPEG, CAP_PROP_FPS, VideoCapture, VideoCaptureAPIs, VideoCaptureTrait, VideoCaptureTraitConst,
     has_backend,
 };
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Action, Error, Result};
 
 use crate::container::incomplete;
 
@@ -62,7 +62,7 @@ pub fn open(path: &Path) -> Result<Clip> {
 /// # Errors
 /// As [`open`], but for what shows only when frames are decoded.
 pub(crate) fn reader(path: &Path) -> Result<(VideoCapture, f64)> {
-    let facts = std::fs::metadata(path).map_err(|source| Error::io(path, "reading", source))?;
+    let facts = std::fs::metadata(path).map_err(|source| Error::io(path, Action::Reading, source))?;
     if !facts.is_file() {
         return Err(refuse(path, "a folder or a device"));
     }
@@ -103,7 +103,7 @@ pub(crate) fn undecodable(path: &Path, error: &opencv::Error) -> Error {
 fn text(path: &Path) -> Result<bool> {
     let mut start = Vec::new();
     let read = |file: File| file.take(TEXT_BYTES).read_to_end(&mut start);
-    File::open(path).and_then(read).map_err(|source| Error::io(path, "reading", source))?;
+    File::open(path).and_then(read).map_err(|source| Error::io(path, Action::Reading, source))?;
     // Every container has bytes among its first that no text has: lengths, versions, zeros.
     Ok(!start.iter().any(|byte| matches!(byte, 0..=8 | 14..=26 | 28..=31 | 127 | 0xF8..)))
 }

@@ -9,7 +9,8 @@ mod results;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use tunenet_core::{Error, Origin};
+use tunenet_core::Origin;
+use tunenet_formats::{Action, Error};
 
 use self::results::{Cluster, GrowResults, SizeCost, Spent};
 use super::process;
@@ -30,9 +31,13 @@ const SHARDS: u32 = 4;
 pub fn run(options: &BenchGrow) -> Result<Exit> {
     if let Some(shard) = options.sharing.shard {
         let expected = "none: `bench grow` times one machine, and has nothing to cut".into();
-        return Err(
-            Error::Setting { origin: Origin::Flag, name: "--shard", expected, found: format!("`{shard}`") }.into()
-        );
+        return Err(tunenet_core::Error::Setting {
+            origin: Origin::Flag,
+            name: "--shard",
+            expected,
+            found: format!("`{shard}`"),
+        }
+        .into());
     }
     std::fs::create_dir_all(&options.out).with_context(|| format!("creating {}", options.out.display()))?;
     let mut sizes = options.pairs.clone();
@@ -127,7 +132,7 @@ fn clear(path: &Path) -> Result<()> {
         name.push(ending);
         match std::fs::remove_file(&name) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Error::io(PathBuf::from(name), "removing", error).into());
+                return Err(Error::io(PathBuf::from(name), Action::Removing, error).into());
             }
             _ => {}
         }

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 use serde_json::Value;
-use tunenet_core::Error;
+use tunenet_formats::Error;
 
 use crate::failure::Exit;
 use crate::files::programs::{self, BENCH};

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use tunenet_core::Error;
+use tunenet_formats::Error;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
@@ -78,7 +78,7 @@ fn answer(options: &Plan, file: &SimulationFile, task: &Task) -> Result<Answer> 
             "move `arm.base_position_m`, or let `release.heights_m` be heights that it reaches",
         ),
         NoPlan::NotFollowed { .. } => refused(error.to_string(), "correct the task file"),
-        NoPlan::Other(other) => other,
+        NoPlan::Other(other) => other.into(),
     })?;
     let mut notes = belief.notes().to_vec();
     notes.extend(notice(&plan, task));

@@ -1,6 +1,6 @@
 //! What a program refuses, reported as its own error: neither the recording nor the fit is to blame.
 
-use tunenet_core::Error;
+use tunenet_formats::Error;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
@@ -15,11 +15,13 @@ pub enum Asked {
 
 /// A refusal by the program of `file`, or an unusable answer of it, and at which values; `None` for an
 /// error that is neither.
-pub fn of_program(file: &SimulationFile, asked: Asked, error: &Error) -> Option<Error> {
+pub fn of_program(file: &SimulationFile, asked: Asked, error: &tunenet_core::Error) -> Option<Error> {
     if file.domain() != Domain::Process {
         return None;
     }
-    let (Error::Simulator { at, .. } | Error::Prediction { at, .. }) = error else { return None };
+    let (tunenet_core::Error::Simulator { at, .. } | tunenet_core::Error::Prediction { at, .. }) = error else {
+        return None;
+    };
     let parameters = file.parameters().unwrap_or_default();
     let present = parameters.iter().map(|p| format!("{}={}", p.name, p.value)).collect::<Vec<_>>().join(" ");
     let example = parameters.first().map_or("NAME", |p| p.name.as_str());
@@ -28,10 +30,10 @@ pub fn of_program(file: &SimulationFile, asked: Asked, error: &Error) -> Option<
         _ => at.clone(),
     };
     let text = match error {
-        Error::Prediction { place, expected, found, .. } => {
+        tunenet_core::Error::Prediction { place, expected, found, .. } => {
             format!("the program answered {found} for {place} to {values}: expected {expected}")
         }
-        Error::Simulator { message, .. } => format!("the program refused {values}: {message}"),
+        tunenet_core::Error::Simulator { message, .. } => format!("the program refused {values}: {message}"),
         _ => return None,
     };
     let hint = match asked {

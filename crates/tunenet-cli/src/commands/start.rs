@@ -1,6 +1,7 @@
 //! What `tune` starts from: said before any recording is read, so that no recording is blamed for it.
 
-use tunenet_core::{Error, Origin, Result};
+use tunenet_core::Origin;
+use tunenet_formats::{Error, Result};
 use tunenet_sim::SimulationFile;
 
 use crate::args::Tune;
@@ -8,19 +9,21 @@ use crate::args::Tune;
 /// Refuses a start from which nothing can be tuned.
 ///
 /// # Errors
-/// [`Error::Setting`] where `--set` or `--initial` is to blame, [`Error::File`] where the simulation file is.
+/// [`Setting`](tunenet_core::Error::Setting) where `--set` or `--initial` is to blame, [`Error::File`] where the
+/// simulation file is.
 pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
     let parameters = file.parameters()?;
     if !parameters.iter().any(|p| p.tune) {
         let named = |set: &&String| set.starts_with("parameters.") && set.contains(".tune");
         if let Some(last) = options.simulation.set.iter().rev().find(named) {
             let expected = "at least one parameter that may be tuned".into();
-            return Err(Error::Setting {
+            return Err(tunenet_core::Error::Setting {
                 origin: Origin::Flag,
                 name: "--set",
                 expected,
                 found: format!("none after `{last}`"),
-            });
+            }
+            .into());
         }
         let message = "expected at least one parameter with `tune = true`, found none";
         let first = &parameters[0].name;
@@ -29,7 +32,7 @@ pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
     }
     for (name, value) in &options.initial {
         let refuse = |expected: String, found: String| {
-            Err(Error::Setting { origin: Origin::Flag, name: "--initial", expected, found })
+            Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "--initial", expected, found }.into())
         };
         let Some(parameter) = parameters.iter().find(|p| p.name == *name) else {
             let known: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_core::Error;
 use tunenet_core::network::{Preset, TrainDevice, TrainOptions};
 use tunenet_formats::dataset::DatasetReader;
+use tunenet_formats::{Action, Error};
 use tunenet_formats::{save_model, train_file};
 
 use crate::args::Train;
@@ -48,7 +48,7 @@ pub fn run(options: &Train) -> Result<Exit> {
     save_model(&model, &options.out)?;
     // Only a saved model makes the checkpoint useless.
     if checkpoint.exists() {
-        std::fs::remove_file(&checkpoint).map_err(|source| Error::io(&checkpoint, "removing", source))?;
+        std::fs::remove_file(&checkpoint).map_err(|source| Error::io(&checkpoint, Action::Removing, source))?;
     }
     let seconds = began.elapsed().as_secs_f64();
     let (steps, loss) = last.map_or((0, 0.0), |l| (l.steps, l.loss));

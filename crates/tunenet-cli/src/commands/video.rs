@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
+use tunenet_core::Origin;
 use tunenet_core::observation::Note;
-use tunenet_core::{Error, Origin};
+use tunenet_formats::Error;
 use tunenet_sim::SimulationFile;
 use tunenet_video_protocol::TrackAnswer;
 use tunenet_video_protocol::track::{Tracked, Untracked};
@@ -66,7 +67,7 @@ impl Asked {
             TrackAnswer::Tracked(tracked) => Ok(*tracked),
             TrackAnswer::FileRefused { message, hint } => Err(Error::file(path, message, hint).into()),
             TrackAnswer::FlagRefused { flag, expected, found } => {
-                Err(Error::Setting { origin: Origin::Flag, name: flag.word(), expected, found }.into())
+                Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: flag.word(), expected, found }.into())
             }
             TrackAnswer::Untracked(untracked) => {
                 Err(TrackFailure { path: path.into(), note: untracked.finding.note(), untracked: Some(untracked) }

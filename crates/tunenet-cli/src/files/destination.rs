@@ -6,10 +6,11 @@ use std::path::{Component, Path, PathBuf};
 
 use anyhow::Result;
 use toml_edit::DocumentMut;
-use tunenet_core::{Error, Origin};
+use tunenet_core::Origin;
 use tunenet_formats::dataset::DatasetReader;
 use tunenet_formats::load_model;
 use tunenet_formats::read_text;
+use tunenet_formats::{Action, Error};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
@@ -129,7 +130,7 @@ pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()
         let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
         if let Some(other) = outputs[..number].iter().find(|other| place(&other.path) == place(path)) {
             let (expected, found) = (format!("another file than `{}`", other.flag), names::file_name(path));
-            return Err(Error::Setting { origin: Origin::Flag, name: flag, expected, found }.into());
+            return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: flag, expected, found }.into());
         }
         if let Ok(same) = path.canonicalize()
             && inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == same))
@@ -139,7 +140,7 @@ pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
         if path.is_dir() {
-            return Err(Error::io(path, "writing", std::io::ErrorKind::IsADirectory.into()).into());
+            return Err(Error::io(path, Action::Writing, std::io::ErrorKind::IsADirectory.into()).into());
         }
         if let Some(folder) = folder {
             leads_somewhere(path, folder, *makes_folder)?;
@@ -165,7 +166,7 @@ pub fn leads_somewhere(named: &Path, folder: &Path, makes: bool) -> Result<()> {
                 return Err(Error::file(named, message, "name a folder, or write to another place").into());
             }
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Error::io(&way, "reading", error).into());
+                return Err(Error::io(&way, Action::Reading, error).into());
             }
             Err(_) => {}
         }

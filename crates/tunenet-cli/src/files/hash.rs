@@ -6,8 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use sha2::{Digest, Sha256};
 use toml_edit::InlineTable;
-use tunenet_core::Error;
-use tunenet_formats::open;
+use tunenet_formats::{Action, Error, open};
 
 use super::names::{file_name, pictures};
 
@@ -15,7 +14,7 @@ use super::names::{file_name, pictures};
 pub fn sha256(path: &Path) -> Result<String> {
     let mut hasher = Sha256::new();
     if path.is_dir() {
-        for picture in pictures(path).map_err(|source| Error::io(path, "reading", source))? {
+        for picture in pictures(path).map_err(|source| Error::io(path, Action::Reading, source))? {
             digest(&picture, &mut hasher)?;
         }
     } else {
@@ -33,7 +32,7 @@ pub fn fingerprint(path: &Path) -> Result<InlineTable> {
 }
 
 fn digest(path: &Path, hasher: &mut Sha256) -> Result<()> {
-    let failed = |source| Error::io(path, "reading", source);
+    let failed = |source| Error::io(path, Action::Reading, source);
     let mut file = open(path)?;
     let mut buffer = vec![0; 1 << 16];
     loop {

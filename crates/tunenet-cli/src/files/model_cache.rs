@@ -72,7 +72,7 @@ impl NetworkStore for Cache {
     fn keep(&self, key: &str, model: &Model) -> Option<Note> {
         let path = self.path(key)?;
         let written = model_to_bytes(model).and_then(|bytes| {
-            let failed = |source| tunenet_core::Error::io(&path, "writing", source);
+            let failed = |source| tunenet_formats::Error::io(&path, tunenet_formats::Action::Writing, source);
             std::fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(failed)?;
             write_atomically(&path, |file| {
                 writeln!(file, "{}", digest(key, &bytes))?;

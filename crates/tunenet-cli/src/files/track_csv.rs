@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use tunenet_core::Result;
+use tunenet_formats::Result;
 use tunenet_formats::write_atomically;
 use tunenet_video_protocol::track::Samples;
 

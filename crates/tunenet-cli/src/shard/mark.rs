@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tunenet_core::Error;
 use tunenet_core::network::Shard;
-use tunenet_formats::write_atomically;
+use tunenet_formats::{Action, Error, write_atomically};
 
 use crate::files::{hash, programs};
 
@@ -97,7 +96,7 @@ impl Mark {
                 let message = format!("expected a finished shard, found a folder without `{NAME}`");
                 return Err(Error::file(folder, message, again).into());
             }
-            Err(error) => return Err(Error::io(path, "reading", error).into()),
+            Err(error) => return Err(Error::io(path, Action::Reading, error).into()),
         };
         let value: Value = serde_json::from_str(&text).unwrap_or_default();
         if value["schema"] != SCHEMA {
@@ -145,12 +144,12 @@ pub fn clear_damage(folder: &Path) -> Result<Vec<String>> {
     for (path, found) in mark.broken(folder) {
         let at = folder.join(path);
         if found != "nothing" {
-            std::fs::remove_file(&at).map_err(|source| Error::io(&at, "removing", source))?;
+            std::fs::remove_file(&at).map_err(|source| Error::io(&at, Action::Removing, source))?;
         }
         damaged.push(format!("{}, which had {found}", at.display()));
     }
     let mark = folder.join(NAME);
-    std::fs::remove_file(&mark).map_err(|source| Error::io(&mark, "removing", source))?;
+    std::fs::remove_file(&mark).map_err(|source| Error::io(&mark, Action::Removing, source))?;
     Ok(damaged)
 }
 
@@ -159,7 +158,7 @@ fn listed(folder: &Path) -> Result<Vec<String>> {
     let (mut files, mut folders) = (Vec::new(), vec![PathBuf::new()]);
     while let Some(within) = folders.pop() {
         let at = folder.join(&within);
-        let failed = |source| Error::io(&at, "reading", source);
+        let failed = |source| Error::io(&at, Action::Reading, source);
         for entry in std::fs::read_dir(&at).map_err(failed)? {
             let entry = entry.map_err(failed)?;
             let path = within.join(entry.file_name());

@@ -9,9 +9,9 @@ pub mod mark;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use tunenet_core::Error;
 use tunenet_core::network::Shard;
 use tunenet_core::observation::Note;
+use tunenet_formats::Error;
 
 pub use self::mark::{Job, Mark};
 

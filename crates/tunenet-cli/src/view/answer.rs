@@ -1,8 +1,8 @@
 //! What a command answers: text for readers or one JSON object on standard output, and notes on standard error.
 
 use serde_json::Value;
-use tunenet_core::Result;
 use tunenet_core::observation::Note;
+use tunenet_formats::Result;
 
 use super::json::{print_json, print_text};
 use super::text::{lines, table, warn};

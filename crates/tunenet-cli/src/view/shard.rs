@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use serde_json::json;
-use tunenet_core::Result;
 use tunenet_core::network::Shard;
+use tunenet_formats::Result;
 
 use super::answer::Printout;
 use super::json::warning;

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Bytes read at once where all rollouts are looked through in order.
 const SCANNED_BYTES: usize = 1 << 20;
@@ -68,13 +68,13 @@ impl<'a> Rows<'a> {
             && bytes.len() + record.len() > self.room.memory_bytes
             && let Some(open) = self.room.overflow
         {
-            let mut file = BufWriter::new(open().map_err(failed("creating"))?);
-            file.write_all(bytes).map_err(failed("writing"))?;
+            let mut file = BufWriter::new(open().map_err(failed(Action::Creating))?);
+            file.write_all(bytes).map_err(failed(Action::Writing))?;
             self.kept = Kept::File(file);
         }
         match &mut self.kept {
             Kept::Memory(bytes) => bytes.extend(record),
-            Kept::File(file) => file.write_all(&record).map_err(failed("writing"))?,
+            Kept::File(file) => file.write_all(&record).map_err(failed(Action::Writing))?,
         }
         self.count += 1;
         Ok(())
@@ -84,7 +84,7 @@ impl<'a> Rows<'a> {
     pub(super) fn finish(&mut self) -> Result<()> {
         match &mut self.kept {
             Kept::Memory(_) => Ok(()),
-            Kept::File(file) => file.flush().map_err(failed("writing")),
+            Kept::File(file) => file.flush().map_err(failed(Action::Writing)),
         }
     }
 
@@ -130,7 +130,7 @@ impl<'a> Rows<'a> {
         let Kept::File(file) = &self.kept else { return Ok(()) };
         let mut file = file.get_ref();
         let start = SeekFrom::Start((number * self.record_bytes()) as u64);
-        file.seek(start).and_then(|_| file.read_exact(into)).map_err(failed("reading"))
+        file.seek(start).and_then(|_| file.read_exact(into)).map_err(failed(Action::Reading))
     }
 
     fn decode(&self, record: &[u8], rollout: &mut Rollout) {
@@ -155,7 +155,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-fn failed(action: &'static str) -> impl Fn(std::io::Error) -> Error {
+fn failed(action: Action) -> impl Fn(std::io::Error) -> Error {
     move |source| Error::Overflow { action, source }
 }
 

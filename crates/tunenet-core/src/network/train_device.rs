@@ -36,7 +36,7 @@ impl TrainDevice {
     /// Whether it can be used, by this build and on this machine.
     ///
     /// # Errors
-    /// [`Error::GpuNotBuilt`] in a build without the feature `cuda`; [`Error::Device`] where no GPU answers.
+    /// [`Error::DeviceUnsupported`] in a build without the feature `cuda`; [`Error::Device`] where no GPU answers.
     pub fn check(self) -> Result<()> {
         self.device().map(|_| ())
     }
@@ -45,7 +45,7 @@ impl TrainDevice {
     pub(super) fn device(self) -> Result<Device> {
         match self {
             Self::Cpu => Ok(Device::Cpu),
-            Self::Cuda if !candle_core::utils::cuda_is_available() => Err(Error::GpuNotBuilt),
+            Self::Cuda if !candle_core::utils::cuda_is_available() => Err(Error::DeviceUnsupported { device: self }),
             Self::Cuda => Device::new_cuda(0).map_err(|e| {
                 // A trace of calls may follow.
                 let message = e.to_string().lines().next().unwrap_or_default().to_owned();

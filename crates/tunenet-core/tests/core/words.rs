@@ -58,6 +58,11 @@ fn command_line(line: &str) -> usize {
     flags.count() + commands.count() + itself.count() + line.matches("command line").count()
 }
 
+/// How often a line names a type of paths.
+fn path_types(line: &str) -> usize {
+    line.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| ["Path", "PathBuf"].contains(word)).count()
+}
+
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder of sources") {
         let path = entry.expect("an entry").path();
@@ -104,6 +109,12 @@ fn core_knows_no_file_format() {
     at_most(0, "of file formats", |line| named(line, &FORMATS));
 }
 
+/// A temporary file has no name, so that core opens none by a path and refuses none.
+#[test]
+fn core_knows_no_path_of_a_file() {
+    at_most(0, "of paths", path_types);
+}
+
 #[test]
 fn core_knows_no_command_line() {
     at_most(0, "of the command line", command_line);
@@ -116,5 +127,6 @@ fn words_are_found_in_identifiers_and_prose() {
         ["let", "ball", "x", "", "", "ball", "scene", "", "new", "csv2", "", ""]
     );
     assert_eq!(named("// a ball's csv, drop(it) dropped", &BALL), 2);
+    assert_eq!(path_types("use std::path::{Path, PathBuf}; // the PathLike on_path"), 2);
     assert_eq!(command_line("pass `--columns`, or `tunenet inspect`; a - b -- tunenet_core"), 2);
 }

@@ -232,22 +232,23 @@ fn mapped(header: &Header<'_>, mapping: &[(String, String)]) -> Result<Found> {
     let names: Vec<&str> = if header.named { cells.iter().map(|cell| cell.text).collect() } else { Vec::new() };
     for (ours, theirs) in &written_out(mapping, &names)? {
         let Meaning::Known(quantity, scale) = meaning(ours) else {
-            return Err(Error::Setting {
+            return Err(tunenet_core::Error::Setting {
                 origin: Origin::Flag,
                 name: "columns",
                 expected: "a name such as t_s, x_m, z_mm, u_px, bounce_time_s, q1_rad, dq1_rad_s, tau1_nm or i1_a before the `=`"
                     .into(),
                 found: format!("`{ours}`"),
-            });
+            }.into());
         };
         let column = header.column(theirs, || header.remedy())?;
         if found.insert(quantity, Source { column, scale, quantity }).is_some() {
-            return Err(Error::Setting {
+            return Err(tunenet_core::Error::Setting {
                 origin: Origin::Flag,
                 name: "columns",
                 expected: format!("`{}` once", quantity.header()),
                 found: "it twice".into(),
-            });
+            }
+            .into());
         }
     }
     Ok(found)

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::encoding::line;
 use crate::source::open;
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Longest line in bytes. A thousand columns of 17 digits need 24 kB.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -57,7 +57,8 @@ impl Lines {
         loop {
             self.buffer.clear();
             let mut bounded = (&mut self.reader).take(LONGEST_LINE);
-            let read = bounded.read_until(b'\n', &mut self.buffer).map_err(|e| Error::io(&self.path, "reading", e))?;
+            let read =
+                bounded.read_until(b'\n', &mut self.buffer).map_err(|e| Error::io(&self.path, Action::Reading, e))?;
             if read == 0 {
                 return Ok(None);
             }

@@ -18,12 +18,18 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
     for (ours, theirs) in mapping {
         let Some((quantity, scale)) = asked(ours, channels) else {
             let expected = format!("{} before the `=`", names(channels));
-            return Err(Error::Setting { origin: Origin::Flag, name: "columns", expected, found: format!("`{ours}`") });
+            return Err(tunenet_core::Error::Setting {
+                origin: Origin::Flag,
+                name: "columns",
+                expected,
+                found: format!("`{ours}`"),
+            }
+            .into());
         };
         let column = header.column(theirs, || remedy(header, channels))?;
         if place(quantity, &mut clock, &mut values).replace(Source { column, scale, quantity }).is_some() {
             let (expected, found) = (format!("`{ours}` once"), "it twice".into());
-            return Err(Error::Setting { origin: Origin::Flag, name: "columns", expected, found });
+            return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
         }
     }
     let mut notes = Vec::new();

@@ -32,7 +32,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
 fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observation> {
     let Scan { layout, clock, mut values, lines, .. } = scan;
     if layout.clock.is_some() {
-        return Observation::new(layout.kind, layout.channels, clock, values);
+        return Ok(Observation::new(layout.kind, layout.channels, clock, values)?);
     }
     if let Some(doubt) = doubt(&values) {
         let text = format!(
@@ -62,5 +62,5 @@ fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observ
             return Err(Error::file(path, message, hint));
         }
     }
-    Observation::event_times(&Quantity::BounceTime.channel().name, values)
+    Ok(Observation::event_times(&Quantity::BounceTime.channel().name, values)?)
 }

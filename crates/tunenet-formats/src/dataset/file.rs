@@ -9,7 +9,7 @@ use super::message::{
     PlainPair, SHARD_DEFINITION, SHARD_TOPIC, ShardMessage, TARGET_DEFINITION,
 };
 use super::stream::{Output, Source};
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Pairs in a chunk. A kill loses at most the chunk being filled.
 const PAIRS_IN_CHUNK: u64 = 16;
@@ -144,8 +144,8 @@ impl DataSet for DatasetFile {
         &self.header
     }
 
-    fn pairs(&self) -> Result<Box<dyn Iterator<Item = Result<Pair>> + '_>> {
-        Ok(Box::new(DatasetReader::open(&self.path)?))
+    fn pairs(&self) -> tunenet_core::Result<Box<dyn Iterator<Item = tunenet_core::Result<Pair>> + '_>> {
+        Ok(Box::new(DatasetReader::open(&self.path)?.map(|pair| Ok(pair?))))
     }
 }
 
@@ -171,7 +171,7 @@ impl DatasetWriter {
     pub fn open(out: impl Into<PathBuf>, header: DatasetHeader, shard: Option<Shard>) -> Result<Self> {
         let out = out.into();
         if out.is_dir() {
-            return Err(Error::io(&out, "writing", std::io::ErrorKind::IsADirectory.into()));
+            return Err(Error::io(&out, Action::Writing, std::io::ErrorKind::IsADirectory.into()));
         }
         let partial = with_suffix(&out, ".partial");
         if !partial.exists() {
@@ -184,7 +184,7 @@ impl DatasetWriter {
         while let Some(pair) = earlier.next() {
             writer.write(&pair)?;
         }
-        std::fs::rename(&copy, &partial).map_err(|e| Error::io(&partial, "renaming", e))?;
+        std::fs::rename(&copy, &partial).map_err(|e| Error::io(&partial, Action::Renaming, e))?;
         Ok(writer)
     }
 
@@ -248,7 +248,9 @@ impl DatasetWriter {
     pub fn forget(out: &Path) -> Result<()> {
         let partial = with_suffix(out, ".partial");
         match std::fs::remove_file(&partial) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(&partial, "removing", error)),
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(Error::io(&partial, Action::Removing, error))
+            }
             _ => Ok(()),
         }
     }
@@ -263,7 +265,7 @@ impl DatasetWriter {
             return Err(Error::file(&self.out, text, ""));
         }
         self.output.finish()?;
-        std::fs::rename(&self.partial, &self.out).map_err(|e| Error::io(&self.out, "renaming", e))
+        std::fs::rename(&self.partial, &self.out).map_err(|e| Error::io(&self.out, Action::Renaming, e))
     }
 }
 
@@ -326,8 +328,8 @@ fn next_pair(source: &mut Source, header: &DatasetHeader) -> Result<Option<Pair>
 fn begins_like_mcap(path: &Path) -> Result<bool> {
     use std::io::Read;
     let mut start = Vec::new();
-    let file = std::fs::File::open(path).map_err(|e| Error::io(path, "reading", e))?;
-    file.take(mcap::MAGIC.len() as u64).read_to_end(&mut start).map_err(|e| Error::io(path, "reading", e))?;
+    let file = std::fs::File::open(path).map_err(|e| Error::io(path, Action::Reading, e))?;
+    file.take(mcap::MAGIC.len() as u64).read_to_end(&mut start).map_err(|e| Error::io(path, Action::Reading, e))?;
     Ok(mcap::MAGIC.starts_with(&start))
 }
 

@@ -8,7 +8,7 @@ use tunenet_core::network::{DatasetHeader, Draw, Pair, Shard, check_learned, rol
 use tunenet_core::simulator::Simulator;
 
 use super::file::DatasetWriter;
-use crate::{Error, Result};
+use crate::Result;
 
 /// Pairs rolled out before they are written. Bounds the memory; many times the number of cores, so that none waits long.
 const BLOCK: u64 = 128;
@@ -22,8 +22,9 @@ const BLOCK: u64 = 128;
 /// can be resumed; that of the last call is asked before the file gets its name.
 ///
 /// # Errors
-/// [`Error::Setting`] where a parameter to be learned changes no rollout, since a network would learn to make it up;
-/// [`Error::Simulator`] where a rollout fails, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
+/// [`Setting`](tunenet_core::Error::Setting) where a parameter to be learned changes no rollout, since a network would
+/// learn to make it up; [`Simulator`](tunenet_core::Error::Simulator) where a rollout fails,
+/// [`Stopped`](tunenet_core::Error::Stopped) on request, otherwise as [`DatasetWriter`].
 pub fn generate(
     simulator: &dyn Simulator,
     header: &DatasetHeader,
@@ -33,7 +34,7 @@ pub fn generate(
     progress: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<()> {
     check_learned(simulator, header, draw)?;
-    let make = |number: u64, random: &mut ChaCha8Rng| roll_pair(simulator, header, draw(number, random));
+    let make = |number: u64, random: &mut ChaCha8Rng| Ok(roll_pair(simulator, header, draw(number, random))?);
     fill(header, shard, &make, out, progress)
 }
 
@@ -41,7 +42,7 @@ pub fn generate(
 /// with a generator that depends on the header's seed and the pair's number alone. What holds of [`generate`] holds here.
 ///
 /// # Errors
-/// What `make` refuses, [`Error::Stopped`] on request, otherwise as [`DatasetWriter`].
+/// What `make` refuses, [`Stopped`](tunenet_core::Error::Stopped) on request, otherwise as [`DatasetWriter`].
 pub fn fill(
     header: &DatasetHeader,
     shard: Option<Shard>,
@@ -54,7 +55,7 @@ pub fn fill(
     let all = writer.end() - first;
     while writer.written() < writer.end() {
         if !progress(writer.written() - first, all) {
-            return Err(Error::Stopped);
+            return Err(tunenet_core::Error::Stopped.into());
         }
         let block = writer.written()..(writer.written() + BLOCK).min(writer.end());
         let pairs: Vec<Result<Pair>> =
@@ -64,7 +65,7 @@ pub fn fill(
         }
     }
     if !progress(all, all) {
-        return Err(Error::Stopped);
+        return Err(tunenet_core::Error::Stopped.into());
     }
     writer.finish()
 }

@@ -32,7 +32,7 @@ pub fn merge(shards: &[PathBuf], out: &Path, progress: &mut dyn FnMut(u64, u64) 
             }
             number += 1;
             if number % 128 == 0 && !progress(number, header.pairs) {
-                return Err(Error::Stopped);
+                return Err(tunenet_core::Error::Stopped.into());
             }
         }
     }
@@ -69,12 +69,13 @@ fn gather(paths: &[PathBuf]) -> Result<(DatasetHeader, Vec<(&PathBuf, Shard)>)> 
         found.push((path, shard));
     }
     let Some((first, header, message)) = known else {
-        return Err(Error::Setting {
+        return Err(tunenet_core::Error::Setting {
             origin: Origin::Flag,
             name: "SHARD",
             expected: "at least one shard".into(),
             found: "none".into(),
-        });
+        }
+        .into());
     };
     found.sort_by_key(|(_, shard)| *shard);
     let count = message.shard(first)?.count();

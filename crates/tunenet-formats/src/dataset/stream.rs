@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 
 use crate::mcap::records::{Fault, Messages, messages_up_to};
 use crate::mcap::ros::{LITTLE_ENDIAN, encode};
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Longest plausible record; a corrupted length would otherwise allocate all memory.
 const LONGEST_RECORD: usize = 1 << 30;
@@ -26,7 +26,7 @@ pub(crate) struct Output {
 impl Output {
     /// A new file at `path`. Every setting that could differ between two machines is fixed: equal messages, equal bytes.
     pub(crate) fn create(path: &Path) -> Result<Self> {
-        let file = File::create(path).map_err(|e| Error::io(path, "creating", e))?;
+        let file = File::create(path).map_err(|e| Error::io(path, Action::Creating, e))?;
         let writer = WriteOptions::new()
             .profile("ros2")
             .library(concat!("tunenet ", env!("CARGO_PKG_VERSION")))
@@ -35,13 +35,13 @@ impl Output {
             // Chunks end where `end_chunk` says, so that they do not depend on how the writing was interrupted.
             .chunk_size(None)
             .create(BufWriter::new(file))
-            .map_err(|e| mcap_error(path, "writing", e))?;
+            .map_err(|e| mcap_error(path, Action::Writing, e))?;
         Ok(Self { path: path.to_owned(), writer })
     }
 
     /// A topic with its ROS 2 message definition; returns its number.
     pub(crate) fn topic(&mut self, topic: &str, message: &str, definition: &str) -> Result<u16> {
-        let failed = |e| mcap_error(&self.path, "writing", e);
+        let failed = |e| mcap_error(&self.path, Action::Writing, e);
         let schema = self.writer.add_schema(message, "ros2msg", definition.as_bytes()).map_err(failed)?;
         self.writer.add_channel(schema, topic, "cdr", &std::collections::BTreeMap::new()).map_err(failed)
     }
@@ -56,18 +56,18 @@ impl Output {
             log_time: number,
             publish_time: number,
         };
-        self.writer.write_to_known_channel(&header, &bytes).map_err(|e| mcap_error(&self.path, "writing", e))
+        self.writer.write_to_known_channel(&header, &bytes).map_err(|e| mcap_error(&self.path, Action::Writing, e))
     }
 
     /// Closes the chunk, so that what was written so far can be read back after a kill.
     pub(crate) fn end_chunk(&mut self) -> Result<()> {
-        self.writer.flush().map_err(|e| mcap_error(&self.path, "writing", e))
+        self.writer.flush().map_err(|e| mcap_error(&self.path, Action::Writing, e))
     }
 
     /// Ends the file and waits until the disk has it.
     pub(crate) fn finish(mut self) -> Result<()> {
-        self.writer.finish().map_err(|e| mcap_error(&self.path, "writing", e))?;
-        let failed = |e| Error::io(&self.path, "writing", e);
+        self.writer.finish().map_err(|e| mcap_error(&self.path, Action::Writing, e))?;
+        let failed = |e| Error::io(&self.path, Action::Writing, e);
         let file = self.writer.into_inner().into_inner().map_err(|e| failed(e.into_error()))?;
         file.sync_all().map_err(failed)
     }
@@ -119,18 +119,18 @@ impl Source {
 /// Why a dataset cannot be read on, in one sentence.
 fn broken(path: &Path, fault: Fault) -> Error {
     match fault {
-        Fault::Io(source) => Error::io(path, "reading", source),
+        Fault::Io(source) => Error::io(path, Action::Reading, source),
         Fault::Overrun => Error::file(
             path,
             "expected a sound MCAP file, found a record that is longer than its chunk",
             "write the file again",
         ),
-        Fault::Format(error) => mcap_error(path, "reading", error),
+        Fault::Format(error) => mcap_error(path, Action::Reading, error),
     }
 }
 
 /// What went wrong with an MCAP file, in one sentence.
-fn mcap_error(path: &Path, action: &'static str, error: McapError) -> Error {
+fn mcap_error(path: &Path, action: Action, error: McapError) -> Error {
     match error {
         McapError::Io(source) => Error::io(path, action, source),
         McapError::BadMagic => {

@@ -81,7 +81,7 @@ fn a_stopped_dataset_goes_on() {
     let whole = std::fs::read(dataset(&folder, 300, 10)).unwrap();
     let out = folder.path().join("again.mcap");
     let stopped = generate(&ReflectedPoint::new(), &header(300, 10), None, &draw, &out, &mut |done, _| done == 0);
-    assert!(matches!(stopped, Err(Error::Stopped)));
+    assert!(matches!(stopped, Err(Error::Core(tunenet_core::Error::Stopped))));
     assert!(!out.exists());
     let mut first = None;
     let mut progress = |done, _| {

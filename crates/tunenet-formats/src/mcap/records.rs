@@ -16,7 +16,7 @@ use mcap::{McapError, records::op};
 use super::whole_chunks::{PIECE, WholeChunks};
 use crate::shown::counted;
 use crate::source::open;
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// Longest record in bytes. An uncompressed 4K picture has 25 MB; a length beyond this is a broken file.
 const LONGEST_RECORD: usize = 256 << 20;
@@ -81,7 +81,7 @@ pub(crate) fn messages(path: impl AsRef<Path>) -> Result<Messages> {
 /// As [`messages`].
 pub(crate) fn messages_up_to(path: &Path, longest: usize) -> Result<Messages> {
     let file = open(path)?;
-    let bytes = file.metadata().map_err(|e| Error::io(path, "opening", e))?.len();
+    let bytes = file.metadata().map_err(|e| Error::io(path, Action::Opening, e))?.len();
     let options = LinearReaderOptions::default()
         .with_prevalidate_chunk_crcs(true)
         .with_record_length_limit(longest_record(bytes, longest));
@@ -138,7 +138,7 @@ impl Messages {
 
     fn broken(&self, fault: Fault) -> Error {
         let what = match fault {
-            Fault::Io(error) => return Error::io(&self.path, "reading", error),
+            Fault::Io(error) => return Error::io(&self.path, Action::Reading, error),
             Fault::Overrun => "a record is longer than the chunk it stands in".to_owned(),
             Fault::Format(McapError::UnexpectedEof) => "the recording is cut off".to_owned(),
             Fault::Format(McapError::BadMagic) => "expected the mark of an MCAP file, found other bytes".to_owned(),

@@ -44,8 +44,8 @@ pub fn model_from_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Model> {
 }
 
 /// What is wrong with stored weights, with the file that they stand in.
-pub(crate) fn at(path: &Path, error: Error) -> Error {
-    let Error::Weights { expected, found, fault } = error else { return error };
+pub(crate) fn at(path: &Path, error: tunenet_core::Error) -> Error {
+    let tunenet_core::Error::Weights { expected, found, fault } = error else { return error.into() };
     let hint = match fault {
         WeightsFault::Version => "train it again with this version of `tunenet train`".into(),
         WeightsFault::OtherTraining => "delete it, or write to another --out".into(),

@@ -9,7 +9,7 @@ use safetensors::{Dtype, SafeTensors};
 use tunenet_core::network::{Array, Numbers, Weights};
 
 use crate::source::open;
-use crate::{Error, Result};
+use crate::{Action, Error, Result};
 
 /// The one metadata key, so that no map decides the order of the bytes.
 const KEY: &str = "tunenet";
@@ -37,7 +37,7 @@ pub(crate) fn to_bytes(path: &Path, weights: &Weights) -> Result<Vec<u8>> {
 
 /// Reads a file. `kind` names what was expected: "a model".
 pub(crate) fn read(path: &Path, kind: &str) -> Result<Weights> {
-    let failed = |e| Error::io(path, "reading", e);
+    let failed = |e| Error::io(path, Action::Reading, e);
     let mut file = open(path)?;
     let size = file.metadata().map_err(failed)?.len();
     if size > MOST_BYTES {

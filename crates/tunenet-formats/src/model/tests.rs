@@ -6,8 +6,8 @@ use tunenet_core::network::DataSet as _;
 use tunenet_core::network::{Course, Model, Preset, TrainOptions, train_on};
 
 use super::*;
+use crate::Error;
 use crate::dataset::{DatasetFile, generate};
-use crate::{Error, Result};
 use tunenet_core::testing::reflected_point::{ReflectedPoint, draw, header};
 
 fn dataset(folder: &tempfile::TempDir, pairs: u64, samples: u32) -> PathBuf {
@@ -58,7 +58,7 @@ fn what_is_no_model_is_refused_in_one_sentence() {
 fn a_file_and_memory_give_the_same_network() {
     let folder = tempfile::tempdir().unwrap();
     let out = dataset(&folder, 40, 30);
-    let pairs: Vec<_> = DatasetFile::open(&out).unwrap().pairs().unwrap().collect::<Result<_>>().unwrap();
+    let pairs: Vec<_> = DatasetFile::open(&out).unwrap().pairs().unwrap().collect::<tunenet_core::Result<_>>().unwrap();
     let from_memory = train_on(&header(40, 30), &pairs, &options(40), &mut |_| true).unwrap();
     // With the rollouts in memory, and in a temporary file.
     for memory_bytes in [TrainOptions::MEMORY_BYTES, 0] {
@@ -85,7 +85,7 @@ fn a_killed_training_is_resumed_from_its_checkpoint_and_by_no_other() {
     let (out, kept) = (dataset(&folder, 40, 30), folder.path().join("checkpoint"));
     let trained = |options: &TrainOptions, stop: u64| train_file(&out, options, Some(&kept), &mut |at| at.step < stop);
     let whole: Model = train_file(&out, &options(100), None, &mut |_| true).unwrap();
-    assert!(matches!(trained(&options(100), 40), Err(Error::Stopped)));
+    assert!(matches!(trained(&options(100), 40), Err(Error::Core(tunenet_core::Error::Stopped))));
     let refused = trained(&TrainOptions { seed: 8, ..options(100) }, 100).unwrap_err();
     let expected = "checkpoint: expected a checkpoint of this training, found one of another dataset, preset or seed";
     assert!(refused.to_string().ends_with(expected), "{refused}");

@@ -10,7 +10,7 @@ use super::file::at;
 use super::safetensors;
 use crate::dataset::DatasetFile;
 use crate::source::open;
-use crate::{Error, Result, write_atomically};
+use crate::{Action, Error, Result, write_atomically};
 
 /// Trains a network on the dataset at `dataset`; see [`train()`]. Its state is kept at `checkpoint`, where one is given; what
 /// does not fit into memory waits in a temporary file next to that, or else in the system's folder for such files.
@@ -29,12 +29,14 @@ pub fn train_file(
     let overflow = || tempfile::tempfile_in(&folder);
     let keeping = Keeping { checkpoint: kept.as_ref().map(|kept| kept as &dyn Checkpoint), overflow: Some(&overflow) };
     train(&DatasetFile::open(dataset)?, options, keeping, progress).map_err(|error| match error {
-        Error::Dataset { expected, found, remedy } => {
+        tunenet_core::Error::Dataset { expected, found, remedy } => {
             Error::file(dataset, format!("expected {expected}, found {found}"), remedy)
         }
-        Error::Overflow { action, source } => Error::io(folder.join("temporary file of the training"), action, source),
-        Error::Weights { .. } => at(checkpoint.unwrap_or(dataset), error),
-        other => other,
+        tunenet_core::Error::Overflow { action, source } => {
+            Error::io(folder.join("temporary file of the training"), action, source)
+        }
+        tunenet_core::Error::Weights { .. } => at(checkpoint.unwrap_or(dataset), error),
+        other => other.into(),
     })
 }
 
@@ -54,11 +56,11 @@ struct CheckpointFile<'a> {
 }
 
 impl Checkpoint for CheckpointFile<'_> {
-    fn fingerprint(&self, settings: &[u8]) -> Result<String> {
+    fn fingerprint(&self, settings: &[u8]) -> tunenet_core::Result<String> {
         let mut hash = Sha256::new();
         let mut file = std::io::BufReader::new(open(self.dataset)?);
         loop {
-            let bytes = file.fill_buf().map_err(|e| Error::io(self.dataset, "reading", e))?;
+            let bytes = file.fill_buf().map_err(|e| Error::io(self.dataset, Action::Reading, e))?;
             if bytes.is_empty() {
                 break;
             }
@@ -70,12 +72,12 @@ impl Checkpoint for CheckpointFile<'_> {
         Ok(hex::encode(hash.finalize()))
     }
 
-    fn load(&self) -> Result<Option<Weights>> {
-        self.path.exists().then(|| safetensors::read(self.path, "a checkpoint")).transpose()
+    fn load(&self) -> tunenet_core::Result<Option<Weights>> {
+        Ok(self.path.exists().then(|| safetensors::read(self.path, "a checkpoint")).transpose()?)
     }
 
-    fn save(&self, weights: &Weights) -> Result<()> {
+    fn save(&self, weights: &Weights) -> tunenet_core::Result<()> {
         let bytes = safetensors::to_bytes(self.path, weights)?;
-        write_atomically(self.path, |file| file.write_all(&bytes))
+        Ok(write_atomically(self.path, |file| file.write_all(&bytes))?)
     }
 }

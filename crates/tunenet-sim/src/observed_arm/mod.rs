@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 use tunenet_core::simulator::{Parameter, Preparation, Simulator};
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use crate::SimulationFile;
 use crate::arm::{Model, Motion, urdf};
@@ -51,7 +51,8 @@ impl ObservedArm {
         }
         let (model, link) = arm(file)?;
         let circle = scene.motion.circle();
-        let motion = Motion::circle(&model, &model.frames[link], &circle).map_err(|e| in_file(file, e))?;
+        let motion =
+            Motion::circle(&model, &model.frames[link], &circle).map_err(|e| in_file(file, Part::Motion, e))?;
         let unit = |kind| if kind == crate::arm::JointKind::Prismatic { "N" } else { "N·m" };
         let joint = |(i, joint): (usize, &crate::arm::Joint)| Channel::new(format!("tau{}", i + 1), unit(joint.kind));
         let channels = model.joints().into_iter().enumerate().map(joint).collect();
@@ -100,24 +101,33 @@ impl ObservedArm {
 pub fn arm(file: &SimulationFile) -> Result<(Model, usize)> {
     let arm = &file.arm()?.arm;
     let name = arm.payload_link.as_str();
-    let chain = urdf::read(&next_to_file(file, arm))?.chain_to(name).map_err(|e| in_file(file, e))?;
-    let model = chain.weighed().map_err(|e| in_file(file, e))?;
+    let chain =
+        urdf::read(&next_to_file(file, arm))?.chain_to(name).map_err(|e| in_file(file, Part::PayloadLink, e))?;
+    let model = chain.weighed().map_err(|e| in_file(file, Part::Urdf, e))?;
     let link = model.frames.iter().position(|f| f.name == name).unwrap_or(0);
     Ok((model, link))
 }
 
-/// A setting that the file is to blame for.
-fn in_file(file: &SimulationFile, error: Error) -> Error {
-    let Error::Setting { name, expected, found, .. } = error else { return error };
-    let hint = match name {
-        "motion" => "change centre_m, radius_m or rate_rad_s under [motion]; the arm's base is the origin",
-        "arm.payload_link" => "name the link that holds the payload; its frame is where the payload is",
-        _ => "mend the URDF",
+/// What of the file a setting comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Motion,
+    PayloadLink,
+    /// The URDF that the file names.
+    Urdf,
+}
+
+/// A setting that `part` of the file is to blame for.
+fn in_file(file: &SimulationFile, part: Part, error: tunenet_core::Error) -> Error {
+    let tunenet_core::Error::Setting { name, expected, found, .. } = error else { return error.into() };
+    let hint = match part {
+        Part::Motion => "change centre_m, radius_m or rate_rad_s under [motion]; the arm's base is the origin",
+        Part::PayloadLink => "name the link that holds the payload; its frame is where the payload is",
+        Part::Urdf => {
+            let path = urdf_path(file).unwrap_or_else(|_| file.path().to_path_buf());
+            return Error::file(path, format!("expected {expected}, found {found}"), "mend the URDF");
+        }
     };
-    if name == "arm.urdf" {
-        let path = urdf_path(file).unwrap_or_else(|_| file.path().to_path_buf());
-        return Error::file(path, format!("expected {expected}, found {found}"), hint);
-    }
     Error::file(file.path(), format!("`{name}`: expected {expected}, found {found}"), hint)
 }
 
@@ -146,7 +156,7 @@ impl Simulator for ObservedArm {
         Kind::Joints
     }
 
-    fn prepare(&self, seen: &Observation) -> Result<Preparation> {
+    fn prepare(&self, seen: &Observation) -> tunenet_core::Result<Preparation> {
         self.prepared(seen)
     }
 

@@ -71,7 +71,7 @@ impl ObservedBall {
     ///
     /// # Errors
     /// [`Error::Observation`] where a ball cannot be observed so; what the file's parameters refuse.
-    pub fn new(file: &SimulationFile, kind: Kind) -> Result<Self> {
+    pub fn new(file: &SimulationFile, kind: Kind) -> tunenet_formats::Result<Self> {
         let ball = file.ball()?;
         let release = ball.release.clone();
         let surface_height_m = ball.surface.height_m;
@@ -87,7 +87,8 @@ impl ObservedBall {
                     what: "the observation".into(),
                     expected,
                     found: kind_name(kind).into(),
-                });
+                }
+                .into());
             }
         };
         let parameters = file.parameters()?;

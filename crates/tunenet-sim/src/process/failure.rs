@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use tunenet_core::Error;
 use tunenet_core::text::visible;
+use tunenet_formats::Error;
 
 /// Most characters of what a program printed that a sentence repeats.
 const LONGEST_SHOWN: usize = 160;

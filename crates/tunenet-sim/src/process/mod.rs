@@ -70,10 +70,10 @@ impl ProcessSimulator {
     /// its rollouts and keeps its failure.
     ///
     /// # Errors
-    /// [`Error::Setting`] where `session` has no [permission](Permission) to run it; [`Error::File`] where the file
-    /// describes no program, where a program of the session failed before, or where the program cannot be started or does not
-    /// speak as it should.
-    pub fn start(file: &SimulationFile, session: &Session) -> Result<Self> {
+    /// [`Error::Setting`] where `session` has no [permission](Permission) to run it;
+    /// [`File`](tunenet_formats::Error::File) where the file describes no program, where a program of the session
+    /// failed before, or where the program cannot be started or does not speak as it should.
+    pub fn start(file: &SimulationFile, session: &Session) -> tunenet_formats::Result<Self> {
         file.process()?;
         session.require_permission(file)?;
         session.failed()?;

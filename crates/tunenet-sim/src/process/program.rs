@@ -7,7 +7,7 @@ use serde_json::{Map, Value as Json};
 use toml_edit::{Item, TableLike, Value};
 use tunenet_core::observation::Channel;
 use tunenet_core::simulator::Parameter;
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use super::failure::printable;
 use crate::SimulationFile;

@@ -5,8 +5,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
+use tunenet_core::Origin;
 use tunenet_core::observation::Note;
-use tunenet_core::{Error, Origin, Result};
+use tunenet_formats::Result;
 
 use super::failure::{self, Failure};
 use super::pool::Pool;
@@ -74,7 +75,7 @@ impl Session {
     /// Refuses to run the program of `file` without permission.
     ///
     /// # Errors
-    /// [`Error::Setting`] where the permission is [denied](Permission::Denied).
+    /// [`Setting`](tunenet_core::Error::Setting) where the permission is [denied](Permission::Denied).
     pub fn require_permission(&self, file: &SimulationFile) -> Result<()> {
         if self.permission == Permission::Granted {
             return Ok(());
@@ -88,13 +89,14 @@ impl Session {
         };
         let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
         let found = "none: give it for files that you trust".into();
-        Err(Error::Setting { origin: Origin::Caller, name: "--allow-process", expected, found })
+        Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "--allow-process", expected, found }.into())
     }
 
     /// Refuses to continue after a program of this session failed.
     ///
     /// # Errors
-    /// [`Error::File`] with the first failure: the program ended, hung, or answered otherwise than before.
+    /// [`File`](tunenet_formats::Error::File) with the first failure: the program ended, hung, or answered otherwise
+    /// than before.
     pub fn failed(&self) -> Result<()> {
         let first = lock(&self.failure);
         first.as_ref().map_or(Ok(()), |Failed { file, failure }| Err(failure.clone().error(file)))
@@ -110,7 +112,7 @@ impl Session {
     /// answers otherwise in the end. Call it before the simulators are dropped.
     ///
     /// # Errors
-    /// [`Error::File`] where one answers otherwise, or as [`failed`](Self::failed).
+    /// [`File`](tunenet_formats::Error::File) where one answers otherwise, or as [`failed`](Self::failed).
     pub fn settle(&self) -> Result<()> {
         self.failed()?;
         let running = lock(&self.running).clone();

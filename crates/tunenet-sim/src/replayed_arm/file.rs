@@ -2,7 +2,7 @@
 
 use tunenet_core::observation::Note;
 use tunenet_core::simulator::Simulator;
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use super::ReplayedArm;
 use crate::SimulationFile;
@@ -19,7 +19,8 @@ impl ReplayedArm {
     /// The arm that `file` describes, its effects at the values that stand there.
     ///
     /// # Errors
-    /// What reading the URDF refuses; [`Error::File`] and [`Error::Setting`] where the file does not fit the arm.
+    /// What reading the URDF refuses; [`Error::File`] and [`Setting`](tunenet_core::Error::Setting) where the file does
+    /// not fit the arm.
     pub fn from_file(file: &SimulationFile) -> Result<Self> {
         let (model, link) = arm(file)?;
         let (payload, joints) = (model.frames[link].clone(), model.degrees());
@@ -31,11 +32,11 @@ impl ReplayedArm {
         }
         if let Some(gains) = scene.arm.current_gain_nm_a.clone() {
             new = new.with_current_gain(gains).map_err(|error| match error {
-                Error::Setting { name, expected, found, .. } => {
+                tunenet_core::Error::Setting { name, expected, found, .. } => {
                     let message = format!("`{name}`: expected {expected}, found {found}");
                     Error::file(file.path(), message, "one number for each joint between base and payload")
                 }
-                other => other,
+                other => other.into(),
             })?;
         }
         for present in file.arm_effects(joints)? {
@@ -65,5 +66,5 @@ pub fn replayed(file: &SimulationFile) -> Result<Box<dyn Simulator>> {
     let arm = ReplayedArm::from_file(file)?;
     let present = file.arm_effects(arm.joint_names().len())?;
     let free: Vec<&str> = present.iter().filter(|p| p.tune).map(|p| p.effect.name).collect();
-    if free.is_empty() { Ok(Box::new(arm)) } else { arm.with_effects(&free) }
+    Ok(if free.is_empty() { Box::new(arm) } else { arm.with_effects(&free)? })
 }

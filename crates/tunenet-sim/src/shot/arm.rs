@@ -3,8 +3,8 @@
 use nalgebra::{Rotation3, Translation3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use tunenet_core::{Error, Result};
 use tunenet_formats::JointPoint;
+use tunenet_formats::{Error, Result};
 
 use super::Reach;
 use crate::arm::reach::{self, Goal, Settings};
@@ -43,17 +43,17 @@ impl ArmReach {
     /// Reads the arm of a task. Whether it collides with anything, itself included, is not looked at.
     ///
     /// # Errors
-    /// As [`urdf::read`]; [`Error::Setting`] where it has no such link, or no joint moves it.
+    /// As [`urdf::read`]; [`Setting`](tunenet_core::Error::Setting) where it has no such link, or no joint moves it.
     pub fn new(task: &ArmTask) -> Result<Self> {
         let whole = urdf::read(&task.urdf)?;
         let last = || whole.frames.last().map(|f| f.name.clone()).unwrap_or_default();
         let link = task.link.clone().unwrap_or_else(last);
-        let named = |error: Error| match error {
-            Error::Setting { expected, found, .. } => {
+        let named = |error: tunenet_core::Error| match error {
+            tunenet_core::Error::Setting { expected, found, .. } => {
                 let message = format!("`arm.link`: expected {expected}, found {found}");
                 Error::file(&task.urdf, message, "name the link that holds the ball in the task file")
             }
-            other => other,
+            other => other.into(),
         };
         let model = whole.chain_to(&link).map_err(named)?;
         let frame = model.frame(&link).map_err(named)?;
@@ -126,7 +126,7 @@ impl ArmReach {
 }
 
 impl Reach for ArmReach {
-    fn joints(&self, point_m: [f64; 3], before: Option<&[f64]>) -> Result<Option<Vec<f64>>> {
+    fn joints(&self, point_m: [f64; 3], before: Option<&[f64]>) -> tunenet_core::Result<Option<Vec<f64>>> {
         if let Some(found) = before.and_then(|q| self.near(point_m, q)) {
             return Ok(Some(found));
         }

@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 use toml_edit::{InlineTable, Value};
 use tunenet_core::observation::Note;
 use tunenet_core::statistics::NORMAL_95;
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use super::Task;
 use super::provenance::Provenance;

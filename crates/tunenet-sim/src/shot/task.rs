@@ -4,8 +4,8 @@ use std::path::Path;
 
 use toml_edit::de::from_document;
 use toml_edit::{Document, Item};
-use tunenet_core::{Error, Result};
 use tunenet_formats::read_text;
+use tunenet_formats::{Error, Result};
 
 use crate::scene::Task;
 use crate::simulation_file::check::{Vocabulary, located, walk};

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use toml_edit::{Array, Item};
-use tunenet_core::{Error, Origin, Result};
+use tunenet_core::Origin;
+use tunenet_formats::{Error, Result};
 
 use super::schema::{Key, Shape, item_number, number};
 use super::{SimulationFile, table};
@@ -78,10 +79,11 @@ impl SimulationFile {
     /// kept as it stands.
     ///
     /// # Errors
-    /// [`Error::Setting`] where the effect is unknown or a number is outside its bounds; the file is as before then.
+    /// [`Setting`](tunenet_core::Error::Setting) where the effect is unknown or a number is outside its bounds; the
+    /// file is as before then.
     pub fn add_arm_effect(&mut self, name: &str, values: &[f64]) -> Result<()> {
         let refuse = |expected: String, found: String| {
-            Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found })
+            Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "effects", expected, found }.into())
         };
         let Some(effect) = ArmEffect::find(name) else {
             return refuse("an effect of an arm".into(), format!("`{name}`"));

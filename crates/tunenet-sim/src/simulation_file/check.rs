@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use toml_edit::{Item, Table, TableLike};
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 use super::domain::Domain;
 use super::process_schema;

@@ -1,9 +1,10 @@
 //! The effects of a simulation file: `[effects.NAME]`, read and written.
 
 use toml_edit::Item;
+use tunenet_core::Origin;
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Coefficient, measurement_effects};
-use tunenet_core::{Error, Origin, Result};
+use tunenet_formats::Result;
 
 use super::schema::item_number;
 use super::{SimulationFile, table};
@@ -51,13 +52,13 @@ impl SimulationFile {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Setting`] where the effect or a coefficient is unknown, or a value outside its bounds; the file is as
-    /// before then.
+    /// [`Setting`](tunenet_core::Error::Setting) where the effect or a coefficient is unknown, or a value outside its
+    /// bounds; the file is as before then.
     pub fn add_effect(&mut self, name: &str, values: &[(&str, f64)]) -> Result<()> {
         for (key, value) in values {
             let path = format!("effects.{name}.{key}");
             let refuse = |expected: String, found: String| {
-                Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found })
+                Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "effects", expected, found }.into())
             };
             let Some(known) = self.domain().find(&path) else {
                 return refuse(format!("one of {}", self.domain().siblings(&path).join(", ")), format!("`{path}`"));

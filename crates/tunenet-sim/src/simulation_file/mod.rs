@@ -16,9 +16,10 @@ use std::path::{Path, PathBuf};
 
 use toml_edit::de::from_document;
 use toml_edit::{Item, Table, Value};
+use tunenet_core::Origin;
 use tunenet_core::simulator::Parameter;
-use tunenet_core::{Error, Origin, Result};
 use tunenet_formats::read_text;
+use tunenet_formats::{Error, Result};
 
 pub use arm_effects::{ARM_EFFECT_KEYS, PresentArmEffect};
 pub use arm_schema::ARM_KEYS;
@@ -93,10 +94,11 @@ impl SimulationFile {
     /// Overrides one key, as `--set TABLE.KEY=VALUE` does.
     ///
     /// # Errors
-    /// [`Error::Setting`] where the text is not of that form, the key is unknown, or the value does not fit it.
+    /// [`Setting`](tunenet_core::Error::Setting) where the text is not of that form, the key is unknown, or the value
+    /// does not fit it.
     pub fn set(&mut self, assignment: &str) -> Result<()> {
         let refuse = |expected: String, found: String| {
-            Err(Error::Setting { origin: Origin::Caller, name: "--set", expected, found })
+            Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "--set", expected, found }.into())
         };
         let Some((path, text)) = assignment.split_once('=') else {
             return refuse("TABLE.KEY=VALUE".into(), format!("`{assignment}`"));
@@ -239,7 +241,7 @@ impl SimulationFile {
     /// file describes, in its order.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where bounds and value contradict each other.
+    /// [`Parameter`](tunenet_core::Error::Parameter) where bounds and value contradict each other.
     pub fn parameters(&self) -> Result<Vec<Parameter>> {
         if self.domain() == Domain::Process {
             return self.named_parameters();

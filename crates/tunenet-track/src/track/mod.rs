@@ -3,7 +3,7 @@
 pub mod answer;
 
 use opencv::core::{Mat, MatTraitConstManual};
-use tunenet_core::{Error, Origin, Result};
+use tunenet_core::Origin;
 use tunenet_video_protocol::track::TrackFailure;
 
 pub use self::answer::{Answer, Track};
@@ -20,6 +20,7 @@ use crate::tracker::{Sighting, Tracker};
 use crate::video::{FEWEST_FRAMES, undecodable};
 use crate::view::View;
 use tunenet_core::statistics::{median, quantile};
+use tunenet_formats::{Error, Result};
 
 /// Whole frames up to this many bytes wait until it is known what to look for, so that a video is decoded only once.
 const WAITING_BYTES: usize = 256 << 20;
@@ -61,11 +62,13 @@ pub struct Settings {
 /// with the video.
 ///
 /// # Errors
-/// [`Error::File`] where the video cannot be read; [`Error::Setting`] for a rate that is none.
+/// [`Error::File`] where the video cannot be read; [`Setting`](tunenet_core::Error::Setting) for a rate that is none.
 pub fn track(source: &Source, settings: &Settings, progress: &mut dyn FnMut(usize, Option<usize>)) -> Result<Answer> {
     if let Some(rate) = settings.rate_hz.filter(|r| !(r.is_finite() && (1e-3..=1e6).contains(r))) {
         let (expected, found) = ("frames per second from 0.001 to 1000000".into(), rate.to_string());
-        return Err(Error::Setting { origin: Origin::Caller, name: "--camera-rate", expected, found });
+        return Err(
+            tunenet_core::Error::Setting { origin: Origin::Caller, name: "--camera-rate", expected, found }.into()
+        );
     }
     let most = settings.most_frames.unwrap_or(usize::MAX);
     let mut first =

@@ -20,7 +20,7 @@ impl Linear {
         let reader = DatasetReader::open(data)?;
         let header = reader.header().clone();
         let channels = header.channels.len();
-        let pairs: Vec<Pair> = reader.collect::<tunenet_core::Result<_>>()?;
+        let pairs: Vec<Pair> = reader.collect::<tunenet_formats::Result<_>>()?;
         let row = |pair: &Pair| means(&difference(&pair.proposed, &pair.target), channels);
         let inputs = DMatrix::from_rows(&pairs.iter().map(|p| row(p).transpose()).collect::<Vec<_>>());
         let masses = pairs.iter().map(|p| p.target_parameters[0] - p.proposed_parameters[0]);

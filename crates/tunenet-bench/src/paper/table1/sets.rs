@@ -109,7 +109,7 @@ impl Sets {
         let validation = make("validation", "paper", judged, seeds[1], &[])?;
         let test = make("test", "hard", judged, seeds[2], &[])?;
         make("wide", "wide", training, seeds[0], &["--set", TRAINING_HZ])?;
-        let read = |name: &str| DatasetReader::open(path(name))?.collect::<tunenet_core::Result<Vec<Pair>>>();
+        let read = |name: &str| DatasetReader::open(path(name))?.collect::<tunenet_formats::Result<Vec<Pair>>>();
         let scene = SimulationFile::read(&file)?;
         let mut unbounded = scene.clone();
         unbounded.set("parameters.payload_mass.max=100")?;

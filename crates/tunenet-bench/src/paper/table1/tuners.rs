@@ -101,7 +101,7 @@ impl ArmTuners {
         };
         let reader = DatasetReader::open(&sets.training)?;
         let header = reader.header().clone();
-        let pairs: Vec<Pair> = reader.collect::<tunenet_core::Result<_>>()?;
+        let pairs: Vec<Pair> = reader.collect::<tunenet_formats::Result<_>>()?;
         let reference = rollout(&sets.arm, &sets.parameters(REFERENCE_KG), &[], &header.clock)?;
         let learn_direct = || -> Result<Model> {
             store.keep(&format!("table1-model-direct-{seed}"), || {

@@ -60,7 +60,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             anstream::eprintln!("{error}");
-            if let Some(hint) = error.downcast_ref::<tunenet_core::Error>().and_then(tunenet_core::Error::hint) {
+            if let Some(hint) = error.downcast_ref::<tunenet_formats::Error>().and_then(tunenet_formats::Error::hint) {
                 anstream::eprintln!("{hint}");
             }
             ExitCode::FAILURE

@@ -9,9 +9,9 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use tunenet_ball::preflight::Expected;
 use tunenet_ball::{Arcs, bounces};
-use tunenet_core::Error;
 use tunenet_core::observation::{self, Channel, Kind, Observation, resample};
 use tunenet_core::statistics::NORMAL_95;
+use tunenet_formats::{Action, Error};
 use tunenet_track::colour::Window;
 use tunenet_track::overlay::{Drawn, overlay, plain};
 use tunenet_track::scale::{Known, Metric};
@@ -72,7 +72,7 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<TrackAnswer> {
     match found(options) {
         Err(Error::File { message, hint, .. }) => Ok(TrackAnswer::FileRefused { message, hint }),
-        Err(Error::Setting { name, expected, found, .. }) => {
+        Err(Error::Core(tunenet_core::Error::Setting { name, expected, found, .. })) => {
             let flag = Flag::ALL.iter().copied().find(|flag| flag.word() == name);
             let flag = flag.with_context(|| format!("{name}: expected {expected}, found {found}"))?;
             Ok(TrackAnswer::FlagRefused { flag, expected, found })
@@ -81,7 +81,7 @@ pub fn run(options: &Options) -> Result<TrackAnswer> {
     }
 }
 
-fn found(options: &Options) -> tunenet_core::Result<TrackAnswer> {
+fn found(options: &Options) -> tunenet_formats::Result<TrackAnswer> {
     let source = Source::new(&options.file, options.topic.as_deref()).at_rate(options.camera_rate.or(options.rate));
     let colour = options.color.as_deref().map(Window::parse).transpose()?;
     let settings = Settings {
@@ -103,7 +103,7 @@ fn found(options: &Options) -> tunenet_core::Result<TrackAnswer> {
     Ok(TrackAnswer::Tracked(Box::new(answer_of(options, &track, &drawn)?)))
 }
 
-fn drawn(options: &Options, source: &Source, track: &Track, bar: &ProgressBar) -> tunenet_core::Result<Vec<Drawn>> {
+fn drawn(options: &Options, source: &Source, track: &Track, bar: &ProgressBar) -> tunenet_formats::Result<Vec<Drawn>> {
     if options.sheet == 0 && options.overlay.is_none() {
         return Ok(Vec::new());
     }
@@ -114,7 +114,7 @@ fn drawn(options: &Options, source: &Source, track: &Track, bar: &ProgressBar) -
     });
     if let (Some(part), Some(whole)) = (&part, &options.overlay) {
         if drawn.is_ok() {
-            std::fs::rename(part, whole).map_err(|e| Error::io(whole, "writing", e))?;
+            std::fs::rename(part, whole).map_err(|e| Error::io(whole, Action::Writing, e))?;
         } else {
             let _ = std::fs::remove_file(part);
         }

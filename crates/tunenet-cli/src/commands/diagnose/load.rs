@@ -1,10 +1,9 @@
 //! From files to objects with their simulators, and recordings.
 
 use anyhow::{Context, Result};
-use tunenet_core::Error;
 use tunenet_core::observation::{Kind, Note};
 use tunenet_core::simulator::Simulator;
-use tunenet_formats::kind_name;
+use tunenet_formats::{Error, kind_name};
 use tunenet_sim::replayed_arm::replays;
 use tunenet_sim::simulator;
 

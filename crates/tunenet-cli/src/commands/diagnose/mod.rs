@@ -15,7 +15,7 @@ use std::time::Instant;
 use anyhow::Result;
 use serde_json::json;
 use tunenet_ball::diagnose;
-use tunenet_core::diagnose::{Diagnosis, Settings, Subject, Verdict};
+use tunenet_core::diagnose::{Diagnosis, Settings, Subject};
 use tunenet_core::observation::Note;
 use tunenet_sim::SimulationFile;
 
@@ -55,10 +55,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         html::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
         stage("report", &path.display().to_string());
     }
-    Ok(match diagnosis.verdict() {
-        Verdict::None | Verdict::Named => Exit::Done,
-        Verdict::OneOf | Verdict::Unknown | Verdict::Insufficient => Exit::Inconclusive,
-    })
+    Ok(diagnosis.verdict().into())
 }
 
 /// Each recording on its own.

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::{Error, Origin};
+use tunenet_core::Origin;
+use tunenet_formats::{Action, Error};
 
 use crate::args::Diagnose;
 use crate::files::destination::{self, Output, Product};
@@ -33,9 +34,9 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
         // The page may not be the folder itself either.
         if options.report.as_deref() == Some(out) {
             let (expected, found) = ("another file than `--out`".into(), names::file_name(out));
-            return Err(Error::Setting { origin: Origin::Flag, name: "--report", expected, found }.into());
+            return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "--report", expected, found }.into());
         }
-        std::fs::create_dir_all(out).map_err(|e| Error::io(out, "creating", e))?;
+        std::fs::create_dir_all(out).map_err(|e| Error::io(out, Action::Creating, e))?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! What a manifest entry says of the scene of its object.
 
 use anyhow::Result;
-use tunenet_core::Error;
+use tunenet_formats::Error;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
@@ -22,7 +22,7 @@ pub fn in_scene(options: &Diagnose, source: &Source, file: &SimulationFile) -> R
     for (key, value) in source.scene.iter().flat_map(|(key, value)| known_payload(key, value)) {
         file.set(&format!("{key}={value}")).map_err(|e| match e {
             // Not the command line's fault.
-            Error::Setting { expected, found, .. } => {
+            Error::Core(tunenet_core::Error::Setting { expected, found, .. }) => {
                 let message = format!("{}: expected {expected}, found {found}", source.path.display());
                 Error::file(options.manifest.clone().unwrap_or_default(), message, "see docs/files.md for the keys")
             }

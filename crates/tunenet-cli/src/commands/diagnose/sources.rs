@@ -1,7 +1,7 @@
 //! Which files to diagnose: from the command line, or from a manifest that groups them into objects.
 
 use anyhow::Result;
-use tunenet_core::Error;
+use tunenet_formats::Error;
 use tunenet_sim::SimulationFile;
 
 use crate::args::Diagnose;

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use serde::Deserialize as _;
+use serde::Deserialize;
 use serde_json::{Value, json};
 use tunenet_core::network::Shard;
-use tunenet_core::{Error, diagnose, tune};
-use tunenet_formats::write_atomically;
+use tunenet_core::{diagnose, tune};
+use tunenet_formats::{Action, Error, write_atomically};
 
 use crate::failure::Exit;
 use crate::view::answer;
@@ -31,29 +31,41 @@ fn without_run(mut value: Value) -> Value {
     value
 }
 
+/// The verdict of an answer, by either tool. No word is a verdict of both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+enum Verdict {
+    Tune(tune::Verdict),
+    Diagnose(diagnose::Verdict),
+}
+
+impl Verdict {
+    /// How the command that gave the answer ended.
+    fn exit(self) -> Exit {
+        match self {
+            Self::Tune(verdict) => verdict.into(),
+            Self::Diagnose(verdict) => verdict.into(),
+        }
+    }
+}
+
 /// Writes an answer, and makes its folder.
 pub fn write(path: &Path, value: &Value) -> Result<()> {
     if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|source| Error::io(folder, "creating", source))?;
+        std::fs::create_dir_all(folder).map_err(|source| Error::io(folder, Action::Creating, source))?;
     }
     let text = format!("{value:#}\n");
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
 }
 
-/// Whether an answer is one that ends a single run with success.
-fn is_certain(answer: &Value) -> bool {
-    let tuned = tune::Verdict::deserialize(&answer["verdict"]).map(|v| v == tune::Verdict::Tuned);
-    let found = diagnose::Verdict::deserialize(&answer["verdict"]);
-    let found = found.map(|v| matches!(v, diagnose::Verdict::None | diagnose::Verdict::Named));
-    tuned.or(found).unwrap_or(false)
-}
-
 /// The one object of all answers, and how the command ends with them.
 pub fn together(tool: &str, objects: Vec<Value>, shard: Option<Shard>) -> (Exit, Value) {
     let refused = objects.iter().filter(|object| object.get("error").is_some()).count();
+    let done =
+        |object: &Value| Verdict::deserialize(&object["verdict"]).is_ok_and(|verdict| verdict.exit() == Exit::Done);
     let exit = if refused > 0 {
         Exit::Refused
-    } else if objects.iter().all(is_certain) {
+    } else if objects.iter().all(done) {
         Exit::Done
     } else {
         Exit::Inconclusive
@@ -72,7 +84,7 @@ pub fn merged(tool: &str, recordings: &[String], folder: &Path, as_json: bool) -
     let mut objects = Vec::with_capacity(recordings.len());
     for name in recordings {
         let path = folder.join(name);
-        let text = std::fs::read_to_string(&path).map_err(|source| Error::io(&path, "reading", source))?;
+        let text = std::fs::read_to_string(&path).map_err(|source| Error::io(&path, Action::Reading, source))?;
         let value = serde_json::from_str(&text).with_context(|| format!("{} is no answer", path.display()))?;
         objects.push(without_run(value));
     }
@@ -91,3 +103,30 @@ pub const RUN: &str = "run";
 
 /// All answers together, beside those to each recording.
 pub const ALL: &str = "each.json";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_verdict_ends_as_its_own_command_does() {
+        let exit = |verdict: &str| Verdict::deserialize(&json!(verdict)).ok().map(Verdict::exit);
+        for done in ["tuned", "none", "named"] {
+            assert_eq!(exit(done), Some(Exit::Done), "{done}");
+        }
+        for open in ["rejected", "poor_fit", "not_identifiable", "one_of", "unknown", "insufficient"] {
+            assert_eq!(exit(open), Some(Exit::Inconclusive), "{open}");
+        }
+        assert_eq!(exit("refused"), None);
+    }
+
+    #[test]
+    fn together_end_as_the_worst_of_them() {
+        let exit = |objects: Vec<Value>| together("tune", objects, None).0;
+        let (tuned, poor, refused) =
+            (json!({"verdict": "tuned"}), json!({"verdict": "poor_fit"}), json!({"error": "no"}));
+        assert_eq!(exit(vec![tuned.clone()]), Exit::Done);
+        assert_eq!(exit(vec![tuned.clone(), poor.clone()]), Exit::Inconclusive);
+        assert_eq!(exit(vec![tuned, poor, refused]), Exit::Refused);
+    }
+}

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result};
-use tunenet_core::Error;
+use tunenet_formats::Error;
 
 /// Names of files for the answers to `recordings`, in their order: `b/drop.csv.json` for `runs/b/drop.csv` beside
 /// `runs/a/drop.csv`. They depend on how the recordings lie to each other, not on where they lie: every machine has the same.

@@ -45,7 +45,7 @@ struct InOrder<T> {
     count: usize,
     /// Whether standard output is for the one object.
     json: bool,
-    printed: tunenet_core::Result<()>,
+    printed: tunenet_formats::Result<()>,
 }
 
 impl<T> InOrder<T> {

@@ -49,7 +49,7 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
         }
         let drawn = Drawn::new(&file, Ranges::general())?;
         let header = drawn.header("ball/general", options.common.seed, options.pairs);
-        let pair = |_: u64, random: &mut ChaCha8Rng| drawn.pair(random);
+        let pair = |_: u64, random: &mut ChaCha8Rng| drawn.pair(random).map_err(tunenet_formats::Error::from);
         let shard = options.sharing.shard;
         return made(options, &header, |report| fill(&header, shard, &pair, out, report));
     }
@@ -90,7 +90,7 @@ pub fn run(options: &Gen, out: &Path) -> Result<Exit> {
         let pair = |_: u64, random: &mut ChaCha8Rng| {
             let top = floor + random.random_range(CENTRE_HEIGHT_M);
             let [proposed, target] = [proposed, target].map(|(low, high)| random.random_range(low..=high));
-            drops.pair(proposed, target, top, random)
+            drops.pair(proposed, target, top, random).map_err(tunenet_formats::Error::from)
         };
         let shard = options.sharing.shard;
         return made(options, &header, |report| fill(&header, shard, &pair, out, report));

@@ -8,7 +8,7 @@ mod write;
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::Error;
+use tunenet_formats::Error;
 
 use self::write::place;
 use crate::args::{Domain, Gen};

@@ -3,9 +3,10 @@
 use anyhow::Result;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use tunenet_core::Origin;
 use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw};
 use tunenet_core::simulator::{Parameter, Simulator};
-use tunenet_core::{Error, Origin};
+use tunenet_formats::Error;
 use tunenet_formats::dataset::{DatasetWriter, generate};
 use tunenet_sim::{SimulationFile, observed, simulation_file};
 
@@ -19,11 +20,17 @@ pub fn run(options: &Gen) -> Result<Exit> {
     let preset = options.preset.unwrap_or(Pairs::Wide);
     if preset != Pairs::Wide {
         let (expected, found) = ("`wide` for a program".into(), format!("`{preset:?}`").to_lowercase());
-        return Err(Error::Setting { origin: Origin::Flag, name: "--preset", expected, found }.into());
+        return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "--preset", expected, found }.into());
     }
     let Some(path) = &options.sim else {
         let expected = "a program's simulation file, such as `tunenet init process` writes".into();
-        return Err(Error::Setting { origin: Origin::Flag, name: "--sim", expected, found: "none".into() }.into());
+        return Err(tunenet_core::Error::Setting {
+            origin: Origin::Flag,
+            name: "--sim",
+            expected,
+            found: "none".into(),
+        }
+        .into());
     };
     let mut file = SimulationFile::read(path)?;
     for assignment in &options.set {
@@ -70,6 +77,12 @@ pub fn run(options: &Gen) -> Result<Exit> {
         }
         // A rollout that fails is not kept; a program that is gone is the reason that is reported.
         session.failed()?;
-        generated.map_err(|error| refusal::of_program(&file, Asked::Within, &error).unwrap_or(error))
+        generated.map_err(|error| {
+            let refused = match &error {
+                Error::Core(own) => refusal::of_program(&file, Asked::Within, own),
+                _ => None,
+            };
+            refused.unwrap_or(error)
+        })
     })
 }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_core::Error;
 use tunenet_core::network::DatasetHeader;
+use tunenet_formats::Error;
 use tunenet_formats::dataset::DatasetReader;
 
 use crate::args::Gen;
@@ -20,7 +20,7 @@ use crate::view::text::{progress, stage};
 pub fn made(
     options: &Gen,
     header: &DatasetHeader,
-    make: impl FnOnce(&mut dyn FnMut(u64, u64) -> bool) -> tunenet_core::Result<()>,
+    make: impl FnOnce(&mut dyn FnMut(u64, u64) -> bool) -> tunenet_formats::Result<()>,
 ) -> Result<Exit> {
     if !there(options, header)? {
         let bar = progress(options.pairs, "rollouts");

@@ -7,7 +7,7 @@ mod thinned;
 mod video;
 
 use anyhow::Result;
-use tunenet_core::Error;
+use tunenet_formats::Error;
 use tunenet_sim::process::Permission;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{Session, SimulationFile};

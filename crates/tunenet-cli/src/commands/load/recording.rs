@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::Result;
 use toml_edit::DocumentMut;
-use tunenet_core::{Error, Origin};
-use tunenet_formats::{ReadOptions, Recording, read, read_text};
+use tunenet_core::Origin;
+use tunenet_formats::{Error, ReadOptions, Recording, read, read_text};
 use tunenet_sim::replayed_arm::replays;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
@@ -37,7 +37,7 @@ pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most:
     }
     if !reading.columns.is_empty() {
         let (expected, found) = ("a CSV file".into(), format!("the video {}", path.display()));
-        return Err(Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
+        return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
     }
     let asked = video::Asked::default()
         .with("--topic", reading.topic.as_ref())

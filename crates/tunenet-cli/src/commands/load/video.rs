@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::Error;
 use tunenet_core::observation::Observation;
-use tunenet_formats::Recording;
+use tunenet_formats::{Error, Recording};
 use tunenet_video_protocol::VideoFinding;
 use tunenet_video_protocol::track::{Metres, Tracked};
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tunenet_core::Error;
+use tunenet_formats::{Action, Error};
 
 use super::complete;
 use super::foreign::foreign;
@@ -88,10 +88,10 @@ fn gather(folder: &Path, mark: &Mark, all: &[(&Path, Mark)], out: &Path) -> Resu
         }
         let to = out.join(path);
         if let Some(within) = to.parent() {
-            std::fs::create_dir_all(within).map_err(|source| Error::io(within, "creating", source))?;
+            std::fs::create_dir_all(within).map_err(|source| Error::io(within, Action::Creating, source))?;
         }
         let bytes = folder.join(path);
-        let mut from = std::fs::File::open(&bytes).map_err(|source| Error::io(&bytes, "reading", source))?;
+        let mut from = std::fs::File::open(&bytes).map_err(|source| Error::io(&bytes, Action::Reading, source))?;
         tunenet_formats::write_atomically(&to, |file| std::io::copy(&mut from, file).map(|_| ()))?;
     }
     Ok(())

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_core::Error;
 use tunenet_core::network::Shard;
+use tunenet_formats::Error;
 use tunenet_formats::dataset::merge;
 
 use super::globs;

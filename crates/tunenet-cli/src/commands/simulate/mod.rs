@@ -7,10 +7,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_core::Error;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Measured, Simulator, rollout};
-use tunenet_formats::{kind_name, write_csv, write_mcap};
+use tunenet_formats::{Error, kind_name, write_csv, write_mcap};
 use tunenet_sim::scene::BallScene;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed};

@@ -23,6 +23,7 @@ pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -
     let clock = file.record().clock();
     let values = rollout(&seen, &parameters, &[], &clock);
     session.settle()?;
-    let values = values.map_err(|error| refusal::of_program(file, Asked::Present, &error).unwrap_or(error))?;
+    let values =
+        values.map_err(|error| refusal::of_program(file, Asked::Present, &error).unwrap_or_else(|| error.into()))?;
     Ok(Observation::new(Kind::Other, seen.channels().to_vec(), clock, values)?)
 }

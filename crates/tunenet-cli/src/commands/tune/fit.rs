@@ -4,11 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
-use tunenet_core::Error;
 use tunenet_core::network::Model;
 use tunenet_core::observation::Kind;
 use tunenet_core::tune::{Outcome, Settings, tune};
-use tunenet_formats::{Recording, kind_name};
+use tunenet_formats::{Error, Recording, kind_name};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ChosenNetwork, ObservedBall, Session, SimulationFile, observed, simulator};
 

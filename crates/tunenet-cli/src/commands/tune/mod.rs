@@ -24,7 +24,7 @@ use std::time::Instant;
 use anyhow::Result;
 use indicatif::ProgressBar;
 use tunenet_core::observation::Observation;
-use tunenet_core::tune::{Outcome, Verdict};
+use tunenet_core::tune::Outcome;
 use tunenet_formats::Recording;
 use tunenet_formats::load_model;
 use tunenet_sim::{Session, SimulationFile, simulator};
@@ -73,7 +73,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     render_start(&options.observation, &outcome, &chosen);
     printout(&outcome).show(options.common.json, || json::object(&outcome, &chosen, seconds))?;
     render_end(options.out.as_deref(), options.common.seed, &outcome, seconds);
-    let exit = exit(outcome.verdict);
+    let exit = Exit::from(outcome.verdict);
     if let Some(report) = &options.report {
         let names = options.observation.iter().map(|path| names::file_name(path)).collect();
         let working = fit::is_slow(&file, options).then(|| rolling("drawing", &session));
@@ -96,10 +96,6 @@ fn answer(
     let seen: Vec<Observation> = recordings.into_iter().map(|r| r.observation).collect();
     let ball = simulator(file, seen[0].kind(), session)?;
     Ok(Answer::new(&ball, names, seen, outcome)?)
-}
-
-fn exit(verdict: Verdict) -> Exit {
-    if verdict == Verdict::Tuned { Exit::Done } else { Exit::Inconclusive }
 }
 
 /// A video that shows no ball to tune to is an answer; every other error stays one.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use tunenet_core::Result;
+use tunenet_formats::Result;
 use tunenet_formats::write_atomically;
 
 const STYLE: &str = include_str!("style.css");

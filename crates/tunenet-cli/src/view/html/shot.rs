@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use maud::{Markup, html};
-use tunenet_core::Result;
+use tunenet_formats::Result;
 use tunenet_sim::ball::State;
 use tunenet_sim::shot::{Candidate, Flight, Rule};
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use maud::{Markup, html};
-use tunenet_core::Result;
 use tunenet_core::observation::Note;
+use tunenet_formats::Result;
 use tunenet_video_protocol::track::{Estimate, Facts, Picture, Samples, Tracked, Untracked};
 
 use super::axis::Axis;

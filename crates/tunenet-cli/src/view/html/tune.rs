@@ -4,10 +4,10 @@ use std::path::Path;
 use tunenet_core::findings;
 
 use maud::{Markup, html};
-use tunenet_core::Result;
 use tunenet_core::observation::Observation;
 use tunenet_core::simulator::{Parameter, Simulator};
 use tunenet_core::tune::{Evidence, Outcome, evidence};
+use tunenet_formats::Result;
 
 use super::figures::{Rung, autocorrelation, bars, ladder, profile, regions};
 use super::provenance::Provenance;

@@ -1,8 +1,8 @@
 //! What `inspect` says of datasets and networks.
 
 use serde_json::{Value, json};
-use tunenet_core::Error;
 use tunenet_core::network::{DatasetHeader, Model, Shard};
+use tunenet_formats::Error;
 
 use crate::view::answer::Printout;
 

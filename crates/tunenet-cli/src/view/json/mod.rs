@@ -8,8 +8,8 @@ pub(crate) mod tune;
 use std::io::{ErrorKind, Write};
 
 use serde_json::{Value, json};
-use tunenet_core::Error;
 use tunenet_core::observation::Note;
+use tunenet_formats::{Action, Error, Result};
 
 /// A note as every command's JSON has it.
 pub fn warning(note: &Note) -> Value {
@@ -20,7 +20,7 @@ pub fn warning(note: &Note) -> Value {
 ///
 /// # Errors
 /// As [`print()`].
-pub fn print_json(value: &Value) -> tunenet_core::Result<()> {
+pub fn print_json(value: &Value) -> Result<()> {
     print(format!("{value:#}\n").as_bytes())
 }
 
@@ -28,7 +28,7 @@ pub fn print_json(value: &Value) -> tunenet_core::Result<()> {
 ///
 /// # Errors
 /// [`Error::Io`] where it cannot be written: half an answer must not pass for a whole one.
-pub fn print(text: &[u8]) -> tunenet_core::Result<()> {
+pub fn print(text: &[u8]) -> Result<()> {
     write_to(&mut std::io::stdout().lock(), text)
 }
 
@@ -36,14 +36,14 @@ pub fn print(text: &[u8]) -> tunenet_core::Result<()> {
 ///
 /// # Errors
 /// As [`print()`].
-pub fn print_text(text: &str) -> tunenet_core::Result<()> {
+pub fn print_text(text: &str) -> Result<()> {
     write_to(&mut anstream::stdout().lock(), text.as_bytes())
 }
 
-fn write_to(out: &mut dyn Write, text: &[u8]) -> tunenet_core::Result<()> {
+fn write_to(out: &mut dyn Write, text: &[u8]) -> Result<()> {
     match out.write_all(text).and_then(|()| out.flush()) {
         Err(source) if source.kind() != ErrorKind::BrokenPipe => {
-            Err(Error::Io { path: "standard output".into(), action: "writing", source })
+            Err(Error::Io { path: "standard output".into(), action: Action::Writing, source })
         }
         _ => Ok(()),
     }

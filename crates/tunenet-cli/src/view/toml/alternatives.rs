@@ -26,7 +26,7 @@ pub fn fitted(simulator: &dyn Simulator, names: &[&str], sure: &[&str], seen: &[
 }
 
 /// Every drag that `seen` leaves open for the ball of a tuned file beside what is certain.
-pub fn open_to(tuned: &SimulationFile, sure: &[&str], seen: &[Observation]) -> tunenet_core::Result<Array> {
+pub fn open_to(tuned: &SimulationFile, sure: &[&str], seen: &[Observation]) -> tunenet_formats::Result<Array> {
     let possible = open_drag::possible(tuned, sure, seen)?;
     let weights: Vec<f64> = possible.iter().map(|held| held.share).collect();
     let tables = possible.iter().map(|held| {

@@ -80,7 +80,7 @@ fn a_build_without_gpus_says_so() {
     assert_eq!(TrainDevice::at_hand(), TrainDevice::Cpu);
     let cuda = TrainOptions { device: TrainDevice::Cuda, ..options(short(20)) };
     let refused = train(&dataset(20, 30), &cuda, Keeping::default(), &mut |_| true).unwrap_err();
-    assert!(matches!(refused, Error::GpuNotBuilt), "{refused}");
+    assert!(matches!(refused, Error::DeviceUnsupported { device: TrainDevice::Cuda }), "{refused}");
 }
 
 /// The one test that wants a GPU.

@@ -15,8 +15,8 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use tunenet_core::observation::Note;
-use tunenet_core::{Error, Result};
 use tunenet_formats::read_text;
+use tunenet_formats::{Error, Result};
 
 use super::{Coordinate, Inertia, Joint, JointKind, Limits, Model, Pose};
 use crate::findings;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
-use tunenet_core::Error;
+use tunenet_formats::Error;
 
 use crate::simulation_file::check::located;
 

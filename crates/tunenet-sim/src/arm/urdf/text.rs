@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use tunenet_core::{Error, Result};
+use tunenet_formats::{Error, Result};
 
 /// Longest text, bytes: large URDFs have a few hundred thousand.
 const LONGEST: usize = 8 << 20;

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use tunenet_core::Result;
 use tunenet_core::observation::Note;
+use tunenet_formats::Result;
 
 use super::File;
 use crate::arm::{Body, Coordinate, Frame, JointKind, Pose};

@@ -10,9 +10,9 @@ mod pairs;
 use std::path::Path;
 
 use maud::{Markup, html};
-use tunenet_core::Result;
 use tunenet_core::diagnose::{Diagnosis, Explained, GapOf, Verdict};
 use tunenet_core::observation::{Kind, with_decimals};
+use tunenet_formats::Result;
 use tunenet_sim::phase;
 
 use self::pairs::{Pair, pairs};
