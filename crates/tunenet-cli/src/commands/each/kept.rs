@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use serde::Deserialize;
+use serde::Deserialize as _;
 use serde_json::{Value, json};
 use tunenet_core::network::Shard;
-use tunenet_core::{diagnose, tune};
 use tunenet_formats::{Action, Error, write_atomically};
 
+use super::verdict::Verdict;
 use crate::failure::Exit;
 use crate::view::answer;
 use crate::view::json::print_json;
@@ -29,24 +29,6 @@ fn without_run(mut value: Value) -> Value {
         object.shift_remove(RUN);
     }
     value
-}
-
-/// The verdict of an answer, by either tool. No word is a verdict of both.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(untagged)]
-enum Verdict {
-    Tune(tune::Verdict),
-    Diagnose(diagnose::Verdict),
-}
-
-impl Verdict {
-    /// How the command that gave the answer ended.
-    fn exit(self) -> Exit {
-        match self {
-            Self::Tune(verdict) => verdict.into(),
-            Self::Diagnose(verdict) => verdict.into(),
-        }
-    }
 }
 
 /// Writes an answer, and makes its folder.

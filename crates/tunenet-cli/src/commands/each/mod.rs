@@ -5,6 +5,7 @@ mod kept;
 mod names;
 mod spread;
 mod treat;
+mod verdict;
 
 use std::path::{Path, PathBuf};
 
