@@ -257,8 +257,18 @@ pub enum DiagnoseRow {
     Ratio30,
     /// Two effects
     Two,
+    /// Three effects
+    Three,
     /// An effect that is not in the catalogue
     Outside,
+    /// Drag, where the simulation file states a wrong mass
+    WrongMass,
+    /// One recording of another ball
+    OddBall,
+    /// A restitution that differs from recording to recording
+    Scatter,
+    /// One effect; only x and z recorded
+    Plane,
     /// One effect in one drop, then the suggested experiment
     Experiment,
     /// One effect in three drops; rollouts and time

@@ -114,6 +114,25 @@ pub fn upper_f(value: f64, above: f64, below: f64) -> f64 {
     FisherSnedecor::new(above.max(1.0), below.max(1.0)).map_or(1.0, |d| d.sf(value.max(0.0)))
 }
 
+/// Wilson's 95 % interval of a probability of which `hits` of `count` trials were seen (Wilson 1927), as shares from 0 to 1;
+/// (0, 1) without a trial.
+///
+/// ```
+/// let (low, high) = tunenet_core::statistics::wilson_interval(1, 100);
+/// assert!((low - 0.00177).abs() < 1e-5 && (high - 0.05449).abs() < 1e-5);
+/// ```
+#[must_use]
+pub fn wilson_interval(hits: usize, count: usize) -> (f64, f64) {
+    if count == 0 {
+        return (0.0, 1.0);
+    }
+    let (n, z2) = (count as f64, NORMAL_95 * NORMAL_95);
+    let share = hits as f64 / n;
+    let middle = (share + z2 / (2.0 * n)) / (1.0 + z2 / n);
+    let reach = NORMAL_95 / (1.0 + z2 / n) * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
+    ((middle - reach).max(0.0), (middle + reach).min(1.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

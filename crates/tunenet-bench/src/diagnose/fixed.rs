@@ -1,7 +1,7 @@
 //! A few blind sets that every test run asks about. Their draws are no part of the bench.
 
 use super::ask::Asked;
-use super::blind::{EffectKind, Noise, Recipe};
+use super::blind::{EffectKind, Noise, Recipe, Trouble};
 use super::rows::DiagnoseCell;
 use super::trial::{BlindTrial, Mark};
 use super::trials;
@@ -9,7 +9,7 @@ use crate::args::DiagnoseRow;
 
 fn asked(hidden: &[EffectKind], noise: Noise, count: u64) -> Vec<BlindTrial> {
     let name = format!("{hidden:?}-{noise:?}");
-    let recipe = Recipe { hidden: hidden.to_vec(), ratio: 10.0, drops: 3, held_out: 1, noise };
+    let recipe = Recipe { hidden: hidden.to_vec(), ratio: 10.0, drops: 3, held_out: 1, noise, trouble: Trouble::None };
     let cell = DiagnoseCell { row: DiagnoseRow::Ratio10, name, recipe, first: 0, count };
     trials(&Asked::new().unwrap(), &cell, 5, "test", false).unwrap()
 }

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use self::ask::Asked;
-use self::blind::{BlindSet, stream};
+use self::blind::{BlindSet, Trouble, stream};
 use self::results::DiagnoseResults;
 use self::rows::{Counts, DiagnoseCell};
 use self::trial::BlindTrial;
@@ -53,7 +53,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     let threads = tunenet_cli::pool(options.jobs)?;
     let timed = tunenet_cli::pool(Some(TIMED_THREADS))?;
     let asked = Asked::new()?;
-    let mut tables = Vec::new();
+    let mut finished: Vec<(DiagnoseRow, Vec<BlindTrial>)> = Vec::new();
     for row in rows {
         let those: Vec<&DiagnoseCell> = cells.iter().filter(|c| c.row == row && store.turn()).collect();
         let keep = |cell: &&DiagnoseCell, alone: bool| {
@@ -68,7 +68,7 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
             threads.install(|| those.par_iter().map(|cell| keep(cell, false)).collect::<Result<_>>())?
         };
         if options.sharing.shard.is_none() {
-            tables.push(results::table(row, &pieces.concat()));
+            finished.push((row, pieces.concat()));
         }
     }
     bar.finish_and_clear();
@@ -81,7 +81,11 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
         version: env!("CARGO_PKG_VERSION"),
         seed,
         quick: options.quick,
-        rows: tables,
+        rows: finished
+            .iter()
+            .map(|(row, trials)| results::table(*row, trials))
+            .chain([results::summary(&finished)])
+            .collect(),
     };
     write::all(&options.out, &results)?;
     answer::text(options.common.json, &write::markdown(&results))?;
@@ -114,7 +118,8 @@ fn trial(asked: &Asked, cell: &DiagnoseCell, seed: u64, purpose: &str, number: u
     let truth: Vec<String> = cell.recipe.hidden.iter().map(|kind| kind.name().into()).collect();
     let mut trial = BlindTrial { truth, drops: cell.recipe.drops, answer: None, floor_m: None, then: None };
     let Some(set) = BlindSet::draw(&cell.recipe, &mut random)? else { return Ok(trial) };
-    let (answer, experiment) = asked.ask(&set.seen, &set.held_out)?;
+    let told = set.stated_mass_kg.map(|mass| Asked::told(Some(mass))).transpose()?;
+    let (answer, experiment) = told.as_ref().unwrap_or(asked).ask(&set.seen, &set.held_out)?;
     trial.answer = Some(answer);
     if cell.row == DiagnoseRow::Experiment {
         if let Some(throw) = experiment {
@@ -122,7 +127,7 @@ fn trial(asked: &Asked, cell: &DiagnoseCell, seed: u64, purpose: &str, number: u
             seen.push(set.thrown(throw.position_m, throw.velocity_m_s, &mut random)?);
             trial.then = Some(asked.ask(&seen, &[])?.0);
         }
-    } else {
+    } else if cell.recipe.trouble == Trouble::None {
         trial.floor_m = set.floor().map(|floor| (floor.held_out_m, floor.forecast_m));
     }
     Ok(trial)

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use tunenet_core::statistics::{median, quantile};
+use tunenet_core::statistics::{median, quantile, wilson_interval};
 
 use super::trial::{Answer, BlindTrial, Mark};
 use crate::args::DiagnoseRow;
@@ -59,9 +59,56 @@ pub fn table(row: DiagnoseRow, trials: &[BlindTrial]) -> DiagnoseTable {
         row if row.is_clean() => clean(&answered),
         DiagnoseRow::Two => two(&answered),
         DiagnoseRow::Outside => outside(&answered),
+        DiagnoseRow::Three
+        | DiagnoseRow::WrongMass
+        | DiagnoseRow::OddBall
+        | DiagnoseRow::Scatter
+        | DiagnoseRow::Plane => troubled(&answered),
         row => single(row, &answered),
     };
     DiagnoseTable { row: row.name(), title: row.title(), columns, lines, goals, confusion: confusion(&answered) }
+}
+
+/// The table of all rows together: shares of the sets with Wilson's 95 % intervals.
+pub fn summary(rows: &[(DiagnoseRow, Vec<BlindTrial>)]) -> DiagnoseTable {
+    let of = |is: &dyn Fn(DiagnoseRow, &BlindTrial) -> bool| -> Vec<&BlindTrial> {
+        let each = rows.iter().flat_map(|(row, trials)| trials.iter().map(|trial| (*row, trial)));
+        each.filter(|(row, trial)| trial.answer.is_some() && is(*row, trial)).map(|(_, trial)| trial).collect()
+    };
+    let single = |row: DiagnoseRow, ratios: &[f64]| row.ratio().is_some_and(|ratio| ratios.contains(&ratio));
+    let wrong = |trial: &BlindTrial| trial.mark() == Some(Mark::Wrong);
+    let exact = |trial: &BlindTrial| trial.mark() == Some(Mark::Exact);
+    let named = |trial: &BlindTrial| trial.answer.as_ref().is_some_and(Answer::names_something);
+    let mut lines = Vec::new();
+    let mut goals = Vec::new();
+    let mut add = |label: &'static str, sets: &[&BlindTrial], is: &dyn Fn(&BlindTrial) -> bool| {
+        let hits = sets.iter().filter(|trial| is(trial)).count();
+        let (low, high) = wilson_interval(hits, sets.len());
+        let measured = percent(sets, is);
+        let numbers = [sets.len() as f64, hits as f64, measured.unwrap_or(0.0), 100.0 * low, 100.0 * high];
+        lines.push(DiagnoseLine { label: label.into(), numbers: numbers.to_vec() });
+        measured
+    };
+    let all = of(&|row, _| !matches!(row, DiagnoseRow::Experiment | DiagnoseRow::Cost));
+    let label = "wrong lone name, all rows";
+    goals.extend(at_most("wrong lone names of all sets, %", goals::WRONG_OF_ALL, add(label, &all, &wrong)));
+    let many = of(&|row, trial| single(row, &[3.0, 10.0, 30.0]) && trial.drops >= 3);
+    let label = "one effect named exactly, ratios 3, 10 and 30, 3 drops or more";
+    goals.extend(at_least("one effect named exactly, %", goals::EXACT_ABOVE, add(label, &many, &exact)));
+    let clean = of(&|row, _| row.is_clean());
+    let label = "nothing hidden, and an effect named";
+    goals.extend(at_most("nothing hidden, and an effect named, %", goals::FALSE_NAMES, add(label, &clean, &named)));
+    let outside = of(&|row, _| row == DiagnoseRow::Outside);
+    let label = "not in the catalogue, and a lone name given";
+    goals.extend(at_most("not in the catalogue, a lone name, %", goals::WRONG_NAME, add(label, &outside, &wrong)));
+    DiagnoseTable {
+        row: "all",
+        title: "all rows together, with 95 % intervals (Wilson 1927)",
+        columns: vec!["sets", "cases", "%", "at least", "at most"],
+        lines,
+        goals,
+        confusion: Vec::new(),
+    }
 }
 
 type Parts = (Vec<&'static str>, Vec<DiagnoseLine>, Vec<DiagnoseGoalResult>);
@@ -207,8 +254,18 @@ fn two(trials: &[&BlindTrial]) -> Parts {
 
 fn outside(trials: &[&BlindTrial]) -> Parts {
     let many = with_drops(trials, |drops| drops >= 3);
-    let goals = at_least("unknown, 3 drops or more, %", goals::OUTSIDE_UNKNOWN, share(&many, &[Mark::Unknown]));
-    (MARK_COLUMNS.to_vec(), by_drops(trials, marks), goals.into_iter().collect())
+    let open = percent(&many, |t| t.answer.as_ref().is_some_and(|a| a.verdict == "unknown" || a.verdict == "one_of"));
+    let goals = [
+        at_least("unknown or one of a set, 3 drops or more, %", goals::OUTSIDE_OPEN, open),
+        at_most("wrong lone name, 3 drops or more, %", goals::WRONG_NAME, share(&many, &[Mark::Wrong])),
+    ];
+    (MARK_COLUMNS.to_vec(), by_drops(trials, marks), goals.into_iter().flatten().collect())
+}
+
+/// Sets with more against them than noise: what counts is that no wrong name is given.
+fn troubled(trials: &[&BlindTrial]) -> Parts {
+    let goal = at_most("wrong lone name, %", goals::WRONG_NAME, share(trials, &[Mark::Wrong]));
+    (MARK_COLUMNS.to_vec(), by_drops(trials, marks), goal.into_iter().collect())
 }
 
 /// Pairs of the truth and another candidate that is no twin of it, before the experiment and after.
@@ -302,5 +359,8 @@ mod tests {
         assert!(!goal("wrong").met && goal("wrong").measured == 5.0);
         assert!(goal("held-out residual over the true model's, median").met);
         assert_eq!(table.confusion.len(), 2);
+        let all = summary(&[(DiagnoseRow::Ratio10, trials)]);
+        assert_eq!(all.lines[0].numbers[..3], [20.0, 1.0, 5.0]);
+        assert!(all.lines[0].numbers[4] > 20.0 && all.goals.iter().filter(|goal| goal.met).count() == 1);
     }
 }

@@ -1,6 +1,6 @@
 //! What each row measures: which sets are drawn, and how many.
 
-use super::blind::{EffectKind, Noise, Recipe};
+use super::blind::{EffectKind, Noise, Recipe, Trouble};
 use crate::args::DiagnoseRow;
 
 /// Recordings of each set that are held out.
@@ -29,8 +29,12 @@ pub struct Counts {
     effect: u64,
     /// Of pairs.
     pairs: u64,
-    /// Of each effect that is in no catalogue, and number of drops.
+    /// Of each effect that is in no catalogue, ratio and number of drops.
     outside: u64,
+    /// Of three effects.
+    threes: u64,
+    /// Of each kind of trouble.
+    troubled: u64,
     /// Of each effect, for the experiment that is to separate what one drop cannot.
     experiments: u64,
     /// Sets that are timed.
@@ -38,13 +42,15 @@ pub struct Counts {
 }
 
 impl Counts {
-    pub const WHOLE: Self = Self { clean: 300, effect: 10, pairs: 60, outside: 10, experiments: 5, timed: 10 };
-    pub const QUICK: Self = Self { clean: 40, effect: 2, pairs: 12, outside: 2, experiments: 1, timed: 4 };
+    pub const WHOLE: Self =
+        Self { clean: 300, effect: 10, pairs: 60, outside: 3, threes: 40, troubled: 40, experiments: 5, timed: 10 };
+    pub const QUICK: Self =
+        Self { clean: 40, effect: 2, pairs: 12, outside: 1, threes: 6, troubled: 10, experiments: 1, timed: 4 };
 }
 
 impl DiagnoseRow {
     /// Every row, in the order of the tables.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 17] = [
         Self::Clean,
         Self::Autocorrelated,
         Self::Outliers,
@@ -54,7 +60,12 @@ impl DiagnoseRow {
         Self::Ratio10,
         Self::Ratio30,
         Self::Two,
+        Self::Three,
         Self::Outside,
+        Self::WrongMass,
+        Self::OddBall,
+        Self::Scatter,
+        Self::Plane,
         Self::Experiment,
         Self::Cost,
     ];
@@ -70,7 +81,12 @@ impl DiagnoseRow {
             Self::Ratio10 => "ratio-10",
             Self::Ratio30 => "ratio-30",
             Self::Two => "two",
+            Self::Three => "three",
             Self::Outside => "outside",
+            Self::WrongMass => "wrong-mass",
+            Self::OddBall => "odd-ball",
+            Self::Scatter => "scatter",
+            Self::Plane => "plane",
             Self::Experiment => "experiment",
             Self::Cost => "cost",
         }
@@ -88,7 +104,12 @@ impl DiagnoseRow {
             Self::Ratio10 => "one effect of the catalogue, 10 times the noise",
             Self::Ratio30 => "one effect of the catalogue, 30 times the noise",
             Self::Two => "two effects of the catalogue, each 10 times the noise",
-            Self::Outside => "an effect that the catalogue does not hold, 10 times the noise",
+            Self::Three => "three effects of the catalogue, each 10 times the noise",
+            Self::Outside => "an effect that the catalogue does not hold, 3, 10 and 30 times the noise",
+            Self::WrongMass => "drag, 10 times the noise; the file states a fifth or five times the ball's mass",
+            Self::OddBall => "nothing hidden; one of five recordings shows a ball of another restitution",
+            Self::Scatter => "nothing hidden; the restitution differs from recording to recording",
+            Self::Plane => "one effect of the catalogue, 10 times the noise; only x and z are recorded",
             Self::Experiment => "one drop of one effect, 10 times the noise, then the experiment that was asked for",
             Self::Cost => "three drops of 216 samples on two threads",
         }
@@ -146,11 +167,44 @@ impl DiagnoseRow {
                     cells.add(&name, vec![a, b], 10.0, 6, white, 1);
                 }
             }
+            Self::Three => {
+                let threes = threes();
+                for number in 0..counts.threes {
+                    let hidden = threes[usize::try_from(number * 101 + 17).unwrap_or(0) % threes.len()];
+                    let name = format!("{number}-{}", hidden.map(EffectKind::name).join("-"));
+                    cells.add(&name, hidden.to_vec(), 10.0, 6, white, 1);
+                }
+            }
             Self::Outside => {
-                for drops in [1, 3, 10] {
-                    for kind in EffectKind::OUTSIDE {
-                        cells.add(&format!("{drops}-{}", kind.name()), vec![kind], 10.0, drops, white, counts.outside);
+                for kind in EffectKind::OUTSIDE {
+                    cells.add(&format!("1-{}", kind.name()), vec![kind], 10.0, 1, white, counts.outside);
+                    for (ratio, drops) in [(3.0, 3), (10.0, 3), (30.0, 3), (10.0, 10)] {
+                        let name = format!("{drops}-{}-at-{ratio}", kind.name());
+                        cells.add(&name, vec![kind], ratio, drops, white, counts.outside);
                     }
+                }
+            }
+            Self::WrongMass => {
+                for times in [0.2, 5.0] {
+                    let drag = vec![EffectKind::QuadraticDrag];
+                    let trouble = Trouble::WrongMass(times);
+                    cells.troubled(&format!("{times}"), drag, (10.0, 4), trouble, counts.troubled / 2);
+                }
+            }
+            Self::OddBall => {
+                for by in [-0.15, 0.08] {
+                    cells.troubled(&format!("{by}"), vec![], (0.0, 5), Trouble::OddBall(by), counts.troubled / 2);
+                }
+            }
+            Self::Scatter => {
+                for sd in [0.005, 0.02] {
+                    let trouble = Trouble::RestitutionScatters(sd);
+                    cells.troubled(&format!("{sd}"), vec![], (0.0, 6), trouble, counts.troubled / 2);
+                }
+            }
+            Self::Plane => {
+                for kind in EffectKind::CATALOGUE {
+                    cells.troubled(kind.name(), vec![kind], (10.0, 4), Trouble::PlaneOnly, counts.troubled / 10);
                 }
             }
             Self::Experiment => {
@@ -172,6 +226,16 @@ fn pairs() -> Vec<(EffectKind, EffectKind)> {
     kinds.iter().enumerate().flat_map(with).collect()
 }
 
+/// Triples of such effects.
+fn threes() -> Vec<[EffectKind; 3]> {
+    let pairs = pairs();
+    let with = |(a, b): &(EffectKind, EffectKind)| {
+        let after: Vec<[EffectKind; 3]> = pairs.iter().filter(|(c, _)| c == b).map(|(_, d)| [*a, *b, *d]).collect();
+        after
+    };
+    pairs.iter().flat_map(with).collect()
+}
+
 struct Cells {
     row: DiagnoseRow,
     cells: Vec<DiagnoseCell>,
@@ -179,7 +243,23 @@ struct Cells {
 
 impl Cells {
     fn add(&mut self, name: &str, hidden: Vec<EffectKind>, ratio: f64, drops: usize, noise: Noise, count: u64) {
-        let recipe = Recipe { hidden, ratio, drops, held_out: HELD_OUT, noise };
+        let recipe = Recipe { hidden, ratio, drops, held_out: HELD_OUT, noise, trouble: Trouble::None };
+        self.of(name, &recipe, count);
+    }
+
+    fn troubled(
+        &mut self,
+        name: &str,
+        hidden: Vec<EffectKind>,
+        (ratio, drops): (f64, usize),
+        trouble: Trouble,
+        count: u64,
+    ) {
+        let recipe = Recipe { hidden, ratio, drops, held_out: HELD_OUT, noise: Noise::WHITE, trouble };
+        self.of(name, &recipe, count);
+    }
+
+    fn of(&mut self, name: &str, recipe: &Recipe, count: u64) {
         let mut first = 0;
         while first < count {
             let piece = SETS_PER_PIECE.min(count - first);
@@ -207,6 +287,7 @@ mod tests {
                 .into_iter()
                 .all(|row| clean(row) >= 300)
         );
+        assert_eq!(clean(DiagnoseRow::Outside), 300);
         assert!(!pairs().is_empty() && !pairs().len().is_multiple_of(37));
     }
 }

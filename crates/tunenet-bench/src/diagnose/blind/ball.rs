@@ -19,6 +19,13 @@ pub struct BlindThrow {
     pub scatter: Vec<[f64; 2]>,
 }
 
+impl BlindThrow {
+    /// Two normal draws of this throw: the last of its bounces' that no recording reaches.
+    pub fn own(&self) -> [f64; 2] {
+        self.scatter.last().copied().unwrap_or_default()
+    }
+}
+
 /// A bounce that takes its time.
 struct Contact {
     began_s: f64,
@@ -92,7 +99,7 @@ impl<'a> BlindBall<'a> {
             let landed = self.flown(low);
             self.time_s += low;
             let scatter = self.throw.scatter.get(self.bounces).copied().unwrap_or_default();
-            self.state = self.world.bounce(landed, self.normal, self.bounces, scatter);
+            self.state = self.world.bounce(landed, self.normal, (self.bounces, self.time_s), scatter);
             self.bounces += 1;
             let lasts_s = self.world.contact_s();
             if lasts_s > 0.0 {
@@ -112,7 +119,7 @@ impl<'a> BlindBall<'a> {
     fn flown(&self, h: f64) -> BlindState {
         let BlindState { x, v, w } = self.state;
         let slope = |dt: f64, x: Vector, v: Vector| {
-            let a = self.world.acceleration(self.time_s + dt, x, v);
+            let a = self.world.acceleration(self.time_s + dt, x, v, self.throw.own());
             if self.resting { plus(a, self.normal, -dot(a, self.normal)) } else { a }
         };
         let v = if self.resting { plus(v, self.normal, -dot(v, self.normal)) } else { v };

@@ -24,6 +24,11 @@ pub fn seen(world: &BallWorld, throw: &BlindThrow, clock: &[f64]) -> Vec<Vector>
             *t /= 1.0 + hidden.signed();
         }
     }
+    for hidden in of(EffectKind::ClockDrift) {
+        for t in &mut times_s {
+            *t *= 1.0 + hidden.signed() * *t;
+        }
+    }
     let mut positions = at(world, throw, &times_s);
     for hidden in of(EffectKind::RollingShutter) {
         // The row on which the ball is found is read later by its height.
@@ -85,6 +90,11 @@ fn pictured(hidden: &HiddenEffect, [x, y, z]: Vector, t: f64) -> Vector {
         EffectKind::CameraShake => {
             let sway = hidden.size * (std::f64::consts::TAU * SHAKE_HZ * t + hidden.lift).sin();
             [x + sway * hidden.turn.cos(), y, z + sway * hidden.turn.sin()]
+        }
+        EffectKind::Zoom => times([x, y, z], 1.0 + by * t),
+        EffectKind::PictureRoll => {
+            let (sin, cos) = (by * t).sin_cos();
+            [x * cos - z * sin, y, x * sin + z * cos]
         }
         _ => [x, y, z],
     }

@@ -36,6 +36,32 @@ pub enum EffectKind {
     CameraShake,
     /// Air drag that begins in the middle of the record.
     LateDrag,
+    /// Spin of the same size in every throw, whose sense differs from throw to throw.
+    SignedSpin,
+    /// A sideways push between two instants.
+    Jet,
+    /// A rubber band to one point of the room.
+    Tether,
+    /// A brake of constant force along the motion.
+    ConstantBrake,
+    /// A lens that zooms while it records.
+    Zoom,
+    /// A wind that comes and goes, in another phase in every throw.
+    Gust,
+    /// A clock whose rate drifts.
+    ClockDrift,
+    /// A push around a vertical axis that grows with the distance from it.
+    Vortex,
+    /// A floor that swings up and down.
+    ShakenFloor,
+    /// A wind that grows with height.
+    Shear,
+    /// A camera that rolls while it records.
+    PictureRoll,
+    /// A short push in flight, at another instant in every throw.
+    Pulse,
+    /// A floor that moves along: every bounce adds the same speed sideways.
+    Conveyor,
 }
 
 impl EffectKind {
@@ -64,8 +90,28 @@ impl EffectKind {
     ];
 
     /// Effects that no catalogue names.
-    pub const OUTSIDE: [Self; 7] =
-        [Self::Fan, Self::Magnet, Self::Wear, Self::SoftSpot, Self::Updraught, Self::CameraShake, Self::LateDrag];
+    pub const OUTSIDE: [Self; 20] = [
+        Self::Fan,
+        Self::Magnet,
+        Self::Wear,
+        Self::SoftSpot,
+        Self::Updraught,
+        Self::CameraShake,
+        Self::LateDrag,
+        Self::SignedSpin,
+        Self::Jet,
+        Self::Tether,
+        Self::ConstantBrake,
+        Self::Zoom,
+        Self::Gust,
+        Self::ClockDrift,
+        Self::Vortex,
+        Self::ShakenFloor,
+        Self::Shear,
+        Self::PictureRoll,
+        Self::Pulse,
+        Self::Conveyor,
+    ];
 
     /// Its name in answers.
     pub fn name(self) -> &'static str {
@@ -96,6 +142,19 @@ impl EffectKind {
             Self::Updraught => "updraught",
             Self::CameraShake => "camera_shake",
             Self::LateDrag => "late_drag",
+            Self::SignedSpin => "signed_spin",
+            Self::Jet => "jet",
+            Self::Tether => "tether",
+            Self::ConstantBrake => "constant_brake",
+            Self::Zoom => "zoom",
+            Self::Gust => "gust",
+            Self::ClockDrift => "clock_drift",
+            Self::Vortex => "vortex",
+            Self::ShakenFloor => "shaken_floor",
+            Self::Shear => "shear",
+            Self::PictureRoll => "picture_roll",
+            Self::Pulse => "pulse",
+            Self::Conveyor => "conveyor",
         }
     }
 
@@ -103,20 +162,28 @@ impl EffectKind {
     pub fn greatest(self) -> f64 {
         match self {
             Self::QuadraticDrag | Self::LateDrag => 1.0,
-            Self::LinearDrag | Self::EffectiveGravity => 2.5,
-            Self::Wind => 4.0,
-            Self::Magnus | Self::Fan => 6.0,
+            Self::LinearDrag | Self::EffectiveGravity | Self::ConstantBrake => 2.5,
+            Self::Wind | Self::Shear => 4.0,
+            Self::Magnus | Self::Fan | Self::SignedSpin | Self::Jet | Self::Gust | Self::Vortex => 6.0,
             Self::SpeedDependentRestitution => 0.4,
             Self::SurfaceTilt | Self::BounceScatter | Self::Perspective => 0.25,
             Self::BounceFriction | Self::TangentialRestitution => 0.9,
             Self::ContactTime => 0.03,
-            Self::LengthScale | Self::AspectRatio | Self::TimeScale | Self::CameraShake => 0.2,
+            Self::LengthScale
+            | Self::AspectRatio
+            | Self::TimeScale
+            | Self::CameraShake
+            | Self::Zoom
+            | Self::PictureRoll => 0.2,
             Self::CameraTilt => 0.3,
             Self::LensDistortion | Self::Wear => 0.15,
             Self::RollingShutter => 0.02,
             Self::ObservationBlur => 0.04,
             Self::Magnet => 30.0,
-            Self::SoftSpot => 0.8,
+            Self::SoftSpot | Self::ShakenFloor | Self::Conveyor => 0.8,
+            Self::Tether => 8.0,
+            Self::ClockDrift => 0.1,
+            Self::Pulse => 40.0,
             Self::Updraught => 5.0,
         }
     }
@@ -154,5 +221,11 @@ impl HiddenEffect {
     /// A horizontal direction of its size.
     pub fn level(&self) -> [f64; 2] {
         [self.size * self.turn.cos(), self.size * self.turn.sin()]
+    }
+
+    /// A unit axis anywhere in space.
+    pub fn axis(&self) -> [f64; 3] {
+        let (rise, across) = self.lift.sin_cos();
+        [across * self.turn.cos(), across * self.turn.sin(), rise]
     }
 }

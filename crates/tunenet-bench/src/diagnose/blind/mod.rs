@@ -16,7 +16,7 @@ mod world;
 
 pub use camera::Noise;
 pub use hidden::EffectKind;
-pub use set::{BlindSet, Recipe, stream};
+pub use set::{BlindSet, Recipe, Trouble, stream};
 pub use world::RADIUS_M;
 
 #[cfg(test)]

@@ -32,12 +32,37 @@ pub struct Recipe {
     pub drops: usize,
     pub held_out: usize,
     pub noise: Noise,
+    /// What else is wrong with the set.
+    pub trouble: Trouble,
 }
+
+/// What is wrong with a set beside its noise and what is hidden in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Trouble {
+    /// Nothing.
+    None,
+    /// The simulation file states this many times the ball's true mass.
+    WrongMass(f64),
+    /// One of the recordings that are fitted shows another ball, whose restitution differs by this.
+    OddBall(f64),
+    /// The restitution differs from recording to recording, with this standard deviation.
+    RestitutionScatters(f64),
+    /// Only x and z were recorded.
+    PlaneOnly,
+}
+
+/// The drag coefficient of a sphere, and the density of air, kg/m³.
+const SPHERE_DRAG: f64 = 0.45;
+const AIR_KG_M3: f64 = 1.2;
+/// Which recording is odd where one is.
+const ODD: usize = 1;
 
 /// Recordings, and behind them what is true.
 pub struct BlindSet {
     pub seen: Vec<Observation>,
     pub held_out: Vec<Observation>,
+    /// The mass that the simulation file states, kg; `None` where it leaves it open.
+    pub stated_mass_kg: Option<f64>,
     truth: Truth,
 }
 
@@ -80,11 +105,16 @@ impl BlindSet {
             hidden.push(HiddenEffect { size, ..drawn });
         }
         world.hidden = hidden;
-        let mut recordings =
-            throws.iter().map(|t| recorded(&world, t, recipe.noise, random)).collect::<Result<Vec<_>>>()?;
+        let mut recordings = Vec::with_capacity(throws.len());
+        for (number, throw) in throws.iter().enumerate() {
+            let shown = recipe.trouble.shown(&world, number, throw);
+            let recording = recorded(&shown, throw, recipe.noise, random)?;
+            recordings.push(if recipe.trouble == Trouble::PlaneOnly { in_plane(&recording)? } else { recording });
+        }
         let held_out = recordings.split_off(recipe.drops);
+        let stated_mass_kg = recipe.trouble.stated_mass_kg(&world);
         let truth = Truth { world, held_out: throws[recipe.drops..].to_vec(), noise: recipe.noise };
-        Ok(Some(Self { seen: recordings, held_out, truth }))
+        Ok(Some(Self { seen: recordings, held_out, stated_mass_kg, truth }))
     }
 
     /// One more recording of the same world, thrown from this position at this velocity.
@@ -109,6 +139,32 @@ impl BlindSet {
         }
         (whole.samples > 0).then(|| Floor { held_out_m: whole.value(), forecast_m: rest.value() })
     }
+}
+
+impl Trouble {
+    /// The world that recording `number` shows.
+    fn shown(self, world: &BallWorld, number: usize, throw: &BlindThrow) -> BallWorld {
+        let differs = match self {
+            Self::OddBall(by) if number == ODD => by,
+            Self::RestitutionScatters(sd) => sd * throw.own()[1],
+            _ => 0.0,
+        };
+        BallWorld { restitution: (world.restitution + differs).clamp(0.05, 0.97), ..world.clone() }
+    }
+
+    /// The mass that the simulation file states, kg: of the true one, which follows from the drag.
+    fn stated_mass_kg(self, world: &BallWorld) -> Option<f64> {
+        let Self::WrongMass(times) = self else { return None };
+        let drag = world.hidden.iter().find(|h| h.kind == EffectKind::QuadraticDrag)?;
+        let area = std::f64::consts::PI * RADIUS_M * RADIUS_M;
+        Some(times * 0.5 * AIR_KG_M3 * SPHERE_DRAG * area / drag.size)
+    }
+}
+
+/// The same recording without y: that channel stands still, as readers of files without it make it.
+fn in_plane(seen: &Observation) -> Result<Observation> {
+    let positions: Vec<Vector> = seen.values().chunks_exact(3).map(|row| [row[0], 0.0, row[2]]).collect();
+    Ok(Observation::positions(seen.clock().to_vec(), &positions)?)
 }
 
 /// A throw like a person's: from about a metre, in any direction.
@@ -232,7 +288,7 @@ mod tests {
     use super::*;
 
     fn recipe(hidden: Vec<EffectKind>, ratio: f64, noise: Noise) -> Recipe {
-        Recipe { hidden, ratio, drops: 3, held_out: 2, noise }
+        Recipe { hidden, ratio, drops: 3, held_out: 2, noise, trouble: Trouble::None }
     }
 
     #[test]

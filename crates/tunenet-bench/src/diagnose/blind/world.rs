@@ -1,5 +1,7 @@
 //! The true world of a set: what acts on a ball in the air, and what a bounce does to it.
 
+use std::f64::consts::{PI, TAU};
+
 use super::hidden::{EffectKind, HiddenEffect};
 use super::vector::{Vector, cross, dot, length, plus, times};
 use crate::scene::GRAVITY_M_S2;
@@ -9,6 +11,14 @@ pub const RADIUS_M: f64 = 0.02;
 const NOMINAL_M_S: f64 = 3.0;
 /// When late drag begins, s.
 const LATE_S: f64 = 0.7;
+
+/// Between these instants a jet blows, s.
+const JET_S: (f64, f64) = (0.4, 0.8);
+/// How often a gust and a shaken floor come, Hz.
+const GUST_HZ: f64 = 1.5;
+const SHAKEN_HZ: f64 = 5.0;
+/// How short a pulse is, s.
+const PULSE_S: f64 = 0.03;
 
 /// A ball, a floor, and what is hidden. The floor passes through the origin.
 #[derive(Debug, Clone)]
@@ -36,8 +46,8 @@ impl BallWorld {
         normal
     }
 
-    /// Acceleration in the air, m/s².
-    pub fn acceleration(&self, t: f64, x: Vector, v: Vector) -> Vector {
+    /// Acceleration in the air, m/s². `own` are two normal draws of this throw.
+    pub fn acceleration(&self, t: f64, x: Vector, v: Vector, own: [f64; 2]) -> Vector {
         let mut a = [0.0, 0.0, -GRAVITY_M_S2];
         for hidden in &self.hidden {
             let size = hidden.size;
@@ -46,10 +56,24 @@ impl BallWorld {
                 EffectKind::LateDrag if t > LATE_S => times(v, -size * length(v)),
                 EffectKind::LinearDrag => times(v, -size),
                 EffectKind::Wind => [hidden.level()[0], hidden.level()[1], 0.0],
-                EffectKind::Magnus => {
-                    let (rise, across) = hidden.lift.sin_cos();
-                    let axis = [across * hidden.turn.cos(), across * hidden.turn.sin(), rise];
-                    cross(times(axis, size), v)
+                EffectKind::Magnus => cross(times(hidden.axis(), size), v),
+                EffectKind::SignedSpin => cross(times(hidden.axis(), size * own[0].signum()), v),
+                EffectKind::Jet if (JET_S.0..JET_S.1).contains(&t) => [hidden.level()[0], hidden.level()[1], 0.0],
+                EffectKind::Tether => {
+                    let post = [0.4 * hidden.turn.cos(), 0.4 * hidden.turn.sin(), 1.0];
+                    times(plus(post, x, -1.0), size)
+                }
+                EffectKind::ConstantBrake => times(v, -size / length(v).max(0.01)),
+                EffectKind::Gust => {
+                    let blow = (TAU * GUST_HZ * t + PI * own[0]).sin();
+                    [blow * hidden.level()[0], blow * hidden.level()[1], 0.0]
+                }
+                EffectKind::Vortex => cross([0.0, 0.0, hidden.signed()], x),
+                EffectKind::Shear => [x[2] * hidden.level()[0], x[2] * hidden.level()[1], 0.0],
+                EffectKind::Pulse => {
+                    let late = (t - 0.5 - 0.15 * own[0]) / PULSE_S;
+                    let push = (-late * late).exp();
+                    [push * hidden.level()[0], push * hidden.level()[1], 0.0]
                 }
                 EffectKind::EffectiveGravity => [0.0, 0.0, -hidden.signed()],
                 EffectKind::Fan => {
@@ -88,9 +112,15 @@ impl BallWorld {
         e.clamp(0.0, 1.0)
     }
 
-    /// Velocity and spin after bounce number `bounce` on a floor with this normal: a solid sphere under Coulomb's law,
+    /// Velocity and spin after bounce number `bounce` at `t` on a floor with this normal: a solid sphere under Coulomb's law,
     /// impulses per mass.
-    pub fn bounce(&self, before: BlindState, normal: Vector, bounce: usize, scatter: [f64; 2]) -> BlindState {
+    pub fn bounce(
+        &self,
+        before: BlindState,
+        normal: Vector,
+        (bounce, t): (usize, f64),
+        scatter: [f64; 2],
+    ) -> BlindState {
         let uneven: f64 = self.hidden.iter().filter(|h| h.kind == EffectKind::BounceScatter).map(|h| h.size).sum();
         let (a, b) = (uneven * scatter[0], uneven * scatter[1]);
         let rough = plus(normal, [a, b, 0.0], 1.0);
@@ -102,6 +132,14 @@ impl BallWorld {
         let impulse = (1.0 + self.restitution(bounce, before.x, speed)) * speed;
         let mut after = BlindState { v: plus(before.v, n, impulse), ..before };
         for hidden in &self.hidden {
+            match hidden.kind {
+                EffectKind::ShakenFloor => {
+                    let rise = hidden.size * (TAU * SHAKEN_HZ * t + hidden.lift).cos();
+                    after.v = plus(after.v, n, rise.max(0.01 - dot(after.v, n)));
+                }
+                EffectKind::Conveyor => after.v = plus(after.v, [hidden.level()[0], hidden.level()[1], 0.0], 1.0),
+                _ => {}
+            }
             let arm = times(n, -RADIUS_M);
             let sliding = plus(after.v, cross(after.w, arm), 1.0);
             let slide = plus(sliding, n, -dot(sliding, n));
