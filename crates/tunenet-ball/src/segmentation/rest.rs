@@ -10,6 +10,10 @@ const LOW_SHARE: f64 = 2e-3;
 const LOW_M: f64 = 5e-4;
 /// ... nor those lower than so many standard deviations of the noise.
 const LOW_NOISE: f64 = 6.0;
+/// What lies or rolls changes its height by no more than this, m/s, and this share of its way along the floor: a fall at its terminal
+/// speed follows a straight line too.
+const STILL_M_S: f64 = 0.3;
+const STEEPEST: f64 = 0.7;
 /// A record is not cut to fewer samples than this.
 const FEWEST: usize = 24;
 
@@ -29,7 +33,9 @@ pub(crate) fn before_rest(seen: &Observation, noise: f64) -> usize {
         if end == all && clock[all - 1] - clock[k] < WINDOW_S {
             continue;
         }
-        if bend(&clock[k..end], &height[k..end]) > least {
+        let change = |axis: usize| seen.row(end - 1)[axis] - seen.row(k)[axis];
+        let rolls = STILL_M_S * (clock[end - 1] - clock[k]) + STEEPEST * change(0).hypot(change(1));
+        if bend(&clock[k..end], &height[k..end]) > least || change(2).abs() > rolls + least {
             break;
         }
         begin = k;
@@ -62,5 +68,14 @@ mod tests {
         let kept = before_rest(&seen, 0.0);
         assert!((50..=62).contains(&kept), "{kept}");
         assert_eq!(before_rest(&seen.slice(0..50).unwrap(), 0.0), 50);
+    }
+
+    /// A fall at 22 m/s, where drag holds gravity: z = v²/g · ln cosh(g t / v) below the start.
+    #[test]
+    fn a_fall_at_terminal_speed_is_no_rest() {
+        let clock: Vec<f64> = (0..60).map(|k| f64::from(k) / 15.0).collect();
+        let fallen = |t: f64| 22.0 * 22.0 / 9.81 * (9.81 * t / 22.0).cosh().ln();
+        let rows: Vec<[f64; 3]> = clock.iter().map(|t| [0.0, 0.0, 80.0 - fallen(*t)]).collect();
+        assert_eq!(before_rest(&Observation::positions(clock, &rows).unwrap(), 0.02), 60);
     }
 }
