@@ -108,7 +108,7 @@ impl SimulationFile {
             let known = self.domain().siblings(path).join(", ");
             return refuse(format!("a key of a simulation file ({known})"), format!("`{path}`"));
         };
-        let value: Value = text.parse().unwrap_or_else(|_| Value::from(text));
+        let value: Value = text.parse().unwrap_or_else(|_| number(text).map_or_else(|| Value::from(text), Value::from));
         if !key.shape.accepts(&value) {
             return refuse(format!("{} for `{path}`", key.shape.expected()), format!("`{text}`"));
         }
@@ -356,11 +356,26 @@ fn scene(domain: Domain, document: &Document) -> std::result::Result<Scene, toml
     })
 }
 
+/// A number that TOML refuses and people write: `.5`, `5.`.
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|_| text.contains(|c: char| c.is_ascii_digit()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::Release;
     use schema::Shape;
+
+    #[test]
+    fn a_number_may_begin_or_end_with_its_point() {
+        let mut file = SimulationFile::parse(Path::new("scene.toml"), &template(Domain::Ball)).unwrap();
+        file.set("release.height_m=.425").unwrap();
+        let Scene::Ball(ball) = file.scene() else { panic!("a ball") };
+        assert_eq!(ball.release.height_m, Some(0.425));
+        file.set("world.gravity_m_s2=9.").unwrap();
+        assert!(file.set("world.gravity_m_s2=nan").is_err() && file.set("world.gravity_m_s2=.").is_err());
+    }
 
     /// A list of keys and a struct are two descriptions of one file.
     #[test]
