@@ -54,6 +54,18 @@ finding_kinds! {
     note EFFECT_IMPLAUSIBLE = "effect.unlikely",
         "an effect explains the recordings as well, but is implausible for this object",
         "state in the simulation file in which medium the object moved";
+    warning EFFECT_EXCLUDED = "effect.excluded",
+        "an effect explains more than the answer, but needs a coefficient outside its physical range",
+        "check the settings on which that range depends, such as mass and radius";
+    warning EFFECT_OUT_OF_RANGE = "effect.out_of_range",
+        "one of several objects needs a coefficient outside its physical range",
+        "check that object's settings, such as mass and radius";
+    warning PARAMETER_DIFFERS = "parameter.differs",
+        "a parameter differs from recording to recording; it is treated as a random effect, and its value is the mean",
+        "keep the conditions of the recordings the same, or give each its own object";
+    warning RECORDINGS_ODD = "recordings.odd",
+        "one recording disagrees with all others; the answer is that of the others",
+        "check what differs in it: the object, the units, the frame rate";
     note PARAMETER_CARRIED = "parameter.carried",
         "a fixed value was itself tuned, and the intervals allow for its uncertainty",
         "none needed";

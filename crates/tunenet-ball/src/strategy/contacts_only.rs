@@ -158,6 +158,7 @@ fn with_alternatives(effects: &[NamedEffect]) -> Vec<&'static str> {
 mod tests {
     use super::*;
     use crate::strategy::tests::{FRICTION, swings};
+    use tunenet_core::diagnose::Doubt;
 
     /// A named effect with these alternatives, and the candidates at these distances from the best.
     fn with(alternatives: &[&'static str], deltas: &[(&'static str, f64)]) -> (NamedEffect, Vec<Candidate>) {
@@ -173,11 +174,11 @@ mod tests {
     #[test]
     fn beyond_the_usual_margin_only_kin_is_left() {
         let (named, candidates) = with(&["rest_angle", "near", "far"], &[("near", 5.0), ("far", 50.0)]);
-        let doubt = Some("it was seen once");
-        let before = Conclusion::OneOf { effects: vec![named.clone()], names: Vec::new(), doubt };
+        let doubt = Some(Doubt::Unconfirmed);
+        let before = Conclusion::OneOf { effects: vec![named.clone()], names: Vec::new(), doubt: doubt.clone() };
         let after = only_kin(before, &candidates, 6.0);
         assert_eq!(after.names(), ["viscous_friction", "rest_angle", "near"]);
-        assert_eq!((after.doubt(), after.effects()[0].alternatives.len()), (doubt, 2));
+        assert_eq!((after.doubt(), after.effects()[0].alternatives.len()), (doubt.as_ref(), 2));
         let lone = Conclusion::Named { effects: vec![named] };
         assert_eq!(only_kin(lone.clone(), &candidates, 6.0), lone, "a lone name has nothing in its place");
     }

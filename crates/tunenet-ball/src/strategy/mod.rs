@@ -5,7 +5,7 @@
 //! | [`FlightsOnly`] | the flights between contacts, each with a start and a spin of its own | the contacts |
 //! | [`ContactsOnly`] | the speed along the surface that contacts take, the flights de-trended | the flights |
 //!
-//! They are tried in this order, after the recordings as they are. Both need a simulator that is
+//! They are tried in this order, after the recordings as they are and without an odd one. Both need a simulator that is
 //! [`Segmented`]: its free segments are flights, its events contacts, its hidden state
 //! the spin.
 
@@ -17,13 +17,15 @@ pub use contacts_only::ContactsOnly;
 pub use flights_only::FlightsOnly;
 
 use tunenet_core::Result;
-use tunenet_core::diagnose::{Diagnosis, Problem, Progress, Recording, Settings, Strategy, Subject, diagnose_with};
+use tunenet_core::diagnose::{
+    Diagnosis, OddRecording, Problem, Progress, Recording, Settings, Strategy, Subject, diagnose_with,
+};
 use tunenet_core::simulator::{Segmented, Simulator};
 
 use crate::wording::WORDING;
 
 /// In the order in which they are tried.
-pub const STRATEGIES: [&dyn Strategy; 2] = [&FlightsOnly, &ContactsOnly];
+pub const STRATEGIES: [&dyn Strategy; 3] = [&OddRecording, &FlightsOnly, &ContactsOnly];
 
 /// As [`tunenet_core::diagnose::diagnose`], with [`STRATEGIES`] for recordings of a bouncing ball, and its [`WORDING`] instead of that
 /// of `settings`. Recordings of anything without flights and contacts get the same answer as there.

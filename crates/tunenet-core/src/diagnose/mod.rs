@@ -29,14 +29,17 @@ mod strategy;
 #[cfg(test)]
 mod tests;
 
+pub use answer::odd_recording::OddRecording;
 pub use answer::{
     Candidate, Change, Conclusion, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment,
     OfObject, OwnEffect, Tuned, Use, Value, Verdict,
 };
 pub use evidence::recording::PreparedRecording;
+pub use hypothesis::plausibility::{Exclusion, OutOfRange};
 pub use hypothesis::wording::{GENERAL, Wording};
 pub use input::{Progress, Recording, Settings, Subject};
 pub use judge::Test;
+pub use judge::validation_doubt::Doubt;
 pub use pipeline::{Explanation, Problem, Strategy};
 
 use crate::findings;
@@ -62,7 +65,7 @@ pub fn diagnose(
     settings: &Settings,
     progress: &dyn Fn(Progress),
 ) -> Result<Diagnosis> {
-    diagnose_with(&[], subjects, recordings, settings, progress)
+    diagnose_with(&[&OddRecording], subjects, recordings, settings, progress)
 }
 
 /// As [`diagnose`], with these strategies for recordings that are not explained as they are, in the order in which they are

@@ -54,6 +54,8 @@ pub struct Explanation {
     pub diagnosis: Diagnosis,
     /// Whether what lies between events is explained, and the events are not.
     pub events_open: bool,
+    /// The one recording that disagrees with all others: its position among the recordings given.
+    pub odd: Option<usize>,
 }
 
 impl<'a> Problem<'a> {
@@ -88,6 +90,11 @@ impl<'a> Problem<'a> {
         self.among(self.recordings.to_vec(), &|_| true)
     }
 
+    /// The explanation of all recordings but the one at this position among those given.
+    pub(super) fn without(&self, recording: usize) -> Result<Explanation> {
+        self.among(self.recordings.iter().filter(|one| one.recording != recording).cloned().collect(), &|_| true)
+    }
+
     /// The explanation of `recordings` by `simulators`, one of each subject in its place, where only effects that `may` be
     /// missing are looked for.
     ///
@@ -115,14 +122,14 @@ impl<'a> Problem<'a> {
         let context = Context::new(self.subjects, Evidence::new(recordings), catalogue, self.settings);
         let Preparations { uses, mut notes } = self.preparations.clone();
         if let Some(diagnosis) = too_little(&context, &uses, &notes) {
-            return Ok(Explanation { diagnosis, events_open: false });
+            return Ok(Explanation { diagnosis, events_open: false, odd: None });
         }
         note_copies(&context, &mut notes);
         let attempt = explain(&context, self.progress)?;
         (self.progress)(Progress::Judging);
         let judged = Judgement::new(attempt)?;
         add_notes(&judged, &mut notes);
-        let events_open = judged.events_open();
-        Ok(Explanation { diagnosis: assemble(&judged, self.given, uses, notes)?, events_open })
+        let (events_open, odd) = (judged.events_open(), judged.odd);
+        Ok(Explanation { diagnosis: assemble(&judged, self.given, uses, notes)?, events_open, odd })
     }
 }

@@ -62,6 +62,9 @@ pub struct Effect {
     /// For each coefficient: its physical bounds, within the bounds of the fit. Narrower where mass and size
     /// are known (the drag coefficient of a sphere is 0.1 to 1.5).
     pub plausible: Vec<(f64, f64)>,
+    /// The settings of the scene on which the physical bounds rest, as users write them: if one of them is wrong, so are the
+    /// bounds. Empty where they hold for any scene.
+    pub plausible_rests_on: &'static [&'static str],
     /// One sentence for users: what it is and what it does.
     pub sentence: &'static str,
     /// Whether it is a random effect: every event draws its own value, and the coefficient is their standard deviation.
@@ -71,6 +74,9 @@ pub struct Effect {
     /// Why it is implausible for this object: another effect that explains the recordings as well is preferred, and it is
     /// named only if there is none.
     pub implausible: Option<&'static str>,
+    /// What is wrong in the simulation, rather than missing from it, and looks the same: an effect that leaves more than noise is
+    /// then not named alone.
+    pub feigned_by: Option<&'static str>,
 }
 
 impl Effect {
@@ -122,7 +128,9 @@ mod tests {
             sentence: "",
             random: false,
             mistaken_for: &[],
+            plausible_rests_on: &[],
             implausible: None,
+            feigned_by: None,
         };
         assert!(effect(0.03, 0.4).required() && effect(-2.0, -1.0).required());
         assert!(!effect(0.0, 0.4).required() && !effect(-1.0, 1.0).required());

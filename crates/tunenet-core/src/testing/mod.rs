@@ -229,7 +229,9 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         sentence: "",
         random: false,
         mistaken_for: &[],
+        plausible_rests_on: &[],
         implausible: None,
+        feigned_by: None,
     }
 }
 

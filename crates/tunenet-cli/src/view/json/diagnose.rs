@@ -22,7 +22,7 @@ pub fn object(answer: &Answer) -> Json {
         "gap": diagnosis.gap.as_ref().map(gap),
         "margin": diagnosis.margin,
         "adequacy": diagnosis.adequacy.iter().map(test).collect::<Vec<_>>(),
-        "doubt": diagnosis.conclusion.doubt(),
+        "doubt": diagnosis.conclusion.doubt().map(ToString::to_string),
         "description": diagnosis.conclusion.description(),
         "next_experiment": diagnosis.next_experiment.as_ref().map(|next| {
             let settings: Map<String, Json> = next.settings.iter().map(|(k, v)| (k.clone(), json!(v))).collect();
@@ -116,7 +116,7 @@ fn score(candidate: &Candidate) -> Json {
         "behind_best": candidate.delta,
         "fitted": candidate.fitted,
         "held_out_ratio": candidate.held_out_ratio,
-        "excluded": candidate.excluded,
+        "excluded": candidate.excluded.as_ref().map(ToString::to_string),
     })
 }
 

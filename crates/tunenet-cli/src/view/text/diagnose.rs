@@ -247,10 +247,10 @@ fn candidates(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
 
 /// What cannot be the answer, and why; together where the reason is the same.
 fn excluded(diagnosis: &Diagnosis) -> Vec<String> {
-    let all: Vec<(&str, &str)> =
-        diagnosis.candidates.iter().filter_map(|c| Some((c.name, c.excluded.as_deref()?))).collect();
+    let all: Vec<(&str, String)> =
+        diagnosis.candidates.iter().filter_map(|c| Some((c.name, c.excluded.as_ref()?.to_string()))).collect();
     let first = all.iter().enumerate().filter(|(i, (_, why))| all[..*i].iter().all(|(_, other)| other != why));
-    let one = |(_, (_, why)): (usize, &(&str, &str))| {
+    let one = |(_, (_, why)): (usize, &(&str, String))| {
         let names: Vec<&str> = all.iter().filter(|(_, other)| other == why).map(|(name, _)| *name).collect();
         format!("{} ({why})", names.join(" and "))
     };

@@ -19,6 +19,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis, RandomTilts};
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::held_out_proof::HeldOut;
+use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::findings;
 use crate::observation::Note;
 use crate::simulator::Phase;
@@ -69,7 +70,7 @@ fn conclusion(judged: &Judgement, intervals: &Intervals) -> Result<Conclusion> {
         Verdict::None => Conclusion::None,
         Verdict::Named => Conclusion::Named { effects: effects() },
         Verdict::OneOf => {
-            Conclusion::OneOf { effects: effects(), names: decision.names.clone(), doubt: decision.doubt }
+            Conclusion::OneOf { effects: effects(), names: decision.names.clone(), doubt: decision.doubt.clone() }
         }
         Verdict::Unknown => {
             let (description, phase) = describe(context, judged.best())?;
@@ -85,11 +86,21 @@ fn next(judged: &Judgement) -> Result<Option<NextExperiment>> {
     let context = &judged.context;
     let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
     Ok(match judged.decision.verdict {
+        Verdict::OneOf if let Some(text) = check_settings(judged) => plain(&text),
         Verdict::OneOf => next_experiment::next(context, &judged.found, &judged.decision.alternatives)?
             .or_else(|| plain(words(context).add)),
         Verdict::Unknown if context.evidence.driven() => Some(driven_experiment::vary(context, judged.best())?),
         Verdict::Unknown => plain(words(context).vary),
         _ => None,
+    })
+}
+
+/// Which settings to check where an effect is excluded by what they say, and explains more than the answer.
+fn check_settings(judged: &Judgement) -> Option<String> {
+    let Some(Doubt::ExcludedExplainsMore(rival)) = &judged.decision.doubt else { return None };
+    (!rival.rests_on.is_empty()).then(|| {
+        let settings = rival.rests_on.join(" and ");
+        format!("check {settings} in the simulation file: one of them is wrong if {} is the answer", rival.effect)
     })
 }
 

@@ -10,8 +10,8 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::judge::adequacy::noise_correlation;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
-use crate::diagnose::judge::validation_doubt::validation_doubt;
-use crate::diagnose::strategy::{Attempt, Control, Scope};
+use crate::diagnose::judge::validation_doubt::{Doubt, validation_doubt};
+use crate::diagnose::strategy::{Attempt, Control, RandomParameter, Scope};
 
 /// A model may not raise the held-out residual by more than this factor.
 const HELD_OUT_WORSE: f64 = 1.05;
@@ -38,6 +38,10 @@ pub(in crate::diagnose) struct Judgement<'a> {
     pub left: f64,
     /// Whether recordings differ among themselves by more than their noise.
     pub heterogeneous: bool,
+    /// The parameter that differs between recordings.
+    pub random_parameter: Option<RandomParameter>,
+    /// The recording that disagrees with all others: its position among the recordings given.
+    pub odd: Option<usize>,
 }
 
 impl<'a> Judgement<'a> {
@@ -47,7 +51,20 @@ impl<'a> Judgement<'a> {
             Some(control) => control,
             None => attempt.negative_control()?,
         };
-        let Attempt { context, found, scope, residuals, practical, before, lag1, floor, .. } = attempt;
+        let Attempt {
+            context,
+            found,
+            scope,
+            residuals,
+            practical,
+            before,
+            lag1,
+            floor,
+            apart,
+            random_parameter,
+            odd,
+            ..
+        } = attempt;
         let whole = scope == Scope::Whole;
         let mut tests = residuals.tests;
         if found.best.is_none() {
@@ -66,6 +83,8 @@ impl<'a> Judgement<'a> {
         let held_out = (before.as_ref(), after.as_ref());
         let doubt =
             validation_doubt(&context, &found, held_out, left.max(floor.sqrt()), practical.is_some()).filter(|_| whole);
+        let differs = apart.map(|apart| Doubt::DiffersBetweenRecordings(apart.effects));
+        let doubt = doubt.or(differs);
         let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
         let significant = whole && practical.is_some();
@@ -84,6 +103,8 @@ impl<'a> Judgement<'a> {
             floor,
             left,
             heterogeneous,
+            random_parameter,
+            odd,
         })
     }
 

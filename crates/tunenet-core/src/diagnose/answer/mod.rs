@@ -7,11 +7,14 @@ pub(in crate::diagnose) mod intervals;
 pub(in crate::diagnose) mod judgement;
 pub(in crate::diagnose) mod next_experiment;
 pub(in crate::diagnose) mod notes;
+pub(in crate::diagnose) mod odd_recording;
 pub(in crate::diagnose) mod per_object;
 pub(in crate::diagnose) mod residual_description;
 pub(in crate::diagnose) mod verdict;
 
+use crate::diagnose::hypothesis::plausibility::Exclusion;
 use crate::diagnose::judge::Test;
+use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Effect, Phase};
 use serde::{Deserialize, Serialize};
@@ -96,7 +99,7 @@ pub struct Candidate {
     /// Residual on held-out recordings over that of the tuned simulation without it, where both are known.
     pub held_out_ratio: Option<f64>,
     /// Why it cannot be the answer.
-    pub excluded: Option<String>,
+    pub excluded: Option<Exclusion>,
 }
 
 /// A pair of numbers, before and after.
@@ -250,7 +253,7 @@ pub enum Conclusion {
         /// and there is a doubt.
         names: Vec<&'static str>,
         /// Why the best explanation is not named alone, where the evidence distinguishes it from all others by far.
-        doubt: Option<&'static str>,
+        doubt: Option<Doubt>,
     },
     /// Something is missing, and nothing in the catalogue explains it.
     Unknown {
@@ -299,8 +302,8 @@ impl Conclusion {
 
     /// Why the first of a confusable set is not named alone although the evidence distinguishes it.
     #[must_use]
-    pub const fn doubt(&self) -> Option<&'static str> {
-        if let Self::OneOf { doubt, .. } = self { *doubt } else { None }
+    pub const fn doubt(&self) -> Option<&Doubt> {
+        if let Self::OneOf { doubt, .. } = self { doubt.as_ref() } else { None }
     }
 
     /// What an unknown effect leaves, in words.

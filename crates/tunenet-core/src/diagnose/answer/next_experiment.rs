@@ -160,6 +160,7 @@ fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
                 events: Vec::new(),
                 held_still: false,
                 random_draws: 0,
+                random_parameter: None,
             });
         }
     }

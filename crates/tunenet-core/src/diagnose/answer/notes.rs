@@ -5,10 +5,10 @@ use crate::diagnose::answer::verdict::in_place_of;
 use crate::diagnose::evidence::unmeasured::SILENT;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
-use crate::diagnose::hypothesis::plausibility::implausible_reason;
+use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, implausible_reason, out_of_range};
 use crate::diagnose::hypothesis::wording::words;
 use crate::findings;
-use crate::observation::{Note, with_decimals};
+use crate::observation::{Note, three_digits, with_decimals};
 
 /// Where across its bounds a parameter is tried.
 const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
@@ -39,8 +39,56 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
         notes.push(Note::new(findings::NOISE_AUTOCORRELATED, text, ""));
     }
     note_unidentifiable(&judged.context, judged.best(), notes);
+    note_out_of_range(judged, notes);
+    if let Some(random) = &judged.random_parameter {
+        let text = format!(
+            "`{}` differs between recordings, with a standard deviation of {}; the value is their mean",
+            random.name,
+            three_digits(random.sd)
+        );
+        notes.push(Note::new(findings::PARAMETER_DIFFERS, text, "keep the conditions the same, or say what differs"));
+    }
     if judged.reports_effects() {
         note_less_plausible(&judged.context, &judged.found, judged.decision.margin, notes);
+    }
+}
+
+/// Says which effects explain more than the answer and are excluded by a coefficient, and which objects need a coefficient that
+/// is not physical for them.
+fn note_out_of_range(judged: &Judgement, notes: &mut Vec<Note>) {
+    let Judgement { context, found, .. } = judged;
+    let remedy = |found: &OutOfRange| match found.rests_on {
+        [] => String::new(),
+        settings => format!("check {} in the simulation file", settings.join(" and ")),
+    };
+    let rivals = found.places.iter().filter_map(|place| place.excluded.as_ref());
+    let mut said: Vec<&str> = Vec::new();
+    for rival in rivals.chain(excluded_alone(context, found)) {
+        if said.contains(&rival.effect) {
+            continue;
+        }
+        let text = format!("`{}` explains more than the answer, but {rival}", rival.effect);
+        said.push(rival.effect);
+        notes.push(Note::new(findings::EFFECT_EXCLUDED, text, remedy(rival)));
+    }
+    let several = context.subjects.len() > 1;
+    for position in (0..judged.last().structure.effects.len()).filter(|_| several) {
+        for odd in out_of_range(context, judged.last(), position).into_iter().flatten() {
+            let text = format!("{}: {odd}", context.subjects[odd.object].name);
+            notes.push(Note::new(findings::EFFECT_OUT_OF_RANGE, text, remedy(&odd)));
+        }
+    }
+}
+
+/// Where no effect was found: the one that explains most, if a coefficient excludes it.
+fn excluded_alone<'b>(context: &Context, found: &'b Selection) -> Option<&'b OutOfRange> {
+    let fitted = found.alone.iter().filter(|trial| trial.model.is_some());
+    let best = fitted.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+    match &best.excluded {
+        Some(Exclusion::Implausible(coefficient)) if found.best.is_none() && best.gain > context.settings.margin => {
+            Some(coefficient)
+        }
+        _ => None,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::needs_no_evidence;
 use crate::diagnose::hypothesis::plausibility::{is_less_plausible, is_required};
 use crate::diagnose::hypothesis::wording::words;
-use crate::diagnose::judge::validation_doubt::ValidationDoubt;
+use crate::diagnose::judge::validation_doubt::Doubt;
 
 /// How many alternatives of an effect are offered at most.
 const MOST_ALTERNATIVES: usize = 5;
@@ -24,7 +24,7 @@ pub(in crate::diagnose) struct Decision {
     /// How far behind the best an explanation is still left.
     pub margin: f64,
     /// Why what is distinguished from everything else by far is not named alone.
-    pub doubt: Option<&'static str>,
+    pub doubt: Option<Doubt>,
 }
 
 /// The same in the place of one effect. Of one that has to be there anyhow it is no question whether it is, only whether
@@ -38,7 +38,9 @@ fn margin_of(context: &Context, place: &SelectedEffect, margin: f64) -> f64 {
 pub(in crate::diagnose) fn in_place_of(context: &Context, place: &SelectedEffect, margin: f64) -> Vec<usize> {
     let margin = margin_of(context, place, margin);
     let near = place.others.iter().filter(|(other, gap)| *gap < margin || place.equals.contains(other));
-    near.map(|(entry, _)| *entry).filter(|&other| !is_less_plausible(context, other, place.entry)).collect()
+    near.filter(|(other, gap)| !is_less_plausible(context, *other, place.entry, *gap))
+        .map(|(entry, _)| *entry)
+        .collect()
 }
 
 /// The verdict of what was found. `confirmed` is whether recordings that were not fitted bear it out, or nothing is left
@@ -48,7 +50,7 @@ pub(in crate::diagnose) fn decide(
     found: &Selection,
     tests: &[Test],
     confirmed: bool,
-    validation: Option<ValidationDoubt>,
+    validation: Option<Doubt>,
 ) -> Decision {
     let adequate = tests.iter().all(|t| t.passed);
     let names = |entries: &mut dyn Iterator<Item = usize>| unique(entries.map(|e| context.catalogue[e].name).collect());
@@ -78,6 +80,17 @@ pub(in crate::diagnose) fn decide(
             near.extend(runner_up(context, found, place));
         }
         near.truncate(MOST_ALTERNATIVES);
+        let excluded = place.excluded.iter().map(|rival| rival.effect);
+        let differing = match &validation {
+            Some(Doubt::DiffersBetweenRecordings(effects)) if context.catalogue[place.entry].chance() => &effects[..],
+            _ => &[],
+        };
+        let rivals = excluded.chain(differing.iter().copied());
+        for rival in rivals.filter_map(|name| context.catalogue.iter().position(|entry| entry.name == name)) {
+            if !near.contains(&rival) && found.places.iter().all(|p| p.entry != rival) {
+                near.insert(0, rival);
+            }
+        }
         alternatives.push(near);
     }
     let doubt = validation.is_some() || found.places.iter().any(|place| doubtful(context, place, confirmed));
@@ -86,13 +99,13 @@ pub(in crate::diagnose) fn decide(
     let names = names(&mut all.flat_map(|(place, near)| std::iter::once(place.entry).chain(near.iter().copied())));
     let margin = found.places.iter().map(|p| margin_of(context, p, widest)).fold(context.settings.margin, f64::max);
     let doubt = (doubt && (!near_any || validation.is_some())).then(|| {
-        if let Some(doubt) = validation {
-            doubt.text()
-        } else if context.evidence.shows_one_motion() {
-            words(context).single
-        } else {
-            "no recording that was not fitted bears it out"
-        }
+        validation.unwrap_or_else(|| {
+            if context.evidence.shows_one_motion() {
+                Doubt::SingleMotion(words(context).single)
+            } else {
+                Doubt::Unconfirmed
+            }
+        })
     });
     Decision { verdict: if open { Verdict::OneOf } else { Verdict::Named }, alternatives, names, margin, doubt }
 }
@@ -104,8 +117,9 @@ fn doubtful(context: &Context, place: &SelectedEffect, confirmed: bool) -> bool 
     if !is_required(context, place.entry) {
         return !confirmed || context.evidence.shows_one_motion();
     }
-    let offered = |other: usize| !is_less_plausible(context, other, place.entry);
-    let near = |(other, gap): &(usize, f64)| offered(*other) && *gap < SINGLE_MOTION_MARGIN * context.settings.margin;
+    let near = |(other, gap): &(usize, f64)| {
+        *gap < SINGLE_MOTION_MARGIN * context.settings.margin && !is_less_plausible(context, *other, place.entry, *gap)
+    };
     !confirmed && (context.evidence.shows_one_motion() || place.others.iter().any(near))
 }
 
@@ -115,7 +129,7 @@ fn runner_up(context: &Context, found: &Selection, place: &SelectedEffect) -> Op
     let beside = place.others.iter().filter(|(_, gap)| *gap < place.gain).map(|(entry, _)| *entry);
     let alone = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0).map(|t| t.entry);
     let named = |entry: usize| found.places.iter().any(|p| p.entry == entry);
-    beside.chain(alone).find(|&entry| !named(entry) && !is_less_plausible(context, entry, place.entry))
+    beside.chain(alone).find(|&entry| !named(entry) && !is_less_plausible(context, entry, place.entry, f64::INFINITY))
 }
 
 /// Each name once, in the order in which they come.

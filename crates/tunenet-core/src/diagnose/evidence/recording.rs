@@ -40,6 +40,8 @@ pub struct PreparedRecording {
     pub(in crate::diagnose) held_still: bool,
     /// How many of its last nuisance parameters are draws of a random effect, two to each event.
     pub(in crate::diagnose) random_draws: usize,
+    /// Of which of its simulator's parameters its last nuisance parameter is a deviation.
+    pub(in crate::diagnose) random_parameter: Option<usize>,
 }
 
 pub(in crate::diagnose) type Set = PreparedRecording;
@@ -133,6 +135,7 @@ impl PreparedRecording {
             events,
             held_still: false,
             random_draws: 0,
+            random_parameter: None,
         }
     }
 
@@ -161,6 +164,23 @@ impl PreparedRecording {
         let still = |c: usize| self.held_still && !(c..self.keep.len()).step_by(width).any(|i| self.keep[i]);
         let still: Vec<bool> = (0..width).map(still).collect();
         self.keep.iter().enumerate().map(|(i, keep)| *keep || still[i % width]).collect()
+    }
+
+    /// Adds its own deviation to `parameters`, within their bounds; the rest of `nuisances` is the simulator's.
+    pub(in crate::diagnose) fn with_deviation<'b>(
+        &self,
+        parameters: &mut [f64],
+        bounds: &[Parameter],
+        nuisances: &'b [f64],
+    ) -> &'b [f64] {
+        match (self.random_parameter, nuisances) {
+            (Some(position), [others @ .., deviation]) => {
+                let Parameter { min, max, .. } = bounds[position];
+                parameters[position] = (parameters[position] + deviation).clamp(min, max);
+                others
+            }
+            _ => nuisances,
+        }
     }
 
     pub(in crate::diagnose) fn width(&self) -> usize {

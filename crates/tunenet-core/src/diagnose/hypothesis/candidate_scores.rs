@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Point, Which};
-use crate::diagnose::hypothesis::plausibility::implausible;
+use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
 use crate::diagnose::hypothesis::wording::done_already;
 use crate::estimate::canonical_correlation::canonical_correlation;
 use crate::estimate::jacobian::Columns;
@@ -46,7 +46,7 @@ pub(in crate::diagnose) struct CandidateFit<'a> {
     /// The joint fit.
     pub model: Option<Hypothesis<'a>>,
     /// Why it cannot be the answer.
-    pub excluded: Option<String>,
+    pub excluded: Option<Exclusion>,
     /// Orthonormal projected columns, stacked.
     pub span: Vec<Vec<f64>>,
 }
@@ -69,7 +69,7 @@ struct Scored {
     columns: Vec<Columns>,
     span: Vec<Vec<f64>>,
     predicted: f64,
-    excluded: Option<String>,
+    excluded: Option<Exclusion>,
 }
 
 /// Every candidate beside `model`, best first.
@@ -114,7 +114,7 @@ fn score(context: &Context<'_>, entry: usize, model: &Hypothesis, projector: &Pr
     let mut scored =
         Scored { entry, columns: Vec::new(), span: Vec::new(), predicted: f64::NEG_INFINITY, excluded: None };
     if let Err(error) = try_score(context, &mut scored, model, projector, left) {
-        scored.excluded = Some(format!("it cannot be simulated here: {error}"));
+        scored.excluded = Some(Exclusion::Refused(error.to_string()));
     }
     scored
 }
@@ -155,11 +155,11 @@ fn try_score(
         }
     }
     if whole <= 0.0 {
-        scored.excluded = Some("these recordings do not depend on it".into());
+        scored.excluded = Some(Exclusion::NoInfluence);
     } else if rest <= LEFT_OVER * whole {
-        scored.excluded = Some(done_already(context).into());
+        scored.excluded = Some(Exclusion::Redundant(done_already(context)));
     } else if !seen {
-        scored.excluded = Some("its effect in these recordings would stay below the noise".into());
+        scored.excluded = Some(Exclusion::BelowNoise);
     }
     scored.span = orthonormal(projected);
     let explained: f64 = scored.span.iter().map(|direction| dot(direction, left).powi(2)).sum();
@@ -195,7 +195,7 @@ fn one_step<'a>(
             trial.gain = gain(context, model, &fitted, model.scale());
             trial.model = Some(fitted);
         }
-        Err(error) => trial.excluded = Some(format!("it cannot be simulated here: {error}")),
+        Err(error) => trial.excluded = Some(Exclusion::Refused(error.to_string())),
     }
 }
 
@@ -225,7 +225,7 @@ fn fit_best<'a>(context: &Context<'a>, trials: &mut [CandidateFit<'a>], model: &
             done[i] = true;
             let Some(fitted) = fitted else { continue };
             trials[i].gain = gain(context, model, &fitted, model.scale());
-            trials[i].excluded = implausible(context, &fitted);
+            trials[i].excluded = implausible(context, &fitted).map(Exclusion::Implausible);
             trials[i].model = Some(fitted);
         }
     }

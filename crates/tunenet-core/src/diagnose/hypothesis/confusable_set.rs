@@ -3,6 +3,7 @@
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::gain;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange};
 use crate::estimate::canonical_correlation::canonical_correlation;
 
 /// Two effects whose projected columns share this much (squared canonical correlation) are the same to these recordings,
@@ -34,6 +35,26 @@ pub(in crate::diagnose) fn others(
     let mut all: Vec<(usize, f64)> = each.filter_map(gap).collect();
     all.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     all
+}
+
+/// What would explain more than `model` does, by more than distinguishes two explanations, if its coefficient were physical: a
+/// value on which its bounds rest may be wrong. `without` and `trials` are as for [`others`].
+pub(in crate::diagnose) fn excluded_rival(
+    context: &Context,
+    without: &Hypothesis,
+    model: &Hypothesis,
+    trials: &[CandidateFit],
+) -> Option<OutOfRange> {
+    let scale = model.scale();
+    let best = gain(context, without, model, scale);
+    let rivals = trials.iter().filter_map(|trial| match (&trial.excluded, &trial.model) {
+        (Some(Exclusion::Implausible(coefficient)), Some(rival)) => {
+            Some((gain(context, without, rival, scale) - best, coefficient))
+        }
+        _ => None,
+    });
+    let ahead = rivals.filter(|(lead, _)| *lead > context.settings.margin);
+    ahead.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, coefficient)| coefficient.clone())
 }
 
 #[cfg(test)]

@@ -6,12 +6,16 @@ use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::{gain, score_candidates};
 use crate::diagnose::hypothesis::confusable_set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::plausibility::is_required;
+use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
 use crate::diagnose::hypothesis::plausibility::{holds_only_required, needs_no_evidence, required_model};
 use crate::estimate::information_criterion::p_value;
 
 /// A swap may open the way to another; each is better than the one before.
 const MOST_SWAPS: usize = 6;
+
+/// Each of several effects has to gain this many times what a single one has to: a second effect takes up what the first leaves of
+/// outliers and of coloured noise.
+const ONE_OF_SEVERAL: f64 = 2.0;
 
 /// An effect has to reduce the mean square by this factor to be worth a name.
 const WORTH: f64 = 1.3;
@@ -28,6 +32,13 @@ pub(in crate::diagnose) struct Selection<'a> {
     pub places: Vec<SelectedEffect>,
 }
 
+impl<'a> Selection<'a> {
+    /// Before any search: the simulation as it was tuned.
+    pub fn tuned(base: Hypothesis<'a>) -> Self {
+        Self { base, alone: Vec::new(), best: None, places: Vec::new() }
+    }
+}
+
 /// What becomes of a structure whose effects are judged one by one.
 enum Step<'a> {
     /// Each earns its place.
@@ -38,7 +49,7 @@ enum Step<'a> {
 
 /// An effect whose worth was not looked at: it has none.
 fn unjudged(entry: usize) -> SelectedEffect {
-    SelectedEffect { entry, gain: 0.0, p_value: 1.0, others: Vec::new(), equals: Vec::new() }
+    SelectedEffect { entry, gain: 0.0, p_value: 1.0, others: Vec::new(), equals: Vec::new(), excluded: None }
 }
 
 /// One effect of the best structure.
@@ -54,6 +65,8 @@ pub(in crate::diagnose) struct SelectedEffect {
     pub others: Vec<(usize, f64)>,
     /// Those among them that do as well on recordings that were not fitted, whatever their distance.
     pub equals: Vec<usize>,
+    /// What would explain far more in its place, with a coefficient that is not physical.
+    pub excluded: Option<OutOfRange>,
 }
 
 /// Whether what a hypothesis leaves looks like noise.
@@ -118,6 +131,10 @@ pub(in crate::diagnose) fn search<'a>(
     }
     if let Some(model) = &best {
         measure_alike(context, &mut alone, &base, model.scale());
+        if let (Some(first), true) = (places.first_mut(), model.structure.effects.len() > 1) {
+            let whole = confusable_set::excluded_rival(context, &base, model, &alone);
+            first.excluded = first.excluded.take().or(whole);
+        }
     }
     Ok(Selection { base, alone, best, places })
 }
@@ -147,7 +164,7 @@ fn accepted<'a>(
     trials: &[CandidateFit<'a>],
 ) -> Result<Option<Hypothesis<'a>>> {
     let first = holds_only_required(context, before);
-    let least = if first { context.settings.margin } else { context.margin() };
+    let least = if first { context.settings.margin } else { context.margin().max(least_gain(context, 2)) };
     let fitted = || trials.iter().filter(|t| t.excluded.is_none()).filter_map(|t| Some((t, t.model.as_ref()?)));
     let earns = |(trial, model): &(&CandidateFit<'a>, &Hypothesis<'a>)| {
         trial.gain > least
@@ -159,6 +176,11 @@ fn accepted<'a>(
     let Some((_, model)) = certain.or_else(|| fitted().next().filter(earns)) else { return Ok(None) };
     let structure = context.structure(&model.structure.effects)?;
     Ok(Some(Hypothesis { structure, fit: model.fit.clone() }))
+}
+
+/// What each of so many effects has to gain.
+fn least_gain(context: &Context<'_>, effects: usize) -> f64 {
+    context.settings.margin * if effects > 1 { ONE_OF_SEVERAL } else { 1.0 }
 }
 
 /// Whether a gain is no chance. One motion in which something is expected leaves a choice at most, for which a clear gain
@@ -205,12 +227,13 @@ fn judge_places<'a>(
             (without, trials) = (&made.0, made.1.as_slice());
         }
         let (gain, p_value) = worth(context, without, model);
-        let earned =
-            gain >= context.settings.margin && is_significant(context, p_value) && is_material(context, without, model);
+        let least = least_gain(context, effects.len());
+        let earned = gain >= least && is_significant(context, p_value) && is_material(context, without, model);
         if !earned && !needs_no_evidence(context, entry) {
             let fitted = if others.is_empty() { None } else { Some(context.fit_near(&others, model)?) };
             return Ok(Step::Replaced(fitted.map(Box::new)));
         }
+        let excluded = confusable_set::excluded_rival(context, without, model, trials);
         let others = confusable_set::others(context, without, model, entry, trials);
         let firm = |other: usize| is_required(context, entry) && !is_required(context, other);
         if let Some(better) = others.iter().find(|(other, gap)| *gap < -1.0 && !firm(*other))
@@ -222,7 +245,7 @@ fn judge_places<'a>(
                 return Ok(Step::Replaced(Some(Box::new(Hypothesis { structure, fit: found.fit.clone() }))));
             }
         }
-        places.push(SelectedEffect { entry, gain, p_value, others, equals: Vec::new() });
+        places.push(SelectedEffect { entry, gain, p_value, others, equals: Vec::new(), excluded });
     }
     Ok(Step::Retained(places))
 }

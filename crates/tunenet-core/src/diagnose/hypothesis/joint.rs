@@ -177,8 +177,9 @@ impl Joint<'_> {
     pub fn plain(&self, d: usize, globals: &[f64], nuisances: &[f64], samples: usize) -> Result<Vec<f64>> {
         let set = &self.sets[d];
         self.rollouts.fetch_add(1, Ordering::Relaxed);
-        let parameters = self.structure.parameters(set.object, globals);
+        let mut parameters = self.structure.parameters(set.object, globals);
         let simulator = self.structure.simulator(set.object);
+        let nuisances = set.with_deviation(&mut parameters, simulator.parameters(), nuisances);
         let mut values = predict(simulator, &set.prepared, &parameters, nuisances, &set.clock()[..samples])?;
         values.iter_mut().zip(set.prepared.seen.values()).for_each(|(value, seen)| *value = seen - *value);
         Ok(values)

@@ -1,37 +1,116 @@
 //! Physical plausibility: which coefficients are physical, and which effects are required, optional or implausible.
 
+use std::fmt;
+
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::observation::three_digits;
 
-/// Why a coefficient of `model` is implausible: outside what is physical, or pushed against a bound.
-pub(in crate::diagnose) fn implausible(context: &Context<'_>, model: &Hypothesis) -> Option<String> {
-    let spread = (model.deviance(model.scale()) / context.count() as f64).sqrt();
-    for (position, &entry) in model.structure.effects.iter().enumerate() {
-        for object in 0..context.subjects.len() {
-            let effect = &context.catalogue[entry].of[object];
-            let places = model.structure.of_effect(position);
-            let globals = &model.structure.globals;
-            let mine: Vec<usize> =
-                places.into_iter().filter(|&g| globals[g].object.is_none_or(|o| o == object)).collect();
-            for g in mine {
-                let (value, p) = (model.fit.point.parameters[g], &globals[g].parameter);
-                let k = globals[g].effect.map_or(0, |e| e.1);
-                let coefficient = &effect.coefficients[k];
-                let slack = 2.0 * spread * model.fit.covariance[(g, g)].max(0.0).sqrt();
-                let (low, high) = effect.plausible[k];
-                if value < low - slack || value > high + slack {
-                    return Some(format!(
-                        "`{}` would be {value:.3e} {}, outside {low} to {high}",
-                        p.name, coefficient.unit
-                    ));
-                }
-                if value != coefficient.absent && (value <= p.min || value >= p.max) {
-                    return Some(format!("`{}` runs into its bound {value}", p.name));
-                }
-            }
+/// Why a candidate cannot be the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Exclusion {
+    /// The simulator refuses it, with this sentence.
+    Refused(String),
+    /// No recording depends on it.
+    NoInfluence,
+    /// Something that is fitted anyhow does the same: what, in words.
+    Redundant(&'static str),
+    /// Even its physical bounds move the recordings by less than their noise.
+    BelowNoise,
+    /// It would need a coefficient that is not physical.
+    Implausible(OutOfRange),
+}
+
+impl fmt::Display for Exclusion {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Refused(error) => write!(f, "it cannot be simulated here: {error}"),
+            Self::NoInfluence => f.write_str("these recordings do not depend on it"),
+            Self::Redundant(same) => f.write_str(same),
+            Self::BelowNoise => f.write_str("its effect in these recordings would stay below the noise"),
+            Self::Implausible(coefficient) => coefficient.fmt(f),
         }
     }
-    None
+}
+
+/// A coefficient outside its physical bounds, or on a bound of the fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutOfRange {
+    /// The name of its effect.
+    pub effect: &'static str,
+    /// The position of its object among the subjects.
+    pub object: usize,
+    /// Its name as a parameter.
+    pub coefficient: String,
+    /// The value that the recordings ask for.
+    pub value: f64,
+    /// Its unit in words.
+    pub unit: &'static str,
+    /// Its physical bounds; `None` where it ends on a bound of the fit.
+    pub physical: Option<(f64, f64)>,
+    /// The settings on which the physical bounds rest.
+    pub rests_on: &'static [&'static str],
+}
+
+impl fmt::Display for OutOfRange {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { coefficient, value, unit, .. } = self;
+        match self.physical {
+            Some((low, high)) => {
+                let (low, high) = (three_digits(low), three_digits(high));
+                write!(f, "`{coefficient}` would be {} {unit}, outside {low} to {high}", three_digits(*value))
+            }
+            None => write!(f, "`{coefficient}` runs into its bound {value}"),
+        }
+    }
+}
+
+/// A coefficient of `model` that is implausible: outside what is physical, or pushed against a bound. An effect of which each
+/// object has its own coefficients is implausible only where it is so in every object: one object whose size is wrong in its
+/// file speaks against that file, not against the effect.
+pub(in crate::diagnose) fn implausible(context: &Context<'_>, model: &Hypothesis) -> Option<OutOfRange> {
+    (0..model.structure.effects.len()).find_map(|position| {
+        let mut of_objects = out_of_range(context, model, position).into_iter();
+        let first = of_objects.next().flatten();
+        if of_objects.all(|other| other.is_some()) { first } else { None }
+    })
+}
+
+/// For every object with recordings: a coefficient of the structure's effect at `position` that is implausible there.
+pub(in crate::diagnose) fn out_of_range(
+    context: &Context<'_>,
+    model: &Hypothesis,
+    position: usize,
+) -> Vec<Option<OutOfRange>> {
+    let recorded = |object: &usize| context.sets().iter().any(|set| set.object == *object);
+    let objects = (0..context.subjects.len()).filter(recorded);
+    objects.map(|object| out_of_range_of(context, model, position, object)).collect()
+}
+
+fn out_of_range_of(context: &Context<'_>, model: &Hypothesis, position: usize, object: usize) -> Option<OutOfRange> {
+    let spread = (model.deviance(model.scale()) / context.count() as f64).sqrt();
+    let effect = &context.catalogue[model.structure.effects[position]].of[object];
+    let globals = &model.structure.globals;
+    let mine =
+        model.structure.of_effect(position).into_iter().filter(|&g| globals[g].object.is_none_or(|o| o == object));
+    mine.into_iter().find_map(|g| {
+        let (value, p) = (model.fit.point.parameters[g], &globals[g].parameter);
+        let k = globals[g].effect.map_or(0, |e| e.1);
+        let coefficient = &effect.coefficients[k];
+        let slack = 2.0 * spread * model.fit.covariance[(g, g)].max(0.0).sqrt();
+        let (low, high) = effect.plausible[k];
+        let unphysical = value < low - slack || value > high + slack;
+        let at_bound = value != coefficient.absent && (value <= p.min || value >= p.max);
+        (unphysical || at_bound).then(|| OutOfRange {
+            effect: effect.name,
+            object,
+            coefficient: p.name.clone(),
+            value,
+            unit: coefficient.unit,
+            physical: unphysical.then_some((low, high)),
+            rests_on: if unphysical { effect.plausible_rests_on } else { &[] },
+        })
+    })
 }
 
 /// Whether the effect has to be there in every object, so that recordings need only say how large it is.
@@ -39,9 +118,13 @@ pub(in crate::diagnose) fn is_required(context: &Context<'_>, entry: usize) -> b
     context.catalogue[entry].of.iter().all(crate::simulator::Effect::required)
 }
 
-/// Whether `other` explains what `entry` does, but is not to be expected of these objects as `entry` is.
-pub(in crate::diagnose) fn is_less_plausible(context: &Context<'_>, other: usize, entry: usize) -> bool {
-    implausible_reason(context, other).is_some() && implausible_reason(context, entry).is_none()
+/// How far an effect that is implausible for these objects has to stay behind another, by the information criterion, so that the other
+/// is preferred: below 2 the evidence is "not worth more than a bare mention" (Kass and Raftery 1995), and no prior decides.
+const PREFERRED: f64 = 2.0;
+
+/// Whether `other` explains what `entry` does, falling `gap` behind it, but is not to be expected of these objects as `entry` is.
+pub(in crate::diagnose) fn is_less_plausible(context: &Context<'_>, other: usize, entry: usize, gap: f64) -> bool {
+    gap > PREFERRED && implausible_reason(context, other).is_some() && implausible_reason(context, entry).is_none()
 }
 
 pub(in crate::diagnose) fn implausible_reason(context: &Context<'_>, entry: usize) -> Option<&'static str> {
@@ -85,7 +168,8 @@ mod tests {
             let mut model = context.fit_near(&[entry(context, "viscous_friction")], &base).unwrap();
             assert_eq!(implausible(context, &model), None);
             model.fit.point.parameters[1] = -0.2;
-            assert!(implausible(context, &model).unwrap().contains("outside 0 to 1.5"));
+            let found = implausible(context, &model).unwrap();
+            assert!(found.to_string().contains("outside 0 to 1.50") && found.effect == "viscous_friction", "{found}");
         });
     }
 
@@ -95,7 +179,9 @@ mod tests {
             let base = fit_without_effects(context).unwrap();
             let first = Context { required_first: true, ..context.clone() };
             assert!(required_model(&first, &base).unwrap().is_none());
-            assert!((0..first.catalogue.len()).all(|e| !is_required(&first, e) && !is_less_plausible(&first, e, 0)));
+            assert!(
+                (0..first.catalogue.len()).all(|e| !is_required(&first, e) && !is_less_plausible(&first, e, 0, 9.0))
+            );
         });
     }
 }

@@ -51,8 +51,14 @@ mod tests {
             let base = fit_without_effects(context).unwrap();
             let effects = ["viscous_friction", "rest_angle"].map(|name| entry(context, name));
             let best = context.fit_near(&effects, &base).unwrap();
-            let place =
-                |entry| SelectedEffect { entry, gain: 50.0, p_value: 0.0, others: Vec::new(), equals: Vec::new() };
+            let place = |entry| SelectedEffect {
+                entry,
+                gain: 50.0,
+                p_value: 0.0,
+                others: Vec::new(),
+                equals: Vec::new(),
+                excluded: None,
+            };
             let places = effects.map(place).to_vec();
             let mut found = Selection { base, alone: Vec::new(), best: Some(best), places };
             prune(context, &mut found).unwrap();

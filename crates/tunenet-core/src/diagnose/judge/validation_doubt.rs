@@ -1,9 +1,11 @@
 //! What keeps a name in doubt although every test of the residual passed: a discrepancy that remains, and held-out recordings that
 //! do not bear the effects out.
 
+use std::fmt;
+
 use crate::diagnose::hypothesis::context::Context;
-use crate::diagnose::hypothesis::forward_selection::Selection;
-use crate::diagnose::hypothesis::plausibility::is_required;
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
+use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
 use crate::diagnose::judge::held_out_proof::HeldOut;
 use crate::diagnose::judge::random_effect_diagnostics::p_value_of_draws;
 
@@ -14,28 +16,69 @@ const HELD_OUT_OVER_FITTED: f64 = 1.2;
 /// Draws that are less probable than this as random ones are not.
 const DRAWS_SIGNIFICANCE: f64 = 0.01;
 
-/// Why the effects found are not named alone; `None` where nothing speaks against it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::diagnose) enum ValidationDoubt {
+/// A random effect at contacts, and each of several effects, is no name where it gains less than this many times the margin: it can
+/// imitate what something else leaves, and true ones gain by the hundred.
+const CLEAR_MARGIN: f64 = 5.0;
+
+/// So many effects or more are named together only by at least this many recordings for each.
+const MANY_EFFECTS: usize = 3;
+const RECORDINGS_FOR_EACH: usize = 2;
+
+/// Why effects that the evidence distinguishes from all others are not named alone.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Doubt {
     /// They are practically significant, and leave more than noise.
     DiscrepancyRemains,
     /// They worsen the forecast of held-out recordings.
     ForecastWorse,
     /// Draws of a random effect depend on their recording or on the motion.
     DrawsNotRandom,
+    /// A random effect, which can imitate much, explains little.
+    RandomAndWeak,
+    /// So many effects are fitted to too few recordings.
+    ManyEffects,
+    /// This one of several effects explains little.
+    Weak(&'static str),
+    /// A wrong value of the simulation looks the same as this effect: which value.
+    Feigned(&'static str, &'static str),
     /// They leave more of held-out recordings than of those that were fitted.
     HeldOutUnexplained,
+    /// Another effect explains far more, with a coefficient that is not physical.
+    ExcludedExplainsMore(OutOfRange),
+    /// Every recording by itself is explained as well by these effects, whose size then differs between recordings; by none, where
+    /// it is enough that parameters differ.
+    DiffersBetweenRecordings(Vec<&'static str>),
+    /// A single motion shows them; in words.
+    SingleMotion(&'static str),
+    /// No recording that was not fitted bears them out.
+    Unconfirmed,
 }
 
-impl ValidationDoubt {
-    /// In words, to stand before "so".
-    pub fn text(self) -> &'static str {
-        match self {
+/// In words, to stand before "so".
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let text = match self {
             Self::DiscrepancyRemains => "a discrepancy beyond noise remains that no effect explains",
             Self::ForecastWorse => "the forecast of held-out recordings gets worse with it",
             Self::DrawsNotRandom => "deflections at contacts depend on the recording or on the motion",
+            Self::RandomAndWeak => "chance at contacts can imitate much, and explains little here",
+            Self::ManyEffects => "so many effects can imitate another one in so few recordings",
+            Self::Weak(effect) => return write!(f, "{effect} explains little beside the rest"),
+            Self::Feigned(effect, values) => {
+                return write!(f, "more than noise remains, and {values} can look like {effect}");
+            }
             Self::HeldOutUnexplained => "held-out recordings leave more than those that were fitted",
-        }
+            Self::ExcludedExplainsMore(other) => return write!(f, "{} explains more, but {other}", other.effect),
+            Self::DiffersBetweenRecordings(effects) if effects.is_empty() => {
+                "parameters that differ between recordings explain as much"
+            }
+            Self::DiffersBetweenRecordings(effects) => {
+                return write!(f, "{} of another size in each recording explains as much", effects.join(" and "));
+            }
+            Self::SingleMotion(words) => words,
+            Self::Unconfirmed => "no recording that was not fitted bears it out",
+        };
+        f.write_str(text)
     }
 }
 
@@ -43,29 +86,52 @@ impl ValidationDoubt {
 /// that were fitted, or the noise where that is larger; `practical` is whether they are practically significant only.
 ///
 /// Effects that are physically required exist anyhow: that they leave something is no doubt of them. Logs of a driven mechanism never
-/// reach noise level, and are left to their own tests.
+/// reach noise level: they are left to their own tests, but for effects that wrong values of the simulation look like.
 pub(in crate::diagnose) fn validation_doubt(
     context: &Context,
     found: &Selection,
     (before, after): (Option<&HeldOut>, Option<&HeldOut>),
     fitted: f64,
     practical: bool,
-) -> Option<ValidationDoubt> {
-    let best = found.best.as_ref().filter(|_| !context.evidence.driven())?;
-    if best.structure.effects.iter().all(|&entry| is_required(context, entry)) {
+) -> Option<Doubt> {
+    let best = found.best.as_ref()?;
+    if context.evidence.driven() {
+        let feigned = |&entry: &usize| {
+            let effect = &context.catalogue[entry].of[0];
+            Some(Doubt::Feigned(effect.name, effect.feigned_by?))
+        };
+        return best.structure.effects.iter().find_map(feigned).filter(|_| practical);
+    }
+    if found.places.iter().all(|place| is_required(context, place.entry)) {
         return None;
     }
+    if let Some(rival) = found.places.iter().find_map(|place| place.excluded.clone()) {
+        return Some(Doubt::ExcludedExplainsMore(rival));
+    }
     if practical {
-        return Some(ValidationDoubt::DiscrepancyRemains);
+        return Some(Doubt::DiscrepancyRemains);
+    }
+    let weak =
+        |p: &SelectedEffect| context.catalogue[p.entry].chance() && p.gain < CLEAR_MARGIN * context.settings.margin;
+    if found.places.iter().any(weak) {
+        return Some(Doubt::RandomAndWeak);
+    }
+    let effects = found.places.len();
+    if effects >= MANY_EFFECTS && context.sets().len() < RECORDINGS_FOR_EACH * effects {
+        return Some(Doubt::ManyEffects);
+    }
+    let weak = |p: &&SelectedEffect| p.gain < CLEAR_MARGIN * context.settings.margin && !is_required(context, p.entry);
+    if let Some(weak) = found.places.iter().find(weak).filter(|_| effects > 1) {
+        return Some(Doubt::Weak(context.catalogue[weak.entry].name));
     }
     if p_value_of_draws(context, best, after) < DRAWS_SIGNIFICANCE {
-        return Some(ValidationDoubt::DrawsNotRandom);
+        return Some(Doubt::DrawsNotRandom);
     }
     let (before, after) = (before?, after?);
     if after.forecast > before.forecast {
-        Some(ValidationDoubt::ForecastWorse)
+        Some(Doubt::ForecastWorse)
     } else if after.rmse > HELD_OUT_OVER_FITTED * fitted {
-        Some(ValidationDoubt::HeldOutUnexplained)
+        Some(Doubt::HeldOutUnexplained)
     } else {
         None
     }
@@ -90,11 +156,11 @@ mod tests {
                 validation_doubt(context, &found, (Some(&before), Some(after)), NOISE_RAD, practical)
             };
             assert_eq!(doubt(&after, false), None);
-            assert_eq!(doubt(&after, true), Some(ValidationDoubt::DiscrepancyRemains));
+            assert_eq!(doubt(&after, true), Some(Doubt::DiscrepancyRemains));
             let worse = HeldOut { forecast: 1.01 * before.forecast, ..after.clone() };
-            assert_eq!(doubt(&worse, false), Some(ValidationDoubt::ForecastWorse));
+            assert_eq!(doubt(&worse, false), Some(Doubt::ForecastWorse));
             let unexplained = HeldOut { rmse: 1.3 * NOISE_RAD, ..after };
-            assert_eq!(doubt(&unexplained, false), Some(ValidationDoubt::HeldOutUnexplained));
+            assert_eq!(doubt(&unexplained, false), Some(Doubt::HeldOutUnexplained));
         });
     }
 

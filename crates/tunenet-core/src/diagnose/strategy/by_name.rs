@@ -3,6 +3,7 @@
 use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::SelectedEffect;
+use crate::diagnose::hypothesis::plausibility::OutOfRange;
 
 /// A [`SelectedEffect`] that holds in any catalogue.
 pub(in crate::diagnose) struct ByName {
@@ -11,6 +12,7 @@ pub(in crate::diagnose) struct ByName {
     p_value: f64,
     others: Vec<(&'static str, f64)>,
     equals: Vec<&'static str>,
+    excluded: Option<OutOfRange>,
 }
 
 impl ByName {
@@ -22,6 +24,7 @@ impl ByName {
             p_value: place.p_value,
             others: place.others.iter().map(|&(entry, gap)| (name(entry), gap)).collect(),
             equals: place.equals.iter().map(|&entry| name(entry)).collect(),
+            excluded: place.excluded.clone(),
         }
     }
 
@@ -41,6 +44,7 @@ impl ByName {
             p_value: self.p_value,
             others: self.others.iter().filter_map(|&(name, gap)| Some((entry(name)?, gap))).collect(),
             equals: self.equals.iter().filter_map(|name| entry(name)).collect(),
+            excluded: self.excluded.clone(),
         })
     }
 }
@@ -55,7 +59,14 @@ mod tests {
         in_swings(&[], 1, 0, |context| {
             let (friction, rest) = (entry(context, "viscous_friction"), entry(context, "rest_angle"));
             let others = vec![(rest, 3.0), (entry(context, "time_scale"), 9.0)];
-            let place = SelectedEffect { entry: friction, gain: 20.0, p_value: 0.01, others, equals: Vec::new() };
+            let place = SelectedEffect {
+                entry: friction,
+                gain: 20.0,
+                p_value: 0.01,
+                others,
+                equals: Vec::new(),
+                excluded: None,
+            };
             let named = ByName::of(context, &place).within(6.0);
             let turned: Vec<Entry> = context.catalogue.iter().rev().cloned().collect();
             let found = named.place(&turned).unwrap();

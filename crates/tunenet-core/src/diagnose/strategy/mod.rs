@@ -1,10 +1,11 @@
 //! Refinements by which recordings are explained as they are, tried in order: each takes the attempt before it, and returns a
 //! better one or the same.
 
-mod attempt;
 mod by_name;
 mod discrepancy_as_noise;
 mod random_contacts;
+mod random_parameter;
+pub(in crate::diagnose) mod recordings_apart;
 mod required_effects_first;
 mod segment_wise;
 mod segments_alone;
@@ -12,11 +13,137 @@ mod sign_ambiguous;
 mod unmeasured_axes;
 mod whole_record;
 
-pub(super) use attempt::{Attempt, Control, Scope};
-
 use crate::Result;
-use crate::diagnose::Progress;
-use crate::diagnose::hypothesis::context::Context;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::Selection;
+use crate::diagnose::hypothesis::multistart::fit_without_effects;
+use crate::diagnose::judge::adequacy::{ResidualDiagnostics, residual_diagnostics};
+use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::judge::negative_control::{negative_control, ratios};
+use crate::diagnose::judge::practical_significance::noise_floor;
+use crate::diagnose::{Progress, Test};
+pub(in crate::diagnose) use random_parameter::RandomParameter;
+use recordings_apart::Apart;
+use sign_ambiguous::fix_sign_ambiguous;
+use unmeasured_axes::without_unmeasured;
+
+/// What an attempt has looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::diagnose) enum Scope {
+    /// The simulation was tuned; no effect was looked for yet.
+    Tuned,
+    /// Whole recordings.
+    Whole,
+    /// What lies between events, and then the events themselves.
+    Segments {
+        /// Whether the events leave something that no effect takes away.
+        events_open: bool,
+    },
+}
+
+/// What recordings that were not fitted say of wrong effects.
+pub(in crate::diagnose) struct Control {
+    /// A wrong effect, and the root mean square that it reaches.
+    pub wrong: Option<(&'static str, f64)>,
+    /// Of the best candidates: the held-out residual of each alone over that without it.
+    pub ratios: Vec<(usize, f64)>,
+}
+
+/// An attempt to explain the recordings.
+pub(in crate::diagnose) struct Attempt<'a> {
+    pub context: Context<'a>,
+    pub found: Selection<'a>,
+    pub scope: Scope,
+    /// Whether what is left of whole recordings looks like noise.
+    pub residuals: ResidualDiagnostics,
+    /// The tests of practical significance that the effects passed, where they were needed.
+    pub practical: Option<Vec<Test>>,
+    /// The held-out recordings without any effect.
+    pub before: Option<HeldOut>,
+    /// The lag-1 correlation of the noise, by which whole recordings were prewhitened.
+    pub lag1: f64,
+    /// The noise of the recordings as a mean square.
+    pub floor: f64,
+    /// The negative control, where it was made before chance was admitted.
+    pub control: Option<Control>,
+    /// What explains every recording by itself as well as chance at contacts explains all together.
+    pub apart: Option<Apart>,
+    /// The parameter that differs between recordings.
+    pub random_parameter: Option<RandomParameter>,
+    /// The recording that disagrees with all others: its position among the recordings given.
+    pub odd: Option<usize>,
+}
+
+impl<'a> Attempt<'a> {
+    /// The simulation as it is, tuned.
+    pub fn tuned(context: &Context<'a>) -> Result<Self> {
+        let context = context.with_evidence(fix_sign_ambiguous(context)?);
+        let base = fit_without_effects(&context)?;
+        let context = without_unmeasured(context, &base)?;
+        let found = Selection::tuned(base);
+        let floor = noise_floor(context.sets());
+        let (scope, residuals) = (Scope::Tuned, ResidualDiagnostics::default());
+        Ok(Self {
+            context,
+            found,
+            scope,
+            residuals,
+            practical: None,
+            before: None,
+            lag1: 0.0,
+            floor,
+            control: None,
+            apart: None,
+            random_parameter: None,
+            odd: None,
+        })
+    }
+
+    /// What was found in `context`, tested.
+    pub fn tested(
+        context: Context<'a>,
+        found: Selection<'a>,
+        scope: Scope,
+        practical: Option<Vec<Test>>,
+    ) -> Result<Self> {
+        let before = validate(&context, &found.base)?;
+        let residuals = residual_diagnostics(&context, found.best.as_ref().unwrap_or(&found.base));
+        let (lag1, floor) = (context.evidence.noise.lag1(), noise_floor(context.sets()));
+        Ok(Self {
+            context,
+            found,
+            scope,
+            residuals,
+            practical,
+            before,
+            lag1,
+            floor,
+            control: None,
+            apart: None,
+            random_parameter: None,
+            odd: None,
+        })
+    }
+
+    /// The best hypothesis, be it that nothing is missing.
+    pub fn last(&self) -> &Hypothesis<'a> {
+        self.found.best.as_ref().unwrap_or(&self.found.base)
+    }
+
+    /// Whether something is left of whole recordings that could be taken for noise: a recording confirms then what takes the
+    /// large part away. Without one that could, a large part taken away proves no name; of a single motion it leaves a choice.
+    pub fn may_inflate_noise(&self) -> bool {
+        let evidence = &self.context.evidence;
+        let confirmable = !evidence.validation.is_empty() || evidence.shows_one_motion_per_object();
+        self.scope == Scope::Whole && self.practical.is_none() && confirmable && !self.residuals.passed()
+    }
+
+    /// What wrong effects reach on held-out recordings.
+    pub fn negative_control(&self) -> Result<Control> {
+        let wrong = negative_control(&self.context, &self.found)?;
+        Ok(Control { wrong, ratios: ratios(&self.context, &self.found, self.before.as_ref())? })
+    }
+}
 
 /// A way to explain recordings that those before it leave unexplained.
 trait Refinement {
@@ -31,9 +158,10 @@ trait Refinement {
 }
 
 /// In the order in which they are tried.
-const REFINEMENTS: [&dyn Refinement; 5] = [
+const REFINEMENTS: [&dyn Refinement; 6] = [
     &segment_wise::SegmentWise,
     &whole_record::WholeRecord,
+    &random_parameter::ParameterDiffers,
     &discrepancy_as_noise::DiscrepancyAsNoise,
     &required_effects_first::RequiredEffectsFirst,
     &random_contacts::RandomContacts,
@@ -49,4 +177,20 @@ pub(super) fn explain<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
         }
     }
     Ok(attempt)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    #[test]
+    fn a_tuned_simulation_has_looked_for_no_effect_yet() {
+        in_swings(&[(FRICTION, 0.15)], 3, 1, |context| {
+            let attempt = Attempt::tuned(context).unwrap();
+            assert!(attempt.scope == Scope::Tuned && attempt.found.best.is_none() && !attempt.may_inflate_noise());
+            let tested = Attempt::tested(attempt.context, attempt.found, Scope::Whole, None).unwrap();
+            assert!(tested.before.is_some() && tested.may_inflate_noise(), "something is left, and could be confirmed");
+        });
+    }
 }

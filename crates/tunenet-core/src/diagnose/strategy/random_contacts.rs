@@ -1,6 +1,7 @@
 //! Random contacts: every contact with a tilt of its own, drawn from one distribution (a random effect); tried last, since it
 //! can imitate much.
 
+use super::recordings_apart::{How, explain_apart};
 use super::{Attempt, Refinement, Scope};
 use crate::Result;
 use crate::diagnose::Progress;
@@ -20,13 +21,16 @@ pub(super) struct RandomContacts;
 
 impl Refinement for RandomContacts {
     fn applies(&self, attempt: &Attempt) -> bool {
-        attempt.scope == Scope::Whole && attempt.practical.is_none()
+        attempt.scope == Scope::Whole && attempt.practical.is_none() && attempt.random_parameter.is_none()
     }
 
     fn attempt<'a>(&self, mut attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
         attempt.control = Some(attempt.negative_control()?);
         let adequate = attempt.residuals.passed();
         let Some(scatter) = by_chance(&attempt.context, &mut attempt.found, adequate)? else { return Ok(attempt) };
+        let rival = explain_apart(&attempt.context, &attempt.found.base, How::Search, progress)?;
+        let near = scatter.gain - attempt.context.settings.margin;
+        attempt.apart = rival.filter(|apart| apart.adequate && apart.gain > near);
         attempt.context = admit(&attempt.context, &scatter)?;
         attempt.found = with_chance(&attempt.context, attempt.found, &scatter, progress)?;
         attempt.residuals = residual_diagnostics(&attempt.context, attempt.last());
@@ -84,8 +88,14 @@ fn with_chance<'a>(
     };
     let base = context.fit_near(&[], &near)?;
     let again = search(context, base, is_adequate, progress)?;
-    let place =
-        SelectedEffect { entry, gain: scatter.gain, p_value: scatter.p_value, others: Vec::new(), equals: Vec::new() };
+    let place = SelectedEffect {
+        entry,
+        gain: scatter.gain,
+        p_value: scatter.p_value,
+        others: Vec::new(),
+        equals: Vec::new(),
+        excluded: None,
+    };
     let places = std::iter::once(place).chain(again.places).collect();
     let best = Some(again.best.unwrap_or(again.base));
     Ok(Selection { base: plain.base, alone: plain.alone, best, places })

@@ -13,6 +13,7 @@ use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::forward_selection::search;
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
+use crate::diagnose::hypothesis::plausibility::Exclusion;
 use crate::diagnose::hypothesis::pruning::prune;
 use crate::diagnose::hypothesis::structure::FixedEffect;
 use crate::diagnose::judge::adequacy::{is_adequate, residual_diagnostics};
@@ -46,7 +47,7 @@ pub(in crate::diagnose) struct SegmentFindings {
 pub(in crate::diagnose) struct NamedScore {
     pub name: &'static str,
     pub gain: f64,
-    pub excluded: Option<String>,
+    pub excluded: Option<Exclusion>,
 }
 
 /// What the segments of all recordings say; `None` where they are too few, or nothing explains them either.

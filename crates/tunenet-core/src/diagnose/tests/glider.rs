@@ -33,7 +33,9 @@ fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64
         sentence: "",
         random: false,
         mistaken_for: &[],
+        plausible_rests_on: &[],
         implausible: None,
+        feigned_by: None,
     }
 }
 

@@ -74,7 +74,9 @@ impl MeasurementEffect {
             sentence: self.sentence,
             random: false,
             mistaken_for: self.mistaken_for,
+            plausible_rests_on: &[],
             implausible: None,
+            feigned_by: None,
         }
     }
 }

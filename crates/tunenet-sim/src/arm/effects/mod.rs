@@ -59,6 +59,11 @@ pub const ALL: [ArmEffect; 12] = [
     time_delay::EFFECT,
 ];
 
+/// What wrong links look like in torques: each of these in one motion or another.
+const FEIGNED_BY_LINKS: [&str; 4] =
+    [armature::EFFECT.name, joint_offset::EFFECT.name, joint_spring::EFFECT.name, joint_elasticity::EFFECT.name];
+const WRONG_LINKS: &str = "wrong masses, centres or inertias of links in the URDF";
+
 impl ArmEffect {
     /// The effect of this name.
     #[must_use]
@@ -88,7 +93,9 @@ impl ArmEffect {
             sentence: self.sentence,
             random: false,
             mistaken_for: self.mistaken_for,
+            plausible_rests_on: &[],
             implausible: None,
+            feigned_by: FEIGNED_BY_LINKS.contains(&self.name).then_some(WRONG_LINKS),
         }
     }
 

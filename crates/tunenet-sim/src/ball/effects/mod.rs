@@ -30,6 +30,9 @@ const USUAL_DRAG_COEFFICIENT: (f64, f64) = (0.35, 0.65);
 /// From foam and hollow balls (a table-tennis ball: 80) to solid rubber.
 const DENSITY_KG_M3: (f64, f64) = (50.0, 1200.0);
 
+/// The settings that make bounds narrower than those of any ball.
+const MASS_AND_SIZE: [&str; 2] = ["ball.mass_kg", "ball.radius_m"];
+
 /// What is known of a ball before anything is tuned: it decides what is plausible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
@@ -123,15 +126,18 @@ impl BallEffect {
     /// Its entry for this ball.
     #[must_use]
     pub fn entry(&self, body: &Body) -> Effect {
+        let of_unknown_mass = (self.plausible)(&Body { mass_kg: None, ..*body });
         Effect {
             name: self.name,
             phase: self.phase,
             coefficients: self.coefficients.to_vec(),
             plausible: (self.plausible)(body),
+            plausible_rests_on: if (self.plausible)(body) == of_unknown_mass { &[] } else { &MASS_AND_SIZE },
             sentence: self.sentence,
             random: self.name == bounce_scatter::EFFECT.name,
             mistaken_for: self.mistaken_for,
             implausible: (self.implausible)(body),
+            feigned_by: None,
         }
     }
 }

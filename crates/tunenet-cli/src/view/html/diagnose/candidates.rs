@@ -134,8 +134,8 @@ fn role(verdict: Verdict) -> &'static str {
 
 /// Effects that cannot be the answer, and why.
 pub fn excluded(diagnosis: &Diagnosis) -> Markup {
-    let all: Vec<(&str, &str)> =
-        diagnosis.candidates.iter().filter_map(|c| Some((c.name, c.excluded.as_deref()?))).collect();
+    let all: Vec<(&str, String)> =
+        diagnosis.candidates.iter().filter_map(|c| Some((c.name, c.excluded.as_ref()?.to_string()))).collect();
     html! {
         @if !all.is_empty() {
             table {

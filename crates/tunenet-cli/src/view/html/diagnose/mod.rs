@@ -143,7 +143,7 @@ fn evidence(answer: &Answer) -> Markup {
                     (format!("{:.0}", diagnosis.margin)) " of the best could be the answer as well, unless a warning says why not"
                     @if diagnosis.verdict() == Verdict::OneOf && diagnosis.conclusion.doubt().is_none() { "; the bracket holds what these recordings do not distinguish" }
                     "."
-                    @if let Some(doubt) = diagnosis.conclusion.doubt() { " " (capital(doubt)) ", so " @if diagnosis.names().len() > diagnosis.effects().len() { "the second-best candidate is kept as well." } @else { "an effect outside the catalogue remains possible." } }
+                    @if let Some(doubt) = diagnosis.conclusion.doubt() { " " (capital(&doubt.to_string())) ", so " @if diagnosis.names().len() > diagnosis.effects().len() { "the second-best candidate is kept as well." } @else { "an effect outside the catalogue remains possible." } }
                     @else if single && diagnosis.verdict() == Verdict::OneOf { " " (one_throw) " does not identify one effect, so the second-best candidate is kept as well." }
                 }
             }

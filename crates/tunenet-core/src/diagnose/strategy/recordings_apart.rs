@@ -1,0 +1,233 @@
+//! Recordings apart: every recording as an object of its own, so that nothing has to be the same in two of them; what then differs is
+//! tested by Cochran's Q (Cochran 1954).
+
+use std::sync::Arc;
+
+use crate::Result;
+use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::hypothesis::catalogue::Entry;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::{Selection, search};
+use crate::diagnose::hypothesis::joint::{Outcome, Point};
+use crate::diagnose::hypothesis::structure::Global;
+use crate::diagnose::judge::adequacy::is_adequate;
+use crate::diagnose::{Progress, Subject};
+use crate::statistics::{dot, upper_chi_squared};
+
+/// Fewer recordings show no difference between them.
+const FEWEST: usize = 3;
+/// Estimates that agree less probably than this differ; those that agree at least as probably as the second may be the same.
+const DIFFER: f64 = 1e-4;
+const SAME: f64 = 1e-2;
+/// One recording is odd where it leaves this many times the noise and every other less than the second.
+const ODD_RMS: f64 = 1.5;
+const GOOD_RMS: f64 = 1.2;
+
+/// What explains every recording by itself.
+#[derive(Debug, Clone)]
+pub(in crate::diagnose) struct Apart {
+    /// The effects that it takes.
+    pub effects: Vec<&'static str>,
+    /// Gain of the information criterion over the tuned simulation that all recordings share.
+    pub gain: f64,
+    /// Whether what is left is noise.
+    pub adequate: bool,
+    /// For each tuned parameter and coefficient of one object: its estimates by recording.
+    pub estimates: Vec<Estimates>,
+    /// Root mean square of what is left of each recording, in units of its noise.
+    pub rms: Vec<f64>,
+}
+
+/// One number as each recording shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::diagnose) struct Estimates {
+    /// Its name as a parameter.
+    pub name: String,
+    /// Whether it is a coefficient of an effect.
+    pub coefficient: bool,
+    /// Value and standard error by recording; an infinite error where a recording says nothing.
+    pub each: Vec<(f64, f64)>,
+}
+
+impl Estimates {
+    /// Cochran's Q of these recordings, and its degrees of freedom.
+    fn q(&self, of: impl Fn(usize) -> bool) -> (f64, f64) {
+        let used: Vec<(f64, f64)> = (0..self.each.len())
+            .filter(|&d| of(d) && self.each[d].1.is_finite() && self.each[d].1 > 0.0)
+            .map(|d| (self.each[d].0, self.each[d].1.powi(-2)))
+            .collect();
+        let whole: f64 = used.iter().map(|(_, weight)| weight).sum();
+        let mean = used.iter().map(|(value, weight)| value * weight).sum::<f64>() / whole;
+        (used.iter().map(|(value, weight)| weight * (value - mean).powi(2)).sum(), used.len() as f64 - 1.0)
+    }
+
+    fn p_value(&self, of: impl Fn(usize) -> bool) -> f64 {
+        let (q, freedom) = self.q(of);
+        if freedom < 1.0 { 1.0 } else { upper_chi_squared(q, freedom) }
+    }
+
+    /// Whether the recordings show different values.
+    pub fn differ(&self) -> bool {
+        self.p_value(|_| true) < DIFFER
+    }
+
+    /// The standard deviation between recordings, by the moments of Q (DerSimonian and Laird 1986).
+    pub fn spread(&self) -> f64 {
+        let (q, freedom) = self.q(|_| true);
+        let weights: Vec<f64> =
+            self.each.iter().filter(|e| e.1.is_finite() && e.1 > 0.0).map(|e| e.1.powi(-2)).collect();
+        let whole: f64 = weights.iter().sum();
+        let scale = whole - dot(&weights, &weights) / whole;
+        ((q - freedom) / scale).max(0.0).sqrt()
+    }
+}
+
+impl Apart {
+    /// The one recording without which all others agree; `None` where there is no such one, or several.
+    pub fn odd(&self) -> Option<usize> {
+        let count = self.rms.len();
+        if count <= FEWEST {
+            return None;
+        }
+        let unlike = |d: usize| self.rms[d] > ODD_RMS && (0..count).all(|o| o == d || self.rms[o] < GOOD_RMS);
+        if let Some(odd) = (0..count).find(|&d| unlike(d)) {
+            return Some(odd);
+        }
+        let differing: Vec<&Estimates> = self.estimates.iter().filter(|one| one.differ()).collect();
+        let agree = |without: usize| differing.iter().all(|one| one.p_value(|d| d != without) > SAME);
+        let mut alone = (0..count).filter(|&d| agree(d));
+        let odd = alone.next().filter(|_| !differing.is_empty())?;
+        alone.next().is_none().then_some(odd)
+    }
+}
+
+/// How recordings apart are explained.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::diagnose) enum How {
+    /// By the effects of the model that they start from.
+    SameEffects,
+    /// By whatever effects a search finds.
+    Search,
+}
+
+/// Explains every recording by itself from where `model` stands, which all share; `None` where that cannot be told from explaining
+/// them together.
+///
+/// # Errors
+/// Where a simulator refuses.
+pub(in crate::diagnose) fn explain_apart(
+    context: &Context,
+    model: &Hypothesis,
+    how: How,
+    progress: &dyn Fn(Progress),
+) -> Result<Option<Apart>> {
+    let sets = context.sets();
+    if sets.len() < FEWEST || context.evidence.driven() || !context.given.is_empty() || context.random_tilts.is_some() {
+        return Ok(None);
+    }
+    let one = |set: &Set| {
+        let Subject { name, simulator } = &context.subjects[set.object];
+        Subject { name: name.clone(), simulator: *simulator }
+    };
+    let subjects: Vec<Subject> = sets.iter().map(one).collect();
+    let entry = |entry: &Entry| Entry {
+        of: sets.iter().map(|set| entry.of[set.object].clone()).collect(),
+        seen: entry.seen.clone(),
+        name: entry.name,
+    };
+    let training = sets.iter().enumerate().map(|(d, set)| Set { object: d, ..set.clone() }).collect();
+    let evidence = Evidence { training, validation: Vec::new(), noise: context.evidence.noise };
+    let catalogue = context.catalogue.iter().map(entry).collect();
+    let rollouts = Arc::clone(&context.rollouts);
+    let apart = Context { rollouts, ..Context::new(&subjects, evidence, catalogue, context.settings) };
+    let effects = &model.structure.effects;
+    let structure = apart.structure(effects)?;
+    let value = |global: &Global| {
+        let object = global.object.map(|d| sets[d].object);
+        let globals = model.structure.globals.iter().zip(&model.fit.point.parameters);
+        let mut same = globals.filter(|(g, _)| g.object == object && g.parameter.name == global.parameter.name);
+        same.next().map_or(global.parameter.value, |(_, value)| *value)
+    };
+    let point = Point {
+        parameters: structure.globals.iter().map(value).collect(),
+        nuisances: model.fit.point.nuisances.clone(),
+    };
+    let near = Hypothesis { structure, fit: Outcome { point, ..model.fit.clone() } };
+    let start = apart.fit_near(effects, &near)?;
+    let found =
+        if how == How::Search { search(&apart, start, is_adequate, progress)? } else { Selection::tuned(start) };
+    let best = found.best.as_ref().unwrap_or(&found.base);
+    let extra = best.structure.globals.len().saturating_sub(model.structure.globals.len());
+    let scale = model.scale();
+    let rms = |values: &Vec<f64>| (dot(values, values) / values.len().max(1) as f64).sqrt();
+    Ok(Some(Apart {
+        effects: best.structure.effects.iter().map(|&e| apart.catalogue[e].name).collect(),
+        gain: context.criterion(model.deviance(scale), best.deviance(scale), extra as f64),
+        adequate: is_adequate(&apart, best),
+        estimates: estimates(best, sets.len()),
+        rms: best.fit.residuals.iter().map(rms).collect(),
+    }))
+}
+
+/// Every number of `model` that each recording has for itself.
+fn estimates(model: &Hypothesis, count: usize) -> Vec<Estimates> {
+    let mut all: Vec<Estimates> = Vec::new();
+    for (g, global) in model.structure.globals.iter().enumerate() {
+        let Some(recording) = global.object else { continue };
+        let name = &global.parameter.name;
+        let position = all.iter().position(|one| one.name == *name).unwrap_or_else(|| {
+            let each = vec![(0.0, f64::INFINITY); count];
+            all.push(Estimates { name: name.clone(), coefficient: global.effect.is_some(), each });
+            all.len() - 1
+        });
+        let spread = model.scale().max(1.0);
+        let value = model.fit.point.parameters[g];
+        all[position].each[recording] = (value, spread * model.fit.covariance[(g, g)].max(0.0).sqrt());
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+    use crate::diagnose::tests::zoo::in_swings;
+
+    fn of(values: &[f64], rms: &[f64]) -> Apart {
+        let each = values.iter().map(|value| (*value, 0.01)).collect();
+        let estimates = vec![Estimates { name: "restitution".into(), coefficient: false, each }];
+        Apart { effects: Vec::new(), gain: 100.0, adequate: true, estimates, rms: rms.to_vec() }
+    }
+
+    /// Q of ±0.1 with errors of 0.01 is 100 each; the moments give the standard deviation back.
+    #[test]
+    fn estimates_that_scatter_differ_and_their_spread_is_found() {
+        let one = &of(&[0.7, 0.9, 0.7, 0.9], &[1.0; 4]).estimates[0];
+        assert!(one.differ() && (one.q(|_| true).0 - 400.0).abs() < 1e-9);
+        assert!((one.spread() - (0.01f64 * 4.0 / 3.0 - 1e-4).sqrt()).abs() < 1e-12);
+        assert!(!of(&[0.8, 0.81, 0.79, 0.8], &[1.0; 4]).estimates[0].differ());
+    }
+
+    #[test]
+    fn one_recording_is_odd_and_two_are_not() {
+        assert_eq!(of(&[0.8, 0.8, 0.6, 0.81, 0.79], &[1.0; 5]).odd(), Some(2));
+        assert_eq!(of(&[0.8, 0.8, 0.6, 0.6, 0.79], &[1.0; 5]).odd(), None);
+        assert_eq!(of(&[0.8; 5], &[1.0, 1.0, 1.0, 4.0, 1.0]).odd(), Some(3));
+        assert_eq!(of(&[0.8; 5], &[1.0; 5]).odd(), None);
+    }
+
+    #[test]
+    fn recordings_of_one_pendulum_agree_and_too_few_say_nothing() {
+        in_swings(&[], 4, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let apart = explain_apart(context, &base, How::SameEffects, &|_| {}).unwrap().unwrap();
+            assert!(apart.adequate && apart.gain < 0.0 && apart.odd().is_none(), "{apart:?}");
+            assert!(apart.estimates.iter().all(|one| !one.differ() && one.each.len() == 4));
+        });
+        in_swings(&[], 2, 0, |context| {
+            let base = fit_without_effects(context).unwrap();
+            assert!(explain_apart(context, &base, How::Search, &|_| {}).unwrap().is_none());
+        });
+    }
+}
