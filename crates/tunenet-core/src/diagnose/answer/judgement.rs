@@ -84,7 +84,8 @@ impl<'a> Judgement<'a> {
         let doubt =
             validation_doubt(&context, &found, held_out, left.max(floor.sqrt()), practical.is_some()).filter(|_| whole);
         let differs = apart.map(|apart| Doubt::DiffersBetweenRecordings(apart.effects));
-        let doubt = doubt.or(differs);
+        let beside = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
+        let doubt = doubt.or(differs).or(beside).filter(|_| !found.places.is_empty());
         let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
         let significant = whole && practical.is_some();

@@ -74,7 +74,11 @@ pub(in crate::diagnose) fn decide(
         let mut near = in_place_of(context, place, widest);
         // One motion does not distinguish what is in the catalogue from what is not, so the next best is left beside the best; where
         // nothing else explains anything, the best is left alone, and what is in no catalogue beside it.
-        let doubtful = validation.is_some() || doubtful(context, place, confirmed);
+        let doubtful = match &validation {
+            Some(Doubt::Feigned(..)) => context.catalogue[place.entry].of[0].feigned_by.is_some(),
+            Some(_) => true,
+            None => doubtful(context, place, confirmed),
+        };
         near_any |= !near.is_empty();
         if near.is_empty() && doubtful {
             near.extend(runner_up(context, found, place));

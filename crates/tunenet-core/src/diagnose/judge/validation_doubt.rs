@@ -48,6 +48,8 @@ pub enum Doubt {
     /// Every recording by itself is explained as well by these effects, whose size then differs between recordings; by none, where
     /// it is enough that parameters differ.
     DiffersBetweenRecordings(Vec<&'static str>),
+    /// They were found beside a parameter that differs between recordings.
+    ParameterDiffers(String),
     /// A single motion shows them; in words.
     SingleMotion(&'static str),
     /// No recording that was not fitted bears them out.
@@ -75,6 +77,7 @@ impl fmt::Display for Doubt {
             Self::DiffersBetweenRecordings(effects) => {
                 return write!(f, "{} of another size in each recording explains as much", effects.join(" and "));
             }
+            Self::ParameterDiffers(name) => return write!(f, "{name} differs between recordings too"),
             Self::SingleMotion(words) => words,
             Self::Unconfirmed => "no recording that was not fitted bears it out",
         };
