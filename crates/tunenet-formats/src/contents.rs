@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::csv::columns::found;
 use crate::csv::lines::{Lines, cells, named, separator};
 use crate::csv::own_columns;
 use crate::csv::scan::scan;
@@ -187,9 +188,9 @@ fn columns(path: &Path, options: &ReadOptions) -> Result<Vec<Column>> {
         cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect();
     let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
     for (ours, theirs) in &written_out(&options.columns, if named { &names } else { &[] })? {
-        let by_name = columns.iter().position(|column| column.name == *theirs);
-        let by_number = || theirs.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
-        if let Some(column) = by_name.or_else(by_number).and_then(|at| columns.get_mut(at)) {
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        let at = found(theirs, &names).map(|(at, _)| at);
+        if let Some(column) = at.and_then(|at| columns.get_mut(at)) {
             column.read_as = read_as(ours).or_else(|| column.read_as.take());
         }
     }

@@ -194,7 +194,8 @@ impl Simulation {
 /// How files are read, wherever a command takes observations.
 #[derive(Debug, Args)]
 pub struct Reading {
-    /// Map CSV columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header
+    /// Map CSV columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header, and a minus for an axis
+    /// that points the other way: `z_m=-depth`
     #[arg(long, value_name = "OURS=THEIRS,…", value_parser = pair, value_delimiter = ',')]
     pub columns: Vec<(String, String)>,
     /// MCAP topic to read [default: the only suitable one]
