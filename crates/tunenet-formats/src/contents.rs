@@ -83,6 +83,8 @@ pub struct Log {
     pub span_s: Option<f64>,
     /// Where it is cut off or broken: what is wrong and how many messages came before. The topics count those.
     pub ended: Option<String>,
+    /// What to try where it is; empty where nothing is known.
+    pub remedy: String,
 }
 
 /// What is in the CSV or MCAP file at `path`.
@@ -107,13 +109,14 @@ fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
         Format::Csv => table(path, options).map(Contents::Table),
         Format::Mcap => {
             let found = survey(path)?;
+            let remedy = found.ended.as_ref().and_then(Error::hint).unwrap_or_default().to_owned();
             let ended = found.ended.map(|error| match error {
                 Error::File { message, .. } => message,
                 other => other.to_string(),
             });
             let span_s = found.log_ns.map(|(first, last)| last.saturating_sub(first) as f64 * 1e-9);
             let (profile, library, topics) = (found.profile, found.library, found.topics);
-            Ok(Contents::Log(Log { profile, library, topics, span_s, ended }))
+            Ok(Contents::Log(Log { profile, library, topics, span_s, ended, remedy }))
         }
     }
 }
