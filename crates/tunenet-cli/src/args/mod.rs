@@ -126,6 +126,7 @@ First steps:
   tunenet tune --sim ball.toml drop.csv    estimate the restitution
 
 The answer goes to standard output; notes, warnings and progress go to standard error.
+Colours are for terminals; NO_COLOR=1 turns them off, CLICOLOR_FORCE=1 turns them on.
 All commands except completions and man take --json: one JSON object on standard output.
 Exit status: 0 done, 1 error, 2 wrong usage, 3 completed without a usable result.";
 const INIT_EXAMPLES: &str = "\
@@ -224,7 +225,8 @@ pub struct Common {
 /// What every command takes that writes a file.
 #[derive(Debug, Args)]
 pub struct Writing {
-    /// Overwrite existing files (input files are never overwritten)
+    /// Overwrite existing files of any origin; without it only files of the same kind that tunenet wrote are replaced. Input
+    /// files are never overwritten
     #[arg(long)]
     pub overwrite: bool,
 }
