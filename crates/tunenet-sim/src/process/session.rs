@@ -87,8 +87,10 @@ impl Session {
             1 => format!("`{beginning}…` (1 more character, which `tunenet inspect {path}` shows)"),
             more => format!("`{beginning}…` ({more} more characters, which `tunenet inspect {path}` shows)"),
         };
-        let expected = format!("this flag, since {path} names the program {named}, which may do whatever you may");
-        let found = "none: give it for files that you trust".into();
+        let expected = format!(
+            "this flag, because {path} runs the program {named} with your permissions; give it if you trust the file"
+        );
+        let found = "no such flag".into();
         Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "--allow-process", expected, found }.into())
     }
 

@@ -15,7 +15,7 @@ use super::{network, notes};
 use crate::args::Tune;
 use crate::commands::refusal::{self, Asked};
 use crate::files::names;
-use crate::view::text::rolling;
+use crate::view::text::{self, rolling};
 
 /// Tunes to recordings together.
 pub fn tune_to(
@@ -50,7 +50,7 @@ pub fn tune_to(
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let chosen = network::choose(options, file, model, bare.as_ref(), &seen);
-    let working = is_slow(file, options).then(|| rolling("tuning", session));
+    let working = (!options.each).then(|| working(file, session, "tuning"));
     let tuned = tune(&simulator, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.is_own_choice();
@@ -86,10 +86,9 @@ fn bare_ball(options: &Tune, file: &SimulationFile, kind: Kind, paths: &[PathBuf
     Ok(Some(ball.forced(options.force)))
 }
 
-/// Whether it may take long and nothing else shows that it goes on: the built-in simulators take no longer in all than a slow
-/// program for one rollout.
-pub fn is_slow(file: &SimulationFile, options: &Tune) -> bool {
-    file.domain() == Domain::Process && !options.each && !options.common.json
+/// Shows that it goes on, with the number of rollouts where a program is asked for them.
+pub fn working(file: &SimulationFile, session: &Session, what: &'static str) -> ProgressBar {
+    if file.domain() == Domain::Process { rolling(what, session) } else { text::working(what) }
 }
 
 fn names(paths: &[PathBuf]) -> String {
