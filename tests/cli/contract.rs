@@ -46,8 +46,12 @@ fn the_answer_is_on_standard_output() {
         // What only writes a file answers by it, and says on standard error where it is.
         let writes = ["simulate", "gen", "merge", "init"].iter().any(|command| line.starts_with(command));
         assert!(ran.stdout.is_empty() == writes && !ran.stdout.starts_with('{'), "{line}: {}", ran.stdout);
-        assert_eq!(ran.stderr.lines().filter(|note| note.starts_with("wrote ")).count(), usize::from(writes), "{line}");
-        assert!(["warning[", "error:", "wrote ", "next "].iter().all(|word| !ran.stdout.contains(word)), "{line}: {}", ran.stdout);
+        assert!(!writes || ran.stderr.lines().any(|note| note.starts_with("wrote ")), "{line}: {}", ran.stderr);
+        assert!(
+            ["warning[", "error:", "wrote ", "next "].iter().all(|word| !ran.stdout.contains(word)),
+            "{line}: {}",
+            ran.stdout
+        );
         let more = if line.contains("--out") { " --overwrite" } else { "" };
         if !line.starts_with("bench") {
             let quiet = folder.run(&format!("{line}{more} --quiet"));

@@ -26,7 +26,7 @@ pub fn require_ending(out: &Path, flag: &'static str, endings: &[&str]) -> Resul
     Err(Error::Setting { origin: Origin::Flag, name: flag, expected, found }.into())
 }
 
-/// Whether a name stands for standard output elsewhere.
+/// Whether a name stands for standard output in other programs.
 pub fn is_standard_output(out: &Path) -> bool {
     out.as_os_str() == "-"
 }

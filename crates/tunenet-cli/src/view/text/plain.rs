@@ -10,7 +10,7 @@ pub const INTERVAL: Duration = Duration::from_secs(10);
 /// Hands `bar` to `print` every `interval`, until it is finished or dropped.
 pub fn report(bar: &ProgressBar, interval: Duration, print: impl Fn(&ProgressBar) + Send + 'static) {
     let bar = bar.downgrade();
-    let tell = move || loop {
+    let report = move || loop {
         std::thread::sleep(interval);
         match bar.upgrade() {
             Some(bar) if !bar.is_finished() => print(&bar),
@@ -18,7 +18,7 @@ pub fn report(bar: &ProgressBar, interval: Duration, print: impl Fn(&ProgressBar
         }
     };
     // Without a thread to spare the work goes on in silence.
-    drop(std::thread::Builder::new().name("progress".into()).spawn(tell));
+    drop(std::thread::Builder::new().name("progress".into()).spawn(report));
 }
 
 /// `training: 120 of 400, 20 s`.
