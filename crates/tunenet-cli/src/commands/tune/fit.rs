@@ -1,5 +1,6 @@
 //! One fit: the simulator and the network for the recordings, the fit, and what it should say besides its numbers.
 
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -50,7 +51,9 @@ pub fn tune_to(
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let chosen = network::choose(options, file, model, bare.as_ref(), &seen);
-    let working = (!options.each).then(|| working(file, session, "tuning"));
+    // On a terminal the object and a bar would stand in each other's way.
+    let unseen = options.each || options.common.json && std::io::stderr().is_terminal();
+    let working = (!unseen).then(|| working(file, session, "tuning"));
     let tuned = tune(&simulator, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.is_own_choice();
