@@ -25,6 +25,9 @@ const GIVEN: [(&str, &str); 1] = [("docs/track.md", "tunenet init ball")];
 /// What a line begins with where the honest answer is no, and the exit status 3.
 const NO: [&str; 6] = ["unusable", "POOR FIT", "NOT IDENTIFIABLE", "REJECTED", "ONE OF", "OUT OF REACH"];
 
+/// What a line begins with where `inspect` describes a file that is refused, and the exit status 1.
+const REFUSED: &str = "unusable expected";
+
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {
@@ -98,7 +101,13 @@ fn holds(place: &Place, page: &Page, variables: &str, shown: &Shown) -> Result<(
     let ran = place.run(&format!("{variables}{command}"));
     let printed = String::from_utf8_lossy(&ran.stdout);
     let no = output.iter().any(|line| NO.iter().any(|start| line.starts_with(start)));
-    if ran.status.code() != Some(if no { 3 } else { 0 }) {
+    let refused = output.iter().any(|line| line.starts_with(REFUSED));
+    let status = match (refused, no) {
+        (true, _) => 1,
+        (false, true) => 3,
+        (false, false) => 0,
+    };
+    if ran.status.code() != Some(status) {
         return Err(format!("{}: `{command}`: {}\n{printed}", page.name, ran.status));
     }
     let mut rest = printed.lines().map(plain);

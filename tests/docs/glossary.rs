@@ -34,6 +34,8 @@ const KEPT: &[&str] = &[
     "long-film", "tunenet-video film",
     // An effect of a test simulator, and what a spring does.
     "`kick`", "\"kick\"", "kick.speed_m_s", "something pulls the joint",
+    // A command of Git.
+    "git lfs pull",
 ];
 
 /// How many places may still hold one. It only ever falls.

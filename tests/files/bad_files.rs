@@ -221,10 +221,47 @@ fn other_kinds_of_files_under_the_name_of_a_table() {
     }
     folder.write("a.csv", "");
     refused(&folder, "tune --sim scene.toml --observation a.csv", &["a.csv: expected a table, found an empty file"]);
-    let ran = folder.run("inspect a.csv");
-    assert!(matches!(ran.code, Some(1 | 3)), "{:?} {}", ran.code, ran.stderr);
+    folder.run("inspect a.csv").ends(1);
     folder.write("a.csv", "t_s,z_m\n");
-    folder.run("inspect a.csv").ends(3);
+    folder.run("inspect a.csv").ends(1);
+}
+
+/// What is no table is named, and where it belongs.
+#[test]
+fn documents_are_named_instead_of_their_columns() {
+    let folder = Folder::with_scene();
+    for (name, start, found, remedy) in [
+        ("a.csv", "<?xml version=\"1.0\"?>\n<!-- a, b -->\n<robot name=\"arm\">\n</robot>\n", "a URDF", "`arm.urdf`"),
+        ("a.xml", "<mujoco model=\"arm\">\n</mujoco>\n", "a MuJoCo model", "`tunenet init process`"),
+        ("a.json", "{\n  \"fps\": 30,\n  \"rows\": 2\n}\n", "a JSON document", "export the series as CSV"),
+        ("a.html", "<!DOCTYPE html>\n<html></html>\n", "an HTML page", "download the file itself"),
+        ("README.md", "# Drops\n\nRecorded in May, at 120 Hz.\n", "a Markdown document", "give the recording"),
+        ("scene.toml", SCENE, "a TOML file", "--sim"),
+    ] {
+        folder.write(name, start);
+        let wanted = [&format!("{name}: expected CSV or MCAP, found {found}"), remedy];
+        refused(&folder, &format!("tune --sim scene.toml --observation {name}"), &wanted);
+        if !name.ends_with("toml") {
+            refused(&folder, &format!("inspect {name}"), &wanted);
+        }
+    }
+}
+
+/// A clone without Git LFS leaves a few lines in place of every large file, whatever it is.
+#[test]
+fn a_git_lfs_pointer_is_named_wherever_it_stands() {
+    const POINTER: &str = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a2146\nsize 12345\n";
+    let folder = Folder::with_scene();
+    folder.write("drop.csv", Drop::default().csv());
+    for name in ["a.csv", "a.parquet", "a.mcap", "a.toml", "a.safetensors"] {
+        folder.write(name, POINTER);
+    }
+    let wanted = ["a Git LFS pointer", "run `git lfs pull`"];
+    observation(&folder, "a.csv", &wanted);
+    observation(&folder, "a.parquet", &wanted);
+    observation(&folder, "a.mcap", &wanted);
+    refused(&folder, "tune --sim a.toml drop.csv", &wanted);
+    refused(&folder, "tune --sim scene.toml drop.csv --model a.safetensors", &wanted);
 }
 
 /// Where a file grows too large for the disk's rules and nobody listens, the system ends the process.
@@ -256,7 +293,7 @@ fn a_log_that_is_cut_off_is_told_precisely() {
     folder.run("simulate --sim scene.toml --set release.height_m=1 --out whole.mcap").ends(0);
     let whole = folder.read("whole.mcap");
     folder.write("cut.mcap", &whole[..whole.len() * 9 / 10]);
-    let ran = folder.run("inspect cut.mcap").ends(3);
+    let ran = folder.run("inspect cut.mcap").ends(1);
     assert!(ran.stdout.contains("unusable ") && !ran.stdout.contains("\nusable "), "{}", ran.stdout);
     for text in
         ["the recording is cut off: ", " messages could be read before", "`tune` refuses", "mcap recover cut.mcap"]
@@ -273,7 +310,7 @@ fn the_whole_lines_keep_their_header() {
     let mut lines: Vec<String> = Drop::default().csv().lines().map(str::to_owned).collect();
     lines[30] = "x,y,z,w".into();
     folder.write("a.csv", lines.join("\n"));
-    let ran = folder.run("inspect a.csv").ends(3);
+    let ran = folder.run("inspect a.csv").ends(1);
     let command = ran.stdout.split('`').find(|text| text.starts_with("sed ")).unwrap().to_owned();
     folder.shell(&format!("{command} a.csv > b.csv")).ends(0);
     folder.run("tune --sim scene.toml --observation b.csv").ends(0);

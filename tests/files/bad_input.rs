@@ -185,7 +185,7 @@ fn simulation_files_that_contradict_the_schema() {
     }
     folder.write("scene.toml", [0xff, 0xfe, 0x00]);
     refused(&folder, "tune --sim scene.toml --observation drop.csv", &["scene.toml"]);
-    refused(&folder, "tune --sim none.toml --observation drop.csv", &["none.toml", "No such file"]);
+    refused(&folder, "tune --sim none.toml --observation drop.csv", &["none.toml: no such file", "check the path"]);
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn models_that_do_not_fit() {
     folder.run("gen ball --preset easy --sim drop.toml --pairs 20 --out pairs.mcap").ends(0);
     folder.run("train --data pairs.mcap --preset paper --out m.safetensors").ends(0);
     let line = "tune --sim drop.toml --observation drop.csv --json --model";
-    refused(&folder, &format!("{line} none.safetensors"), &["none.safetensors", "No such file"]);
+    refused(&folder, &format!("{line} none.safetensors"), &["none.safetensors: no such file", "check the path"]);
     folder.write("text.safetensors", "a text");
     refused(
         &folder,
@@ -223,7 +223,7 @@ fn datasets_that_are_none() {
     let folder = Folder::new();
     folder.write("drop.toml", DROP);
     folder.run("gen ball --sim drop.toml --pairs 40 --out pairs.mcap").ends(0);
-    refused(&folder, "train --data none.mcap --out m.safetensors", &["none.mcap", "No such file"]);
+    refused(&folder, "train --data none.mcap --out m.safetensors", &["none.mcap: no such file", "check the path"]);
     folder.write("text.mcap", "t_s,z_m\n");
     refused(&folder, "train --data text.mcap --out m.safetensors", &["text.mcap", "expected an MCAP file"]);
     folder.write("log.mcap", log(&[("/ball", POINT, "cdr")]));
@@ -255,7 +255,6 @@ fn a_full_disk_is_an_error_and_a_broken_pipe_is_none() {
         "completions bash",
         "man",
         "init ball --overwrite --json",
-        "init ball --overwrite",
         "inspect drop.csv --json",
         "inspect drop.csv",
         "tune --sim scene.toml drop.csv",
@@ -292,15 +291,19 @@ fn outputs_that_cannot_be_written() {
     folder.write("drop.toml", DROP);
     folder.write("drop.csv", Drop::default().csv());
     folder.run("gen ball --sim drop.toml --pairs 20 --out pairs.mcap").ends(0);
-    std::fs::create_dir(folder.path("folder.csv")).unwrap();
-    std::fs::create_dir(folder.path("folder.mcap")).unwrap();
     for line in [
         "tune --sim scene.toml --observation drop.csv --out",
         "gen ball --sim drop.toml --pairs 20 --out",
         "train --data pairs.mcap --preset paper --out",
         "simulate --sim drop.toml --out",
     ] {
-        let ending = if line.starts_with("gen") { "mcap" } else { "csv" };
+        let ending = match line.split(' ').next() {
+            Some("tune") => "toml",
+            Some("gen") => "mcap",
+            Some("train") => "safetensors",
+            _ => "csv",
+        };
+        std::fs::create_dir_all(folder.path(&format!("folder.{ending}"))).unwrap();
         let beyond = format!("none/../../a.{ending}: expected a folder at none before `..`, found none");
         refused(&folder, &format!("{line} none/../../a.{ending}"), &[&beyond]);
         refused(&folder, &format!("{line} none/a.{ending}"), &[&format!("none/a.{ending}"), "make the folder first"]);

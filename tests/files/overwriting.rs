@@ -25,6 +25,31 @@ const WRITING: [(&str, &str); 9] = [
     ("train --data pairs.mcap --preset paper --out", "safetensors"),
 ];
 
+/// Whoever finds a file goes by its name, and `-` is none.
+#[test]
+fn an_output_is_named_after_what_it_holds() {
+    let folder = folder();
+    let before = folder.names();
+    for (line, ending) in WRITING {
+        let flag = line.rsplit(' ').next().unwrap();
+        for name in ["-", "a.txt", "a"] {
+            let ran = folder.run(&format!("{line} {name}")).ends(2);
+            let wanted = format!("`{flag}`: expected a name that ends in .");
+            assert!(
+                ran.stderr.contains(&wanted) && ran.stderr.contains(&format!(".{ending}")),
+                "{line}: {}",
+                ran.stderr
+            );
+            assert!(ran.stdout.is_empty(), "{}", ran.stdout);
+            let stream = ran.stderr.contains("since the answer goes to standard output");
+            assert_eq!(stream, name == "-", "{}", ran.stderr);
+        }
+    }
+    assert_eq!(folder.names(), before);
+    #[cfg(unix)]
+    folder.run("tune --sim scene.toml drop.csv --report /dev/null").ends(0);
+}
+
 #[test]
 fn a_file_of_a_person_is_replaced_only_where_it_is_asked_for() {
     let folder = folder();
@@ -49,8 +74,10 @@ fn what_tunenet_wrote_is_replaced_by_the_same_kind() {
         folder.run(&format!("{line} {name}")).ends(0);
         folder.run(&format!("{line} {name}")).ends(0);
     }
-    refused(&folder, "tune --sim scene.toml --observation drop.csv --report 1.toml", &["1.toml", "a report"]);
-    refused(&folder, "tune --sim scene.toml --observation drop.csv --out 2.html", &["2.html", "a simulation file"]);
+    folder.write("3.html", folder.read("1.toml"));
+    folder.write("3.toml", folder.read("2.html"));
+    refused(&folder, "tune --sim scene.toml --observation drop.csv --report 3.html", &["3.html", "a report"]);
+    refused(&folder, "tune --sim scene.toml --observation drop.csv --out 3.toml", &["3.toml", "a simulation file"]);
     refused(&folder, "gen ball --sim drop.toml --pairs 20 --out 6.mcap", &["6.mcap", "a data set"]);
     // A recording bears no mark: only the very same is written again.
     refused(

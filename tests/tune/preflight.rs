@@ -180,3 +180,51 @@ fn faults_are_found_and_good_records_are_not_blamed() {
         assert!(good["rejected"].as_f64().unwrap() < 0.03 && good["noticed"].as_f64().unwrap() < 0.06, "{good}");
     }
 }
+
+/// A column that points down is named as such, and read with a minus.
+#[test]
+fn a_height_that_points_down_is_turned_by_a_sign() {
+    let folder = Folder::with_scene();
+    let down: Vec<_> = Drop::default().frames().iter().map(|(t, [x, y, z])| (*t, [*x, *y, -*z])).collect();
+    folder.write("drop.csv", Drop::default().csv());
+    folder.write("down.csv", table(&down).replace("z_m", "depth"));
+    let ran = folder.run("tune --sim scene.toml down.csv --columns z_m=depth").ends(3);
+    assert!(ran.stdout.contains("so z points down"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("`--columns z_m=-NAME`"), "{}", ran.stderr);
+    let turned = folder.run("tune --sim scene.toml down.csv --columns z_m=-depth --json").ends(0);
+    assert!(turned.stderr.contains("`z_m` is column `depth` with its sign reversed"), "{}", turned.stderr);
+    let upright = folder.run("tune --sim scene.toml drop.csv --json").ends(0).json();
+    assert_eq!(turned.json()["parameters"], upright["parameters"]);
+    let clock = folder.run("tune --sim scene.toml drop.csv --columns t_s=-t_s").ends(1);
+    assert!(clock.stderr.contains("`t_s` has no sign"), "{}", clock.stderr);
+}
+
+/// Of several recordings the answer says which it rests on, whose numbers are whose, and each remedy once.
+#[test]
+fn an_answer_says_which_recordings_it_rests_on() {
+    let folder = Folder::with_scene();
+    folder.write("a.csv", Drop::default().csv());
+    folder.write("b.csv", Drop { seed: 2, ..Drop::default() }.csv());
+    folder.write("mm.csv", in_millimetres());
+    let ran = folder.run("tune --sim scene.toml a.csv mm.csv b.csv").ends(0);
+    assert!(ran.stdout.contains("2 of 3 recordings used; rejected: mm.csv"), "{}", ran.stdout);
+    for name in ["a.csv", "b.csv"] {
+        assert!(ran.stdout.contains(&format!("also from the data of {name}: ")), "{}", ran.stdout);
+    }
+    let json = folder.run("tune --sim scene.toml a.csv mm.csv b.csv --json").ends(0).json();
+    let used = |file: &str, used: bool| serde_json::json!({ "file": file, "used": used });
+    assert_eq!(
+        json["recordings"],
+        serde_json::json!([used("a.csv", true), used("mm.csv", false), used("b.csv", true)])
+    );
+    let diagnosed = folder.run("diagnose --sim scene.toml a.csv mm.csv b.csv");
+    assert!(diagnosed.stdout.contains("2 of 3 recordings used; rejected: mm.csv"), "{}", diagnosed.stdout);
+    let plain = folder.run("tune --sim scene.toml a.csv b.csv").ends(0);
+    assert!(!plain.stdout.contains("recordings used"), "{}", plain.stdout);
+    for (name, seed) in [("c.csv", 3), ("d.csv", 4)] {
+        folder.write(name, Drop { seed, ..Drop::default() }.csv().replace(",y_m", ",note"));
+    }
+    let notes = folder.run("tune --sim scene.toml c.csv d.csv").stderr;
+    assert_eq!(notes.matches("columns.absent").count(), 2, "{notes}");
+    assert_eq!(notes.matches("try: name them with `--columns`").count(), 1, "{notes}");
+}

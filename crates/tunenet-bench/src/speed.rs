@@ -109,7 +109,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
         row("tune, K = 5, trained network, whole process", format!("{:.0} ms", tuning_s * 1e3)),
         row("start of the process alone", format!("{:.1} ms", starting_s * 1e3)),
         row("gen, 100,000 pairs, all cores", format!("{:.1} s", many.seconds)),
-        row("its greatest memory", peak),
+        row("peak memory of `gen`", peak),
     ];
     rows.extend([
         row("plan, 100 heights of an arm, the nearest path, all cores", format!("{:.1} ms", nearest_s * 1e3)),

@@ -62,11 +62,11 @@ impl VideoFigures {
             ("render 160 × 120 px, one core".into(), each_s(speed.render.clean_frames_s)),
             ("the same with noise and JPEG".into(), each_s(speed.render.noise_and_jpeg_frames_s)),
             ("track 160 × 120 px in memory, one core".into(), each_s(speed.track.frames_s)),
-            ("its greatest distance from the projection".into(), format!("{:.3} px", speed.track.worst_px)),
+            ("largest distance of the track from the projection".into(), format!("{:.3} px", speed.track.worst_px)),
             ("decode a video of 1080p alone, all cores".into(), each_s(decode)),
             ("decode and track it, all cores".into(), format!("{} ({:.2} of decoding)", each_s(both), both / decode)),
             (
-                format!("greatest memory, {SHORT} and {LONG} frames of 4K"),
+                format!("peak memory, {SHORT} and {LONG} frames of 4K"),
                 format!("{} and {}", peak(peaks[0]), peak(peaks[1])),
             ),
         ]

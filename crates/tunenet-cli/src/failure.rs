@@ -123,12 +123,16 @@ pub fn render(error: &anyhow::Error) -> Exit {
 /// The whole chain in one sentence; what a message already ends with is not said again.
 pub fn sentence(error: &anyhow::Error) -> String {
     let mut text = String::new();
-    for cause in error.chain().map(ToString::to_string) {
+    let mut complete = false;
+    for cause in error.chain() {
+        let said = cause.to_string();
         if text.is_empty() {
-            text = cause;
-        } else if !text.ends_with(&cause) {
-            text = format!("{text}: {cause}");
+            text = said;
+        } else if !complete && !text.ends_with(&said) {
+            text = format!("{text}: {said}");
         }
+        // The message of a file's error says what the system said.
+        complete |= matches!(Known::of(cause), Some(Known::File(_)));
     }
     text
 }
@@ -188,6 +192,13 @@ mod tests {
         let (exit, hint) = of(&error);
         assert_eq!(exit, Exit::Usage);
         assert!(hint.is_some_and(|hint| hint.ends_with("--features cuda`")), "{hint:?}");
+    }
+
+    #[test]
+    fn a_missing_file_is_said_once() {
+        let missing =
+            tunenet_formats::Error::io("a.csv", tunenet_formats::Action::Opening, std::io::Error::from_raw_os_error(2));
+        assert_eq!(sentence(&missing.into()), "a.csv: no such file");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::csv::columns::found;
 use crate::csv::lines::{Lines, cells, named, separator};
 use crate::csv::own_columns;
 use crate::csv::scan::scan;
@@ -82,6 +83,8 @@ pub struct Log {
     pub span_s: Option<f64>,
     /// Where it is cut off or broken: what is wrong and how many messages came before. The topics count those.
     pub ended: Option<String>,
+    /// What to try where it is; empty where nothing is known.
+    pub remedy: String,
 }
 
 /// What is in the CSV or MCAP file at `path`.
@@ -106,13 +109,14 @@ fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
         Format::Csv => table(path, options).map(Contents::Table),
         Format::Mcap => {
             let found = survey(path)?;
+            let remedy = found.ended.as_ref().and_then(Error::hint).unwrap_or_default().to_owned();
             let ended = found.ended.map(|error| match error {
                 Error::File { message, .. } => message,
                 other => other.to_string(),
             });
             let span_s = found.log_ns.map(|(first, last)| last.saturating_sub(first) as f64 * 1e-9);
             let (profile, library, topics) = (found.profile, found.library, found.topics);
-            Ok(Contents::Log(Log { profile, library, topics, span_s, ended }))
+            Ok(Contents::Log(Log { profile, library, topics, span_s, ended, remedy }))
         }
     }
 }
@@ -187,9 +191,9 @@ fn columns(path: &Path, options: &ReadOptions) -> Result<Vec<Column>> {
         cells.iter().map(|cell| Column { name: name(cell.text), read_as: read_as(cell.text) }).collect();
     let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
     for (ours, theirs) in &written_out(&options.columns, if named { &names } else { &[] })? {
-        let by_name = columns.iter().position(|column| column.name == *theirs);
-        let by_number = || theirs.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
-        if let Some(column) = by_name.or_else(by_number).and_then(|at| columns.get_mut(at)) {
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        let at = found(theirs, &names).map(|(at, _)| at);
+        if let Some(column) = at.and_then(|at| columns.get_mut(at)) {
             column.read_as = read_as(ours).or_else(|| column.read_as.take());
         }
     }

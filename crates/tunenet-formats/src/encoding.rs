@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::documents::refuse_pointer;
 use crate::{Action, Error, Result};
 
 /// Share of the bytes at even or odd places that have to be 0 for a text without a mark to count as UTF-16: all of them in
@@ -29,6 +30,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String> {
         let message = format!("expected a text of at most {LARGEST_SMALL_TEXT} bytes, found {bytes}");
         return Err(Error::file(path, message, "is this the right file?"));
     }
+    refuse_pointer(path, &text)?;
     refuse_foreign(path, &text[..text.len().min(512)])?;
     let text = String::from_utf8(text).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();

@@ -47,7 +47,7 @@ pub enum Error {
         hint: String,
     },
     /// The operating system refused.
-    #[error("{path}: {action} failed: {source}", path = path.display())]
+    #[error("{path}: {what}", path = path.display(), what = refusal(*action, source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -108,6 +108,14 @@ impl From<Error> for tunenet_core::Error {
     }
 }
 
+/// What the system refused. That there is no such file needs no number.
+fn refusal(action: Action, source: &std::io::Error) -> String {
+    match (action, source.kind()) {
+        (Action::Opening | Action::Reading, ErrorKind::NotFound) => "no such file".into(),
+        _ => format!("{action} failed: {source}"),
+    }
+}
+
 /// What to try where the system refused.
 fn io_hint(action: Action, kind: ErrorKind) -> Option<&'static str> {
     match kind {
@@ -147,6 +155,9 @@ mod tests {
         assert_eq!(Error::file("a.csv", "empty", "").to_string(), "a.csv: empty");
         let denied = Error::io("a.csv", Action::Reading, ErrorKind::PermissionDenied.into());
         assert_eq!(denied.to_string(), "a.csv: reading failed: permission denied");
+        let missing = |action| Error::io("a.csv", action, ErrorKind::NotFound.into()).to_string();
+        assert_eq!(missing(Action::Opening), "a.csv: no such file");
+        assert!(missing(Action::Writing).starts_with("a.csv: writing failed: "), "{}", missing(Action::Writing));
         assert_eq!(Error::from(stopped()).to_string(), stopped().to_string());
     }
 

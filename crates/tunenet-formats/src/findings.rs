@@ -15,6 +15,9 @@ finding_kinds! {
     note COLUMNS_CONVERTED = "columns.converted",
         "a column was converted to SI units",
         "check the unit";
+    note COLUMNS_NEGATED = "columns.negated",
+        "a column was read with its sign reversed, as `--columns` asked",
+        "none needed";
     note ROWS_EMPTY_CELL = "rows.empty_cell",
         "rows with an empty cell were left out",
         "none needed if they are few";

@@ -3,6 +3,7 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use crate::documents::{LOOKED_AT, refuse_document, refuse_pointer};
 use crate::encoding;
 use crate::source::{LARGEST_TEXT, open};
 use crate::{Action, Error, Result};
@@ -38,11 +39,12 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     let mut start = Vec::new();
     let file = open(path)?;
     let bytes = file.metadata().map_err(|e| Error::io(path, Action::Reading, e))?.len();
-    file.take(512).read_to_end(&mut start).map_err(|e| Error::io(path, Action::Reading, e))?;
+    file.take(LOOKED_AT).read_to_end(&mut start).map_err(|e| Error::io(path, Action::Reading, e))?;
     let named_mcap = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
     if start.starts_with(mcap::MAGIC) {
         return Ok(Format::Mcap);
     }
+    refuse_pointer(path, &start)?;
     if named_mcap {
         let message = if start.is_empty() {
             "expected an MCAP file, found an empty one".to_owned()
@@ -58,7 +60,8 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     {
         return Err(Error::file(path, format!("expected CSV or MCAP, found {what}"), *hint));
     }
-    encoding::refuse_foreign(path, &start)?;
+    encoding::refuse_foreign(path, &start[..start.len().min(512)])?;
+    refuse_document(path, &start)?;
     if bytes > LARGEST_TEXT {
         let message = format!("expected at most {LARGEST_TEXT} bytes of text, found {bytes}");
         let hint = "keep the columns that are needed, for example `cut -d, -f1,4`, or cut the file into pieces";

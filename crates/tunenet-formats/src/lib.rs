@@ -6,7 +6,7 @@
 //!
 //! | folder or file | subject |
 //! |---|---|
-//! | `source`, `encoding`, `format` | the file itself: what is opened, how its text is written, which format it has |
+//! | `source`, `encoding`, `format`, `documents` | the file itself: what is opened, how its text is written, which format it has, and which texts hold no table |
 //! | `quantity`, `ranges` | what a column is by its name and unit, and ranges of columns |
 //! | `csv` | lines and cells, the layout of the columns, guesses where names are unknown, the numbers, writing |
 //! | `mcap` | records and chunks, topics, ROS 2 and JSON messages, joints, pictures, writing |
@@ -20,6 +20,7 @@ mod atomic;
 mod contents;
 mod csv;
 pub mod dataset;
+mod documents;
 mod encoding;
 mod error;
 pub mod findings;
@@ -40,6 +41,7 @@ mod tests;
 pub use atomic::write_atomically;
 pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv::write::write_csv;
+pub use documents::refuse_git_lfs_pointer;
 pub use encoding::read_text;
 pub use error::{Error, Result};
 pub use mcap::pictures;

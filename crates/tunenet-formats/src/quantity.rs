@@ -44,6 +44,11 @@ impl Quantity {
         }
     }
 
+    /// Whether it is measured along an axis, which may point the other way; a clock and a count have no such.
+    pub fn has_sign(self) -> bool {
+        !matches!(self, Self::Time | Self::BounceNumber | Self::BounceTime)
+    }
+
     /// Name and unit of the channel that it fills.
     pub fn channel(self) -> Channel {
         match self {

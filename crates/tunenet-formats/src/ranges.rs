@@ -41,6 +41,9 @@ fn range(ours: &str) -> Option<(&str, u16, u16, &str)> {
 
 fn columns(theirs: &str, first: u16, last: u16, names: &[&str]) -> Result<Vec<String>> {
     let count = usize::from(last - first) + 1;
+    if let Some(bare) = theirs.strip_prefix('-').filter(|_| !names.iter().any(|name| name.starts_with('-'))) {
+        return Ok(columns(bare, first, last, names)?.into_iter().map(|column| format!("-{column}")).collect());
+    }
     if let Some((from, to)) = theirs.split_once("..") {
         return match (from.parse::<usize>(), to.parse::<usize>()) {
             (Ok(from), Ok(to)) if from > 0 && to >= from && to - from + 1 == count => {
@@ -85,6 +88,8 @@ mod tests {
         assert_eq!(out("q1..3_rad", "2..4", &[]).unwrap(), "q1_rad=2,q2_rad=3,q3_rad=4");
         assert_eq!(out("tau1..2_nm", "eff_*", &["eff_1", "eff_2"]).unwrap(), "tau1_nm=eff_1,tau2_nm=eff_2");
         assert_eq!(out("dq1..2_deg_s", "v*", &["v0", "v1"]).unwrap(), "dq1_deg_s=v0,dq2_deg_s=v1");
+        assert_eq!(out("tau1..2_nm", "-v*", &["v0", "v1"]).unwrap(), "tau1_nm=-v0,tau2_nm=-v1");
+        assert_eq!(out("q1..2_rad", "-2..3", &[]).unwrap(), "q1_rad=-2,q2_rad=-3");
         assert_eq!(out("t_s", "time", &[]).unwrap(), "t_s=time");
     }
 

@@ -23,7 +23,8 @@ pub struct Recording {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Pairs (ours, theirs): ours is a column name with its unit (`t_s`, `z_mm`), theirs a name from the file's header, or
-    /// a column number from 1; for joints also ranges, (`q1..6_rad`, `2..7`) or (`q1..6_rad`, `joint_*`). For CSV alone.
+    /// a column number from 1, with a `-` before it where its axis points the other way (`-z`); for joints also ranges,
+    /// (`q1..6_rad`, `2..7`) or (`q1..6_rad`, `joint_*`). For CSV alone.
     pub columns: Vec<(String, String)>,
     /// The MCAP topic to read; `None` takes the only one that can be used.
     pub topic: Option<String>,

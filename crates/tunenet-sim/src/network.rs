@@ -131,7 +131,9 @@ pub fn choose_network(
         return ChosenNetwork::new(Some(model), NetworkSource::BuiltIn, "built in");
     }
     let Some((ranges, tau_max)) = around(file, ball, &first) else {
-        return ChosenNetwork::none("none: the recording is too unlike a drop or a throw to train one for it");
+        return ChosenNetwork::none(
+            "none: the recording is too different from a drop or a throw to train a network for it",
+        );
     };
     for_scene(file, &ranges, tau_max, seed, &first, store, at)
 }
@@ -217,10 +219,14 @@ fn for_scene(
                 ..ChosenNetwork::new(Some(model), NetworkSource::Trained, text)
             }
         }
-        Ok(_) => {
-            ChosenNetwork { notes, ..ChosenNetwork::none("none: the one for this scene cannot see the recording") }
-        }
-        Err(error) => ChosenNetwork { notes, ..ChosenNetwork::none(format!("none for this scene: {error}")) },
+        Ok(_) => ChosenNetwork {
+            notes,
+            ..ChosenNetwork::none("not used: the network for this scene does not fit the recording")
+        },
+        Err(error) => ChosenNetwork {
+            notes,
+            ..ChosenNetwork::none(format!("not used: no network can be trained for this scene ({error})"))
+        },
     }
 }
 

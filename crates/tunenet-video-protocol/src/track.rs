@@ -150,6 +150,12 @@ impl Facts {
         self.preflight.iter().find(|check| check.state == State::Failed)
     }
 
+    /// The restitution as it is shown: at most 1, since a bounce takes no speed from nowhere.
+    #[must_use]
+    pub fn rebound(&self) -> Option<Estimate> {
+        self.restitution.map(|estimate| estimate.at_most(1.0))
+    }
+
     /// That the ball never leaves the ground, where it does not.
     #[must_use]
     pub fn rolls(&self) -> Option<&VideoFinding> {
@@ -217,6 +223,15 @@ pub struct Estimate {
     pub value: f64,
     /// The ends of the interval.
     pub interval95: [f64; 2],
+}
+
+impl Estimate {
+    /// As it is shown where nothing above `most` is possible: noise carries an estimate there, and not the thing itself.
+    #[must_use]
+    pub fn at_most(self, most: f64) -> Self {
+        let [low, high] = self.interval95;
+        Self { value: self.value.min(most), interval95: [low.min(most), high.min(most)] }
+    }
 }
 
 /// One check of the positions.
@@ -292,6 +307,14 @@ mod tests {
         }
         let text = serde_json::to_string(&TrackFailure::TwoBalls).unwrap();
         assert_eq!(text, format!("{:?}", TrackFailure::TwoBalls.word()));
+    }
+
+    #[test]
+    fn what_is_shown_ends_at_what_is_possible() {
+        let seen = Estimate { value: 1.02, interval95: [0.97, 1.07] };
+        assert_eq!(seen.at_most(1.0), Estimate { value: 1.0, interval95: [0.97, 1.0] });
+        let within = Estimate { value: 0.8, interval95: [0.7, 0.9] };
+        assert_eq!(within.at_most(1.0), within);
     }
 
     #[test]

@@ -155,7 +155,7 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     // A wrong unit is reported before its symptom.
     checks.push(units::check(gravity.as_ref(), expected));
     checks.push(gravity::check(gravity.as_ref(), expected, clock::rate_hz(seen.clock())));
-    checks.push(motion::like(&arcs, &flights, expected));
+    checks.push(motion::like(&kept, &arcs, &flights, expected));
     let level = Level::of(&kept, &arcs, &flights);
     let (left, edge) = surface::left(&kept, level);
     if let Some(edge) = edge {

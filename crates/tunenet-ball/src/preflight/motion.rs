@@ -30,15 +30,14 @@ pub(crate) fn moves(seen: &Observation) -> Check {
 }
 
 /// Whether a motion without a bounce is a flight at all.
-pub(crate) fn like(arcs: &Arcs, flights: &Flights, expected: &Expected) -> Check {
+pub(crate) fn like(seen: &Observation, arcs: &Arcs, flights: &Flights, expected: &Expected) -> Check {
     const KIND: FindingKind = findings::MOTION_UNLIKE;
     let remedy = "check the units and the sign of z, the unit of the time, and which column is which";
     if !arcs.contacts.is_empty() {
         return Check::passed(KIND, "it flies and bounces");
     }
     // A fall that ends in rest without a rebound that is seen, say.
-    let falls = |f: &Flight| PLAUSIBLE_GRAVITY.contains(&(f.acceleration() / expected.gravity_m_s2));
-    if flights.flights.iter().any(falls) {
+    if falls(flights, expected) {
         return Check::passed(KIND, "it flies");
     }
     let (Some(apparent), Some(misfit)) = (arcs.apparent_gravity_m_s2, arcs.misfit_share) else {
@@ -51,6 +50,11 @@ pub(crate) fn like(arcs: &Arcs, flights: &Flights, expected: &Expected) -> Check
     if plausible.contains(&apparent.value) && misfit < WORST_MISFIT_SHARE {
         return Check::passed(KIND, "it flies");
     }
+    if is_upside_down(seen, expected) {
+        let text = "the height rises as that of a ball falls, so z points down";
+        let remedy = "reverse the sign of its column with a minus: `--columns z_m=-NAME`";
+        return Check::failed(KIND, text, remedy);
+    }
     let text = if misfit > 1.0 {
         "the height does not change".to_string()
     } else if misfit < WORST_MISFIT_SHARE {
@@ -60,6 +64,26 @@ pub(crate) fn like(arcs: &Arcs, flights: &Flights, expected: &Expected) -> Check
         format!("neither a bounce nor a flight: the best parabola deviates by {percent:.0} % of the motion")
     };
     Check::failed(KIND, text, remedy)
+}
+
+/// Whether any flight falls as by gravity.
+fn falls(flights: &Flights, expected: &Expected) -> bool {
+    flights.flights.iter().any(|f: &Flight| PLAUSIBLE_GRAVITY.contains(&(f.acceleration() / expected.gravity_m_s2)))
+}
+
+/// Whether the motion is that of a ball once the sign of the height is reversed.
+fn is_upside_down(seen: &Observation, expected: &Expected) -> bool {
+    let mut values = seen.values().to_vec();
+    values.iter_mut().skip(2).step_by(seen.channels().len()).for_each(|z| *z = -*z);
+    let turned = Observation::new(seen.kind(), seen.channels().to_vec(), seen.clock().to_vec(), values).ok();
+    turned.is_some_and(|turned| {
+        let arcs = Arcs::cut(&turned, expected.gravity_m_s2);
+        arcs.is_some_and(|arcs| {
+            let one_flight = arcs.misfit_share.is_some_and(|misfit| misfit < WORST_MISFIT_SHARE);
+            (one_flight || !arcs.contacts.is_empty())
+                && falls(&Flights::find(&turned, &arcs, expected.gravity_m_s2), expected)
+        })
+    })
 }
 
 /// Whether samples before the release are excluded.

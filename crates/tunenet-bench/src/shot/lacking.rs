@@ -1,4 +1,4 @@
-//! What each thing that is not known of a ball costs at the hoop: plans of somebody who knows everything but that.
+//! Cost of each unknown parameter of a ball at the hoop: plans of a planner that knows every parameter except that one.
 
 use anyhow::Result;
 use rand_chacha::ChaCha8Rng;

@@ -152,10 +152,10 @@ impl ShotResults {
         goal(&mut out, "flagged of all other drops", wrongly.value, SHOT_FLAGS.1, false);
         let _ = writeln!(
             out,
-            "\n{} of {} drops are uninformative: {} hit the table less than {FEWEST_BOUNCES} times, and of {} more the shot planned with \
-             the restitution alone misses even without random deflection of the rebound, while that of who knows everything goes in. In {} \
-             drops the ball fell off the table during the recording; of the shots after these, {} go in with the restitution \
-             alone.\n",
+            "\n{} of {} drops are uninformative: {} hit the table less than {FEWEST_BOUNCES} times; for {} more, the shot planned with \
+             only the restitution misses even without random deflection of the rebound, while the shot of a planner that knows \
+             every parameter goes in. In {} drops the ball fell off the table during the recording; of the shots planned from \
+             these, {} go in with only the restitution.\n",
             rightly.count,
             trials.len(),
             rightly.count - misled.count,
@@ -266,8 +266,8 @@ fn table(out: &mut String, trials: &[&ShotTrial]) {
 fn lacking(out: &mut String, series: &[Series]) {
     let _ = writeln!(
         out,
-        "\nWhat each thing costs that a drop may not show: success over {SHOTS} shots of somebody who knows everything but \
-         that, and the height from which.\n"
+        "\nCost of each parameter that a drop may not determine: success rate over {SHOTS} shots of a planner that knows every parameter \
+         except that one, and its release height.\n"
     );
     let _ = writeln!(out, "| ball | unknown: {} |", Lacking::EACH.map(Lacking::words).join(" | "));
     let _ = writeln!(out, "|---{}|", "|---".repeat(Lacking::EACH.len()));

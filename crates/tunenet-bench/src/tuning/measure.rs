@@ -117,8 +117,7 @@ pub fn short(value: f64) -> String {
         return "0".into();
     }
     if (0.01..1000.0).contains(&value.abs()) {
-        let text = format!("{value:.3}");
-        return text.trim_start_matches('0').to_owned();
+        return format!("{value:.3}");
     }
     format!("{value:.2e}")
 }

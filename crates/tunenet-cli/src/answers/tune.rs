@@ -20,6 +20,33 @@ pub fn reason(outcome: &Outcome) -> Option<&Note> {
     outcome.notes.iter().find(|n| if rejected { failed.contains(&n.kind) } else { silent.contains(&n.kind) })
 }
 
+/// Which of the recordings that were given the answer rests on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Use<'a> {
+    /// Their names, in their order.
+    pub used: Vec<&'a str>,
+    /// Those of the others, which the checks reject.
+    pub rejected: Vec<&'a str>,
+}
+
+impl<'a> Use<'a> {
+    /// Of the recordings that are called `names`.
+    pub fn of(outcome: &Outcome, names: &'a [String]) -> Self {
+        let of = |wanted: bool| {
+            let pairs = names.iter().zip(&outcome.used).filter(|(_, used)| **used == wanted);
+            pairs.map(|(name, _)| name.as_str()).collect()
+        };
+        Self { used: of(true), rejected: of(false) }
+    }
+
+    /// "1 of 2 recordings used; rejected: b.csv"; nothing where all are used, or none is.
+    pub fn sentence(&self) -> Option<String> {
+        let (used, rejected) = (self.used.len(), self.rejected.len());
+        (used > 0 && rejected > 0)
+            .then(|| format!("{used} of {} recordings used; rejected: {}", used + rejected, self.rejected.join(", ")))
+    }
+}
+
 /// Whether a recording was used although its checks reject it.
 pub fn forced(outcome: &Outcome) -> bool {
     let failed = |checks: &[Check]| checks.iter().any(|c| c.state == State::Failed);

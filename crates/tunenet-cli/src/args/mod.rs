@@ -126,6 +126,7 @@ First steps:
   tunenet tune --sim ball.toml drop.csv    estimate the restitution
 
 The answer goes to standard output; notes, warnings and progress go to standard error.
+Colours are for terminals; NO_COLOR=1 turns them off, CLICOLOR_FORCE=1 turns them on.
 All commands except completions and man take --json: one JSON object on standard output.
 Exit status: 0 done, 1 error, 2 wrong usage, 3 completed without a usable result.";
 const INIT_EXAMPLES: &str = "\
@@ -194,7 +195,8 @@ impl Simulation {
 /// How files are read, wherever a command takes observations.
 #[derive(Debug, Args)]
 pub struct Reading {
-    /// Map CSV columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header
+    /// Map CSV columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header, and a minus for an axis
+    /// that points the other way: `z_m=-depth`
     #[arg(long, value_name = "OURS=THEIRS,…", value_parser = pair, value_delimiter = ',')]
     pub columns: Vec<(String, String)>,
     /// MCAP topic to read [default: the only suitable one]
@@ -223,7 +225,8 @@ pub struct Common {
 /// What every command takes that writes a file.
 #[derive(Debug, Args)]
 pub struct Writing {
-    /// Overwrite existing files (input files are never overwritten)
+    /// Overwrite existing files of any origin; without it only files of the same kind that tunenet wrote are replaced. Input
+    /// files are never overwritten
     #[arg(long)]
     pub overwrite: bool,
 }

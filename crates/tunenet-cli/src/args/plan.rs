@@ -9,9 +9,12 @@ use super::{Common, Simulation, Writing};
 pub const EXAMPLES: &str = "\
 Examples:
   tunenet plan --sim tuned.toml --task assets/shot.toml
-  tunenet plan --sim tuned.toml --task shot.toml --heights 200 --report shot.html
-  tunenet plan --sim tuned.toml --task shot.toml --rule nearest --out approach.mcap
-Use the tuned simulation file of the same ball. The task file defines plane, hoop and robot.";
+  tunenet plan --sim tuned.toml --task assets/shot.toml --heights 200 --report shot.html
+  tunenet plan --sim tuned.toml --task assets/shot.toml --rule nearest --out approach.mcap
+Use the tuned simulation file of the same ball. The task file defines plane, hoop and robot;
+assets/shot.toml in the source tree is an example. The robot's URDF (`arm.urdf`) is looked for
+in the folder of the task file, so copy assets/shot.toml and assets/jaco_robotiq.urdf together.
+A task without [arm] needs no URDF.";
 
 /// How the best height is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -12,6 +12,7 @@ use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;
+use crate::view::text::stage;
 
 /// The program that the simulation file of a program names.
 const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../assets/process/pendulum.py"));
@@ -27,7 +28,7 @@ pub fn run(options: &Init) -> Result<Exit> {
         Scene::Process => (Domain::Process, "process.toml", "put your simulator into the program"),
     };
     let out = options.out.clone().unwrap_or_else(|| name.into());
-    names::require_ending(&out, &["toml"])?;
+    names::require_ending(&out, "--out", &["toml"])?;
     let program = (domain == Domain::Process).then(|| out.with_file_name(PROGRAM.0));
     let same = |path: &&Path| std::fs::read(path).is_ok_and(|there| there == PROGRAM.1.as_bytes());
     let program = program.as_deref().filter(|path| !same(path));
@@ -35,15 +36,15 @@ pub fn run(options: &Init) -> Result<Exit> {
         std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
     destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
     write_atomically(&out, |file| file.write_all(template(domain).as_bytes()))?;
-    let (path, mut shown) = (out.display(), Printout::default());
-    shown.row("wrote", &format!("{path}"));
+    let path = out.display();
+    stage("wrote", &format!("{path}"));
     if let Some(program) = program {
         write_atomically(program, |file| file.write_all(PROGRAM.1.as_bytes()))?;
-        shown.row("wrote", &format!("{}", program.display()));
+        stage("wrote", &format!("{}", program.display()));
     }
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
-    shown.row("next", &format!("{first}, then `tunenet tune --sim {path}{leave} FILE`"));
-    shown.show(options.common.json, || {
+    stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} FILE`"));
+    Printout::default().show(options.common.json, || {
         let mut object = json!({ "schema": "tunenet.init/1", "file": names::file_name(&out), "warnings": [] });
         if domain == Domain::Process {
             object["program"] = PROGRAM.0.into();

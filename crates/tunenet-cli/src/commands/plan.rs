@@ -27,7 +27,7 @@ pub fn run(options: &Plan) -> Result<Exit> {
     let report = options.report.iter().map(|report| Output::new(report, "--report", Product::Page));
     let outputs: Vec<Output> = out.chain(report).collect();
     let inputs = [options.simulation.sim.as_path(), options.task.as_path()];
-    options.out.iter().try_for_each(|out| names::require_ending(out, &["mcap"]))?;
+    options.out.iter().try_for_each(|out| names::require_ending(out, "--out", &["mcap"]))?;
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
     if file.domain() != Domain::Ball {

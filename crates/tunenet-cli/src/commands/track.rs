@@ -28,9 +28,11 @@ pub fn run(options: &Track) -> Result<Exit> {
     let outputs =
         outputs.into_iter().filter_map(|(path, flag, product)| Some(Output::new(path.as_ref()?, flag, product)));
     destination::check(&outputs.collect::<Vec<_>>(), &[&options.video], options.writing.overwrite)?;
-    if let Some(out) = &options.out {
-        names::require_ending(out, &["csv"])?;
-    }
+    options.out.iter().try_for_each(|out| names::require_ending(out, "--out", &["csv"]))?;
+    options
+        .overlay
+        .iter()
+        .try_for_each(|out| names::require_ending(out, "--overlay", &["mp4", "avi", "mov", "mkv"]))?;
     let asked = Asked::default()
         .with("--color", options.color.as_ref())
         .with("--topic", options.topic.as_ref())

@@ -15,7 +15,7 @@ use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;
-use crate::view::text::progress;
+use crate::view::text::{progress, stage};
 
 pub fn run(options: &Train) -> Result<Exit> {
     let began = Instant::now();
@@ -57,7 +57,6 @@ pub fn run(options: &Train) -> Result<Exit> {
     let on = if device == TrainDevice::Cpu { "the CPU" } else { "a GPU" };
     let mut shown = Printout::default();
     shown.row("trained", &format!("{steps} steps for {named} on {on}, loss {loss:.2e}, {seconds:.1} s"));
-    shown.row("wrote", &options.out.display().to_string());
     shown.show(options.common.json, || {
         json!({
             "schema": "tunenet.train/1", "file": names::file_name(&options.out), "preset": options.preset.name(),
@@ -65,5 +64,6 @@ pub fn run(options: &Train) -> Result<Exit> {
             "seconds": seconds, "device": device.name(), "warnings": [],
         })
     })?;
+    stage("wrote", &options.out.display().to_string());
     Ok(Exit::Done)
 }

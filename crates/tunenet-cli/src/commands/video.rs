@@ -81,6 +81,9 @@ impl Asked {
         if !is_video(path) {
             drop(tunenet_formats::open(path)?);
         }
+        if path.is_file() {
+            tunenet_formats::refuse_git_lfs_pointer(path)?;
+        }
         let program = programs::beside(VIDEO)?;
         if !program.is_file() {
             let message = format!("expected `{VIDEO}` in the folder of tunenet, found none");

@@ -46,6 +46,18 @@ impl Product {
         }
     }
 
+    /// What its name ends in; none where any name will do, or where its command knows.
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Simulation => &["toml"],
+            Self::Page => &["html", "htm"],
+            Self::Dataset => &["mcap"],
+            Self::Model => &["safetensors"],
+            Self::Answer => &["json"],
+            Self::Unmarked => &[],
+        }
+    }
+
     /// Whether `path` is one of these already, by what it says of itself.
     fn is(self, path: &Path) -> bool {
         match self {
@@ -118,7 +130,7 @@ fn programs_beside(input: &Path) -> Vec<PathBuf> {
 }
 
 /// Refuses, before any work is done, outputs that are one of the `inputs` or a URDF or a program that one of them names, that
-/// are one another, that cannot be written, or that would replace what tunenet did not write; the last not where `overwrite`
+/// are one another, whose names end otherwise than their contents say, that cannot be written, or that would replace what tunenet did not write; the last not where `overwrite`
 /// is asked for.
 pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()> {
     let urdfs = inputs.iter().filter_map(|input| urdf_beside(input));
@@ -137,6 +149,9 @@ pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()
         {
             let message = "this file is read as an input, and would be overwritten";
             return Err(Error::file(path, message, format!("choose another name for {flag}")).into());
+        }
+        if !product.endings().is_empty() && !is_device(path) {
+            names::require_ending(path, flag, product.endings())?;
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
         if path.is_dir() {
@@ -188,6 +203,11 @@ pub fn leads_somewhere(named: &Path, folder: &Path, makes: bool) -> Result<()> {
 pub fn taken(output: &Output) -> Error {
     let message = format!("expected {}, found a file that is there already", output.product.name());
     Error::file(&output.path, message, format!("choose another {}, or replace it with --overwrite", output.flag))
+}
+
+/// Whether it is a device or a pipe, which has no name of its own choice: `/dev/null`.
+fn is_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir())
 }
 
 /// Whether a file with contents stands there, or a link that leads nowhere: somebody made it. A device or a pipe holds

@@ -14,14 +14,21 @@ pub fn file_name(path: &Path) -> String {
 }
 
 /// Refuses an output whose name ends otherwise than its contents say: whoever finds the file later goes by its name.
-pub fn require_ending(out: &Path, endings: &[&str]) -> Result<()> {
+/// `-` is no name: files are written in one step, and standard output is for the answer.
+pub fn require_ending(out: &Path, flag: &'static str, endings: &[&str]) -> Result<()> {
     let found = out.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if endings.contains(&found.as_str()) {
         return Ok(());
     }
     let each: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
-    let (expected, found) = (format!("a name that ends in {}", each.join(" or ")), format!("`{}`", out.display()));
-    Err(Error::Setting { origin: Origin::Flag, name: "--out", expected, found }.into())
+    let why = if is_standard_output(out) { ", since the answer goes to standard output" } else { "" };
+    let (expected, found) = (format!("a name that ends in {}{why}", each.join(" or ")), format!("`{}`", out.display()));
+    Err(Error::Setting { origin: Origin::Flag, name: flag, expected, found }.into())
+}
+
+/// Whether a name stands for standard output in other programs.
+pub fn is_standard_output(out: &Path) -> bool {
+    out.as_os_str() == "-"
 }
 
 /// The pictures in a folder, in the order of their names.

@@ -5,7 +5,7 @@ use tunenet_core::observation::Note;
 use tunenet_formats::Result;
 
 use super::json::{print_json, print_text};
-use super::text::{lines, table, warn};
+use super::text::{lines, table, warn_all};
 
 /// An answer in words, and the notes that go with it.
 #[derive(Debug, Default)]
@@ -54,7 +54,7 @@ impl Printout {
     pub fn show(&self, json: bool, object: impl FnOnce() -> Value) -> Result<()> {
         let printed = if json { print_json(&object()) } else { print_text(&self.text) };
         printed?;
-        self.notes.iter().for_each(warn);
+        warn_all(&self.notes);
         Ok(())
     }
 }

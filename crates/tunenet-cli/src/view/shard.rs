@@ -8,6 +8,7 @@ use tunenet_formats::Result;
 
 use super::answer::Printout;
 use super::json::warning;
+use super::text::stage;
 use crate::files::names;
 use crate::shard::Share;
 
@@ -19,7 +20,7 @@ pub fn show(shard: Shard, at: &Path, share: Share, what: &str, as_json: bool) ->
     let Share { pieces, .. } = share;
     let note = share.noted(shard);
     let mut shown = Printout::default();
-    shown.row("wrote", &format!("{}, shard {shard}, {pieces} {what}", at.display()));
+    stage("wrote", &format!("{}, shard {shard}, {pieces} {what}", at.display()));
     shown.warn_all(&note);
     shown.show(as_json, || {
         json!({

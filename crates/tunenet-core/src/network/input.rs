@@ -129,7 +129,7 @@ impl Input {
     /// record and its scale do not overlap.
     pub fn encode(&self, clock: &[f64], values: &[f64], channels: usize, scale: Option<&Scale>) -> Result<Encoded> {
         fn refuse<T>(what: &str, expected: String, found: String) -> Result<T> {
-            Err(Error::Model { what: format!("input, {what}"), expected, found })
+            Err(Error::Model { what: format!("does not fit the recording ({what})"), expected, found })
         }
         if clock.len() < 2 || channels == 0 || clock.len() * channels != values.len() {
             return refuse(

@@ -221,7 +221,7 @@ impl Model {
                 channels.iter().map(|c| format!("{} ({})", c.name, c.unit)).collect::<Vec<_>>().join(", ")
             };
             let (expected, found) = (list(&self.channels), list(seen.channels()));
-            return Err(Error::Model { what: "input, channels".into(), expected, found });
+            return Err(Error::Model { what: "takes other channels".into(), expected, found });
         }
         let channels = seen.channels().len();
         // Raw samples mean something only at the instants of the training set.

@@ -17,6 +17,9 @@ use tunenet_core::observation::{Channel, Kind, Note};
 const MOST_COUNTED: usize = 64;
 const FEWEST_COUNTED: usize = 4;
 
+/// Rows that are examined to distinguish a flag from a measurement.
+const MOST_FLAGGED: usize = 10_000;
+
 /// Where a channel comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Source {
@@ -24,6 +27,25 @@ pub(crate) struct Source {
     pub column: usize,
     pub scale: Scale,
     pub quantity: Quantity,
+    pub sign: Sign,
+}
+
+/// Whether the values of a column are taken as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sign {
+    Kept,
+    /// Its axis points the other way: `z_m=-z`.
+    Negated,
+}
+
+impl Source {
+    /// What a number in its cell stands for.
+    pub fn value(&self, number: f64) -> f64 {
+        match self.sign {
+            Sign::Kept => self.scale.apply(number),
+            Sign::Negated => -self.scale.apply(number),
+        }
+    }
 }
 
 /// How the columns of a table make an observation.
@@ -47,14 +69,20 @@ impl Layout {
         }
     }
 
-    /// Adds a note on every column that is read in another unit than its own.
+    /// Adds a note on every column that is read in another unit than its own, or with the other sign.
     pub fn with_conversions(mut self, header: &Header<'_>) -> Self {
         let cells = header.cells();
-        for source in self.clock.iter().chain(self.values.iter().flatten()).filter(|s| s.scale != Scale::Keep) {
+        for source in self.clock.iter().chain(self.values.iter().flatten()) {
             let number = (source.column + 1).to_string();
             let theirs = if header.named { cells[source.column].text } else { &number };
-            let text = format!("column `{theirs}` is converted to `{}`", self.header(source));
-            self.notes.push(Note::new(findings::COLUMNS_CONVERTED, text, ""));
+            if source.scale != Scale::Keep {
+                let text = format!("column `{theirs}` is converted to `{}`", self.header(source));
+                self.notes.push(Note::new(findings::COLUMNS_CONVERTED, text, ""));
+            }
+            if source.sign == Sign::Negated {
+                let text = format!("`{}` is column `{theirs}` with its sign reversed", self.header(source));
+                self.notes.push(Note::new(findings::COLUMNS_NEGATED, text, ""));
+            }
         }
         self
     }
@@ -94,12 +122,17 @@ impl Header<'_> {
         })
     }
 
-    /// The column that the user calls `theirs`: by its name, or by its number from 1. `remedy` is what to try where it is neither.
-    pub fn column(&self, theirs: &str, remedy: impl FnOnce() -> String) -> Result<usize> {
+    /// The column that the user calls `theirs`: by its name, or by its number from 1, with a `-` before it where its axis points
+    /// the other way, which no clock's does. `remedy` is what to try where it is none of these.
+    pub fn column(&self, theirs: &str, quantity: Quantity, remedy: impl FnOnce() -> String) -> Result<(usize, Sign)> {
         let cells = self.cells();
-        let by_name = cells.iter().position(|cell| self.named && cell.text == theirs);
-        let by_number = || theirs.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|n| *n < cells.len());
-        match by_name.or_else(by_number) {
+        let names: Vec<&str> = cells.iter().map(|cell| if self.named { cell.text } else { "" }).collect();
+        match found(theirs, &names) {
+            Some((_, Sign::Negated)) if !quantity.has_sign() => self.refuse(
+                None,
+                format!("`{}` has no sign: expected a column without `-`, found `{theirs}`", quantity.header()),
+                "leave the `-` out",
+            ),
             Some(column) => Ok(column),
             None => self.refuse(None, format!("`{theirs}` is not a column: found {}", self.found()), remedy()),
         }
@@ -119,16 +152,40 @@ impl Header<'_> {
         let cells = self.cells();
         let names: Vec<&str> = cells.iter().map(|cell| cell.text).collect();
         !self.joints.is_empty()
-            || self.named && guess(&names, &self.counting()).is_none() && guess_joints(&names, &[]).is_some()
+            || self.named
+                && guess(&names, &self.counting()).is_none()
+                && guess_joints(&names, &[], &self.flags()).is_some()
     }
 
     /// The columns that count their rows from 0 or 1, by the first rows of the file; none where those are too few to decide.
     fn counting(&self) -> Vec<usize> {
+        let rows = self.first_rows(MOST_COUNTED);
+        if rows.len() < FEWEST_COUNTED {
+            return Vec::new();
+        }
+        let from = |column: usize, start: f64| {
+            (0u32..).zip(&rows).all(|(k, row)| row.get(column) == Some(&Some(f64::from(k) + start)))
+        };
+        (0..self.cells().len()).filter(|&column| from(column, 0.0) || from(column, 1.0)).collect()
+    }
+
+    /// The columns that hold nothing but 0 and 1, and some 1: whether a motor is on is no measurement of it.
+    fn flags(&self) -> Vec<usize> {
+        let rows = self.first_rows(MOST_FLAGGED);
+        let of = |column: usize| rows.iter().map(move |row| row.get(column).copied().flatten());
+        let flag = |column: &usize| {
+            of(*column).all(|cell| matches!(cell, Some(0.0 | 1.0))) && of(*column).any(|cell| cell == Some(1.0))
+        };
+        (0..self.cells().len()).filter(flag).collect()
+    }
+
+    /// The numbers below the names, of `most` rows; none where the first line holds no names.
+    fn first_rows(&self, most: usize) -> Vec<Vec<Option<f64>>> {
         let first = |mut lines: Lines| {
             // A line of names, and then what follows from them.
             let mut rows = Vec::new();
             lines.next().ok()??;
-            while rows.len() < MOST_COUNTED
+            while rows.len() < most
                 && let Ok(Some(line)) = lines.next()
             {
                 let numbers = cells(&line.text, self.separator);
@@ -136,14 +193,10 @@ impl Header<'_> {
             }
             Some(rows)
         };
-        let rows = Lines::open(self.path).ok().and_then(first).unwrap_or_default();
-        if !self.named || rows.len() < FEWEST_COUNTED {
+        if !self.named {
             return Vec::new();
         }
-        let from = |column: usize, start: f64| {
-            (0u32..).zip(&rows).all(|(k, row)| row.get(column) == Some(&Some(f64::from(k) + start)))
-        };
-        (0..self.cells().len()).filter(|&column| from(column, 0.0) || from(column, 1.0)).collect()
+        Lines::open(self.path).ok().and_then(first).unwrap_or_default()
     }
 
     /// What to type: the mapping that the names suggest, or an example of one.
@@ -159,7 +212,9 @@ impl Header<'_> {
                 2 * n + 1
             );
         }
-        if let Some(option) = guess_joints(&names, self.joints).filter(|_| self.named && self.of_joints()) {
+        if let Some(option) =
+            guess_joints(&names, self.joints, &self.flags()).filter(|_| self.named && self.of_joints())
+        {
             return format!("try `{option}`; where another unit is meant, write it into our name: `q1_deg`, `t_ms`");
         }
         if !self.joints.is_empty() {
@@ -190,6 +245,17 @@ impl Header<'_> {
             }
         }
     }
+}
+
+/// The column among `names` that is called `theirs`: by its name, then by its number from 1, then by either with a `-` before it.
+pub(crate) fn found(theirs: &str, names: &[&str]) -> Option<(usize, Sign)> {
+    let column = |theirs: &str| {
+        let by_name = names.iter().position(|name| !name.is_empty() && *name == theirs);
+        let by_number = || theirs.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|n| *n < names.len());
+        by_name.or_else(by_number)
+    };
+    let negated = || Some((column(theirs.strip_prefix('-')?)?, Sign::Negated));
+    column(theirs).map(|column| (column, Sign::Kept)).or_else(negated)
 }
 
 type Found = BTreeMap<Quantity, Source>;
@@ -240,8 +306,8 @@ fn mapped(header: &Header<'_>, mapping: &[(String, String)]) -> Result<Found> {
                 found: format!("`{ours}`"),
             }.into());
         };
-        let column = header.column(theirs, || header.remedy())?;
-        if found.insert(quantity, Source { column, scale, quantity }).is_some() {
+        let (column, sign) = header.column(theirs, quantity, || header.remedy())?;
+        if found.insert(quantity, Source { column, scale, quantity, sign }).is_some() {
             return Err(tunenet_core::Error::Setting {
                 origin: Origin::Flag,
                 name: "columns",
@@ -268,7 +334,7 @@ fn named(header: &Header<'_>, found: &mut Found, notes: &mut Vec<Note>) {
             ignored.push(cell.text);
             continue;
         };
-        let source = Source { column, scale, quantity };
+        let source = Source { column, scale, quantity, sign: Sign::Kept };
         match found.get(&quantity) {
             None => {
                 found.insert(quantity, source);

@@ -12,13 +12,13 @@ const WORDS: [(Family, &str, &[&str]); 4] = [
 ];
 
 /// The option that would make a table with these columns a log of joints; `None` where the names do not say enough. `joints` are
-/// those of the URDF, in order, where it is known.
-pub(crate) fn guess_joints(names: &[&str], joints: &[String]) -> Option<String> {
+/// those of the URDF, in order, where it is known. What stands in the columns `flags` is 0 or 1, and no measurement.
+pub(crate) fn guess_joints(names: &[&str], joints: &[String], flags: &[usize]) -> Option<String> {
     let time = guess::time(names)?;
     let mut found: Vec<(usize, u16, usize)> = Vec::new();
     // A single joint needs no number.
     let single = joints.len() <= 1 && !names.iter().any(|name| name.contains(|c: char| c.is_ascii_digit()));
-    for (column, name) in names.iter().enumerate().filter(|(i, _)| *i != time) {
+    for (column, name) in names.iter().enumerate().filter(|(i, _)| *i != time && !flags.contains(i)) {
         let words = words(name);
         let family = WORDS.iter().position(|(_, _, known)| words.iter().any(|w| known.contains(&w.as_str())));
         let number = by_name(name, joints).or_else(|| words.iter().rev().find_map(|w| w.parse().ok()));
@@ -88,23 +88,26 @@ mod tests {
     fn columns_are_matched_to_joints() {
         let names = ["time", "actual_q_0", "actual_q_1", "actual_current_0", "actual_current_1"];
         assert_eq!(
-            guess_joints(&names, &[]).unwrap(),
+            guess_joints(&names, &[], &[]).unwrap(),
             "--columns t_s=time,q1_rad=actual_q_0,q2_rad=actual_q_1,i1_a=actual_current_0,i2_a=actual_current_1"
         );
         let joints = ["shoulder_joint".to_owned(), "elbow_joint".to_owned()];
         let names = ["stamp", "elbow_joint_position", "shoulder_joint_position", "elbow_effort", "shoulder_effort"];
         assert_eq!(
-            guess_joints(&names, &joints).unwrap(),
+            guess_joints(&names, &joints, &[]).unwrap(),
             "--columns t_s=stamp,q1_rad=shoulder_joint_position,q2_rad=elbow_joint_position,tau1_nm=shoulder_effort,tau2_nm=elbow_effort"
         );
         let names = ["time", "position", "velocity", "torque"];
         let one = "--columns t_s=time,q1_rad=position,dq1_rad_s=velocity,tau1_nm=torque";
-        assert_eq!(guess_joints(&names, &[]).unwrap(), one);
-        assert_eq!(guess_joints(&["time", "height"], &[]), None);
-        assert_eq!(guess_joints(&["a", "b"], &joints), None);
-        assert_eq!(guess_joints(&["t_s", "q1_rad", "tau2_nm"], &[]), None, "they are read as they are");
-        assert_eq!(guess_joints(&["t_s", "q1_rad", "effort_1"], &[]).unwrap(), "--columns tau1_nm=effort_1");
-        assert_eq!(guess_joints(&["t", "q1 [deg]"], &joints).unwrap(), "--columns t_s=t");
-        assert_eq!(guess_joints(&["time", "vel_z"], &[]), None, "a ball's speed is no joint's log");
+        assert_eq!(guess_joints(&names, &[], &[]).unwrap(), one);
+        let flagged = ["t_s", "torque_on", "position_rad"];
+        assert!(guess_joints(&flagged, &[], &[]).is_some_and(|option| option.contains("tau1_nm=torque_on")));
+        assert_eq!(guess_joints(&flagged, &[], &[1]), None);
+        assert_eq!(guess_joints(&["time", "height"], &[], &[]), None);
+        assert_eq!(guess_joints(&["a", "b"], &joints, &[]), None);
+        assert_eq!(guess_joints(&["t_s", "q1_rad", "tau2_nm"], &[], &[]), None, "they are read as they are");
+        assert_eq!(guess_joints(&["t_s", "q1_rad", "effort_1"], &[], &[]).unwrap(), "--columns tau1_nm=effort_1");
+        assert_eq!(guess_joints(&["t", "q1 [deg]"], &joints, &[]).unwrap(), "--columns t_s=t");
+        assert_eq!(guess_joints(&["time", "vel_z"], &[], &[]), None, "a ball's speed is no joint's log");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::columns::{Header, Layout, Source};
+use super::columns::{Header, Layout, Sign, Source};
 use crate::findings;
 use crate::quantity::{Meaning, Quantity, Scale, kind_name, meaning, plain};
 use crate::recording::Recording;
@@ -26,8 +26,8 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
             }
             .into());
         };
-        let column = header.column(theirs, || remedy(header, channels))?;
-        if place(quantity, &mut clock, &mut values).replace(Source { column, scale, quantity }).is_some() {
+        let (column, sign) = header.column(theirs, quantity, || remedy(header, channels))?;
+        if place(quantity, &mut clock, &mut values).replace(Source { column, scale, quantity, sign }).is_some() {
             let (expected, found) = (format!("`{ours}` once"), "it twice".into());
             return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
         }
@@ -41,7 +41,12 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
             match asked(cell.text, channels) {
                 // The first column of a name counts, and one that was mapped by hand before it.
                 Some((quantity, scale)) => {
-                    place(quantity, &mut clock, &mut values).get_or_insert(Source { column, scale, quantity });
+                    place(quantity, &mut clock, &mut values).get_or_insert(Source {
+                        column,
+                        scale,
+                        quantity,
+                        sign: Sign::Kept,
+                    });
                 }
                 None => ignored.push(cell.text),
             }

@@ -204,7 +204,7 @@ impl Scan {
                 let hint = "correct the cell, or empty it to leave the sample out";
                 Box::new(Broken::at(&line, self.separator, source.column, message, hint))
             };
-            match number(text, self.separator).map(|value| source.scale.apply(value)) {
+            match number(text, self.separator).map(|value| source.value(value)) {
                 Ok(value) if value.abs() <= LARGEST => Ok(value),
                 Ok(_) => Err(broken("too large", &format!("at most {LARGEST:e}"))),
                 Err(why) => Err(broken(why, "a finite number")),

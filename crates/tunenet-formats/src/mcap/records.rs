@@ -137,6 +137,17 @@ impl Messages {
     }
 
     fn broken(&self, fault: Fault) -> Error {
+        let hint = match &fault {
+            Fault::Format(McapError::UnsupportedCompression(_)) => {
+                "record with zstd, lz4 or uncompressed chunks".into()
+            }
+            _ if self.count == 0 => "copy the recording again".to_owned(),
+            _ => format!(
+                "try `mcap recover {} -o recovered.mcap`, which keeps what can be read; `mcap` is the command-line tool of \
+                 https://mcap.dev",
+                self.path.display()
+            ),
+        };
         let what = match fault {
             Fault::Io(error) => return Error::io(&self.path, Action::Reading, error),
             Fault::Overrun => "a record is longer than the chunk it stands in".to_owned(),
@@ -152,8 +163,6 @@ impl Messages {
                 letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
             }
         };
-        let hint =
-            format!("try `mcap recover {} -o recovered.mcap`, which keeps what can be read", self.path.display());
         Error::file(&self.path, format!("{what}: {} could be read before", counted(self.count, "message")), hint)
     }
 

@@ -8,6 +8,7 @@ use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use tunenet_core::network::{Array, Numbers, Weights};
 
+use crate::documents::refuse_pointer;
 use crate::source::open;
 use crate::{Action, Error, Result};
 
@@ -46,6 +47,7 @@ pub(crate) fn read(path: &Path, kind: &str) -> Result<Weights> {
     }
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(failed)?;
+    refuse_pointer(path, &bytes)?;
     from_bytes(path, &bytes, kind)
 }
 

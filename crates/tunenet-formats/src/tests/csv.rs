@@ -274,7 +274,7 @@ fn a_folder_and_a_missing_file_are_named() {
     assert!(error.to_string().ends_with(": expected a file, found a folder"), "{error}");
     let missing = folder.path().join("a.csv");
     let error = crate::read(&missing, &ReadOptions::default()).unwrap_err();
-    assert!(error_text(&error).0.starts_with("a.csv: opening failed: "), "{error}");
+    assert_eq!(error_text(&error).0, "a.csv: no such file");
 }
 
 #[test]
@@ -282,4 +282,37 @@ fn a_topic_of_a_table_is_refused() {
     let options = ReadOptions { topic: Some("/a".into()), ..ReadOptions::default() };
     let error = read_as("a.csv", "t_s,z_m\n", &options).unwrap_err().to_string();
     assert!(error.starts_with("`topic`: expected an MCAP file, found the text file "), "{error}");
+}
+
+#[test]
+fn a_minus_reverses_the_sign_of_a_column() {
+    let mapped = |pairs: &[(&str, &str)]| ReadOptions {
+        columns: pairs.iter().map(|(ours, theirs)| ((*ours).into(), (*theirs).into())).collect(),
+        ..ReadOptions::default()
+    };
+    let table = "t_s,depth,-odd\n0,1.5,3\n1,2.5,4\n2,3.5,5\n";
+    for (theirs, heights) in [("-depth", [-1.5, -2.5, -3.5]), ("-2", [-1.5, -2.5, -3.5]), ("-odd", [3.0, 4.0, 5.0])] {
+        let recording = read_as("a.csv", table, &mapped(&[("z_m", theirs)])).unwrap();
+        assert_eq!(recording.observation.column(2).collect::<Vec<_>>(), heights, "{theirs}");
+        let negated = recording.notes.iter().any(|note| note.kind == crate::findings::COLUMNS_NEGATED);
+        assert_eq!(negated, theirs != "-odd", "{theirs}");
+    }
+    let centimetres = read_as("a.csv", table, &mapped(&[("z_cm", "-depth")])).unwrap();
+    assert_eq!(centimetres.observation.column(2).collect::<Vec<_>>(), [-0.015, -0.025, -0.035]);
+    let clock = read_as("a.csv", table, &mapped(&[("t_s", "-t_s"), ("z_m", "depth")])).unwrap_err();
+    assert_eq!(error_text(&clock).0, "a.csv:1:1: `t_s` has no sign: expected a column without `-`, found `-t_s`");
+}
+
+/// Whether a motor is on is no torque of it.
+#[test]
+fn a_flag_is_not_proposed_as_a_torque() {
+    let table = |flags: [u8; 4]| {
+        let rows = flags.iter().enumerate().map(|(i, flag)| format!("0.{i},{flag},0.{i}5\n"));
+        format!("t_s,torque_on,position_rad\n{}", rows.collect::<String>())
+    };
+    let hint = |flags| error_text(&read_as("a.csv", table(flags), &ReadOptions::default()).unwrap_err()).1;
+    assert!(hint([1, 1, 2, 1]).contains("tau1_nm=torque_on"), "{}", hint([1, 1, 2, 1]));
+    for flags in [[1, 1, 1, 1], [0, 1, 0, 1]] {
+        assert!(!hint(flags).contains("torque_on"), "{}", hint(flags));
+    }
 }

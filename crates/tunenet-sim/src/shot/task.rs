@@ -17,7 +17,7 @@ const TURN_RAD: f64 = 6.3;
 
 /// The keys of a task file. Every place is in metres from the ball's centre when it touches the plane, z up.
 pub const TASK_KEYS: &[Key] = &[
-    key("kind", Shape::Word(&["shot"]), true, "what is to be done"),
+    key("kind", Shape::Word(&["shot"]), true, "the task that the file describes"),
     key("plane.tilt_about_x_rad", Shape::Number(-STEEPEST_RAD, STEEPEST_RAD), false, "tilt of the plane about x"),
     key("plane.tilt_about_y_rad", Shape::Number(-STEEPEST_RAD, STEEPEST_RAD), false, "tilt of the plane about y"),
     key("hoop.centre_m", Shape::Numbers(3, -FARTHEST_M, FARTHEST_M), true, "centre of the hoop"),

@@ -91,7 +91,7 @@ fn provenance(options: &Diagnose, sources: &[Source]) -> html::Provenance {
 fn ask(loaded: &Loaded, seed: u64) -> Result<Diagnosis> {
     let subjects: Vec<Subject> =
         loaded.objects.iter().map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() }).collect();
-    let working = crate::view::text::working();
+    let working = crate::view::text::working("diagnosing");
     let settings = Settings { seed, ..Settings::default() };
     let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| text::progress(&working, at));
     working.finish_and_clear();

@@ -22,6 +22,7 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
         Some(out) => outputs.push(Output::new(out, "--out", Product::Simulation)),
         None => {}
     }
+    options.out_urdf.iter().try_for_each(|out| names::require_ending(out, "--out-urdf", &["urdf", "xml", "xacro"]))?;
     outputs.extend(options.out_urdf.iter().map(|out| Output::new(out, "--out-urdf", Product::Unmarked)));
     outputs.extend(options.report.iter().map(|report| Output::new(report, "--report", Product::Page)));
     let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);

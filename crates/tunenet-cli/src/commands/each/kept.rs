@@ -10,7 +10,6 @@ use tunenet_formats::{Action, Error, write_atomically};
 
 use super::verdict::Verdict;
 use crate::failure::Exit;
-use crate::view::answer;
 use crate::view::json::print_json;
 use crate::view::text::stage;
 
@@ -74,9 +73,8 @@ pub fn merged(tool: &str, recordings: &[String], folder: &Path, as_json: bool) -
     write(&folder.join(ALL), &all)?;
     if as_json {
         print_json(&all)?;
-    } else {
-        answer::line(&format!("wrote    {}", folder.display()))?;
     }
+    stage("wrote", &folder.display().to_string());
     Ok(exit)
 }
 

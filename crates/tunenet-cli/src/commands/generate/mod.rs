@@ -18,7 +18,7 @@ use crate::files::names;
 
 pub fn run(options: &Gen) -> Result<Exit> {
     let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
-    names::require_ending(&options.out, &["mcap"])?;
+    names::require_ending(&options.out, "--out", &["mcap"])?;
     let out = place(options);
     let output = Output::new(&out, "--out", Product::Dataset);
     destination::check(&[output], &inputs, options.writing.overwrite)?;

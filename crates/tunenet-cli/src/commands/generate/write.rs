@@ -72,12 +72,11 @@ fn render(options: &Gen, header: &DatasetHeader) -> Result<Exit> {
         view::shard::show(shard, &place(options), share, &what, options.common.json)?;
         return Ok(Exit::Done);
     }
-    let mut shown = Printout::default();
-    shown.row(
+    stage(
         "wrote",
         &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), options.pairs, header.preset, header.seed),
     );
-    shown.show(options.common.json, || {
+    Printout::default().show(options.common.json, || {
         let frames = (!header.clocks_in_pairs()).then_some(header.clock.len());
         json!({
             "schema": "tunenet.gen/1", "file": names::file_name(&options.out), "preset": header.preset,

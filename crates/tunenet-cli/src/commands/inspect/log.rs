@@ -4,7 +4,7 @@ use std::path::Path;
 
 use tunenet_formats::Log;
 
-use super::{Found, recording};
+use super::{Found, Standing, recording};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
 use crate::view::answer::Printout;
@@ -23,7 +23,11 @@ pub fn look(found: &Log, path: &Path, options: &Inspect, shown: &mut Printout) -
     if let Some(motion) = &motion {
         render::render(motion, shown);
     }
-    log::verdict(found, path, rejected, shown);
-    let good = usable > 0 && found.ended.is_none() && rejected.is_none();
-    Found { object: log::object(found, motion.as_ref(), units.as_ref(), &notes), usable: good, motion }
+    log::verdict(found, rejected, shown);
+    let standing = match rejected {
+        _ if usable == 0 || found.ended.is_some() => Standing::Refused,
+        Some(_) => Standing::Unusable,
+        None => Standing::Usable,
+    };
+    Found { object: log::object(found, motion.as_ref(), units.as_ref(), &notes), standing, motion }
 }

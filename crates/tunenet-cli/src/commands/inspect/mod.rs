@@ -30,7 +30,7 @@ pub fn run(options: &Inspect) -> Result<Exit> {
         let mut shown = Printout::default();
         let found = look(path, options, &mut shown)?;
         shown.show(options.common.json, || found.object)?;
-        return Ok(if found.usable { Exit::Done } else { Exit::Inconclusive });
+        return Ok(found.standing.exit());
     }
     several::run(options)
 }
@@ -38,19 +38,39 @@ pub fn run(options: &Inspect) -> Result<Exit> {
 /// What was found in one file.
 struct Found {
     object: Value,
-    usable: bool,
+    standing: Standing,
     motion: Option<Motion>,
+}
+
+/// Whether a file can be used, and where not, what the other commands do with it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Standing {
+    Usable,
+    /// It is read, and its contents are of no use: an answer of the checks.
+    Unusable,
+    /// It is refused as an error.
+    Refused,
+}
+
+impl Standing {
+    fn exit(self) -> Exit {
+        match self {
+            Self::Usable => Exit::Done,
+            Self::Unusable => Exit::Inconclusive,
+            Self::Refused => Exit::Refused,
+        }
+    }
 }
 
 fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    let plain = |object: Value, usable: bool| Found { object, usable, motion: None };
+    let plain = |object: Value, standing: Standing| Found { object, standing, motion: None };
     let mut found = match extension.as_str() {
-        "toml" => plain(settings::look(path, shown)?, true),
-        "safetensors" => plain(learned::model(&load_model(path)?, shown), true),
+        "toml" => plain(settings::look(path, shown)?, Standing::Usable),
+        "safetensors" => plain(learned::model(&load_model(path)?, shown), Standing::Usable),
         _ if is_video(path) => {
-            let (object, usable) = video::look(path, options.reading.camera_rate, shown)?;
-            plain(object, usable)
+            let (object, standing) = video::look(path, options.reading.camera_rate, shown)?;
+            plain(object, standing)
         }
         _ => match contents_with(path, &reading(options)?)? {
             Contents::Table(found) => table::look(&found, path, options, shown),
@@ -60,7 +80,9 @@ fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
                     let (header, shard) = (reader.header().clone(), reader.shard());
                     // Whether it is whole shows only at its end.
                     let broken = reader.into_iter().find_map(Result::err);
-                    plain(learned::dataset(&header, shard, broken.as_ref(), shown), broken.is_none() && shard.is_none())
+                    let whole = broken.is_none() && shard.is_none();
+                    let standing = if whole { Standing::Usable } else { Standing::Refused };
+                    plain(learned::dataset(&header, shard, broken.as_ref(), shown), standing)
                 }
                 Err(_) => log::look(&found, path, options, shown),
             },
@@ -68,7 +90,7 @@ fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
     };
     found.object["schema"] = json!("tunenet.inspect/1");
     found.object["file"] = json!(names::file_name(path));
-    found.object["usable"] = json!(found.usable);
+    found.object["usable"] = json!(found.standing == Standing::Usable);
     Ok(found)
 }
 

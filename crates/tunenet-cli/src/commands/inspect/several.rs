@@ -4,7 +4,7 @@ use anyhow::Result;
 use serde_json::json;
 use tunenet_ball::preflight::{ApparentGravity, Expected};
 
-use super::look;
+use super::{Standing, look};
 use crate::args::Inspect;
 use crate::failure::{Exit, sentence};
 use crate::files::{hash, names};
@@ -23,9 +23,11 @@ pub fn run(options: &Inspect) -> Result<Exit> {
         shown.row("file", &name);
         match look(path, options, &mut shown) {
             Ok(found) => {
-                if !found.usable && worst == Exit::Done {
-                    worst = Exit::Inconclusive;
-                }
+                worst = match (worst, found.standing) {
+                    (Exit::Refused, _) | (_, Standing::Refused) => Exit::Refused,
+                    (Exit::Done, standing) => standing.exit(),
+                    (worst, _) => worst,
+                };
                 if let Some(motion) = &found.motion {
                     gravities.extend(motion.gravity());
                     rate_hz = motion.rate_hz;

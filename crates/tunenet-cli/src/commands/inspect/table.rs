@@ -5,7 +5,7 @@ use std::path::Path;
 use tunenet_core::observation::Channel;
 use tunenet_formats::Table;
 
-use super::{Found, recording};
+use super::{Found, Standing, recording};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
 use crate::failure::sentence;
@@ -34,7 +34,12 @@ pub fn look(found: &Table, path: &Path, options: &Inspect, shown: &mut Printout)
     let remedy = remedy(found, options);
     table::verdict(usable, motion.as_ref(), &remedy, shown);
     let object = table::object(found, usable, motion.as_ref(), units.as_ref(), &notes, &remedy);
-    Found { object, usable: usable.is_ok(), motion }
+    let standing = match (&read, usable) {
+        (Err(_), _) => Standing::Refused,
+        (Ok(_), Err(_)) => Standing::Unusable,
+        (Ok(_), Ok(_)) => Standing::Usable,
+    };
+    Found { object, standing, motion }
 }
 
 /// What to type; where columns could be the channels of a program, that as well.

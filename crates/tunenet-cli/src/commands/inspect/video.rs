@@ -6,11 +6,12 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_video_protocol::track::Facts;
 
+use super::Standing;
 use crate::commands::video::{Asked, TrackFailure};
 use crate::view::answer::Printout;
 
 /// What is in the video at `path`, and whether it can be used.
-pub fn look(path: &Path, camera_rate: Option<f64>, shown: &mut Printout) -> Result<(Value, bool)> {
+pub fn look(path: &Path, camera_rate: Option<f64>, shown: &mut Printout) -> Result<(Value, Standing)> {
     let asked = Asked::default().with("--camera-rate", camera_rate.map(|r| r.to_string()));
     let found = match asked.track(path) {
         Ok(found) => found,
@@ -23,7 +24,7 @@ pub fn look(path: &Path, camera_rate: Option<f64>, shown: &mut Printout) -> Resu
                 "kind": "film", "reason": failure.note.text, "remedy": failure.note.remedy,
                 "frames": frames, "seen": 0, "warnings": warnings,
             });
-            return Ok((object, false));
+            return Ok((object, Standing::Unusable));
         }
     };
     let facts = found.facts;
@@ -33,22 +34,22 @@ pub fn look(path: &Path, camera_rate: Option<f64>, shown: &mut Printout) -> Resu
     shown.row("ball", &format!("seen in {seen} frames, {bounces} bounces"));
     facts.warnings.iter().for_each(|finding| shown.warn(&finding.note()));
     let against = facts.rejected().map(|check| &check.text).or(facts.rolls().map(|finding| &finding.text));
-    let reason = match against {
-        Some(text) => Some(text.clone()),
+    let (reason, standing) = match against {
+        Some(text) => (Some(text.clone()), Standing::Unusable),
         None if facts.scale.is_none() => {
-            Some("the ball does not fly freely, so nothing says how large a pixel is".to_owned())
+            let reason = "the ball does not fly freely, so nothing says how large a pixel is";
+            (Some(reason.to_owned()), Standing::Refused)
         }
-        None => None,
+        None => (None, Standing::Usable),
     };
     match &reason {
         None => shown.row("usable", "positions: tune a ball's restitution"),
         Some(reason) => shown.row("unusable", reason),
     }
-    let usable = reason.is_none();
     let object = json!({
         "kind": "film", "reason": reason, "frames": frames, "seen": seen, "fps": fps,
         "duplicates": facts.duplicates, "dropped": facts.dropped, "width_px": width_px, "height_px": height_px,
         "scale": facts.scale, "preflight": facts.preflight, "bounces": bounces, "warnings": facts.warnings,
     });
-    Ok((object, usable))
+    Ok((object, standing))
 }

@@ -17,7 +17,7 @@ use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;
-use crate::view::text::progress;
+use crate::view::text::{progress, stage};
 
 pub fn run(options: &Merge) -> Result<Exit> {
     let shards = globs::expanded(&options.shards, "SHARD")?;
@@ -32,7 +32,7 @@ pub fn run(options: &Merge) -> Result<Exit> {
 
 /// Shards of a data set.
 fn dataset(options: &Merge, shards: &[PathBuf]) -> Result<Exit> {
-    names::require_ending(&options.out, &["mcap"])?;
+    names::require_ending(&options.out, "--out", &["mcap"])?;
     let inputs: Vec<&Path> = shards.iter().map(AsRef::as_ref).collect();
     let output = Output::new(&options.out, "--out", Product::Dataset);
     destination::check(&[output], &inputs, options.writing.overwrite)?;
@@ -43,13 +43,12 @@ fn dataset(options: &Merge, shards: &[PathBuf]) -> Result<Exit> {
         true
     })?;
     bar.finish_and_clear();
-    let mut shown = Printout::default();
-    shown.row("merged", &format!("{} shards", shards.len()));
-    shown.row(
+    stage("merged", &format!("{} shards", shards.len()));
+    stage(
         "wrote",
         &format!("{}, {} pairs, preset {}, seed {}", options.out.display(), header.pairs, header.preset, header.seed),
     );
-    shown.show(options.common.json, || {
+    Printout::default().show(options.common.json, || {
         json!({
             "schema": "tunenet.merge/1", "file": names::file_name(&options.out), "shards": shards.len(),
             "preset": header.preset, "pairs": header.pairs, "seed": header.seed, "warnings": [],

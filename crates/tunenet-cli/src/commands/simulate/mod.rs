@@ -20,9 +20,10 @@ use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::{hash, names};
 use crate::view::answer::Printout;
+use crate::view::text::stage;
 
 pub fn run(options: &Simulate) -> Result<Exit> {
-    names::require_ending(&options.out, &["csv", "mcap"])?;
+    names::require_ending(&options.out, "--out", &["csv", "mcap"])?;
     let output = Output::new(&options.out, "--out", Product::Unmarked);
     // What stands there may be the very same; that shows only when it is made.
     destination::check(std::slice::from_ref(&output), &[&options.simulation.sim], true)?;
@@ -83,9 +84,8 @@ fn write(options: &Simulate, output: &Output, observation: &Observation) -> Resu
             return Err(destination::taken(output).into());
         }
     }
-    let mut shown = Printout::default();
-    shown.row("wrote", &format!("{}, {} samples", options.out.display(), observation.len()));
-    shown.show(options.common.json, || {
+    stage("wrote", &format!("{}, {} samples", options.out.display(), observation.len()));
+    Printout::default().show(options.common.json, || {
         json!({
             "schema": "tunenet.simulate/1", "file": names::file_name(&options.out), "kind": kind_name(observation.kind()),
             "samples": observation.len(), "warnings": [],

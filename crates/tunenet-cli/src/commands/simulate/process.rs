@@ -16,7 +16,7 @@ pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -
         let (expected, found) = ("`--bounces` with a ball's file only".into(), "a program's".into());
         return Err(Error::Setting { origin: Origin::Flag, name: "--bounces", expected, found }.into());
     }
-    names::require_ending(&options.out, &["csv"])?;
+    names::require_ending(&options.out, "--out", &["csv"])?;
     let program = ProcessSimulator::start(file, session)?;
     let seen = if options.truth { Measured::new(program, &[])? } else { observed::seen(file, program)? };
     let parameters: Vec<f64> = seen.parameters().iter().map(|p| p.value).collect();

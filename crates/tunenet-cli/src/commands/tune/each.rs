@@ -16,7 +16,7 @@ use crate::args::Tune;
 use crate::commands::each::{Answered, Work};
 use crate::commands::load;
 use crate::failure::Exit;
-use crate::files::hash;
+use crate::files::{hash, names};
 use crate::view::html;
 use crate::view::json::tune as tune_json;
 use crate::view::text::stage;
@@ -47,7 +47,7 @@ pub fn run(options: &Tune, file: &SimulationFile, session: &Session, model: Opti
         let recording = read(path, options, file)?;
         let (outcome, chosen) =
             fit::tune_to(options, file, session, model, std::slice::from_ref(&recording), &[path.into()])?;
-        let object = tune_json::object(&outcome, &chosen, began.elapsed().as_secs_f64());
+        let object = tune_json::object(&outcome, &[names::file_name(path)], &chosen, began.elapsed().as_secs_f64());
         let line = sentence(&outcome);
         let drawn = || answer(file, session, vec![name.to_owned()], vec![recording], outcome);
         let case = options.report.is_some().then(drawn).transpose()?;

@@ -1,5 +1,6 @@
 //! One fit: the simulator and the network for the recordings, the fit, and what it should say besides its numbers.
 
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -15,7 +16,7 @@ use super::{network, notes};
 use crate::args::Tune;
 use crate::commands::refusal::{self, Asked};
 use crate::files::names;
-use crate::view::text::rolling;
+use crate::view::text::{self, rolling};
 
 /// Tunes to recordings together.
 pub fn tune_to(
@@ -50,7 +51,9 @@ pub fn tune_to(
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let chosen = network::choose(options, file, model, bare.as_ref(), &seen);
-    let working = is_slow(file, options).then(|| rolling("tuning", session));
+    // On a terminal the object and a bar would stand in each other's way.
+    let unseen = options.each || options.common.json && std::io::stderr().is_terminal();
+    let working = (!unseen).then(|| working(file, session, "tuning"));
     let tuned = tune(&simulator, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.is_own_choice();
@@ -86,10 +89,9 @@ fn bare_ball(options: &Tune, file: &SimulationFile, kind: Kind, paths: &[PathBuf
     Ok(Some(ball.forced(options.force)))
 }
 
-/// Whether it may take long and nothing else shows that it goes on: the built-in simulators take no longer in all than a slow
-/// program for one rollout.
-pub fn is_slow(file: &SimulationFile, options: &Tune) -> bool {
-    file.domain() == Domain::Process && !options.each && !options.common.json
+/// Shows that it goes on, with the number of rollouts where a program is asked for them.
+pub fn working(file: &SimulationFile, session: &Session, what: &'static str) -> ProgressBar {
+    if file.domain() == Domain::Process { rolling(what, session) } else { text::working(what) }
 }
 
 fn names(paths: &[PathBuf]) -> String {

@@ -22,7 +22,6 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use indicatif::ProgressBar;
 use tunenet_core::observation::Observation;
 use tunenet_core::tune::Outcome;
 use tunenet_formats::Recording;
@@ -41,8 +40,8 @@ use crate::files::{hash, names};
 use crate::view::answer::Printout;
 use crate::view::html::{self, tune::Answer};
 use crate::view::json::tune as json;
+use crate::view::text::stage;
 use crate::view::text::tune::{printout, render_end, render_start};
-use crate::view::text::{rolling, stage};
 
 pub fn run(options: &Tune) -> Result<Exit> {
     options.apart.check(options.each)?;
@@ -71,14 +70,14 @@ pub fn run(options: &Tune) -> Result<Exit> {
     }
     let seconds = began.elapsed().as_secs_f64();
     render_start(&options.observation, &outcome, &chosen);
-    printout(&outcome).show(options.common.json, || json::object(&outcome, &chosen, seconds))?;
+    let names: Vec<String> = options.observation.iter().map(|path| names::file_name(path)).collect();
+    printout(&outcome, &names).show(options.common.json, || json::object(&outcome, &names, &chosen, seconds))?;
     render_end(options.out.as_deref(), options.common.seed, &outcome, seconds);
     let exit = Exit::from(outcome.verdict);
     if let Some(report) = &options.report {
-        let names = options.observation.iter().map(|path| names::file_name(path)).collect();
-        let working = fit::is_slow(&file, options).then(|| rolling("drawing", &session));
+        let working = fit::working(&file, &session, "drawing");
         let answer = answer(&file, &session, names, recordings, outcome)?;
-        working.inspect(ProgressBar::finish_and_clear);
+        working.finish_and_clear();
         html::tune::together(report, &answer, &provenance(options))?;
         stage("report", &report.display().to_string());
     }

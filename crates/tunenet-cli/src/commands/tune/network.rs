@@ -21,7 +21,7 @@ pub fn require_use(model: &Model, file: &SimulationFile, kind: Kind, recordings:
     if !learned {
         let why = if kind == Kind::Pixels { "which this network was not trained on" } else { "which need no network" };
         let (expected, found) = ("positions".into(), format!("{}, {why}", kind_name(kind)));
-        return Err(Error::Model { what: "input".into(), expected, found }.into());
+        return Err(Error::Model { what: "does not fit the recording".into(), expected, found }.into());
     }
     if recordings > 1 {
         let expected = "no network with several recordings, or `--each`".into();

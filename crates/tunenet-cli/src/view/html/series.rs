@@ -186,7 +186,9 @@ impl Series {
 }
 
 /// The drawings of all `series`: one large one, or many small ones with the same scale of residuals.
-pub fn drawings(series: &[Series]) -> Markup {
+///
+/// `own_start` says that each simulation has the release and the surface that suit its parameters best.
+pub fn drawings(series: &[Series], own_start: bool) -> Markup {
     let limit = series.iter().map(Series::greatest).fold(3.0, f64::max) * 1.1;
     let thinned = series.iter().any(Series::is_thinned);
     let events = series.iter().any(|s| !s.events.is_empty());
@@ -197,6 +199,10 @@ pub fn drawings(series: &[Series]) -> Markup {
                 "Dots are measured; the dashed line is the simulation with the old parameters, the solid line with the tuned ones. "
                 "Below: measured \u{2212} tuned, in standard deviations of the noise. If the simulation is right, 95 of 100 dots lie \
                  in the band, without a pattern."
+                @if own_start {
+                    "Release and surface are estimated for both, each with its own parameters, so the dashed ball may start and bounce \
+                     at another height than the solid one. "
+                }
                 @if events { " Ticks on the lower edges mark bounces." }
             } @else {
                 "The recording; nothing was simulated."

@@ -27,7 +27,7 @@ pub fn write(path: &Path, name: &str, found: &Tracked, notes: &[Note]) -> Result
                 p.word { "Tracked" }
                 p { "The ball is seen in " (facts.seen) " of " (facts.frames) " frames, whole in " (facts.whole) "." }
                 @if !facts.bounces_s.is_empty() { p { "Bounces at " (bounces(facts)) " s." } }
-                @if let Some(Estimate { value, interval95: [low, high] }) = facts.restitution {
+                @if let Some(Estimate { value, interval95: [low, high] }) = facts.rebound() {
                     p { "Rebound " span.value { (format!("{value:.3}")) } (format!(" of the speed (95 %: {low:.3}\u{2013}{high:.3}), from the flights only.")) }
                 }
                 @if let Some(scale) = &facts.scale { p { "Scale " (format!("{:.4} mm a pixel, by {}.", 1e3 * scale.m_per_px, scale.words)) } }
@@ -120,7 +120,7 @@ fn curve(name: &str, times: &[f64], values: &[f64], bounces: &[f64]) -> Markup {
 
 fn table(facts: &Facts) -> Markup {
     let scale = facts.scale.as_ref().map(|s| format!("{:.4} mm a pixel, by {}", 1e3 * s.m_per_px, s.words));
-    let restitution = facts.restitution.map(|r| format!("{:.3} of the speed, from the flights only", r.value));
+    let restitution = facts.rebound().map(|r| format!("{:.3} of the speed, from the flights only", r.value));
     let rows = [
         ("size", format!("{} × {} px", facts.width_px, facts.height_px)),
         ("rate", format!("{:.3} frames a second", facts.fps)),

@@ -71,7 +71,7 @@ impl Answer {
         html! {
             (verdict(outcome, &self.title()))
             (heading(if self.evidence.recordings.is_empty() { "Recordings" } else { "Measured and simulated" }))
-            (drawings(&self.series()))
+            (drawings(&self.series(), outcome.nuisances.iter().any(|own| !own.is_empty())))
             @if !outcome.parameters.is_empty() {
                 (heading("Parameters"))
                 (parameters::parameters(outcome))

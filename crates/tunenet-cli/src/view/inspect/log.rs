@@ -1,7 +1,5 @@
 //! What `inspect` says of an MCAP log.
 
-use std::path::Path;
-
 use serde_json::{Value, json};
 use tunenet_core::observation::{Check, Note};
 use tunenet_formats::{Log, kind_name};
@@ -31,16 +29,15 @@ pub fn contents(found: &Log, shown: &mut Printout) {
 }
 
 /// Whether it can be used: `rejected` says why its only recording cannot.
-pub fn verdict(found: &Log, path: &Path, rejected: Option<&str>, shown: &mut Printout) {
+pub fn verdict(found: &Log, rejected: Option<&str>, shown: &mut Printout) {
     let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
     match (usable.as_slice(), &found.ended) {
         (_, Some(reason)) => {
             let seconds = found.span_s.map_or_else(String::new, |s| format!(" and span {s:.2} s"));
             shown.row("unusable", &format!("{reason}{seconds}; the rest is missing, so `tune` refuses the file"));
-            shown.line(&format!(
-                "  try: `mcap recover {} -o recovered.mcap`, which keeps what can be read",
-                path.display()
-            ));
+            if !found.remedy.is_empty() {
+                shown.line(&format!("  try: {}", found.remedy.strip_prefix("try ").unwrap_or(&found.remedy)));
+            }
         }
         ([], _) => shown.row("unusable", "no topic carries positions, joints or bounces"),
         _ if rejected.is_some() => shown.row("unusable", rejected.unwrap_or_default()),
@@ -57,7 +54,7 @@ pub fn object(found: &Log, motion: Option<&Motion>, units: Option<&Check>, notes
             "name": t.name, "schema": t.schema, "encoding": t.encoding, "messages": t.messages,
             "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(),
         })).collect::<Vec<_>>(),
-        "ended": found.ended,
+        "ended": found.ended, "remedy": found.remedy,
         "warnings": notes.iter().map(warning).collect::<Vec<_>>(),
     });
     if let Some(motion) = motion {

@@ -10,8 +10,8 @@ use crate::answers::tune::forced;
 
 const SCHEMA: &str = "tunenet.tune/1";
 
-/// The object of `--json`.
-pub fn object(outcome: &Outcome, chosen: &ChosenNetwork, seconds: f64) -> Value {
+/// The object of `--json`; `names` are those of all recordings that were given.
+pub fn object(outcome: &Outcome, names: &[String], chosen: &ChosenNetwork, seconds: f64) -> Value {
     let parameters: Map<String, Value> = outcome
         .parameters
         .iter()
@@ -51,6 +51,7 @@ pub fn object(outcome: &Outcome, chosen: &ChosenNetwork, seconds: f64) -> Value 
         }).collect::<Vec<_>>(),
         "preflight": outcome.preflight,
         "forced": forced(outcome),
+        "recordings": names.iter().zip(&outcome.used).map(|(name, used)| json!({ "file": name, "used": used })).collect::<Vec<_>>(),
         "rollouts": outcome.rollouts,
         "seconds": seconds,
         "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
@@ -80,6 +81,6 @@ fn region_json(region: &Region) -> Value {
 pub fn rejected(why: &Note) -> Value {
     json!({
         "schema": SCHEMA, "verdict": "rejected", "parameters": {}, "iterations": [], "gap": null, "rollouts": 0,
-        "seconds": 0.0, "warnings": [warning(why)],
+        "seconds": 0.0, "recordings": [], "warnings": [warning(why)],
     })
 }

@@ -58,6 +58,9 @@ pub fn answer(answer: &Answer) -> Printout {
     }
     shown.line("");
     shown.verdict(&sentence(answer));
+    if let Some(text) = used(diagnosis) {
+        shown.line(&format!("  {text}"));
+    }
     for line in details(answer) {
         shown.line(&format!("  {line}"));
     }
@@ -125,6 +128,13 @@ fn warnings(shown: &mut Printout, notes: &[Note]) {
             Ordering::Greater => {}
         }
     }
+}
+
+/// "3 of 4 recordings used; rejected: d.csv"; nothing where all are used, or none is.
+fn used(diagnosis: &Diagnosis) -> Option<String> {
+    let rejected: Vec<&str> = diagnosis.uses.iter().filter(|u| !u.used).map(|u| u.name.as_str()).collect();
+    let (all, used) = (diagnosis.uses.len(), diagnosis.uses.len() - rejected.len());
+    (used > 0 && used < all).then(|| format!("{used} of {all} recordings used; rejected: {}", rejected.join(", ")))
 }
 
 fn given_as_held_out(answer: &Answer, name: &str) -> bool {

@@ -1,10 +1,12 @@
 //! Standard error: progress, notes and warnings; and how numbers, lists and tables read.
 
 pub(crate) mod diagnose;
+mod plain;
 pub(crate) mod plan;
 pub(crate) mod track;
 pub(crate) mod tune;
 
+use std::io::IsTerminal as _;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 
@@ -42,23 +44,29 @@ fn quiet() -> bool {
     VERBOSITY.load(Ordering::Relaxed) == Verbosity::Quiet as u8
 }
 
-/// Hides a bar where nothing but the answer is asked for.
-fn shown(bar: ProgressBar) -> ProgressBar {
-    if quiet() { ProgressBar::hidden() } else { bar }
+/// Hides a bar where nothing but the answer is asked for. Without a terminal lines take its place.
+fn shown(bar: ProgressBar, state: impl Fn(&ProgressBar) -> String + Send + 'static) -> ProgressBar {
+    if quiet() {
+        return ProgressBar::hidden();
+    }
+    if !std::io::stderr().is_terminal() {
+        plain::report(&bar, plain::INTERVAL, move |bar| note(&state(bar)));
+    }
+    bar
 }
 
-/// A progress bar on standard error; invisible where that is no terminal.
+/// A progress bar on standard error; where that is no terminal, now and then a line.
 pub fn progress(total: u64, what: &'static str) -> ProgressBar {
-    let bar = shown(ProgressBar::new(total).with_message(what));
+    let bar = shown(ProgressBar::new(total).with_message(what), plain::counted);
     let style = ProgressStyle::with_template("{msg:<10} [{bar:24}] {human_pos}/{human_len}, {eta} left {prefix}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
 
-/// Shows that work goes on where its end is not known; invisible where standard error is no terminal.
-pub fn working() -> ProgressBar {
-    let bar = shown(ProgressBar::new_spinner());
+/// Shows that work goes on where its end is not known; where standard error is no terminal, by a line now and then.
+pub fn working(what: &'static str) -> ProgressBar {
+    let bar = shown(ProgressBar::new_spinner().with_message(what), plain::elapsed);
     let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -67,7 +75,9 @@ pub fn working() -> ProgressBar {
 
 /// As [`working`], with the number of rollouts that the programs of `session` were asked for.
 pub fn rolling(what: &'static str, session: &Session) -> ProgressBar {
-    let (bar, session) = (shown(ProgressBar::new_spinner().with_message(what)), session.clone());
+    let asked = session.clone();
+    let state = move |bar: &ProgressBar| plain::rolled(bar, asked.rollouts());
+    let (bar, session) = (shown(ProgressBar::new_spinner().with_message(what), state), session.clone());
     let style = ProgressStyle::with_template("{spinner} {msg}, {rollouts} rollouts, {elapsed}");
     let count = move |_: &ProgressState, to: &mut dyn std::fmt::Write| {
         let _ = write!(to, "{}", session.rollouts());
@@ -95,6 +105,22 @@ pub fn stage(what: &str, text: &str) {
 /// `text` without what a stranger's file could hide in it; our own ends of lines stay.
 pub fn lines(text: &str) -> String {
     text.split('\n').map(visible).collect::<Vec<_>>().join("\n")
+}
+
+/// Prints notes and warnings to standard error: those of one kind and remedy together, with the remedy once below them.
+pub fn warn_all(notes: &[Note]) {
+    let alike = |a: &Note, b: &Note| a.kind == b.kind && a.remedy == b.remedy;
+    for (i, note) in notes.iter().enumerate() {
+        if notes[..i].iter().any(|other| alike(other, note)) {
+            continue;
+        }
+        let mut group: Vec<&Note> = notes[i..].iter().filter(|other| alike(other, note)).collect();
+        group.dedup();
+        for (number, one) in group.iter().enumerate() {
+            let remedy = if number + 1 < group.len() { String::new() } else { one.remedy.clone() };
+            warn(&Note { remedy, ..(*one).clone() });
+        }
+    }
 }
 
 /// Prints a note or a warning with its remedy to standard error.

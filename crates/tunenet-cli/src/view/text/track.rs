@@ -19,7 +19,7 @@ pub fn printout(name: &str, facts: &Facts, notes: &[Note]) -> Printout {
     if !bounces.is_empty() {
         shown.row("bounces", &format!("{} s", bounces.join(", ")));
     }
-    if let Some(Estimate { value, interval95: [low, high] }) = facts.restitution {
+    if let Some(Estimate { value, interval95: [low, high] }) = facts.rebound() {
         shown.row("rebound", &format!("{value:.3} of the speed (95 %: {low:.3}–{high:.3}), before any simulation"));
     }
     for check in facts.preflight.iter().filter(|check| check.state == State::Failed) {

@@ -6,7 +6,7 @@ use tunenet_core::tune::{Iteration, Outcome, Verdict};
 use tunenet_sim::ChosenNetwork;
 
 use super::{between, four_digits, in_words, list, note, rounded, stage, tally, verbose};
-use crate::answers::tune::{forced, is_written, reason};
+use crate::answers::tune::{Use, forced, is_written, reason};
 use crate::files::names;
 use crate::view::answer::Printout;
 
@@ -53,10 +53,14 @@ pub fn render_start(paths: &[PathBuf], outcome: &Outcome, chosen: &ChosenNetwork
     note("");
 }
 
-/// The answer for readers.
-pub fn printout(outcome: &Outcome) -> Printout {
+/// The answer for readers; `names` are those of all recordings that were given.
+pub fn printout(outcome: &Outcome, names: &[String]) -> Printout {
     let mut shown = Printout::default();
     shown.verdict(&sentence(outcome));
+    let use_of = Use::of(outcome, names);
+    if let Some(text) = use_of.sentence() {
+        shown.line(&format!("  {text}"));
+    }
     if let Some(gap) = &outcome.gap {
         let unit = &gap.unit;
         let (before, after, floor) =
@@ -68,9 +72,10 @@ pub fn printout(outcome: &Outcome) -> Printout {
         shown.table(&rows);
         shown.line("");
     }
-    for own in outcome.nuisances.iter().filter(|own| !own.is_empty()) {
+    for (name, own) in use_of.used.iter().zip(&outcome.nuisances).filter(|(_, own)| !own.is_empty()) {
         let each: Vec<String> = own.iter().map(|p| format!("{} {}", p.name, in_words(p.value, &p.unit))).collect();
-        shown.line(&list("  also from the data:", &each));
+        let which = if names.len() > 1 { format!(" of {name}") } else { String::new() };
+        shown.line(&list(&format!("  also from the data{which}:"), &each));
     }
     if verbose() {
         shown.table(&iterations(outcome));

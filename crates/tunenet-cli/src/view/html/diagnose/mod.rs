@@ -70,7 +70,7 @@ fn seen(answer: &Answer) -> Markup {
     if all.is_empty() {
         let series: Vec<Series> =
             answer.loaded.recorded.iter().flat_map(|r| Series::unused(&r.name, &r.seen)).take(12).collect();
-        return html! { h2 { "Recordings" } (drawings(&series)) };
+        return html! { h2 { "Recordings" } (drawings(&series, false)) };
     }
     let shown = left_over::chosen(all);
     html! {
