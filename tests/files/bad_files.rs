@@ -247,6 +247,16 @@ fn documents_are_named_instead_of_their_columns() {
     }
 }
 
+/// A robot's description is no simulation file, and says where it belongs.
+#[test]
+fn a_urdf_in_place_of_a_simulation_file_is_named() {
+    let folder = Folder::with_scene();
+    folder.write("drop.csv", Drop::default().csv());
+    folder.write("arm.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"arm\">\n</robot>\n");
+    let wanted = ["arm.urdf: expected a simulation file (TOML), found a URDF", "`arm.urdf`"];
+    refused(&folder, "tune --sim arm.urdf drop.csv", &wanted);
+}
+
 /// A clone without Git LFS leaves a few lines in place of every large file, whatever it is.
 #[test]
 fn a_git_lfs_pointer_is_named_wherever_it_stands() {

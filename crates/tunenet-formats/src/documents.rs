@@ -142,6 +142,20 @@ pub(crate) fn refuse_document(path: &Path, start: &[u8]) -> Result<()> {
     }
 }
 
+/// Refuses a document in angle brackets, such as a URDF, by what it is; `expected` names what was asked for instead.
+///
+/// # Errors
+/// [`Error::File`] where `text` begins as such a document does.
+pub fn refuse_markup(path: impl AsRef<Path>, text: &str, expected: &str) -> Result<()> {
+    match marked_up(text.trim_start()) {
+        Some(document) => {
+            let message = format!("expected {expected}, found {}", document.name());
+            Err(Error::file(path.as_ref(), message, document.remedy()))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Refuses what a clone without Git LFS leaves in place of a file, whatever was asked for.
 pub(crate) fn refuse_pointer(path: &Path, start: &[u8]) -> Result<()> {
     if !start.starts_with(GIT_LFS) {

@@ -41,7 +41,7 @@ mod tests;
 pub use atomic::write_atomically;
 pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv::write::write_csv;
-pub use documents::refuse_git_lfs_pointer;
+pub use documents::{refuse_git_lfs_pointer, refuse_markup};
 pub use encoding::read_text;
 pub use error::{Error, Result};
 pub use mcap::pictures;

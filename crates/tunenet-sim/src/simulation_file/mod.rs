@@ -18,8 +18,8 @@ use toml_edit::de::from_document;
 use toml_edit::{Item, Table, Value};
 use tunenet_core::Origin;
 use tunenet_core::simulator::Parameter;
-use tunenet_formats::read_text;
 use tunenet_formats::{Error, Result};
+use tunenet_formats::{read_text, refuse_markup};
 
 pub use arm_effects::{ARM_EFFECT_KEYS, PresentArmEffect};
 pub use arm_schema::ARM_KEYS;
@@ -66,7 +66,9 @@ impl SimulationFile {
     /// [`Error::Io`] where it cannot be read; [`Error::File`] where it is no text in UTF-8; [`Error::Text`] with line and column where it is not TOML, holds an unknown
     /// key, a value of the wrong kind or outside its bounds; [`Error::File`] where a key is missing.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::parse(path, &read_text(path)?)
+        let text = read_text(path)?;
+        refuse_markup(path, &text, "a simulation file (TOML)")?;
+        Self::parse(path, &text)
     }
 
     /// Checks `text` as the content of `path`.

@@ -52,8 +52,8 @@ pub fn tune_to(
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let chosen = network::choose(options, file, model, bare.as_ref(), &seen);
     // On a terminal the object and a bar would stand in each other's way.
-    let unseen = options.each || options.common.json && std::io::stderr().is_terminal();
-    let working = (!unseen).then(|| working(file, session, "tuning"));
+    let silent = options.each || options.common.json && std::io::stderr().is_terminal();
+    let working = (!silent).then(|| working(file, session, "tuning"));
     let tuned = tune(&simulator, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.is_own_choice();
