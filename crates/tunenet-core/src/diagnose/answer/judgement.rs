@@ -81,8 +81,9 @@ impl<'a> Judgement<'a> {
         let confirmed = practical.is_none() || evidence.validation.iter().any(another);
         let left = root_mean_square(&context, found.best.as_ref().unwrap_or(&found.base))?;
         let held_out = (before.as_ref(), after.as_ref());
-        let doubt =
-            validation_doubt(&context, &found, held_out, left.max(floor.sqrt()), practical.is_some()).filter(|_| whole);
+        let noise = floor.sqrt();
+        let doubt = validation_doubt(&context, &found, held_out, (left.max(noise), noise), practical.is_some());
+        let doubt = doubt.filter(|_| whole);
         let differs = apart.map(|apart| Doubt::DiffersBetweenRecordings(apart.effects));
         let beside = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
         let doubt = doubt.or(differs).or(beside).filter(|_| !found.places.is_empty());

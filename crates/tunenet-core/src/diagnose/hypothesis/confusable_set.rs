@@ -3,7 +3,7 @@
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::gain;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
-use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange};
+use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, strains_an_object};
 use crate::estimate::canonical_correlation::canonical_correlation;
 
 /// Two effects whose projected columns share this much (squared canonical correlation) are the same to these recordings,
@@ -22,7 +22,9 @@ pub(in crate::diagnose) fn others(
     let scale = model.scale();
     let best = gain(context, without, model, scale);
     let own = trials.iter().find(|t| t.entry == entry).map_or(&[][..], |t| t.span.as_slice());
-    let each = trials.iter().filter(|t| t.entry != entry && t.excluded.is_none());
+    let sound = !strains_an_object(context, model);
+    let strained = |t: &CandidateFit| sound && t.model.as_ref().is_some_and(|other| strains_an_object(context, other));
+    let each = trials.iter().filter(|t| t.entry != entry && t.excluded.is_none() && !strained(t));
     let gap = |t: &CandidateFit| {
         let twin = t.span.len() == own.len() && canonical_correlation(own, &t.span) > TWINS;
         let gap = t.model.as_ref().map(|other| best - gain(context, without, other, scale));

@@ -66,14 +66,20 @@ impl fmt::Display for OutOfRange {
 }
 
 /// A coefficient of `model` that is implausible: outside what is physical, or pushed against a bound. An effect of which each
-/// object has its own coefficients is implausible only where it is so in every object: one object whose size is wrong in its
-/// file speaks against that file, not against the effect.
+/// object has its own coefficients is implausible where it is so in most objects: one object whose size is wrong in its file speaks
+/// against that file, not against the effect.
 pub(in crate::diagnose) fn implausible(context: &Context<'_>, model: &Hypothesis) -> Option<OutOfRange> {
     (0..model.structure.effects.len()).find_map(|position| {
-        let mut of_objects = out_of_range(context, model, position).into_iter();
-        let first = of_objects.next().flatten();
-        if of_objects.all(|other| other.is_some()) { first } else { None }
+        let of_objects = out_of_range(context, model, position);
+        let bad = of_objects.iter().flatten().count();
+        if 2 * bad > of_objects.len() { of_objects.into_iter().flatten().next() } else { None }
     })
+}
+
+/// Whether an object needs a coefficient of `model` that is not physical for it.
+pub(in crate::diagnose) fn strains_an_object(context: &Context<'_>, model: &Hypothesis) -> bool {
+    (0..model.structure.effects.len())
+        .any(|position| out_of_range(context, model, position).iter().any(Option::is_some))
 }
 
 /// For every object with recordings: a coefficient of the structure's effect at `position` that is implausible there.

@@ -20,6 +20,9 @@ const DRAWS_SIGNIFICANCE: f64 = 0.01;
 /// imitate what something else leaves, and true ones gain by the hundred.
 const CLEAR_MARGIN: f64 = 5.0;
 
+/// What wrong values of the simulation leave beyond the noise: at least this many times its root mean square.
+const FEIGNED: f64 = 1.15;
+
 /// So many effects or more are named together only by at least this many recordings for each.
 const MANY_EFFECTS: usize = 3;
 const RECORDINGS_FOR_EACH: usize = 2;
@@ -86,7 +89,7 @@ impl fmt::Display for Doubt {
 }
 
 /// What speaks against naming the effects of `found` alone. `fitted` is the root mean square of what they leave of the recordings
-/// that were fitted, or the noise where that is larger; `practical` is whether they are practically significant only.
+/// that were fitted, or the noise `floor` where that is larger; `practical` is whether they are practically significant only.
 ///
 /// Effects that are physically required exist anyhow: that they leave something is no doubt of them. Logs of a driven mechanism never
 /// reach noise level: they are left to their own tests, but for effects that wrong values of the simulation look like.
@@ -94,7 +97,7 @@ pub(in crate::diagnose) fn validation_doubt(
     context: &Context,
     found: &Selection,
     (before, after): (Option<&HeldOut>, Option<&HeldOut>),
-    fitted: f64,
+    (fitted, floor): (f64, f64),
     practical: bool,
 ) -> Option<Doubt> {
     let best = found.best.as_ref()?;
@@ -103,7 +106,7 @@ pub(in crate::diagnose) fn validation_doubt(
             let effect = &context.catalogue[entry].of[0];
             Some(Doubt::Feigned(effect.name, effect.feigned_by?))
         };
-        return best.structure.effects.iter().find_map(feigned).filter(|_| practical);
+        return best.structure.effects.iter().find_map(feigned).filter(|_| practical && fitted > FEIGNED * floor);
     }
     if found.places.iter().all(|place| is_required(context, place.entry)) {
         return None;
@@ -156,7 +159,7 @@ mod tests {
             let before = validate(context, &found.base).unwrap().unwrap();
             let after = validate(context, found.best.as_ref().unwrap()).unwrap().unwrap();
             let doubt = |after: &HeldOut, practical| {
-                validation_doubt(context, &found, (Some(&before), Some(after)), NOISE_RAD, practical)
+                validation_doubt(context, &found, (Some(&before), Some(after)), (NOISE_RAD, NOISE_RAD), practical)
             };
             assert_eq!(doubt(&after, false), None);
             assert_eq!(doubt(&after, true), Some(Doubt::DiscrepancyRemains));
@@ -171,7 +174,7 @@ mod tests {
     fn without_effects_there_is_nothing_to_doubt() {
         in_swings(&[], 3, 0, |context| {
             let found = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
-            assert_eq!(validation_doubt(context, &found, (None, None), NOISE_RAD, true), None);
+            assert_eq!(validation_doubt(context, &found, (None, None), (NOISE_RAD, NOISE_RAD), true), None);
         });
     }
 }
