@@ -50,7 +50,9 @@ impl Refinement for ParameterDiffers {
         let random = RandomParameter { name: one.name.clone(), sd: one.spread() };
         let context = drawn_anew(&attempt.context, &random);
         let mut nuisances = attempt.found.base.fit.point.nuisances.clone();
-        nuisances.iter_mut().for_each(|nuisances| nuisances.push(0.0));
+        for values in &mut nuisances {
+            values.push(0.0);
+        }
         let point = Point { parameters: attempt.found.base.fit.point.parameters.clone(), nuisances };
         let near =
             Hypothesis { structure: context.structure(&[])?, fit: Outcome { point, ..attempt.found.base.fit.clone() } };

@@ -72,7 +72,7 @@ impl Estimates {
         self.p_value(|_| true) < DIFFER
     }
 
-    /// The standard deviation between recordings, by the moments of Q (DerSimonian and Laird 1986).
+    /// The standard deviation between recordings, by the moments of Q (`DerSimonian` and Laird 1986).
     pub fn spread(&self) -> f64 {
         let (q, freedom) = self.q(|_| true);
         let weights: Vec<f64> =
