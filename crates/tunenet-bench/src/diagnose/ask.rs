@@ -44,11 +44,11 @@ pub struct Asked {
 
 impl Asked {
     pub fn new() -> Result<Self> {
-        Self::told(None)
+        Self::with_mass(None)
     }
 
-    /// Who is told the ball's mass, kg, too.
-    pub fn told(mass_kg: Option<f64>) -> Result<Self> {
+    /// Asks with the mass of the ball, kg, in the file, where it is known.
+    pub fn with_mass(mass_kg: Option<f64>) -> Result<Self> {
         let mut file = SimulationFile::parse(Path::new("blind.toml"), &format!("ball.radius_m = {RADIUS_M}\n{SCENE}"))?;
         file.set(&format!("world.gravity_m_s2={GRAVITY_M_S2}"))?;
         if let Some(mass_kg) = mass_kg {

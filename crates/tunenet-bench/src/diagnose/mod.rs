@@ -118,8 +118,8 @@ fn trial(asked: &Asked, cell: &DiagnoseCell, seed: u64, purpose: &str, number: u
     let truth: Vec<String> = cell.recipe.hidden.iter().map(|kind| kind.name().into()).collect();
     let mut trial = BlindTrial { truth, drops: cell.recipe.drops, answer: None, floor_m: None, then: None };
     let Some(set) = BlindSet::draw(&cell.recipe, &mut random)? else { return Ok(trial) };
-    let told = set.stated_mass_kg.map(|mass| Asked::told(Some(mass))).transpose()?;
-    let (answer, experiment) = told.as_ref().unwrap_or(asked).ask(&set.seen, &set.held_out)?;
+    let with_mass = set.stated_mass_kg.map(|mass| Asked::with_mass(Some(mass))).transpose()?;
+    let (answer, experiment) = with_mass.as_ref().unwrap_or(asked).ask(&set.seen, &set.held_out)?;
     trial.answer = Some(answer);
     if cell.row == DiagnoseRow::Experiment {
         if let Some(throw) = experiment {

@@ -129,6 +129,6 @@ mod tests {
     #[test]
     fn numbers_are_short() {
         use super::super::measure::short;
-        assert_eq!([0.0, 0.000_107, 0.031_25, 9.4].map(short), ["0", "1.07e-4", ".031", "9.400"]);
+        assert_eq!([0.0, 0.000_107, 0.031_25, 9.4].map(short), ["0", "1.07e-4", "0.031", "9.400"]);
     }
 }

@@ -14,7 +14,7 @@ use crate::estimate::information_criterion::p_value;
 const MOST_SWAPS: usize = 6;
 
 /// Each of several effects has to gain this many times what a single one has to: a second effect takes up what the first leaves of
-/// outliers and of coloured noise.
+/// outliers and of autocorrelated noise.
 const ONE_OF_SEVERAL: f64 = 2.0;
 
 /// An effect has to reduce the mean square by this factor to be worth a name.

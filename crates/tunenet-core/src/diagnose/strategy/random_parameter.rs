@@ -1,5 +1,5 @@
 //! Random parameter (Laird and Ware 1982): a tuned parameter that every recording draws anew from one normal distribution, as the
-//! restitution of a floor that is not everywhere the same.
+//! friction of a floor that is not the same everywhere.
 
 use super::recordings_apart::{How, explain_apart};
 use super::{Attempt, Refinement, Scope};

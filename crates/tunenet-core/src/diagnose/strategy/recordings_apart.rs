@@ -111,7 +111,7 @@ pub(in crate::diagnose) enum How {
     Search,
 }
 
-/// Explains every recording by itself from where `model` stands, which all share; `None` where that cannot be told from explaining
+/// Explains every recording by itself from where `model` stands, which all share; `None` where that is the same as explaining
 /// them together.
 ///
 /// # Errors
@@ -196,7 +196,7 @@ mod tests {
 
     fn of(values: &[f64], rms: &[f64]) -> Apart {
         let each = values.iter().map(|value| (*value, 0.01)).collect();
-        let estimates = vec![Estimates { name: "restitution".into(), coefficient: false, each }];
+        let estimates = vec![Estimates { name: "stiffness".into(), coefficient: false, each }];
         Apart { effects: Vec::new(), gain: 100.0, adequate: true, estimates, rms: rms.to_vec() }
     }
 

@@ -194,7 +194,7 @@ mod tests {
     fn segments_are_explained_first_and_then_the_events() {
         in_shuttles(&[(BETWEEN, 0.6), (AT_EVENTS, 0.3)], |context| {
             let tuned = Attempt::tuned(context).unwrap();
-            assert!(SegmentWise.applies(&tuned), "a kick of 0.3 m/s is far beyond a noise of 0.2 mm");
+            assert!(SegmentWise.applies(&tuned), "a change of 0.3 m/s is far beyond a noise of 0.2 mm");
             let found = SegmentWise.attempt(tuned, &|_| {}).unwrap();
             assert!(found.scope == Scope::Segments { events_open: false });
             assert_eq!(names(&found.context, &found.last().structure.effects), ["friction", "kick"]);
