@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use tunenet_core::{Origin, diagnose, tune};
 
-use crate::view::text::lines;
+use crate::view::text::{lines, to_stderr};
 
 /// How a command ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,17 +105,14 @@ pub fn render(error: &anyhow::Error) -> Exit {
     if let Some(Known::File(tunenet_formats::Error::Text { path, line, column, width, source_line, message, hint })) =
         known
     {
-        anstream::eprintln!(
-            "{}",
-            snippet(&path.display().to_string(), *line, *column, *width, source_line, message, hint)
-        );
+        to_stderr(snippet(&path.display().to_string(), *line, *column, *width, source_line, message, hint));
         return exit;
     }
     let (red, reset) = (anstyle::AnsiColor::Red.on_default().bold(), anstyle::Reset);
-    anstream::eprintln!("{red}error{reset}: {}", lines(&sentence(error)));
+    to_stderr(format_args!("{red}error{reset}: {}", lines(&sentence(error))));
     if let Some(hint) = known.and_then(Known::hint) {
         let cyan = anstyle::AnsiColor::Cyan.on_default().bold();
-        anstream::eprintln!("{cyan}help{reset}: {}", lines(hint));
+        to_stderr(format_args!("{cyan}help{reset}: {}", lines(hint)));
     }
     exit
 }

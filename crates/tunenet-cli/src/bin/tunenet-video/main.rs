@@ -59,9 +59,9 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            anstream::eprintln!("{error}");
+            let _ = writeln!(anstream::stderr(), "{error}");
             if let Some(hint) = error.downcast_ref::<tunenet_formats::Error>().and_then(tunenet_formats::Error::hint) {
-                anstream::eprintln!("{hint}");
+                let _ = writeln!(anstream::stderr(), "{hint}");
             }
             ExitCode::FAILURE
         }

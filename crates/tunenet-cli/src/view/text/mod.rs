@@ -6,7 +6,7 @@ pub(crate) mod plan;
 pub(crate) mod track;
 pub(crate) mod tune;
 
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 
@@ -87,10 +87,16 @@ pub fn rolling(what: &'static str, session: &Session) -> ProgressBar {
     bar
 }
 
+/// Prints a line to standard error. Where that cannot be written, as on a full disk, the line is lost: neither the result nor
+/// the exit status depends on it.
+pub fn to_stderr(line: impl std::fmt::Display) {
+    let _ = writeln!(anstream::stderr().lock(), "{line}");
+}
+
 /// Prints a line of notes to standard error.
 pub fn note(text: &str) {
     if !quiet() {
-        anstream::eprintln!("{}", lines(text));
+        to_stderr(visible(text));
     }
 }
 
@@ -99,7 +105,7 @@ pub fn stage(what: &str, text: &str) {
     if quiet() {
         return;
     }
-    anstream::eprintln!("{what:<9}{}", lines(text));
+    to_stderr(format_args!("{what:<9}{}", visible(text)));
 }
 
 /// `text` without what a stranger's file could hide in it; our own ends of lines stay.
@@ -134,9 +140,9 @@ pub fn warn(note: &Note) {
         Severity::Warning => anstyle::AnsiColor::Yellow,
     };
     let (style, reset) = (accent.on_default().bold(), anstyle::Reset);
-    anstream::eprintln!("{style}{}{reset}[{}]: {}", severity.name(), note.kind, lines(&note.text));
+    to_stderr(format_args!("{style}{}{reset}[{}]: {}", severity.name(), note.kind, lines(&note.text)));
     if !note.remedy.is_empty() {
-        anstream::eprintln!("  try: {}", lines(&note.remedy));
+        to_stderr(format_args!("  try: {}", lines(&note.remedy)));
     }
 }
 
