@@ -7,6 +7,7 @@ use tunenet_formats::Log;
 use super::{Found, Standing, recording};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
+use crate::failure::sentence;
 use crate::view::answer::Printout;
 use crate::view::inspect::{joints, log, motion as render};
 
@@ -14,20 +15,29 @@ pub fn look(found: &Log, path: &Path, options: &Inspect, shown: &mut Printout) -
     log::contents(found, shown);
     let usable = found.topics.iter().filter(|t| t.usable.is_ok()).count();
     let chosen = usable == 1 || options.reading.topic.is_some();
-    let read = (chosen && found.ended.is_none()).then(|| recording(path, options).ok()).flatten();
+    let read = (chosen && found.ended.is_none()).then(|| recording(path, options));
+    let refused = read.as_ref().and_then(|read| read.as_ref().err()).map(refusal);
+    let read = read.and_then(Result::ok);
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
     shown.warn_all(&notes);
     let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));
     let motion = read.and_then(|r| Motion::of(&r.observation));
-    let rejected = motion.as_ref().and_then(Motion::rejected);
+    let rejected = refused.as_deref().or_else(|| motion.as_ref().and_then(Motion::rejected));
     if let Some(motion) = &motion {
         render::render(motion, shown);
     }
     log::verdict(found, rejected, shown);
     let standing = match rejected {
-        _ if usable == 0 || found.ended.is_some() => Standing::Refused,
+        _ if usable == 0 || found.ended.is_some() || refused.is_some() => Standing::Refused,
         Some(_) => Standing::Unusable,
         None => Standing::Usable,
     };
-    Found { object: log::object(found, motion.as_ref(), units.as_ref(), &notes), standing, motion }
+    let object = log::object(found, motion.as_ref(), units.as_ref(), &notes, refused.as_deref());
+    Found { object, standing, motion }
+}
+
+/// Why `tune` refuses the topic, and what to try.
+fn refusal(error: &anyhow::Error) -> String {
+    let hint = error.downcast_ref::<tunenet_formats::Error>().and_then(tunenet_formats::Error::hint);
+    hint.map_or_else(|| sentence(error), |hint| format!("{}; try: {hint}", sentence(error)))
 }

@@ -46,8 +46,14 @@ pub fn verdict(found: &Log, rejected: Option<&str>, shown: &mut Printout) {
     }
 }
 
-/// The object of a log.
-pub fn object(found: &Log, motion: Option<&Motion>, units: Option<&Check>, notes: &[Note]) -> Value {
+/// The object of a log; `refused` says why its only topic cannot be read.
+pub fn object(
+    found: &Log,
+    motion: Option<&Motion>,
+    units: Option<&Check>,
+    notes: &[Note],
+    refused: Option<&str>,
+) -> Value {
     let mut object = json!({
         "kind": "log", "profile": found.profile, "library": found.library,
         "topics": found.topics.iter().map(|t| json!({
@@ -57,6 +63,9 @@ pub fn object(found: &Log, motion: Option<&Motion>, units: Option<&Check>, notes
         "ended": found.ended, "remedy": found.remedy,
         "warnings": notes.iter().map(warning).collect::<Vec<_>>(),
     });
+    if let Some(refused) = refused {
+        object["reason"] = refused.into();
+    }
     if let Some(motion) = motion {
         add_to(motion, &mut object);
     }
