@@ -265,7 +265,17 @@ impl DatasetWriter {
             return Err(Error::file(&self.out, text, ""));
         }
         self.output.finish()?;
-        std::fs::rename(&self.partial, &self.out).map_err(|e| Error::io(&self.out, Action::Renaming, e))
+        std::fs::rename(&self.partial, &self.out).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => {
+                let text = "expected it at the end, as this command wrote it, found none";
+                Error::file(
+                    &self.partial,
+                    text,
+                    "does another command write to the same --out? Run one after the other",
+                )
+            }
+            _ => Error::io(&self.out, Action::Renaming, error),
+        })
     }
 }
 

@@ -60,7 +60,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
 
 /// Each recording on its own.
 fn each(options: &Diagnose) -> Result<Exit> {
-    let file = super::load::simulation(&options.simulation)?;
+    // Refused once and as in `tune`, not once for every recording.
+    let (file, _) = super::load::simulation_with(&options.simulation, options.permission)?;
     let reference = options.reference.as_deref().map(hash::sha256).transpose()?;
     let run = json!({
         "simulation": file.text(), "urdf": super::load::urdf_hash(&options.simulation)?,
