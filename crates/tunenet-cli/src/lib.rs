@@ -39,7 +39,7 @@ pub fn main() -> ExitCode {
 /// Runs a program whose arguments are `A`: says what is wrong with them, or what went wrong afterwards.
 pub fn process<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<Exit>) -> ExitCode {
     match A::try_parse() {
-        Ok(arguments) => ended(run(arguments)),
+        Ok(arguments) => ended(args::check_threads().and_then(|()| run(arguments))),
         Err(error) => {
             // Help and version are answers, everything else is a usage error; clap knows which goes where.
             let _ = error.print();

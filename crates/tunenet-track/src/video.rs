@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use opencv::core::{LogLevel, Mat, MatTraitConst, set_log_level};
 use opencv::videoio::{
-    CAP_ANY, CAP_FFMPEG, CAP_PROP_FPS, VideoCapture, VideoCaptureAPIs, VideoCaptureTrait, VideoCaptureTraitConst,
-    has_backend,
+    CAP_ANY, CAP_FFMPEG, CAP_PROP_FPS, CAP_PROP_FRAME_HEIGHT, CAP_PROP_FRAME_WIDTH, VideoCapture, VideoCaptureAPIs,
+    VideoCaptureTrait, VideoCaptureTraitConst, has_backend,
 };
 use tunenet_formats::{Action, Error, Result};
 
@@ -15,6 +15,9 @@ use crate::container::incomplete;
 
 /// Fewest frames in which something can be seen to move.
 pub const FEWEST_FRAMES: usize = 2;
+
+/// Largest frame that is decoded, in pixels: 8K video has half as many. Each takes some ten bytes of memory.
+const MOST_PIXELS: f64 = (1u32 << 26) as f64;
 
 /// So much of a file's start distinguishes text from pictures.
 const TEXT_BYTES: u64 = 512;
@@ -83,6 +86,11 @@ pub(crate) fn reader(path: &Path) -> Result<(VideoCapture, f64)> {
     let reader = VideoCapture::from_file(name, with).map_err(broken)?;
     if !reader.is_opened().map_err(broken)? {
         return Err(incomplete(path).unwrap_or_else(|| refuse(path, "a file that OpenCV cannot open as one")));
+    }
+    let pixels =
+        reader.get(CAP_PROP_FRAME_WIDTH).map_err(broken)? * reader.get(CAP_PROP_FRAME_HEIGHT).map_err(broken)?;
+    if pixels > MOST_PIXELS {
+        return Err(refuse(path, &format!("one of {pixels} pixels a frame (at most {MOST_PIXELS} are read)")));
     }
     let frames_per_s = reader.get(CAP_PROP_FPS).map_err(broken)?;
     if !(frames_per_s.is_finite() && frames_per_s > 0.0) {

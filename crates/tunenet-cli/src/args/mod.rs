@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 pub use device::DeviceChoice;
 pub use fit::{Apart, Diagnose, Tune};
-pub use jobs::{jobs, pool};
+pub use jobs::{check_threads, jobs, pool};
 pub use plan::{Plan, PlanRule};
 pub use shard::{Merge, Sharing};
 pub use track::Track;

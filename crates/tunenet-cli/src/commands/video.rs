@@ -15,6 +15,9 @@ use tunenet_video_protocol::track::{Tracked, Untracked};
 use crate::files::programs::{self, VIDEO};
 use crate::files::videos::is_video;
 
+/// Largest picture that is decoded, in pixels: 8K video has half as many. Each takes some ten bytes of memory.
+const MOST_PIXELS: u32 = 1 << 26;
+
 /// A video in which no ball could be followed: an answer, and no fault of the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {}", path.display(), note.text)]
@@ -97,6 +100,7 @@ impl Asked {
             .arg(path)
             // What FFmpeg finds wrong is reported in the answer, in our own words.
             .env("OPENCV_FFMPEG_LOGLEVEL", "-8")
+            .env("OPENCV_IO_MAX_IMAGE_PIXELS", MOST_PIXELS.to_string())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::inherit())

@@ -83,6 +83,15 @@ impl Weights {
         if lengths != shape || kind != dtype {
             return Err(refuse(format!("shape {lengths:?} in {}", kind.as_str())));
         }
+        let strange = match &numbers {
+            Numbers::F32(numbers) => numbers.iter().position(|number| !number.is_finite()),
+            Numbers::F64(numbers) => numbers.iter().position(|number| !number.is_finite()),
+        };
+        if let Some(at) = strange {
+            let expected = format!("finite numbers in `{name}`");
+            let found = format!("NaN or infinity at place {}", at + 1);
+            return Err(Error::Weights { expected, found, fault: WeightsFault::Array });
+        }
         Ok(match numbers {
             Numbers::F32(numbers) => Tensor::from_vec(numbers, lengths, &Device::Cpu)?,
             Numbers::F64(numbers) => Tensor::from_vec(numbers, lengths, &Device::Cpu)?,

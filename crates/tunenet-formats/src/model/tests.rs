@@ -55,6 +55,18 @@ fn what_is_no_model_is_refused_in_one_sentence() {
 }
 
 #[test]
+fn weights_that_are_no_numbers_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = train_file(&dataset(&folder, 30, 60), &options(20), None, &mut |_| true).unwrap();
+    let mut bytes = model_to_bytes(&model).unwrap();
+    let end = bytes.len();
+    // Not a number by itself, and as the upper half of a double.
+    bytes[end - 4..].copy_from_slice(&0x7ff8_0000u32.to_le_bytes());
+    let refused = model_from_bytes("model.safetensors", &bytes).unwrap_err().to_string();
+    assert!(refused.contains("expected finite numbers in `") && refused.contains("NaN or infinity"), "{refused}");
+}
+
+#[test]
 fn a_file_and_memory_give_the_same_network() {
     let folder = tempfile::tempdir().unwrap();
     let out = dataset(&folder, 40, 30);
