@@ -69,6 +69,9 @@ finding_kinds! {
     warning BOUNCES_IMPLAUSIBLE = "bounces.implausible",
         "the first interval would need a hop below 10 µm or above 200 m (failed)",
         "check the unit of the times";
+    warning BOUNCES_EVEN = "bounces.even",
+        "ten or more intervals hardly shrink: no known ball keeps so much of its energy",
+        "check that a free ball made these times, not a clock, a machine or a driven ball";
     warning BOUNCES_GROW = "bounces.grow",
         "a hop lasts longer than the one before, beyond the noise of the times",
         "a hand or a second impact: give only the bounces before it; a missed impact: number the impacts in a column `bounce_number`";

@@ -3,19 +3,20 @@
 use std::path::Path;
 
 use crate::documents::refuse_pointer;
+use crate::shown::shell_word;
 use crate::{Action, Error, Result};
 
 /// Share of the bytes at even or odd places that have to be 0 for a text without a mark to count as UTF-16: all of them in
 /// ASCII, which tables and TOML are but for a few signs.
 const MOSTLY: f64 = 0.8;
 
-/// Largest file that [`read_text`] reads, in bytes.
-const LARGEST_SMALL_TEXT: u64 = 16 << 20;
+/// Largest file that [`read_text`] reads, in bytes. A parsed TOML text takes up to 130 times its bytes of memory.
+const LARGEST_SMALL_TEXT: u64 = 8 << 20;
 
 /// The whole text of a small file, such as one of settings. A mark at its start (BOM) is left out.
 ///
 /// # Errors
-/// [`Error::Io`] where the system refuses; [`Error::File`] where it is no file, larger than 16 MiB, or not in UTF-8.
+/// [`Error::Io`] where the system refuses; [`Error::File`] where it is no file, larger than 8 MiB, or not in UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> Result<String> {
     use std::io::Read as _;
     let path = path.as_ref();
@@ -50,7 +51,8 @@ pub(crate) fn refuse_foreign(path: &Path, start: &[u8]) -> Result<()> {
 /// The command that makes a copy in UTF-8.
 fn converted(path: &Path, from: &str) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    format!("save it as UTF-8, or convert it: `iconv -f {from} -t UTF-8 {name} > utf8_{name}`")
+    let (from_file, to_file) = (shell_word(&name), shell_word(&format!("utf8_{name}")));
+    format!("save it as UTF-8, or convert it: `iconv -f {from} -t UTF-8 {from_file} > {to_file}`")
 }
 
 /// The name that `iconv` has for the encoding of a text, where it is one of two or four bytes a sign.

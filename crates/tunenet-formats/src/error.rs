@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use tunenet_core::Action;
 
+use crate::shown::shown_path;
+
 /// What this crate returns.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -19,7 +21,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 pub enum Error {
     /// One place in a text file is wrong.
-    #[error("{path}:{line}:{column}: {message}", path = path.display())]
+    #[error("{path}:{line}:{column}: {message}", path = shown_path(path))]
     Text {
         /// The file.
         path: PathBuf,
@@ -37,7 +39,7 @@ pub enum Error {
         hint: String,
     },
     /// A file as a whole cannot be used.
-    #[error("{path}: {message}", path = path.display())]
+    #[error("{path}: {message}", path = shown_path(path))]
     File {
         /// The file.
         path: PathBuf,
@@ -47,7 +49,7 @@ pub enum Error {
         hint: String,
     },
     /// The operating system refused.
-    #[error("{path}: {what}", path = path.display(), what = refusal(*action, source))]
+    #[error("{path}: {what}", path = shown_path(path), what = refusal(*action, source))]
     Io {
         /// The file.
         path: PathBuf,

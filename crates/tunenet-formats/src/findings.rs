@@ -27,6 +27,12 @@ finding_kinds! {
     warning CLOCK_REPEATED = "clock.repeated",
         "rows with the time of the previous row were left out",
         "record the time with more digits";
+    warning CLOCK_JUMP = "clock.jump",
+        "one pause is more than 99.9 % of the record, as after a false stamp; the part with more samples is used",
+        "correct the stamps, or give each part as a file of its own";
+    note BOUNCES_MANY = "bounces.many",
+        "the list of impacts is longer than is fitted; the first ones are used",
+        "none needed";
     warning BOUNCES_MISSED = "bounces.missed",
         "an interval does not fit the previous one: an impact is missing or false; the list is used up to there",
         "number the impacts in a column `bounce_number`";

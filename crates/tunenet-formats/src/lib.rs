@@ -13,10 +13,12 @@
 //! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
 //! | `model` | trained networks and checkpoints in safetensors |
 //! | `atomic` | replacing a file in one step |
+//! | `clock_jump` | a pause that is nearly all of a record |
 //! | `contents` | the listing |
 //! | `error` | what a file refuses, with its place and a hint |
 
 mod atomic;
+mod clock_jump;
 mod contents;
 mod csv;
 pub mod dataset;
@@ -52,6 +54,7 @@ pub use model::{load_model, model_from_bytes, model_to_bytes, save_model, train_
 pub use quantity::kind_name;
 pub use read::read;
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording};
-pub use source::open;
+pub use shown::{shell_word, shown_path};
+pub use source::{open, read_bytes};
 pub use tunenet_core::Action;
 pub(crate) use tunenet_core::Origin;

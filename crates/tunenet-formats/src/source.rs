@@ -25,6 +25,22 @@ pub fn open(path: impl AsRef<Path>) -> Result<File> {
     Ok(file)
 }
 
+/// All bytes of a file of at most `most` bytes.
+///
+/// # Errors
+/// [`Error::Io`] where the system refuses, [`Error::File`] where there is no file of a known length, or a longer one.
+pub fn read_bytes(path: impl AsRef<Path>, most: u64) -> Result<Vec<u8>> {
+    use std::io::Read as _;
+    let path = path.as_ref();
+    let mut bytes = Vec::new();
+    open(path)?.take(most + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, Action::Reading, e))?;
+    if bytes.len() as u64 > most {
+        let message = format!("expected a file of at most {most} bytes, found a larger one");
+        return Err(Error::file(path, message, "is this the right file?"));
+    }
+    Ok(bytes)
+}
+
 fn refuse_other(path: &Path, about: &Metadata) -> Result<()> {
     if about.is_dir() {
         return Err(Error::file(path, "expected a file, found a folder", "name one file in it"));

@@ -2,6 +2,7 @@
 
 use super::Expected;
 use crate::findings;
+use tunenet_core::finding::FindingKind;
 use tunenet_core::observation::Check;
 use tunenet_core::observation::{Observation, event_time_sd};
 use tunenet_core::statistics::median;
@@ -18,6 +19,11 @@ const FEW: f64 = 7.0;
 const FEWEST_FOR_NOISE: usize = 11;
 const GROWS_UNKNOWN: f64 = 1.05;
 const GROWS_UNKNOWN_S: f64 = 0.01;
+
+/// So many intervals are judged for shrinking, and a mean ratio of each to the one before above this is taken for that of no
+/// ball: a judgement, which leaves room above the liveliest balls.
+const FEWEST_EVEN: usize = 10;
+const MOST_LIVELY: f64 = 0.995;
 
 pub(crate) fn checks(seen: &Observation, expected: &Expected) -> Vec<Check> {
     let times = seen.values();
@@ -55,7 +61,27 @@ pub(crate) fn checks(seen: &Observation, expected: &Expected) -> Vec<Check> {
             "no hop is longer than the previous one, within the noise of the clock",
         ),
     };
-    vec![plausible, grows]
+    vec![plausible, grows, shrinks(&intervals)]
+}
+
+/// Whether the intervals shrink as those of a ball do.
+fn shrinks(intervals: &[f64]) -> Check {
+    const KIND: FindingKind = findings::BOUNCES_EVEN;
+    if intervals.len() < FEWEST_EVEN {
+        return Check::not_run(KIND, format!("fewer than {FEWEST_EVEN} intervals"));
+    }
+    let steps = (intervals.len() - 1) as f64;
+    let ratio = (intervals[intervals.len() - 1] / intervals[0]).powf(1.0 / steps);
+    if ratio < MOST_LIVELY {
+        return Check::passed(KIND, format!("an interval is {ratio:.4} times the one before, on average"));
+    }
+    let text = format!(
+        "{} intervals in a row hardly shrink: each is {ratio:.5} times the one before, and no ball is expected to \
+         exceed {MOST_LIVELY}",
+        intervals.len()
+    );
+    let remedy = "check that a free ball made these times: a clock, a machine or a driven ball gives even ones";
+    Check::noticed(KIND, text, remedy)
 }
 
 /// The first interval (from 0) that is longer than the one before, beyond what the noise of the times makes of a ball that
@@ -113,6 +139,20 @@ mod tests {
         let check = grow(&times);
         assert_eq!(check.state, State::Noticed);
         assert!(check.text.contains("after bounce 15 ") && check.remedy.contains("first 15 bounces"), "{check:?}");
+    }
+
+    #[test]
+    fn a_metronome_is_no_ball() {
+        let even = |ratio: f64| {
+            let times = (0..30).scan((0.0, 1.0), |(time, interval), _| {
+                let now = *time;
+                (*time, *interval) = (*time + *interval, *interval * ratio);
+                Some(now)
+            });
+            let seen = crate::bounce_times(times.collect()).unwrap();
+            checks(&seen, &Expected::default()).into_iter().find(|c| c.kind == findings::BOUNCES_EVEN).unwrap().state
+        };
+        assert_eq!([0.85, 0.98, 1.0].map(even), [State::Passed, State::Passed, State::Noticed]);
     }
 
     #[test]

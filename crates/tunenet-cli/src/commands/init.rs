@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_formats::write_atomically;
+use tunenet_formats::{shell_word, shown_path, write_atomically};
 use tunenet_sim::simulation_file::{Domain, template};
 
 use crate::args::{Init, Scene};
@@ -36,13 +36,13 @@ pub fn run(options: &Init) -> Result<Exit> {
         std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
     destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
     write_atomically(&out, |file| file.write_all(template(domain).as_bytes()))?;
-    let path = out.display();
-    stage("wrote", &format!("{path}"));
+    stage("wrote", &shown_path(&out));
     if let Some(program) = program {
         write_atomically(program, |file| file.write_all(PROGRAM.1.as_bytes()))?;
-        stage("wrote", &format!("{}", program.display()));
+        stage("wrote", &shown_path(program));
     }
     let leave = if domain == Domain::Process { " --allow-process" } else { "" };
+    let path = shell_word(&out.to_string_lossy());
     stage("next", &format!("{first}, then `tunenet tune --sim {path}{leave} FILE`"));
     Printout::default().show(options.common.json, || {
         let mut object = json!({ "schema": "tunenet.init/1", "file": names::file_name(&out), "warnings": [] });

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use toml_edit::{Document, Item, TableLike};
-use tunenet_formats::{Action, Error};
+use tunenet_formats::{Error, read_text};
 
 /// The object of files that nobody groups: it is called by its kind in the end.
 pub const ONLY: &str = "";
@@ -36,7 +36,7 @@ impl Source {
 
 /// The recordings that a manifest lists, in its order.
 pub fn read(path: &Path) -> Result<Vec<Source>> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, Action::Reading, e))?;
+    let text = read_text(path)?;
     let document = Document::parse(text.as_str()).map_err(|e| {
         let start = e.span().map_or(0, |span| span.start);
         let line = text[..start].lines().count().max(1);

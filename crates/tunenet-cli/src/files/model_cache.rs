@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 use tunenet_core::network::Model;
 use tunenet_core::observation::Note;
 use tunenet_formats::write_atomically;
-use tunenet_formats::{model_from_bytes, model_to_bytes};
+use tunenet_formats::{model_from_bytes, model_to_bytes, read_bytes};
 use tunenet_sim::NetworkStore;
 
 use crate::files::names;
@@ -14,6 +14,8 @@ use crate::findings;
 
 /// Names another folder; empty for none.
 const FOLDER: &str = "TUNENET_CACHE";
+/// Largest entry that is read, in bytes: thousands of times what a network of two branches has.
+const LARGEST_ENTRY: u64 = 256 << 20;
 /// Length of a digest in hexadecimal.
 const DIGEST: usize = 64;
 
@@ -51,9 +53,11 @@ impl NetworkStore for Cache {
     /// The network of this key, where there is one; a note where there is something else in its place.
     fn find(&self, key: &str) -> (Option<Model>, Vec<Note>) {
         let Some(path) = self.path(key) else { return (None, Vec::new()) };
-        let bytes = match std::fs::read(&path) {
+        if !path.exists() {
+            return (None, Vec::new());
+        }
+        let bytes = match read_bytes(&path, LARGEST_ENTRY) {
             Ok(bytes) => bytes,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return (None, Vec::new()),
             Err(error) => return (None, vec![unusable(&path, &error.to_string())]),
         };
         let whole =
@@ -95,4 +99,20 @@ fn unusable(path: &Path, why: &str) -> Note {
 
 fn digest(key: &str, bytes: &[u8]) -> String {
     hex::encode(Sha256::new().chain_update(key).chain_update(bytes).finalize())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pipe_in_place_of_an_entry_is_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache { folder: Some(folder.path().into()) };
+        assert!(cache.find("a scene").1.is_empty());
+        let path = cache.path("a scene").unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        let (model, notes) = cache.find("a scene");
+        assert!(model.is_none() && notes[0].kind == findings::CACHE_UNUSABLE && notes[0].text.contains("a pipe"));
+    }
 }

@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use tunenet_core::text::visible;
 use tunenet_core::{Error, Origin};
 
 /// What the names of a video's frames end in, where each is a file of its own.
 const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "bmp", "tif", "tiff"];
 
-/// A file's own name, for output that must not depend on where it lies.
+/// A file's own name, for output that must not depend on where it lies: one line, without characters that cannot be seen.
 pub fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    visible(&path.file_name().unwrap_or(path.as_os_str()).to_string_lossy())
 }
 
 /// Refuses an output whose name ends otherwise than its contents say: whoever finds the file later goes by its name.

@@ -1,6 +1,7 @@
 //! Which column of a foreign table could be which, judged by its name: what a message proposes, never what is read.
 
 use crate::quantity::{Meaning, Quantity, Scale, abbreviated, meaning, plain};
+use crate::shown::shell_word;
 
 /// The words that say what a name stands for. German ones too: spreadsheets speak their owner's language.
 const WORDS: [(Quantity, &[&str]); 5] = [
@@ -73,7 +74,7 @@ pub(crate) fn guess(names: &[&str], counting: &[usize]) -> Option<(String, bool)
         return None;
     }
     let pairs: Vec<String> = missing.iter().map(|(quantity, candidate)| pair(names, *quantity, *candidate)).collect();
-    Some((format!("--columns {}", quoted(&pairs.join(","))), missing.iter().any(|(_, c)| c.unit.is_none())))
+    Some((format!("--columns {}", shell_word(&pairs.join(","))), missing.iter().any(|(_, c)| c.unit.is_none())))
 }
 
 /// The column that is the clock, by its name.
@@ -116,12 +117,6 @@ fn pair(names: &[&str], quantity: Quantity, candidate: Candidate) -> String {
     } else {
         format!("{ours}={name}")
     }
-}
-
-/// In the quotes that a shell needs.
-pub(crate) fn quoted(text: &str) -> String {
-    let bare = |c: char| c.is_alphanumeric() || "_-.,=/:".contains(c);
-    if text.chars().all(bare) { text.into() } else { format!("'{text}'") }
 }
 
 #[cfg(test)]

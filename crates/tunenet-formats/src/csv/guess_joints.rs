@@ -1,7 +1,8 @@
 //! Which column of a foreign table could be which joint's: what a message proposes, never what is read.
 
-use super::guess::{self, quoted};
+use super::guess;
 use crate::quantity::{Family, Meaning, Quantity, meaning, plain};
+use crate::shown::shell_word;
 
 /// The words that say what a column of a joint holds, and the unit that is meant where none is named.
 const WORDS: [(Family, &str, &[&str]); 4] = [
@@ -57,7 +58,7 @@ pub(crate) fn guess_joints(names: &[&str], joints: &[String], flags: &[usize]) -
             pairs.push(format!("{channel}_{unit}={theirs}"));
         }
     }
-    (!pairs.is_empty()).then(|| format!("--columns {}", quoted(&pairs.join(","))))
+    (!pairs.is_empty()).then(|| format!("--columns {}", shell_word(&pairs.join(","))))
 }
 
 /// The words of a name, digits apart: `actual_q0` is `actual`, `q`, `0`.

@@ -27,6 +27,9 @@ const LEAP: f64 = 10.0;
 /// Least time between two impacts, s. Impacts closer than this are one impact.
 const SHORTEST_INTERVAL_S: f64 = 1e-6;
 
+/// Greatest number of an impact. A rollout computes every impact up to the last one.
+const GREATEST_BOUNCE_NUMBER: f64 = 9_999.0;
+
 /// A line that cannot be used, and why.
 #[derive(Debug, Clone)]
 pub(crate) struct Broken {
@@ -282,6 +285,14 @@ impl Scan {
             );
             let hint = "check the unit of the times, or delete the line";
             return Err(Box::new(Broken::at(line, self.separator, column, message, hint)));
+        }
+        if let (Some(number), Some(source)) = (number, self.layout.clock)
+            && !(number.fract() == 0.0 && (0.0..=GREATEST_BOUNCE_NUMBER).contains(&number))
+        {
+            let message =
+                format!("expected a whole bounce number from 0 to {GREATEST_BOUNCE_NUMBER}, found {number:?}");
+            let hint = "count the impacts, those too that were not recorded: 0, 1, 2";
+            return Err(Box::new(Broken::at(line, self.separator, source.column, message, hint)));
         }
         if let (Some(number), Some(&last), Some(source)) = (number, self.clock.last(), self.layout.clock)
             && number <= last

@@ -28,9 +28,20 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     Ok(Recording { observation, notes })
 }
 
+/// Most impacts of one list that are fitted. What a rollout costs grows with them, and each of a longer list has lost next to
+/// nothing against the one before.
+const MOST_BOUNCES: usize = 2_000;
+
 /// Numbered impacts are taken as they are; without numbers the list ends where counting would go wrong.
 fn bounce_times(path: &Path, scan: Scan, notes: &mut Vec<Note>) -> Result<Observation> {
-    let Scan { layout, clock, mut values, lines, .. } = scan;
+    let Scan { layout, mut clock, mut values, lines, .. } = scan;
+    let all = values.len();
+    if all > MOST_BOUNCES {
+        let text = format!("the first {MOST_BOUNCES} of {all} impacts are used: more would not sharpen the answer");
+        notes.push(Note::new(findings::BOUNCES_MANY, text, ""));
+        values.truncate(MOST_BOUNCES);
+        clock.truncate(MOST_BOUNCES);
+    }
     if layout.clock.is_some() {
         return Ok(Observation::new(layout.kind, layout.channels, clock, values)?);
     }

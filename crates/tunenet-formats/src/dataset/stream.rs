@@ -125,6 +125,11 @@ fn broken(path: &Path, fault: Fault) -> Error {
             "expected a sound MCAP file, found a record that is longer than its chunk",
             "write the file again",
         ),
+        Fault::Growth => Error::file(
+            path,
+            "expected a dataset, found chunks that unpack to implausibly many bytes",
+            "write the file again",
+        ),
         Fault::Format(error) => mcap_error(path, Action::Reading, error),
     }
 }

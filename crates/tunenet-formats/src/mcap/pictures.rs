@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::records::{ChannelInfo, Messages, messages};
 use super::ros::{Header, fields};
 use super::stamps::{joined, to_s};
+use crate::shown::shell_word;
 use crate::{Error, Result};
 
 /// Greatest plausible width and height, px.
@@ -113,12 +114,12 @@ pub fn pictures(path: impl AsRef<Path>, topic: Option<&str>) -> Result<Pictures>
         (Some(topic), _) if found.iter().any(|t| t == topic) => topic.to_owned(),
         (Some(topic), _) => {
             let message = format!("expected pictures in `{topic}`, found them in {}", listed());
-            return Err(Error::file(path, message, format!("try `--topic {}`", found[0])));
+            return Err(Error::file(path, message, format!("try `--topic {}`", shell_word(&found[0]))));
         }
         (None, [one]) => one.clone(),
         (None, _) => {
             let message = format!("expected one topic with pictures, found {}", listed());
-            return Err(Error::file(path, message, format!("try `--topic {}`", found[0])));
+            return Err(Error::file(path, message, format!("try `--topic {}`", shell_word(&found[0]))));
         }
     };
     Ok(Pictures { path: path.into(), messages: messages(path)?, topic: chosen, count: 0, ended: false })

@@ -14,7 +14,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::{McapError, records::op};
 
 use super::whole_chunks::{PIECE, WholeChunks};
-use crate::shown::counted;
+use crate::shown::{counted, shell_word};
 use crate::source::open;
 use crate::{Action, Error, Result};
 
@@ -26,6 +26,12 @@ const LONGEST_SMALL: usize = 32 << 20;
 
 /// How much a file may grow as it is unpacked beyond that. Memory for a corrupted length is allocated before it is read.
 const MOST_GROWTH: u64 = 64;
+
+/// How many bytes of records are unpacked at most, whatever the size of the file: what a chunk of zeros unpacks to takes minutes.
+const MOST_UNPACKED: u64 = 256 << 20;
+
+/// Kind and length before every record, in bytes.
+const RECORD_HEAD: u64 = 9;
 
 /// The longest record that a file of `bytes` can plausibly hold, in bytes, and never more than `most`.
 fn longest_record(bytes: u64, most: usize) -> usize {
@@ -63,6 +69,8 @@ pub(crate) struct Messages {
     library: String,
     profile: String,
     count: u64,
+    /// Bytes of records that may still be unpacked.
+    left: u64,
     ended: bool,
 }
 
@@ -80,6 +88,11 @@ pub(crate) fn messages(path: impl AsRef<Path>) -> Result<Messages> {
 /// # Errors
 /// As [`messages`].
 pub(crate) fn messages_up_to(path: &Path, longest: usize) -> Result<Messages> {
+    messages_within(path, longest, MOST_UNPACKED)
+}
+
+/// As [`messages_up_to`], where `unpacked` bytes of records are plausible whatever the size of the file.
+fn messages_within(path: &Path, longest: usize, unpacked: u64) -> Result<Messages> {
     let file = open(path)?;
     let bytes = file.metadata().map_err(|e| Error::io(path, Action::Opening, e))?.len();
     let options = LinearReaderOptions::default()
@@ -94,6 +107,7 @@ pub(crate) fn messages_up_to(path: &Path, longest: usize) -> Result<Messages> {
         library: String::new(),
         profile: String::new(),
         count: 0,
+        left: unpacked.max(bytes.saturating_mul(MOST_GROWTH)),
         ended: false,
     })
 }
@@ -122,12 +136,16 @@ impl Messages {
                         continue;
                     }
                     // What else there is, is not parsed: the crate's parser of attachments panics on short ones.
-                    LinearReadEvent::Record { data, opcode } => match opcode {
-                        op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE => {
-                            mcap::parse_record(opcode, data)?.into_owned()
+                    LinearReadEvent::Record { data, opcode } => {
+                        let unpacked = data.len() as u64 + RECORD_HEAD;
+                        self.left = self.left.checked_sub(unpacked).ok_or(Fault::Growth)?;
+                        match opcode {
+                            op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE => {
+                                mcap::parse_record(opcode, data)?.into_owned()
+                            }
+                            _ => continue,
                         }
-                        _ => continue,
-                    },
+                    }
                 },
             };
             if let Some(message) = self.take(record)? {
@@ -141,16 +159,22 @@ impl Messages {
             Fault::Format(McapError::UnsupportedCompression(_)) => {
                 "record with zstd, lz4 or uncompressed chunks".into()
             }
+            Fault::Growth => "record again: such chunks hold next to nothing but zeros".to_owned(),
             _ if self.count == 0 => "copy the recording again".to_owned(),
             _ => format!(
                 "try `mcap recover {} -o recovered.mcap`, which keeps what can be read; `mcap` is the command-line tool of \
                  https://mcap.dev",
-                self.path.display()
+                shell_word(&self.path.to_string_lossy())
             ),
         };
         let what = match fault {
             Fault::Io(error) => return Error::io(&self.path, Action::Reading, error),
             Fault::Overrun => "a record is longer than the chunk it stands in".to_owned(),
+            Fault::Growth => {
+                format!(
+                    "its chunks unpack to more than {MOST_GROWTH} times its size and more than {MOST_UNPACKED} bytes"
+                )
+            }
             Fault::Format(McapError::UnexpectedEof) => "the recording is cut off".to_owned(),
             Fault::Format(McapError::BadMagic) => "expected the mark of an MCAP file, found other bytes".to_owned(),
             Fault::Format(McapError::UnsupportedCompression(name)) => {
@@ -209,6 +233,8 @@ pub(crate) enum Fault {
     Io(std::io::Error),
     /// A record runs past the end of its chunk.
     Overrun,
+    /// The chunks unpack to implausibly many bytes.
+    Growth,
     /// Anything else that the format does not allow.
     Format(McapError),
 }
@@ -229,5 +255,23 @@ impl Iterator for Messages {
         let next = self.advance();
         self.ended = !matches!(next, Ok(Some(_)));
         next.map_err(|fault| self.broken(fault)).transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{bag, error_text, file, made};
+
+    /// Five megabytes of zeros in a file of a few kilobytes.
+    #[test]
+    fn chunks_that_unpack_to_far_more_than_their_file_are_refused() {
+        let zeros = made("/zeros", "std_msgs/msg/String", 5, |_, _| vec![0; 1_000_000]);
+        let (_folder, path) = file("a.mcap", bag(Some(mcap::Compression::Zstd), &[zeros]));
+        assert_eq!(messages(&path).unwrap().flatten().count(), 5);
+        let refused = messages_within(&path, LONGEST_RECORD, 1 << 20).unwrap().find_map(Result::err).unwrap();
+        let (message, hint) = error_text(&refused);
+        assert!(message.starts_with("a.mcap: its chunks unpack to more than 64 times its size"), "{message}");
+        assert!(hint.starts_with("record again"), "{hint}");
     }
 }

@@ -1,5 +1,6 @@
 //! The topics of an MCAP file, and which one to read.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -7,7 +8,7 @@ use super::decoder::Decoder;
 use super::joints::Joints;
 use super::message::{NOTHING, Sample};
 use super::records::{ChannelInfo, RawMessage, messages};
-use crate::shown::counted;
+use crate::shown::{counted, shell_word};
 use crate::{Error, Result};
 use tunenet_core::observation::Kind;
 
@@ -84,6 +85,7 @@ pub(crate) fn survey(path: &Path) -> Result<Survey> {
     let mut messages = messages(path)?;
     let mut topics: Vec<Topic> = Vec::new();
     let (mut ended, mut log_ns) = (None, None);
+    let mut indices = Indices::default();
     let mut last: Option<(Arc<ChannelInfo>, usize)> = None;
     for message in messages.by_ref() {
         let message = match message {
@@ -96,7 +98,7 @@ pub(crate) fn survey(path: &Path) -> Result<Survey> {
         };
         let index = match &last {
             Some((channel, index)) if Arc::ptr_eq(channel, &message.channel) => *index,
-            _ => index_of(&mut topics, &message.channel),
+            _ => indices.of(&mut topics, &message.channel),
         };
         topics[index].add(&message);
         let at = message.log_time;
@@ -104,25 +106,33 @@ pub(crate) fn survey(path: &Path) -> Result<Survey> {
         last = Some((message.channel, index));
     }
     for channel in messages.channels() {
-        index_of(&mut topics, channel);
+        indices.of(&mut topics, channel);
     }
     topics.sort_by(|a, b| a.name.cmp(&b.name));
     let (profile, library) = messages.writer();
     Ok(Survey { profile: profile.to_owned(), library: library.to_owned(), topics, log_ns, ended })
 }
 
-fn index_of(topics: &mut Vec<Topic>, channel: &ChannelInfo) -> usize {
-    topics.iter().position(|topic| topic.is(channel)).unwrap_or_else(|| {
-        topics.push(Topic::new(channel));
-        topics.len() - 1
-    })
+/// Where a topic stands in a list, by its name, schema and encoding.
+#[derive(Debug, Default)]
+struct Indices(HashMap<(String, String, String), usize>);
+
+impl Indices {
+    /// That of the channel's topic, which is added where it is new.
+    fn of(&mut self, topics: &mut Vec<Topic>, channel: &ChannelInfo) -> usize {
+        let key = (channel.topic.clone(), channel.schema_name.clone(), channel.message_encoding.clone());
+        *self.0.entry(key).or_insert_with(|| {
+            topics.push(Topic::new(channel));
+            topics.len() - 1
+        })
+    }
 }
 
 /// The topic to read: the one asked for, or the only one that can be used.
 pub(crate) fn choose<'a>(path: &Path, topics: &'a [Topic], asked: Option<&str>) -> Result<&'a Topic> {
     let usable: Vec<&Topic> = topics.iter().filter(|topic| topic.usable.is_ok()).collect();
     let refuse = |message: String, hint: String| Err(Error::file(path, message, hint));
-    let try_one = || usable.first().map_or(String::new(), |topic| format!("try `--topic {}`", topic.name));
+    let try_one = || usable.first().map_or(String::new(), |topic| format!("try `--topic {}`", shell_word(&topic.name)));
     if let Some(asked) = asked {
         if let Some(topic) = usable.iter().find(|topic| topic.name == asked) {
             return Ok(topic);

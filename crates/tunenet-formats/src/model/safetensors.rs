@@ -1,7 +1,6 @@
 //! Named arrays as safetensors, with one JSON text next to them.
 
 use std::collections::{BTreeMap, HashMap};
-use std::io::Read as _;
 use std::path::Path;
 
 use safetensors::tensor::TensorView;
@@ -9,7 +8,7 @@ use safetensors::{Dtype, SafeTensors};
 use tunenet_core::network::{Array, Numbers, Weights};
 
 use crate::documents::refuse_pointer;
-use crate::source::open;
+use crate::source::{open, read_bytes};
 use crate::{Action, Error, Result};
 
 /// The one metadata key, so that no map decides the order of the bytes.
@@ -39,14 +38,12 @@ pub(crate) fn to_bytes(path: &Path, weights: &Weights) -> Result<Vec<u8>> {
 /// Reads a file. `kind` names what was expected: "a model".
 pub(crate) fn read(path: &Path, kind: &str) -> Result<Weights> {
     let failed = |e| Error::io(path, Action::Reading, e);
-    let mut file = open(path)?;
-    let size = file.metadata().map_err(failed)?.len();
+    let size = open(path)?.metadata().map_err(failed)?.len();
     if size > MOST_BYTES {
         let message = format!("expected {kind} of at most {MOST_BYTES} bytes, found {size}");
         return Err(Error::file(path, message, HINT));
     }
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).map_err(failed)?;
+    let bytes = read_bytes(path, MOST_BYTES)?;
     refuse_pointer(path, &bytes)?;
     from_bytes(path, &bytes, kind)
 }

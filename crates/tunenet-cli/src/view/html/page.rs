@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::view::text::lines;
 use tunenet_formats::Result;
 use tunenet_formats::write_atomically;
 
@@ -35,7 +37,8 @@ pub fn page(kind: &str, title: &str, body: &Markup) -> String {
             }
         }
     };
-    let mut text = whole.into_string();
+    // Names of a stranger's files, topics and objects come with whatever they hold.
+    let mut text = lines(&whole.into_string());
     text.push('\n');
     text
 }

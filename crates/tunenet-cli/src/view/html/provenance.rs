@@ -4,6 +4,7 @@ use crate::files::{hash, names};
 use std::path::Path;
 
 use maud::{Markup, html};
+use tunenet_formats::shell_word;
 
 /// What made a page.
 pub struct Provenance {
@@ -45,11 +46,7 @@ impl Provenance {
 
 /// The arguments as they would be typed into a shell.
 fn command(arguments: impl Iterator<Item = std::ffi::OsString>) -> String {
-    let quoted = arguments.map(|a| {
-        let text = a.to_string_lossy().into_owned();
-        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
-        if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
-    });
+    let quoted = arguments.map(|argument| shell_word(&argument.to_string_lossy()));
     std::iter::once("tunenet".to_string()).chain(quoted).collect::<Vec<_>>().join(" ")
 }
 
@@ -60,6 +57,6 @@ mod tests {
     #[test]
     fn arguments_are_quoted_where_a_shell_would_read_them_otherwise() {
         let typed = ["tune", "--sim", "my ball.toml", "it's"].map(std::ffi::OsString::from);
-        assert_eq!(command(typed.into_iter()), r"tunenet tune --sim 'my ball.toml' 'it'\''s'");
+        assert_eq!(command(typed.into_iter()), r#"tunenet tune --sim 'my ball.toml' "it's""#);
     }
 }
