@@ -3,6 +3,7 @@
 mod bad_files;
 mod bad_input;
 mod fuzzed;
+mod hostile;
 mod overwriting;
 mod resume;
 mod same_bytes;
