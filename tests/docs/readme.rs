@@ -21,7 +21,8 @@ fn rows(keys: &[Key]) -> String {
 
 #[test]
 fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
-    let page = text("docs/files.md");
+    let mut page = text("docs/files.md");
+    let write = std::env::var_os("TUNENET_DOCS_WRITE").is_some();
     let all: [(&str, &[Key]); 8] = [
         ("keys", BALL_KEYS),
         ("arm", ARM_KEYS),
@@ -35,8 +36,13 @@ fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     for (name, keys) in all {
         let (begin, end) = (format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->"));
         let found = page.split_once(&begin).and_then(|(_, rest)| rest.split_once(&end));
-        let found = found.unwrap_or_else(|| panic!("docs/files.md lacks its mark `{name}`")).0;
+        let found = found.unwrap_or_else(|| panic!("docs/files.md lacks its mark `{name}`")).0.to_owned();
         let expected = rows(keys);
+        if write {
+            page = page.replace(&format!("{begin}{found}{end}"), &format!("{begin}{expected}{end}"));
+            std::fs::write(root().join("docs/files.md"), &page).unwrap();
+            continue;
+        }
         assert!(found == expected, "docs/files.md should hold between its marks `{name}`:\n{expected}");
     }
 }

@@ -1,6 +1,7 @@
 //! Drops from formulas alone, tuned to: the restitution comes back, and its interval keeps what it promises.
 
-use crate::common::{Drop, Noise};
+use crate::common::{Drop, Folder, Noise};
+use crate::docs::page::root;
 use rayon::prelude::*;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::tune::{Settings, Verdict, tune};
@@ -74,4 +75,34 @@ fn drops_come_back_with_honest_intervals() {
         "{covered} covered, tuned {tuned}; not covered:\n{}",
         stories(|f| !f.covered)
     );
+}
+
+/// The light ball of assets/ was thrown with a drag of 0.1317 1/m and bounces with 0.8, by an integrator of its own.
+#[test]
+fn an_effect_is_tuned_beside_the_parameters_and_alone() {
+    const DRAG_1_M: f64 = 0.1317;
+    let folder = Folder::new();
+    let light = root().join("assets/observations/light_1.csv");
+    folder.write("light.csv", std::fs::read(light).unwrap());
+    let scene = |restitution: &str| {
+        format!(
+            "kind = \"ball\"\nball.radius_m = 0.02\n\n[effects.quadratic_drag]\nc_1_m = 0.05 # a guess\ntune = true\n\n\
+             [parameters.restitution]\nmin = 0.0\nmax = 1.0\n{restitution}\n"
+        )
+    };
+    for (name, text, count) in [("both", scene("value = 0.5"), 2), ("alone", scene("value = 0.8\ntune = false"), 1)] {
+        folder.write(&format!("{name}.toml"), text);
+        let json = folder.run(&format!("tune --sim {name}.toml light.csv --json -o {name}_tuned.toml")).ends(0).json();
+        let found = json["parameters"].as_object().unwrap();
+        assert_eq!((json["verdict"].as_str(), found.len()), (Some("tuned"), count), "{json}");
+        let drag = &found["quadratic_drag.c_1_m"];
+        let bound = |i: usize| drag["interval95"][i].as_f64().unwrap();
+        assert!(bound(0) < DRAG_1_M && DRAG_1_M < bound(1) && bound(1) - bound(0) < 0.01, "{drag}");
+        // The tuned file holds it, with its comment, and is the start of the next run.
+        let tuned = folder.text(&format!("{name}_tuned.toml"));
+        assert!(tuned.contains("c_1_m = 0.13") && tuned.contains("# a guess"), "{tuned}");
+        let again = folder.run(&format!("tune --sim {name}_tuned.toml light.csv --json")).ends(0).json();
+        let before = again["parameters"]["quadratic_drag.c_1_m"]["before"].as_f64().unwrap();
+        assert!((before - drag["value"].as_f64().unwrap()).abs() < 1e-12);
+    }
 }

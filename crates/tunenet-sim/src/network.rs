@@ -113,6 +113,9 @@ pub fn choose_network(
     if ball.kind() == Kind::EventTimes {
         return ChosenNetwork::none("not needed for bounce times");
     }
+    if !file.parameters().is_ok_and(|all| all.iter().any(|p| p.tune)) {
+        return ChosenNetwork::none("not needed: only effects are tuned");
+    }
     let usable = |recording: &Observation| match ball.prepare(recording) {
         Ok(Preparation::Usable(prepared)) => Some(prepared),
         _ => None,

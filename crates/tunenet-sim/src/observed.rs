@@ -39,7 +39,7 @@ pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result
     if kind == Kind::Pixels {
         return Ok(Box::new(VideoBall::new(file)?));
     }
-    around(file, ObservedBall::new(file, kind)?)
+    around(file, ObservedBall::new(file, kind)?.with_tuned_effects(file)?)
 }
 
 /// As [`simulator`], around a program of `file` that was started before.

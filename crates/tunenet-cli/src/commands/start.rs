@@ -13,7 +13,7 @@ use crate::args::Tune;
 /// simulation file is.
 pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
     let parameters = file.parameters()?;
-    if !parameters.iter().any(|p| p.tune) {
+    if !parameters.iter().any(|p| p.tune) && !file.tunes_an_effect() {
         let named = |set: &&String| set.starts_with("parameters.") && set.contains(".tune");
         if let Some(last) = options.simulation.set.iter().rev().find(named) {
             let expected = "at least one parameter that may be tuned".into();
@@ -27,7 +27,9 @@ pub fn check(options: &Tune, file: &SimulationFile) -> Result<()> {
         }
         let message = "expected at least one parameter with `tune = true`, found none";
         let first = &parameters[0].name;
-        let hint = format!("write it under [parameters.{first}], or add `--set parameters.{first}.tune=true`");
+        let hint = format!(
+            "write it under [parameters.{first}], or add `--set parameters.{first}.tune=true`; an effect has such a key too"
+        );
         return Err(Error::file(file.path(), message, hint));
     }
     for (name, value) in &options.initial {

@@ -8,11 +8,9 @@ use tunenet_formats::kind_name;
 
 use super::{Nuisance, ObservedBall};
 use crate::ball::Scene;
-use crate::ball::effects::{ALL, BallEffect};
+use crate::ball::effects::{ALL, BallEffect, SCATTER};
 use crate::scene::BallParameters;
 
-/// The effect that is a per-contact random effect.
-const SCATTER: &str = "bounce_scatter";
 /// What the spin of a throw does in the air.
 const SPIN: &str = "magnus";
 /// How far a bounce may turn the normal, rad, and at how many bounces of a record it may; later ones are next to rest.

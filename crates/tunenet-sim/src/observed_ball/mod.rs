@@ -114,6 +114,16 @@ impl ObservedBall {
         })
     }
 
+    /// The same, with the coefficients free of those effects that `file`, its own, asks to tune: they follow its parameters.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] where this kind of observation cannot show one of them.
+    pub fn with_tuned_effects(self, file: &SimulationFile) -> tunenet_formats::Result<Self> {
+        let present = file.effects();
+        let free: Vec<&str> = present.iter().filter(|effect| effect.tune).map(|effect| effect.name.as_str()).collect();
+        Ok(self.freed(&free)?)
+    }
+
     /// The same, which uses recordings that their checks reject, and says so among their notes.
     #[must_use]
     pub fn forced(self, forced: bool) -> Self {

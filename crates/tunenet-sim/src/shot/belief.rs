@@ -11,14 +11,11 @@ use tunenet_formats::{Error, Result};
 use super::Task;
 use super::provenance::Provenance;
 use crate::SimulationFile;
-use crate::ball::effects::{BallEffect, DRAG};
+use crate::ball::effects::{BallEffect, DRAG, SCATTER};
 use crate::ball::{Scene, State};
 use crate::findings;
 use crate::scene::BallParameters;
 use crate::simulation_file::schema::number;
-
-/// The effect that deflects every bounce at random.
-const SCATTER: &str = "bounce_scatter";
 
 /// Where a file keeps the drag that recordings leave open.
 const OPEN_DRAG: &str = "open_drag";

@@ -17,6 +17,8 @@ pub struct PresentEffect {
     pub name: String,
     /// Its coefficients in the order of the catalogue; the absent value where the file leaves one out.
     pub values: Vec<f64>,
+    /// Whether `tune` may change them.
+    pub tune: bool,
 }
 
 /// The coefficients of an effect of either catalogue.
@@ -33,9 +35,18 @@ impl SimulationFile {
         let each = all.iter().filter_map(|(name, item)| {
             let (table, known) = (item.as_table_like()?, coefficients(name)?);
             let value = |c: &Coefficient| table.get(c.key).and_then(item_number).unwrap_or(c.absent);
-            Some(PresentEffect { name: name.into(), values: known.iter().map(value).collect() })
+            let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(false);
+            Some(PresentEffect { name: name.into(), values: known.iter().map(value).collect(), tune })
         });
         each.filter(|e| !e.values.is_empty()).collect()
+    }
+
+    /// Whether `tune` may change the coefficients of an effect.
+    #[must_use]
+    pub fn tunes_an_effect(&self) -> bool {
+        let all = self.item("effects").and_then(Item::as_table_like);
+        let tuned = |item: &Item| item.as_table_like().and_then(|table| table.get("tune")?.as_bool()) == Some(true);
+        all.is_some_and(|all| all.iter().any(|(_, item)| tuned(item)))
     }
 
     /// Writes an effect's coefficients under `[effects.NAME]`; what stands there already takes the new values, and

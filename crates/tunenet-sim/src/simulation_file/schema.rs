@@ -7,7 +7,7 @@ use toml_edit::{Item, Table, Value};
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::measurement_effects;
 
-use crate::ball::effects::{ALL, Body};
+use crate::ball::effects::{ALL, BallEffect, Body, SCATTER};
 
 /// What a key's value looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -170,18 +170,26 @@ pub const BALL_KEYS: &[Key] = &[
     key("record.frames", Shape::Whole(3, 10_000_000), false, "how many frames they write"),
 ];
 
-/// The keys below `[effects]`: one for each coefficient of the catalogues, within the bounds that it has there.
+/// The keys below `[effects]`: one for each coefficient of the catalogues, within the bounds that it has there; and whether `tune`
+/// may change those of a physical effect that is no chance.
 pub static EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     let any = Body { radius_m: 1.0, mass_kg: None, gravity_m_s2: 1.0, in_air: true };
-    let entries = ALL.iter().map(|e| e.entry(&any)).chain(measurement_effects(Kind::Positions));
-    let keys = entries.flat_map(|effect| {
+    let tuned = |effect: &BallEffect| Key {
+        path: Cow::Owned(format!("effects.{}.tune", effect.name)),
+        shape: Shape::Flag,
+        required: false,
+        meaning: Cow::Borrowed("whether `tune` may change these numbers (default: false)"),
+    };
+    let physical = ALL.iter().map(|e| (e.entry(&any), (e.name != SCATTER).then(|| tuned(e))));
+    let entries = physical.chain(measurement_effects(Kind::Positions).into_iter().map(|e| (e, None)));
+    let keys = entries.flat_map(|(effect, tuned)| {
         let one = |i: usize| Key {
             path: Cow::Owned(format!("effects.{}", effect.parameter_name(i))),
             shape: Shape::Number(effect.coefficients[i].min, effect.coefficients[i].max),
             required: false,
             meaning: Cow::Borrowed(effect.sentence),
         };
-        (0..effect.coefficients.len()).map(one).collect::<Vec<_>>()
+        (0..effect.coefficients.len()).map(one).chain(tuned).collect::<Vec<_>>()
     });
     keys.collect()
 });

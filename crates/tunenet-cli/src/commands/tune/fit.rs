@@ -86,7 +86,7 @@ fn bare_ball(options: &Tune, file: &SimulationFile, kind: Kind, paths: &[PathBuf
         return Ok(None);
     }
     let ball = ObservedBall::new(file, kind).with_context(|| names(paths))?;
-    Ok(Some(ball.forced(options.force)))
+    Ok(Some(ball.forced(options.force).with_tuned_effects(file)?))
 }
 
 /// Shows that it goes on, with the number of rollouts where a program is asked for them.

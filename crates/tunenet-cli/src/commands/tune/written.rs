@@ -26,10 +26,10 @@ pub fn write_tuned(
     let mut tuned = file.clone();
     let joints = outcome.recordings.first().map_or(0, |r| r.seen.channels().len());
     for p in &outcome.parameters {
-        if file.domain() == Domain::Arm {
-            tuned.set_arm_value(&p.name, p.value, joints)?;
-        } else {
-            tuned.set_value(&p.name, p.value);
+        match (file.domain(), p.name.split_once('.')) {
+            (Domain::Arm, _) => tuned.set_arm_value(&p.name, p.value, joints)?,
+            (Domain::Ball, Some((effect, key))) => tuned.add_effect(effect, &[(key, p.value)])?,
+            _ => tuned.set_value(&p.name, p.value),
         }
     }
     let observations = options.observation.iter().map(|path| hash::fingerprint(path)).collect::<Result<Array>>()?;

@@ -25,6 +25,8 @@ pub const AIR_KG_M3: f64 = 1.2;
 
 /// The effect that is there wherever there is air.
 pub const DRAG: &str = quadratic_drag::EFFECT.name;
+/// The effect that is a per-contact random effect.
+pub const SCATTER: &str = bounce_scatter::EFFECT.name;
 /// Drag coefficients of smooth and of felted balls at the speeds of a hand's throw (Achenbach 1972; Mehta 2008).
 const USUAL_DRAG_COEFFICIENT: (f64, f64) = (0.35, 0.65);
 /// From foam and hollow balls (a table-tennis ball: 80) to solid rubber.
