@@ -86,9 +86,11 @@ fn next(judged: &Judgement) -> Result<Option<NextExperiment>> {
     let context = &judged.context;
     let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
     Ok(match judged.decision.verdict {
-        Verdict::OneOf if let Some(text) = check_settings(judged) => plain(&text),
-        Verdict::OneOf => next_experiment::next(context, &judged.found, &judged.decision.alternatives)?
-            .or_else(|| plain(words(context).add)),
+        Verdict::OneOf => match check_settings(judged) {
+            Some(text) => plain(&text),
+            None => next_experiment::next(context, &judged.found, &judged.decision.alternatives)?
+                .or_else(|| plain(words(context).add)),
+        },
         Verdict::Unknown if context.evidence.driven() => Some(driven_experiment::vary(context, judged.best())?),
         Verdict::Unknown => plain(words(context).vary),
         _ => None,
