@@ -170,25 +170,20 @@ pub(crate) fn walk(
         }
         let key_span =
             || table.get_key_value(name).and_then(|(key, _)| key.span()).or_else(|| item.span()).unwrap_or(0..0);
-        match item.as_value().filter(|v| !v.is_inline_table()) {
-            Some(value) => {
-                let Some(key) = known.find(&full) else { return Err(unknown(known, path, text, key_span(), &full)) };
-                if !key.shape.accepts(value) {
-                    let found = value.to_string();
-                    let message = format!("`{full}`: expected {}, found {}", key.shape.expected(), found.trim());
-                    return Err(located(
-                        path,
-                        text,
-                        value.span().unwrap_or(0..0),
-                        message,
-                        &format!("{full}: {}", key.meaning),
-                    ));
-                }
+        let misfit = |key: &Key, found: &str, span: Range<usize>| {
+            let message = format!("`{full}`: expected {}, found {found}", key.shape.expected());
+            Err(located(path, text, span, message, &format!("{full}: {}", key.meaning)))
+        };
+        match (item.as_value().filter(|v| !v.is_inline_table()), item.as_table_like(), known.find(&full)) {
+            (Some(value), _, Some(key)) if !key.shape.accepts(value) => {
+                return misfit(&key, value.to_string().trim(), value.span().unwrap_or(0..0));
             }
-            None => match item.as_table_like() {
-                Some(inner) if known.has_table(&full) => walk(known, path, text, inner, &format!("{full}."))?,
-                _ => return Err(unknown(known, path, text, key_span(), &full)),
-            },
+            (Some(_), _, Some(_)) => {}
+            (None, Some(inner), _) if known.has_table(&full) => {
+                walk(known, path, text, inner, &format!("{full}."))?;
+            }
+            (None, _, Some(key)) => return misfit(&key, "a table", key_span()),
+            (_, _, None) => return Err(unknown(known, path, text, key_span(), &full)),
         }
     }
     Ok(())

@@ -379,6 +379,14 @@ mod tests {
         assert!(file.set("world.gravity_m_s2=nan").is_err() && file.set("world.gravity_m_s2=.").is_err());
     }
 
+    #[test]
+    fn a_table_in_place_of_a_value_is_named() {
+        let text = "kind = \"process\"\n[process]\ncommand = [\"true\"]\n[[process.channels]]\nname = \"z_m\"\n";
+        let refused = SimulationFile::parse(Path::new("scene.toml"), text).unwrap_err().to_string();
+        assert!(refused.starts_with("scene.toml:4:11: `process.channels`: expected "), "{refused}");
+        assert!(refused.ends_with(", found a table"), "{refused}");
+    }
+
     /// A list of keys and a struct are two descriptions of one file.
     #[test]
     fn every_key_is_a_field_of_the_scene() {
