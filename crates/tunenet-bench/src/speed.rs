@@ -118,7 +118,7 @@ pub fn run(options: &BenchSpeed) -> Result<Exit> {
     rows.extend(videos.rows());
     if options.common.json {
         // For whoever keeps both of one run.
-        note(&table(&rows));
+        table(&rows).lines().for_each(note);
         print_json(&json!({
             "schema": "tunenet.bench.speed/1",
             "ball": { "mean_frames_s": mean, "worst_frames_s": worst, "worst_restitution": worst_restitution },
