@@ -112,7 +112,7 @@ fn train_goes_on_after_a_kill() {
     };
     survives(&run, &|folder| {
         folder.write("drop.toml", DROP);
-        folder.run("gen ball --sim drop.toml --pairs 12000 --out pairs.mcap").ends(0);
+        folder.run("gen ball --sim drop.toml --pairs 7000 --out pairs.mcap").ends(0);
     });
 }
 
