@@ -17,9 +17,15 @@ pub(crate) fn outliers(places: &[usize], kept: bool) -> Check {
         return Check::passed(KIND, "no outliers");
     }
     let shown: Vec<String> = places.iter().take(4).map(|i| (i + 1).to_string()).collect();
-    let more = if places.len() > 4 { format!(" and {} others", places.len() - 4) } else { String::new() };
-    let fate = if kept { "was excluded" } else { "was kept, because too few would remain" };
-    Check::noticed(KIND, format!("sample {}{more} is an outlier and {fate}", shown.join(", ")), "correct or remove it")
+    let more = if places.len() > 4 { format!(" and {} more", places.len() - 4) } else { String::new() };
+    let shown = shown.join(", ");
+    let text = match (places.len(), kept) {
+        (1, true) => format!("sample {shown} is an outlier and was excluded"),
+        (1, false) => format!("sample {shown} is an outlier and was kept, because too few would remain"),
+        (_, true) => format!("samples {shown}{more} are outliers and were excluded"),
+        (_, false) => format!("samples {shown}{more} are outliers and were kept, because too few would remain"),
+    };
+    Check::noticed(KIND, text, "correct or remove it")
 }
 
 /// Where the values stand still while the ball must move on: within the record (`inside`), at its end, or at the border of

@@ -7,6 +7,7 @@ mod check;
 mod event_noise;
 mod header;
 mod local;
+mod local_parabola;
 mod noise;
 mod note;
 mod number;

@@ -1,6 +1,7 @@
-//! Outliers by an order-statistic range and by local linear interpolation: single samples that cannot belong to the motion, such as a
-//! tracker that jumped for one frame, or a digit too many.
+//! Outliers by an order-statistic range, by local linear interpolation and by leave-one-out residuals of local parabolas: single
+//! samples that cannot belong to the motion, such as a tracker that jumped for one frame, or a digit too many.
 
+use super::local_parabola::{Channel, SPANNING};
 use super::{FEWEST_SAMPLES, Observation, noise_sd};
 
 /// Share of the samples on either side that the usual range leaves out.
@@ -13,9 +14,33 @@ const OFF_STEPS: f64 = 1.5;
 /// ... and this share of the range of the others.
 const OFF_SHARE: f64 = 0.01;
 
+/// Off a parabola by less than this share of the range may be a short flight between two impacts.
+const OFF_PARABOLA: f64 = 0.03;
+/// Passes with parabolas, each without the samples found before: more outliers in one neighbourhood are motion.
+const PASSES: usize = 8;
+/// A jump for so many samples is still an accident.
+const LONGEST_RUN: usize = 2;
+
+/// The places marked in runs of at most `longest`.
+fn runs_of_at_most(longest: usize, marked: &[bool]) -> Vec<usize> {
+    let mut all = Vec::new();
+    let mut run = Vec::new();
+    for i in 0..=marked.len() {
+        if i < marked.len() && marked[i] {
+            run.push(i);
+        } else if run.len() <= longest {
+            all.append(&mut run);
+        } else {
+            run.clear();
+        }
+    }
+    all
+}
+
 impl Observation {
     /// The samples (from 0) that leap out of the range of the others by more than that whole range, or off their neighbours'
-    /// line by more than noise and motion can, and are back at the next sample. Two or more in a row are motion, however strange, and stay.
+    /// line by more than noise and motion can, and are back at the next sample; and those off the parabola on which the
+    /// samples before and after them lie, at most two in a row. More in a row are motion, however strange, and stay.
     #[must_use]
     pub fn outliers(&self) -> Vec<usize> {
         let mut ranges = Vec::new();
@@ -35,8 +60,30 @@ impl Observation {
             outside.iter().any(|c| c[i])
                 || (0..sd.len()).any(|c| self.stands_out(i, c, OFF_NOISE * sd[c] + OFF_SHARE * ranges[c]))
         };
-        let alone = |&i: &usize| leaps(i) && (i == 0 || !leaps(i - 1)) && (i + 1 == self.len() || !leaps(i + 1));
-        (0..self.len()).filter(alone).collect()
+        let alone = |i: usize| leaps(i) && (i == 0 || !leaps(i - 1)) && (i + 1 == self.len() || !leaps(i + 1));
+        let mut outlying: Vec<bool> = (0..self.len()).map(alone).collect();
+        let channels: Vec<Channel<'_>> = (0..sd.len())
+            .filter(|&c| ranges[c] > 0.0)
+            .map(|c| Channel::new(self.clock(), self.column(c).collect(), sd[c], OFF_PARABOLA * ranges[c]))
+            .collect();
+        // The worst of each neighbourhood goes first, and no longer bends the parabolas of those beside it.
+        for _ in 0..PASSES {
+            let deviation = |i: usize| channels.iter().filter_map(|c| c.deviation(i, &outlying)).reduce(f64::max);
+            let off: Vec<f64> =
+                (0..self.len()).map(|i| if outlying[i] { 0.0 } else { deviation(i).unwrap_or(0.0) }).collect();
+            let worst = |i: usize| {
+                let (low, high) = (i.saturating_sub(SPANNING), (i + SPANNING + 1).min(off.len()));
+                off[i] > 0.0 && off[low..high].iter().all(|other| *other <= off[i])
+            };
+            let found: Vec<usize> = (0..self.len()).filter(|&i| worst(i)).collect();
+            if found.is_empty() {
+                break;
+            }
+            for i in found {
+                outlying[i] = true;
+            }
+        }
+        runs_of_at_most(LONGEST_RUN, &outlying)
     }
 
     /// Whether sample `i` lies off the line between its neighbours by far more than the noise, and by more than the motion
@@ -95,7 +142,7 @@ mod tests {
     #[test]
     fn motion_is_not() {
         assert!(drop(&[]).outliers().is_empty());
-        assert!(drop(&[(40, 5.0), (41, 5.0)]).outliers().is_empty(), "two in a row");
+        assert!(drop(&[(40, 5.0), (41, 5.0), (42, 5.0)]).outliers().is_empty(), "three in a row");
         assert_eq!(drop(&[(20, 0.5)]).outliers(), [20], "within the range, but off the path");
         assert!(drop(&[]).without(&[]).is_none());
     }
