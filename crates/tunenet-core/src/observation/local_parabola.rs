@@ -47,15 +47,19 @@ impl<'a> Channel<'a> {
         let after: Vec<usize> = (i + 1..self.values.len()).filter(|&k| !without[k]).take(SPANNING).collect();
         let side = |side: &[usize]| (side.len() > ONE_SIDED).then(|| self.off_all(i, &side[..=ONE_SIDED], 0)).flatten();
         // The last sample may be the first one after an impact.
-        if before.is_empty() || after.is_empty() {
-            return if before.is_empty() { side(&after) } else { None };
+        if after.is_empty() {
+            return None;
+        }
+        let step = |a: usize, b: usize| (self.values[a] - self.values[b]).abs();
+        let steps = |side: &[usize]| side.windows(2).take(2).map(|pair| step(pair[0], pair[1])).fold(0.0, f64::max);
+        // The first sample may be of a body that is still held.
+        if before.is_empty() {
+            return side(&after).filter(|_| step(i, after[0]) > steps(&after));
         }
         if !self.is_suspicious(i, before[0], after[0]) {
             return None;
         }
         // A flight of one sample between two impacts is off both, by less than one step of the motion.
-        let step = |a: usize, b: usize| (self.values[a] - self.values[b]).abs();
-        let steps = |side: &[usize]| side.windows(2).take(2).map(|pair| step(pair[0], pair[1])).fold(0.0, f64::max);
         let longest = steps(&before).max(steps(&after));
         let both = side(&before).zip(side(&after)).map(|(a, b)| a.min(b)).filter(|off| *off > longest);
         if self.continues(i, &before) || self.continues(i, &after) {
@@ -184,5 +188,15 @@ mod tests {
             assert_eq!(most, Some(i));
             assert!((deviation(i) - 0.1).abs() < 0.02, "sample {i}: {}", deviation(i));
         }
+    }
+
+    /// Held for one sample more, then thrown upwards at 6 m/s.
+    #[test]
+    fn a_body_that_is_still_held_is_not_off() {
+        let clock: Vec<f64> = (0..20).map(|i| f64::from(i) / 60.0).collect();
+        let height = |t: f64| 3.0 + 6.0 * t - 0.5 * 9.81 * t * t;
+        let values = clock.iter().map(|t| height((t - clock[1]).max(0.0))).collect();
+        let channel = Channel::new(&clock, values, 0.0003, 0.01);
+        assert_eq!(channel.deviation(0, &[false; 20]), None);
     }
 }
