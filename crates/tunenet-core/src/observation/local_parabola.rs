@@ -59,7 +59,7 @@ impl<'a> Channel<'a> {
         if !self.is_suspicious(i, before[0], after[0]) {
             return None;
         }
-        // A flight of one sample between two impacts is off both, by less than one step of the motion.
+        // A motion of one sample between two impacts is off both, by less than one step of the motion.
         let longest = steps(&before).max(steps(&after));
         let both = side(&before).zip(side(&after)).map(|(a, b)| a.min(b)).filter(|off| *off > longest);
         if self.continues(i, &before) || self.continues(i, &after) {
@@ -89,9 +89,9 @@ impl<'a> Channel<'a> {
     /// outlier itself, with at least `beside` left on either side; `None` where it is on one of them, or no parabola fits.
     fn off_all(&self, i: usize, neighbours: &[usize], beside: usize) -> Option<f64> {
         let mut least = None;
-        for dropped in 0..neighbours.len() {
+        for left_out in 0..neighbours.len() {
             let kept: Vec<usize> =
-                neighbours.iter().enumerate().filter(|(k, _)| *k != dropped).map(|(_, &k)| k).collect();
+                neighbours.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, &k)| k).collect();
             let before = kept.iter().filter(|k| **k < i).count();
             if before.min(kept.len() - before) < beside {
                 continue;
@@ -143,8 +143,8 @@ impl<'a> Channel<'a> {
 mod tests {
     use super::*;
 
-    /// Bounces of restitution 0.7 from 1 m at 30 Hz, without noise.
-    fn bounces() -> (Vec<f64>, Vec<f64>) {
+    /// A fall from 1 m onto a surface that returns 0.7 of the speed, at 30 Hz, without noise.
+    fn impacts() -> (Vec<f64>, Vec<f64>) {
         let g = 9.81;
         let clock: Vec<f64> = (0..60).map(|i| f64::from(i) / 30.0).collect();
         let height = |t: f64| {
@@ -155,11 +155,11 @@ mod tests {
             }
             loop {
                 speed *= 0.7;
-                let flight = 2.0 * speed / g;
-                if t < start + flight {
+                let duration = 2.0 * speed / g;
+                if t < start + duration {
                     return (t - start) * (speed - 0.5 * g * (t - start));
                 }
-                start += flight;
+                start += duration;
             }
         };
         let values = clock.iter().map(|t| height(*t)).collect();
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn motion_with_impacts_is_never_off() {
-        let (clock, values) = bounces();
+        let (clock, values) = impacts();
         for noise_sd in [0.0, 0.002, 0.01] {
             let channel = Channel::new(&clock, values.clone(), noise_sd, 0.01);
             assert!((0..values.len()).all(|i| channel.deviation(i, &[false; 60]).is_none()));
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn a_tenth_of_the_height_is_off_but_beside_an_impact() {
-        let (clock, values) = bounces();
+        let (clock, values) = impacts();
         // The first impact is at 0.45 s, between samples 13 and 14.
         for i in [0, 1, 5, 9, 11, 16, 19, 22] {
             let mut damaged = values.clone();
@@ -190,7 +190,7 @@ mod tests {
         }
     }
 
-    /// Held for one sample more, then thrown upwards at 6 m/s.
+    /// Held for one sample more, then let go upwards at 6 m/s.
     #[test]
     fn a_body_that_is_still_held_is_not_off() {
         let clock: Vec<f64> = (0..20).map(|i| f64::from(i) / 60.0).collect();

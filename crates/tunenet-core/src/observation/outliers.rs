@@ -14,7 +14,7 @@ const OFF_STEPS: f64 = 1.5;
 /// ... and this share of the range of the others.
 const OFF_SHARE: f64 = 0.01;
 
-/// Off a parabola by less than this share of the range may be a short flight between two impacts.
+/// Off a parabola by less than this share of the range may be a short motion between two impacts.
 const OFF_PARABOLA: f64 = 0.03;
 /// Passes with parabolas, each without the samples found before: more outliers in one neighbourhood are motion.
 const PASSES: usize = 8;
