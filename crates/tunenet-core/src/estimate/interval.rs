@@ -51,9 +51,19 @@ pub struct ScaleEstimate {
 }
 
 impl ScaleEstimate {
-    /// The scale estimate of `fit`'s residuals.
+    /// The scale estimate of `fit`'s residuals; for event times, whose errors may add up, from two variance components.
     #[must_use]
     pub fn of(problem: &Problem, fit: &Fit) -> Self {
+        let alone = Self::of_single_errors(problem, fit);
+        match problem.accumulated_inflation(fit, alone.variance) {
+            Ok(Some(accumulated)) => Self { inflation: accumulated.max(alone.inflation), ..alone },
+            _ => alone,
+        }
+    }
+
+    /// As [`of`](ScaleEstimate::of) where no errors add up.
+    #[must_use]
+    pub(crate) fn of_single_errors(problem: &Problem, fit: &Fit) -> Self {
         let width = problem.simulator.channels().len();
         let count = fit.residuals.iter().map(|r| moving(r, width) * r.len() / width).sum::<usize>();
         let fitted = problem.free.len() + fit.point.nuisances.iter().map(Vec::len).sum::<usize>();

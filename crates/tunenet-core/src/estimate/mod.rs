@@ -14,6 +14,7 @@
 //! | `contour_ray` | regula falsi with bisection |
 //! | `misfit_grid` | grid of profiled misfits |
 //! | `information`, `cluster_robust` | Fisher information; cluster-robust covariance |
+//! | `variance_components` | restricted likelihood of two variance components |
 //! | `adequacy` | residual against noise |
 //! | `projection`, `canonical_correlation` | Frisch–Waugh projection; correlation of two spans |
 //! | `information_criterion` | Bayesian information criterion |
@@ -38,6 +39,7 @@ pub(crate) mod problem;
 mod profile;
 pub(crate) mod projection;
 mod region;
+mod variance_components;
 
 pub use adequacy::Adequacy;
 pub use contour::{Contour, contour};
