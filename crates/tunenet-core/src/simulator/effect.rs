@@ -77,6 +77,9 @@ pub struct Effect {
     /// What is wrong in the simulation, rather than missing from it, and looks the same: an effect that leaves more than noise is
     /// then not named alone.
     pub feigned_by: Option<&'static str>,
+    /// Largest share of the forecast error without it that may remain with it: above, it is not named alone from few recordings,
+    /// because causes that are no effect resemble it. 1 where none do.
+    pub forecast_share: f64,
 }
 
 impl Effect {
@@ -131,6 +134,7 @@ mod tests {
             plausible_rests_on: &[],
             implausible: None,
             feigned_by: None,
+            forecast_share: 1.0,
         };
         assert!(effect(0.03, 0.4).required() && effect(-2.0, -1.0).required());
         assert!(!effect(0.0, 0.4).required() && !effect(-1.0, 1.0).required());

@@ -232,6 +232,7 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         plausible_rests_on: &[],
         implausible: None,
         feigned_by: None,
+        forecast_share: 1.0,
     }
 }
 

@@ -27,6 +27,9 @@ const FEIGNED: f64 = 1.15;
 const MANY_EFFECTS: usize = 3;
 const RECORDINGS_FOR_EACH: usize = 2;
 
+/// So few recordings cannot distinguish an effect from causes that are in no catalogue, unless it betters the forecast by far.
+const FEW_RECORDINGS: usize = 4;
+
 /// Why effects that the evidence distinguishes from all others are not named alone.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Doubt {
@@ -34,6 +37,8 @@ pub enum Doubt {
     DiscrepancyRemains,
     /// They worsen the forecast of held-out recordings.
     ForecastWorse,
+    /// Few recordings show them, which they forecast hardly better, and causes that are no effect resemble them.
+    ForecastHardlyBetter,
     /// Draws of a random effect depend on their recording or on the motion.
     DrawsNotRandom,
     /// A random effect, which can imitate much, explains little.
@@ -65,6 +70,7 @@ impl fmt::Display for Doubt {
         let text = match self {
             Self::DiscrepancyRemains => "a discrepancy beyond noise remains that no effect explains",
             Self::ForecastWorse => "the forecast of held-out recordings gets worse with it",
+            Self::ForecastHardlyBetter => "few recordings show it, and something in no catalogue could look the same",
             Self::DrawsNotRandom => "deflections at contacts depend on the recording or on the motion",
             Self::RandomAndWeak => "chance at contacts can imitate much, and explains little here",
             Self::ManyEffects => "so many effects can imitate another one in so few recordings",
@@ -133,9 +139,17 @@ pub(in crate::diagnose) fn validation_doubt(
     if p_value_of_draws(context, best, after) < DRAWS_SIGNIFICANCE {
         return Some(Doubt::DrawsNotRandom);
     }
-    let (before, after) = (before?, after?);
+    let shares = found.places.iter().map(|place| context.catalogue[place.entry].of[0].forecast_share);
+    forecast_doubt((before?, after?), fitted, shares.fold(0.0, f64::max), context.sets().len())
+}
+
+/// What held-out recordings say of effects that leave `fitted` of those that were fitted, so many, and may leave this `share` of the
+/// forecast error if those are few.
+fn forecast_doubt((before, after): (&HeldOut, &HeldOut), fitted: f64, share: f64, recordings: usize) -> Option<Doubt> {
     if after.forecast > before.forecast {
         Some(Doubt::ForecastWorse)
+    } else if recordings <= FEW_RECORDINGS && after.forecast > share * before.forecast {
+        Some(Doubt::ForecastHardlyBetter)
     } else if after.rmse > HELD_OUT_OVER_FITTED * fitted {
         Some(Doubt::HeldOutUnexplained)
     } else {
@@ -165,6 +179,10 @@ mod tests {
             assert_eq!(doubt(&after, true), Some(Doubt::DiscrepancyRemains));
             let worse = HeldOut { forecast: 1.01 * before.forecast, ..after.clone() };
             assert_eq!(doubt(&worse, false), Some(Doubt::ForecastWorse));
+            let half = HeldOut { forecast: 0.5 * before.forecast, ..after.clone() };
+            let imitated = |share, recordings| forecast_doubt((&before, &half), NOISE_RAD, share, recordings);
+            assert_eq!(imitated(0.4, 4), Some(Doubt::ForecastHardlyBetter));
+            assert_eq!((imitated(0.4, 5), imitated(0.6, 4)), (None, None));
             let unexplained = HeldOut { rmse: 1.3 * NOISE_RAD, ..after };
             assert_eq!(doubt(&unexplained, false), Some(Doubt::HeldOutUnexplained));
         });

@@ -36,6 +36,7 @@ fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64
         plausible_rests_on: &[],
         implausible: None,
         feigned_by: None,
+        forecast_share: 1.0,
     }
 }
 

@@ -77,6 +77,7 @@ impl MeasurementEffect {
             plausible_rests_on: &[],
             implausible: None,
             feigned_by: None,
+            forecast_share: 1.0,
         }
     }
 }

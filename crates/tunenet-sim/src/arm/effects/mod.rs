@@ -96,6 +96,7 @@ impl ArmEffect {
             plausible_rests_on: &[],
             implausible: None,
             feigned_by: FEIGNED_BY_LINKS.contains(&self.name).then_some(WRONG_LINKS),
+            forecast_share: 1.0,
         }
     }
 

@@ -12,6 +12,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 1.5)],
     sentence: "sliding friction at contacts slows the ball and spins it: Coulomb's mu, added to `friction`",
     mistaken_for: &["tangential_restitution", "quadratic_drag", "linear_drag", "bounce_scatter"],
+    forecast_share: 1.0,
     implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |scene, c| scene.friction += c[0],

@@ -13,6 +13,8 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 0.3)],
     sentence: "each bounce deflects the ball at random, as if the surface were tilted anew (a ball that is not round)",
     mistaken_for: &["surface_tilt", "bounce_friction"],
+    // Anything that happens once in a while.
+    forecast_share: 0.7,
     implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |_, _| {},

@@ -11,6 +11,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 0.05)],
     sentence: "the contact lasts: the ball dips into the surface and leaves it this much later",
     mistaken_for: &["observation_blur", "speed_dependent_restitution"],
+    forecast_share: 1.0,
     implausible: |_| None,
     shows_in_bounce_times: true,
     apply: |scene, c| scene.contact.duration_s += c[0],

@@ -30,6 +30,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         "linear_drag",
         "rolling_shutter",
     ],
+    forecast_share: 1.0,
     implausible: |_| None,
     shows_in_bounce_times: true,
     apply: |scene, c| scene.flight.effective_gravity_m_s2 += c[0],

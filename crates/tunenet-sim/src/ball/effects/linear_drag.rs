@@ -23,6 +23,8 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         "tangential_restitution",
         "bounce_friction",
     ],
+    // Any other law of drag.
+    forecast_share: 0.55,
     // Stokes' law holds below a Reynolds number 2 v r / ν of 1; with ν = 1.5e-5 m²/s of air, a ball of 1 cm moves at less
     // than a millimetre a second then.
     implausible: |body| {

@@ -94,6 +94,8 @@ pub struct BallEffect {
     pub sentence: &'static str,
     /// Effects that some recordings cannot distinguish from it.
     pub mistaken_for: &'static [&'static str],
+    /// Largest share of the forecast error that may remain where few recordings show it; see [`Effect::forecast_share`].
+    pub forecast_share: f64,
     /// Why it is not to be expected of this ball where something else explains its recordings as well.
     pub implausible: fn(&Body) -> Option<&'static str>,
     /// Whether the bounce times of a vertical drop show it.
@@ -140,6 +142,7 @@ impl BallEffect {
             mistaken_for: self.mistaken_for,
             implausible: (self.implausible)(body),
             feigned_by: None,
+            forecast_share: self.forecast_share,
         }
     }
 }

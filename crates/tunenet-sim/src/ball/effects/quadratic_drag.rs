@@ -26,6 +26,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
         "tangential_restitution",
         "bounce_friction",
     ],
+    forecast_share: 1.0,
     implausible: |_| None,
     shows_in_bounce_times: true,
     apply: |scene, c| scene.flight.quadratic_drag_1_m += c[0],

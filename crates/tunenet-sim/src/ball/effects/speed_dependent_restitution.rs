@@ -13,6 +13,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 0.5)],
     sentence: "restitution depends on the impact speed: e(v) = e (v / 3 m/s)^(-exponent)",
     mistaken_for: &["quadratic_drag", "linear_drag", "contact_time"],
+    forecast_share: 1.0,
     implausible: |_| None,
     shows_in_bounce_times: true,
     apply: |scene, c| scene.contact.restitution_exponent += c[0],

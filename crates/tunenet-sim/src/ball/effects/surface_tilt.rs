@@ -14,6 +14,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(-0.3, 0.3); 2],
     sentence: "the surface is not level: every bounce turns the ball downhill",
     mistaken_for: &["camera_tilt", "wind", "bounce_scatter", "rolling_resistance"],
+    forecast_share: 1.0,
     implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |scene, c| {

@@ -12,6 +12,7 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(0.0, 2.0)],
     sentence: "each bounce takes this share of the speed with which the ball's skin slips along the surface",
     mistaken_for: &["bounce_friction", "quadratic_drag", "linear_drag"],
+    forecast_share: 1.0,
     implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |scene, c| scene.contact.tangential_loss += c[0],

@@ -14,6 +14,8 @@ pub(super) const EFFECT: BallEffect = BallEffect {
     plausible: |_| vec![(-5.0, 5.0); 2],
     sentence: "a steady push drives the ball sideways in flight",
     mistaken_for: &["magnus", "camera_tilt", "surface_tilt"],
+    // A surface that moves, or a draught that changes with height.
+    forecast_share: 0.3,
     implausible: |_| None,
     shows_in_bounce_times: false,
     apply: |scene, c| (0..2).for_each(|axis| scene.flight.wind_m_s2[axis] += c[axis]),
