@@ -39,6 +39,8 @@ pub(crate) fn error_text(error: &Error) -> (String, String) {
 pub(crate) struct Made {
     pub topic: &'static str,
     pub schema: &'static str,
+    /// The text of the schema.
+    pub definition: &'static str,
     pub encoding: &'static str,
     /// Log time in ns and bytes.
     pub messages: Vec<(u64, Vec<u8>)>,
@@ -48,8 +50,8 @@ pub(crate) fn bag(compression: Option<Compression>, topics: &[Made]) -> Vec<u8> 
     let mut bytes = Vec::new();
     let options = WriteOptions::new().compression(compression).chunk_size(Some(4096)).compression_threads(0);
     let mut writer = options.create(Cursor::new(&mut bytes)).unwrap();
-    for Made { topic, schema, encoding, messages } in topics {
-        let schema = writer.add_schema(schema, "ros2msg", b"text").unwrap();
+    for Made { topic, schema, definition, encoding, messages } in topics {
+        let schema = writer.add_schema(schema, "ros2msg", definition.as_bytes()).unwrap();
         let channel_id = writer.add_channel(schema, topic, encoding, &BTreeMap::new()).unwrap();
         for (sequence, (log_time, data)) in (0..).zip(messages) {
             let header = MessageHeader { channel_id, sequence, log_time: *log_time, publish_time: *log_time };
@@ -102,7 +104,7 @@ pub(crate) fn made(
         let ns = 1_000_000_000 + 10_000_000 * i64::from(i);
         (ns.unsigned_abs() + 500, message(ns, f64::from(i)))
     });
-    Made { topic, schema, encoding: "cdr", messages: messages.collect() }
+    Made { topic, schema, definition: "text", encoding: "cdr", messages: messages.collect() }
 }
 
 pub(crate) fn ball(count: u32) -> Made {

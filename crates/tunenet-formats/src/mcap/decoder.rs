@@ -14,11 +14,12 @@ pub(crate) enum Decoder {
 impl Decoder {
     /// For a channel, or why there is none.
     pub fn of(channel: &ChannelInfo) -> std::result::Result<Self, String> {
-        match channel.message_encoding.as_str() {
-            "cdr" => ros::Type::of(&channel.schema_name).map(Self::Cdr).ok_or_else(|| NOTHING.to_owned()),
-            "json" => Ok(Self::Json),
-            "" => Err("has no message encoding: expected `cdr` or `json`".into()),
-            other => Err(format!("has the message encoding `{other}`: expected `cdr` or `json`")),
+        match (channel.message_encoding.as_str(), &channel.contradiction) {
+            ("cdr", Some(contradiction)) => Err(contradiction.clone()),
+            ("cdr", None) => ros::Type::of(&channel.schema_name).map(Self::Cdr).ok_or_else(|| NOTHING.to_owned()),
+            ("json", _) => Ok(Self::Json),
+            ("", _) => Err("has no message encoding: expected `cdr` or `json`".into()),
+            (other, _) => Err(format!("has the message encoding `{other}`: expected `cdr` or `json`")),
         }
     }
 

@@ -5,6 +5,7 @@ mod definitions;
 mod joints;
 mod json;
 pub(crate) mod message;
+mod message_definition;
 pub mod pictures;
 pub(crate) mod records;
 pub(crate) mod ros;

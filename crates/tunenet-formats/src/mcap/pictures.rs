@@ -217,7 +217,7 @@ mod tests {
     }
 
     fn made(topic: &'static str, data: Vec<u8>) -> Made {
-        Made { topic, schema: "sensor_msgs/msg/Image", encoding: "cdr", messages: vec![(7, data)] }
+        Made { topic, schema: "sensor_msgs/msg/Image", definition: "text", encoding: "cdr", messages: vec![(7, data)] }
     }
 
     #[test]

@@ -13,6 +13,7 @@ use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, records::op};
 
+use super::message_definition::contradiction;
 use super::whole_chunks::{PIECE, WholeChunks};
 use crate::shown::{counted, shell_word};
 use crate::source::open;
@@ -48,6 +49,8 @@ pub(crate) struct ChannelInfo {
     pub message_encoding: String,
     /// Empty where there is no schema.
     pub schema_name: String,
+    /// What the schema's text says that contradicts its name.
+    pub contradiction: Option<String>,
 }
 
 /// One message, not decoded.
@@ -64,7 +67,8 @@ pub(crate) struct Messages {
     path: PathBuf,
     file: WholeChunks<File>,
     reader: LinearReader,
-    schemas: BTreeMap<u16, String>,
+    /// The name of each schema, and what its text says against it.
+    schemas: BTreeMap<u16, (String, Option<String>)>,
     channels: BTreeMap<u16, Arc<ChannelInfo>>,
     library: String,
     profile: String,
@@ -194,18 +198,20 @@ impl Messages {
     fn take(&mut self, record: Record<'static>) -> std::result::Result<Option<RawMessage>, McapError> {
         match record {
             Record::Header(header) => (self.profile, self.library) = (header.profile, header.library),
-            Record::Schema { header, .. } => {
-                self.schemas.insert(header.id, header.name);
+            Record::Schema { header, data } => {
+                let contradiction = contradiction(&header.name, &header.encoding, &data);
+                self.schemas.insert(header.id, (header.name, contradiction));
             }
             Record::Channel(channel) => {
                 // The summary at the end repeats every channel.
-                let schema_name = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                let (schema_name, contradiction) = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
                 self.channels.entry(channel.id).or_insert_with(|| {
                     Arc::new(ChannelInfo {
                         id: channel.id,
                         topic: channel.topic,
                         message_encoding: channel.message_encoding,
                         schema_name,
+                        contradiction,
                     })
                 });
             }

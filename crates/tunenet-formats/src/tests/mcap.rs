@@ -23,7 +23,7 @@ fn asked(topics: &[Made], topic: &str) -> crate::Result<Recording> {
 fn json(topic: &'static str, texts: &[String]) -> Made {
     let messages =
         (0..).zip(texts).map(|(i, text)| (1_000_000_000 + i * 10_000_000, text.clone().into_bytes())).collect();
-    Made { topic, schema: "any.Name", encoding: "json", messages }
+    Made { topic, schema: "any.Name", definition: "text", encoding: "json", messages }
 }
 
 fn chatter() -> Made {
@@ -116,6 +116,13 @@ fn a_file_without_a_usable_topic_says_what_is_there() {
         "a.mcap: no topic carries positions, joints or bounces: found `/ball/point` (PointStamped, 3 messages); \
          `/ball/point` has the message encoding `wrong_format`: \
          expected `cdr` or `json`"
+    );
+    let narrow = "geometry_msgs/Point point\n====\nMSG: geometry_msgs/Point\nfloat32 x\nfloat32 y\nfloat32 z\n";
+    assert_eq!(
+        bad(&[Made { definition: narrow, ..ball(3) }]).0,
+        "a.mcap: no topic carries positions, joints or bounces: found `/ball/point` (PointStamped, 3 messages); \
+         `/ball/point` defines geometry_msgs/Point as `float32 x, float32 y, float32 z`: \
+         expected `float64 x, float64 y, float64 z`"
     );
     assert_eq!(bad(&[]).0, "a.mcap: no topic carries positions, joints or bounces: the file has no topics");
     assert_eq!(
