@@ -19,7 +19,7 @@ const GREATEST_RATIO: f64 = 1e8;
 const RATIOS: i32 = 31;
 /// Singular values of the derivatives below this share of the largest belong to what the events do not determine.
 const LEAST_SINGULAR: f64 = 1e-7;
-/// Lists longer than this are thinned to about as many events: what they tell of the ratio is enough.
+/// Lists longer than this are thinned to about as many events: they determine the ratio well enough.
 const MOST_EVENTS: usize = 60;
 
 /// The events of one recording: their derivatives, residuals, and how the scatter of each shifts the others.

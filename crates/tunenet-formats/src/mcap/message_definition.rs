@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn other_types_under_a_known_name_are_told() {
+    fn other_types_under_a_known_name_are_refused() {
         let other = POINT_STAMPED.replace("float64 x", "float32 x  # m");
         assert_eq!(
             contradiction(POINT, "ros2msg", other.as_bytes()).unwrap(),
