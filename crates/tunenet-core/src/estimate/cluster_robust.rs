@@ -11,8 +11,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::block_arrow::inverse;
-use super::output_error::{Fit, Problem};
-use crate::Result;
+use super::output_error::{Fit, Linearisation, Problem};
 use crate::statistics::dot;
 
 /// Stretches of a driven recording: long compared with the residual's correlation time, and enough of them for a variance.
@@ -95,17 +94,14 @@ pub(super) struct RobustScale {
 impl Problem<'_> {
     /// The scale by stretches of the recordings at `fit`, whose white residuals have this `variance`; `None` where it does not
     /// apply: nothing drove the recordings, or nothing is free.
-    ///
-    /// # Errors
-    /// Where the simulator refuses.
-    pub(super) fn robust_scale(&self, fit: &Fit, variance: f64) -> Result<Option<RobustScale>> {
+    pub(super) fn robust_scale(&self, fit: &Fit, linear: &Linearisation, variance: f64) -> Option<RobustScale> {
         let n = self.free.len();
         if n == 0 || variance <= 0.0 || self.recordings.iter().any(|r| r.input.is_none() || !r.nuisances.is_empty()) {
-            return Ok(None);
+            return None;
         }
         let places: Vec<usize> = (0..n).collect();
         let mut scores = Vec::new();
-        for ((one, residual), noise) in self.jacobian(fit)?.iter().zip(&fit.residuals).zip(self.noise) {
+        for ((one, residual), noise) in linear.columns.iter().zip(&fit.residuals).zip(self.noise) {
             for range in stretches(residual.len(), noise.len()) {
                 let columns: Vec<&[f64]> = one.shared.iter().map(|column| &column[range.clone()]).collect();
                 scores.push(Score::new(scores.len(), &places, &columns, &residual[range]));
@@ -113,13 +109,13 @@ impl Problem<'_> {
         }
         let degrees_of_freedom = scores.len() as f64 - n as f64;
         if degrees_of_freedom < 1.0 {
-            return Ok(None);
+            return None;
         }
         let ClusterRobust { covariance, model_based, .. } = ClusterRobust::new(&scores, n);
         let correction = scores.len() as f64 / degrees_of_freedom;
         let ratio = |i: usize| covariance[(i, i)] * correction / (model_based[(i, i)] * variance);
         let inflation = (0..n).map(ratio).filter(|r| r.is_finite()).fold(1.0, f64::max);
-        Ok(Some(RobustScale { inflation, degrees_of_freedom }))
+        Some(RobustScale { inflation, degrees_of_freedom })
     }
 }
 

@@ -25,8 +25,13 @@ pub struct Contour {
 /// The joint region of the free parameters number `i` and `j` at `level` around `fit`, and the rollouts it took. `None`
 /// where the data leave one of them, or a combination of both, without any curvature.
 #[must_use]
-pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64) -> Option<(Contour, usize)> {
-    let scale = ScaleEstimate::of(problem, fit);
+pub fn contour(
+    problem: &Problem,
+    fit: &Fit,
+    scale: &ScaleEstimate,
+    (i, j): (usize, usize),
+    level: f64,
+) -> Option<(Contour, usize)> {
     let widening = scale.variance * scale.inflation;
     let of = |a: usize, b: usize| fit.covariance[(a, b)] * widening;
     // Directions that the covariance makes equally long (its Cholesky factor) find the edge in few steps.
@@ -43,7 +48,7 @@ pub fn contour(problem: &Problem, fit: &Fit, (i, j): (usize, usize), level: f64)
     let ray = |turn: u32| {
         let (sine, cosine) = (std::f64::consts::TAU * f64::from(turn) / f64::from(RAYS)).sin_cos();
         let direction = [first * cosine, across * cosine + second * sine].map(|step| half_width * step);
-        Ray { problem, scale: &scale, positions, best: (&fit.point, fit.cost), origin, direction }.edge(quantile)
+        Ray { problem, scale, positions, best: (&fit.point, fit.cost), origin, direction }.edge(quantile)
     };
     let rays = (0..RAYS).into_par_iter().map(ray).collect::<Vec<_>>();
     let rollouts = rays.iter().map(|r| r.1).sum();

@@ -4,8 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::interval::ScaleEstimate;
-use super::output_error::{Fit, Problem};
-use crate::Result;
+use super::output_error::{Fit, Linearisation, Problem};
 
 /// A parameter has no influence where its own share of the curvature, the recordings' nuisance parameters fitted, is below this share
 /// of the whole ...
@@ -57,11 +56,9 @@ pub struct Information {
 
 impl Information {
     /// The information at `fit`.
-    ///
-    /// # Errors
-    /// Where the simulator refuses.
-    pub fn of(problem: &Problem, fit: &Fit, scale: &ScaleEstimate) -> Result<Self> {
-        let (schur, score, whole) = problem.curvature(fit)?;
+    #[must_use]
+    pub fn of(problem: &Problem, fit: &Fit, linear: &Linearisation, scale: &ScaleEstimate) -> Self {
+        let (schur, score, whole) = problem.curvature(fit, linear);
         let n = problem.free.len();
         let spans: Vec<f64> = problem.free.iter().map(|&i| problem.simulator.parameters()[i].span()).collect();
         let live: Vec<usize> = (0..n)
@@ -101,7 +98,7 @@ impl Information {
         }
         directions.extend(plain(null).into_iter().map(|axis| Direction { axis, null: true }));
         directions.retain(|d| d.parts().len() > 1);
-        Ok(Self { covariance, directions, score })
+        Self { covariance, directions, score }
     }
 }
 

@@ -2,7 +2,7 @@
 //! chapter 6).
 
 use super::misfit_grid::GridPoint;
-use super::output_error::{Fit, Problem};
+use super::output_error::{Fit, Linearisation, Problem};
 use super::problem::{Point, robust_scale};
 use crate::Result;
 use crate::simulator::Prepared;
@@ -53,17 +53,31 @@ pub struct ScaleEstimate {
 impl ScaleEstimate {
     /// The scale estimate of `fit`'s residuals; for event times, whose errors may add up, from two variance components.
     #[must_use]
-    pub fn of(problem: &Problem, fit: &Fit) -> Self {
-        let alone = Self::of_single_errors(problem, fit);
-        match problem.accumulated_inflation(fit, alone.variance) {
-            Ok(Some(accumulated)) => Self { inflation: accumulated.max(alone.inflation), ..alone },
-            _ => alone,
+    pub fn of(problem: &Problem, fit: &Fit, linear: &Linearisation) -> Self {
+        let alone = Self::of_single_errors(problem, fit, linear);
+        match problem.accumulated_inflation(fit, linear, alone.variance) {
+            Some(accumulated) => Self { inflation: accumulated.max(alone.inflation), ..alone },
+            None => alone,
         }
     }
 
-    /// As [`of`](ScaleEstimate::of) where no errors add up.
+    /// As [`of`](ScaleEstimate::of) where no errors add up: for recordings that an input drove, from stretches of them.
     #[must_use]
-    pub(crate) fn of_single_errors(problem: &Problem, fit: &Fit) -> Self {
+    pub(crate) fn of_single_errors(problem: &Problem, fit: &Fit, linear: &Linearisation) -> Self {
+        let alone = Self::of_residuals(problem, fit);
+        match problem.robust_scale(fit, linear, alone.variance) {
+            Some(blocks) => Self {
+                variance: alone.variance,
+                inflation: alone.inflation.max(blocks.inflation),
+                degrees_of_freedom: alone.degrees_of_freedom.min(blocks.degrees_of_freedom),
+            },
+            None => alone,
+        }
+    }
+
+    /// From the residuals alone: their size and their lag-one autocorrelation.
+    #[must_use]
+    pub(crate) fn of_residuals(problem: &Problem, fit: &Fit) -> Self {
         let width = problem.simulator.channels().len();
         let count = fit.residuals.iter().map(|r| moving(r, width) * r.len() / width).sum::<usize>();
         let fitted = problem.free.len() + fit.point.nuisances.iter().map(Vec::len).sum::<usize>();
@@ -79,15 +93,7 @@ impl ScaleEstimate {
         let rho = if bottom > 0.0 { top / bottom } else { 0.0 };
         let rho = if rho > 2.0 / (count as f64).sqrt() { rho.min(WORST_CORRELATION) } else { 0.0 };
         let variance = (squares / degrees_of_freedom).max(LEAST_VARIANCE);
-        let inflation = (1.0 + rho) / (1.0 - rho);
-        match problem.robust_scale(fit, variance) {
-            Ok(Some(blocks)) => Self {
-                variance,
-                inflation: inflation.max(blocks.inflation),
-                degrees_of_freedom: degrees_of_freedom.min(blocks.degrees_of_freedom),
-            },
-            _ => Self { variance, inflation, degrees_of_freedom },
-        }
+        Self { variance, inflation: (1.0 + rho) / (1.0 - rho), degrees_of_freedom }
     }
 
     /// Half-width of an interval of [`LEVEL`], in standard deviations.
@@ -173,13 +179,6 @@ impl Interval {
         let far = |end: End| end.bound && end.misfit < 1.0 && (end.value - value).abs() > OPEN_SHARE * span;
         far(self.low) || far(self.high)
     }
-}
-
-/// The 95 % interval of each free parameter as (low, high), and the rollouts that it took beyond the fit; see [`ends`].
-#[must_use]
-pub fn intervals(problem: &Problem, fit: &Fit) -> (Vec<(f64, f64)>, usize) {
-    let (all, rollouts) = ends(problem, fit, &ScaleEstimate::of(problem, fit));
-    (all.into_iter().map(|i| (i.low.value, i.high.value)).collect(), rollouts)
 }
 
 /// The 95 % interval of each free parameter, and the rollouts that it took beyond the fit.
@@ -372,13 +371,13 @@ mod tests {
         let (recordings, noise) = ([*prepared], [vec![sd]]);
         let problem = Problem { simulator: &simulator, recordings: &recordings, noise: &noise, free: &[0] };
         let fit = problem.fit(Point::start(&simulator, &recordings), 1.0).unwrap();
-        let (found, _) = intervals(&problem, &fit);
+        let scale = ScaleEstimate::of(&problem, &fit, &problem.linearise(&fit).unwrap());
+        let (found, _) = ends(&problem, &fit, &scale);
         let n = seen.len() as f64;
         let mean = seen.clock().iter().sum::<f64>() / n;
         let squares: f64 = seen.clock().iter().map(|t| (t - mean).powi(2)).sum();
-        let scale = ScaleEstimate::of(&problem, &fit);
         let half = scale.quantile() * sd * (scale.variance * scale.inflation / squares).sqrt();
-        let (low, high) = found[0];
+        let (low, high) = (found[0].low.value, found[0].high.value);
         assert!(((high - low) / 2.0 / half - 1.0).abs() < 1e-3, "{low} {high} {half}");
         assert!(low < 2.0 && 2.0 < high && (scale.quantile() / NORMAL_95 - 1.0).abs() < 0.02);
     }

@@ -72,6 +72,20 @@ impl LeastSquares for Window<'_> {
     }
 }
 
+/// The residuals at a fit, linear in every parameter: a column of derivatives for each.
+#[derive(Debug, Clone)]
+pub struct Linearisation {
+    pub(super) columns: Vec<Columns>,
+}
+
+impl Linearisation {
+    /// How many rollouts it took: one for each column of each recording.
+    #[must_use]
+    pub fn rollouts(&self) -> usize {
+        self.columns.iter().map(Columns::count).sum()
+    }
+}
+
 impl Problem<'_> {
     fn window(&self, horizon: f64) -> Window<'_> {
         Window { problem: self, recordings: (0..self.recordings.len()).collect(), horizon }
@@ -100,8 +114,8 @@ impl Problem<'_> {
     ///
     /// # Errors
     /// Where the simulator refuses both sides of a direction.
-    pub(super) fn jacobian(&self, fit: &Fit) -> Result<Vec<Columns>> {
-        jacobian(&self.window(1.0), &fit.point, &fit.residuals)
+    pub fn linearise(&self, fit: &Fit) -> Result<Linearisation> {
+        Ok(Linearisation { columns: jacobian(&self.window(1.0), &fit.point, &fit.residuals)? })
     }
 
     /// Fits from `start` over the first share `horizon` of each recording.
@@ -142,15 +156,11 @@ impl Problem<'_> {
     /// What the data say of the free parameters at `fit`, each recording's nuisance parameters fitted: the Schur complement of the
     /// normal equations (the inverse of a covariance for noise as stated), the slope of −cost along each parameter,
     /// and the diagonal before the nuisance parameters took their share. Bounds are ignored.
-    ///
-    /// # Errors
-    /// Where the simulator refuses.
-    pub(super) fn curvature(&self, fit: &Fit) -> Result<(DMatrix<f64>, DVector<f64>, DVector<f64>)> {
-        let columns = self.jacobian(fit)?;
+    pub(super) fn curvature(&self, fit: &Fit, linear: &Linearisation) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
         let scale = robust_scale(&fit.residuals);
-        let equations = normal_equations(&self.window(1.0), &columns, &fit.residuals, &fit.point, scale);
+        let equations = normal_equations(&self.window(1.0), &linear.columns, &fit.residuals, &fit.point, scale);
         let (schur, slope) = equations.reduced();
-        Ok((schur, slope, equations.shared.diagonal()))
+        (schur, slope, equations.shared.diagonal())
     }
 }
 

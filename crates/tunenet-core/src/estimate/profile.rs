@@ -47,10 +47,9 @@ impl Profile {
 /// The profile of the free parameter number `i` over `range` (cut to its bounds, and to where the simulator refuses) around
 /// `fit`, and the rollouts it took.
 #[must_use]
-pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> (Profile, usize) {
+pub fn profile(problem: &Problem, fit: &Fit, scale: &ScaleEstimate, i: usize, range: (f64, f64)) -> (Profile, usize) {
     let position = problem.free[i];
     let p = &problem.simulator.parameters()[position];
-    let scale = ScaleEstimate::of(problem, fit);
     let best = fit.point.parameters[position];
     let (mut costs, mut rollouts) = (vec![(best, fit.cost)], 0);
     for end in [range.0.max(p.min).min(best), range.1.min(p.max).max(best)] {
@@ -61,7 +60,7 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> (Pr
         for step in 1..=STEPS {
             point.parameters[position] = best + (end - best) * f64::from(step) / f64::from(STEPS);
             // The curve ends where the simulator refuses.
-            let Ok(there) = fit_with_fixed(problem, point, &[position], &scale) else { break };
+            let Ok(there) = fit_with_fixed(problem, point, &[position], scale) else { break };
             rollouts += there.rollouts;
             costs.push((there.point.parameters[position], there.cost));
             point = there.point;
@@ -70,7 +69,7 @@ pub fn profile(problem: &Problem, fit: &Fit, i: usize, range: (f64, f64)) -> (Pr
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let least = costs.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
     let curve = costs.into_iter().map(|(value, cost)| (value, scale.excess(cost - least))).collect();
-    (Profile { parameter: position, curve, cut50: cut(&scale, 0.5), cut95: cut(&scale, 0.95) }, rollouts)
+    (Profile { parameter: position, curve, cut50: cut(scale, 0.5), cut95: cut(scale, 0.95) }, rollouts)
 }
 
 fn cut(scale: &ScaleEstimate, level: f64) -> f64 {

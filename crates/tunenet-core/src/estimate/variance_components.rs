@@ -8,8 +8,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::output_error::{Fit, Problem};
-use crate::Result;
+use super::output_error::{Fit, Linearisation, Problem};
 use crate::observation::Kind;
 
 /// Ratios λ of the second component to the first that are averaged over, evenly spaced in their logarithm; below the least, the
@@ -45,15 +44,12 @@ impl Events {
 impl Problem<'_> {
     /// By how much the variance of the worst parameter exceeds that of independent residuals of this `variance`; `None` where
     /// the recordings are no event times, or nothing is free. 1 or more.
-    ///
-    /// # Errors
-    /// Where the simulator refuses.
-    pub(super) fn accumulated_inflation(&self, fit: &Fit, variance: f64) -> Result<Option<f64>> {
+    pub(super) fn accumulated_inflation(&self, fit: &Fit, linear: &Linearisation, variance: f64) -> Option<f64> {
         let shared = self.free.len();
         if shared == 0 || variance <= 0.0 || self.recordings.iter().any(|r| r.seen.kind() != Kind::EventTimes) {
-            return Ok(None);
+            return None;
         }
-        let columns = self.jacobian(fit)?;
+        let columns = &linear.columns;
         let width = shared + columns.iter().map(|c| c.nuisances.len()).sum::<usize>();
         let (mut events, mut first) = (Vec::new(), shared);
         for ((one, recording), residual) in columns.iter().zip(self.recordings).zip(&fit.residuals) {
@@ -71,7 +67,7 @@ impl Problem<'_> {
             let instants: Vec<f64> = kept.iter().map(|&n| recording.seen.row(n)[0]).collect();
             events.push(Events::new(derivatives, DVector::from_fn(kept.len(), |k, _| residual[kept[k]]), &instants));
         }
-        Ok(inflation(&events, shared).map(|ratio| (ratio / variance).max(1.0)))
+        inflation(&events, shared).map(|ratio| (ratio / variance).max(1.0))
     }
 }
 

@@ -93,8 +93,11 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
     // The record's own best; the estimate from the contacts only and the paper's last iterate differ from it.
     let fit = problem.fit(after.clone(), 1.0)?;
     found.rollouts += fit.rollouts;
+    let linear = problem.linearise(&fit)?;
+    found.rollouts += linear.rollouts();
+    let scale = ScaleEstimate::of(&problem, &fit, &linear);
     for i in 0..free.len() {
-        let (curve, rollouts) = profile(&problem, &fit, i, range(&problem, &fit, i, outcome, after));
+        let (curve, rollouts) = profile(&problem, &fit, &scale, i, range(&problem, &fit, &scale, i, outcome, after));
         found.rollouts += rollouts;
         found.profiles.push(curve);
     }
@@ -103,7 +106,7 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
     pairs.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     for pair in pairs.into_iter().take(MOST_PAIRS) {
         for level in LEVELS {
-            if let Some((region, rollouts)) = contour(&problem, &fit, pair, level) {
+            if let Some((region, rollouts)) = contour(&problem, &fit, &scale, pair, level) {
                 found.rollouts += rollouts;
                 found.contours.push(region);
             }
@@ -113,12 +116,19 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
 }
 
 /// How far the profile of free parameter `i` is worth drawing: beyond its interval, and around the record's own best.
-fn range(problem: &Problem, fit: &Fit, i: usize, outcome: &Outcome, after: &Point) -> (f64, f64) {
+fn range(
+    problem: &Problem,
+    fit: &Fit,
+    scale: &ScaleEstimate,
+    i: usize,
+    outcome: &Outcome,
+    after: &Point,
+) -> (f64, f64) {
     let position = problem.free[i];
     let p = &problem.simulator.parameters()[position];
     let (value, best) = (after.parameters[position], fit.point.parameters[position]);
     let interval = outcome.parameters.iter().find(|e| e.name == p.name).map_or((p.min, p.max), |e| e.interval95);
-    let sd = ScaleEstimate::of(problem, fit).sd(fit.covariance[(i, i)]);
+    let sd = scale.sd(fit.covariance[(i, i)]);
     let half_width = if sd.is_finite() { 3.5 * sd } else { p.span() };
     (
         (value - BEYOND * (value - interval.0)).min(best - half_width).max(p.min),

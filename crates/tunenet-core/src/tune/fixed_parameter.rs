@@ -60,13 +60,13 @@ pub fn fit_at_fixed_values(
             None => problem.fit(point, 1.0)?,
             Some(scale) => estimate::fit_with_fixed(&problem, point, &[position], scale)?,
         };
-        scale.get_or_insert_with(|| ScaleEstimate::of_single_errors(&problem, &fit));
+        scale.get_or_insert_with(|| ScaleEstimate::of_residuals(&problem, &fit));
         point = fit.point.clone();
         fits.push(fit);
     }
     let Some(best) = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)) else { return Ok(Vec::new()) };
     // What lies between two of the values leaves residuals that look as if errors added up.
-    let scale = ScaleEstimate::of_single_errors(&problem, best);
+    let scale = ScaleEstimate::of_single_errors(&problem, best, &problem.linearise(best)?);
     let density = |fit: &Fit| {
         let excess = scale.excess(fit.cost - best.cost);
         (-0.5 * (scale.degrees_of_freedom + 1.0) * (excess / scale.degrees_of_freedom).ln_1p()).exp()

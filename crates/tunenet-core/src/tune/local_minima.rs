@@ -37,7 +37,7 @@ impl Tuning<'_> {
             let shares = if local { even(share) } else { around(share) };
             let (mut places, used) = places(&problem, &found, k, shares);
             rollouts += used;
-            let scale = ScaleEstimate::of(&problem, &found);
+            let scale = ScaleEstimate::of_residuals(&problem, &found);
             let mut bottoms = Vec::new();
             for place in local_minima(&places, &found, self.free[k]) {
                 if scale.excess(place.cost - found.cost) > WORTH_A_FIT {

@@ -25,8 +25,8 @@ pub use fixed_parameter::{FixedValueFit, fit_at_fixed_values};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
 
 pub use crate::estimate::{
-    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Point, Problem, Profile, Region,
-    ScaleEstimate, channel_noise, contour, ends, free, intervals, profile,
+    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Linearisation, Point, Problem, Profile,
+    Region, ScaleEstimate, channel_noise, contour, ends, free, profile,
 };
 
 use calibration_uncertainty::CalibrationUncertainty;
@@ -253,6 +253,25 @@ impl Tuning<'_> {
         Ok((interval95, calibration))
     }
 
+    /// The network's iterations from `start`, where they end, and the rollouts that they took.
+    fn residual_tuning(&self, model: &Model, start: &Point) -> Result<(Vec<Iteration>, Point, usize)> {
+        let secant = self.settings.finish && self.free.len() == 1;
+        let how = Loop {
+            iterations: self.settings.iterations,
+            clamp: self.settings.clamp,
+            secant,
+            best: self.settings.finish,
+            library: self.settings.finish && self.settings.initial.is_empty(),
+        };
+        let walk = walk(self.simulator, &self.recordings[0], model, start, how)?;
+        if !self.settings.finish {
+            return Ok((walk.iterations, walk.point, walk.rollouts));
+        }
+        // The recordings' nuisance parameters are fitted first, so that they do not bias the parameters.
+        let nuisances = Problem { free: &[], ..self.problem() }.fit(walk.point, 1.0)?;
+        Ok((walk.iterations, nuisances.point, walk.rollouts + nuisances.rollouts))
+    }
+
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
         let problem = self.problem();
         let start = self.start()?;
@@ -263,24 +282,9 @@ impl Tuning<'_> {
         let (mut iterations, mut stop, mut notes) = (Vec::new(), Stop::Converged, Vec::new());
         let mut near = Point { parameters: start.parameters.clone(), nuisances: before.point.nuisances.clone() };
         if let Some(model) = model.filter(|_| !self.free.is_empty()) {
-            let secant = self.settings.finish && self.free.len() == 1;
-            let how = Loop {
-                iterations: self.settings.iterations,
-                clamp: self.settings.clamp,
-                secant,
-                best: self.settings.finish,
-                library: self.settings.finish && self.settings.initial.is_empty(),
-            };
-            let walk = walk(self.simulator, &self.recordings[0], model, &start, how)?;
-            rollouts += walk.rollouts;
-            iterations = walk.iterations;
-            near = walk.point;
-            if self.settings.finish {
-                // The recordings' nuisance parameters are fitted first, so that they do not bias the parameters.
-                let nuisances = Problem { free: &[], ..self.problem() }.fit(near, 1.0)?;
-                rollouts += nuisances.rollouts;
-                near = nuisances.point;
-            }
+            let used;
+            (iterations, near, used) = self.residual_tuning(model, &start)?;
+            rollouts += used;
             stop = Stop::Iterations;
         }
         let mut grid = Vec::new();
@@ -305,9 +309,10 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             fit
         };
-        let scale = ScaleEstimate::of(&problem, &fit);
-        let known = Information::of(&problem, &fit, &scale)?;
-        rollouts += self.recordings.iter().map(|r| self.free.len() + r.nuisances.len()).sum::<usize>();
+        let linear = problem.linearise(&fit)?;
+        rollouts += linear.rollouts();
+        let scale = ScaleEstimate::of(&problem, &fit, &linear);
+        let known = Information::of(&problem, &fit, &linear, &scale);
         fit.covariance = known.covariance.clone();
         let (interval95, calibration) = self.intervals(&fit, &scale, &grid)?;
         rollouts += calibration.rollouts;
