@@ -23,7 +23,7 @@ const OWN_OPENCV: [&str; 14] = [
 /// And one of these, to a clang of his own.
 const OWN_CLANG: [&str; 3] = ["LIBCLANG_PATH", "LLVM_CONFIG_PATH", "CLANG_PATH"];
 
-/// Where systems keep libclang, beside `/usr/lib/llvm-*/lib`.
+/// Where systems keep libclang, besides `/usr/lib/llvm-*/lib`.
 const LIBRARY_FOLDERS: [&str; 5] =
     ["/usr/lib", "/usr/lib64", "/usr/local/lib", "/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu"];
 
@@ -80,8 +80,8 @@ fn runs(program: &str, arguments: &[&str]) -> bool {
 fn libclang() -> bool {
     let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.path());
     let versions = entries(Path::new("/usr/lib")).map(|p| p.join("lib"));
-    let told = Command::new("llvm-config").arg("--libdir").stderr(Stdio::null()).output();
-    let told = told.ok().and_then(|o| String::from_utf8(o.stdout).ok()).map(|text| PathBuf::from(text.trim()));
+    let reported = Command::new("llvm-config").arg("--libdir").stderr(Stdio::null()).output();
+    let reported = reported.ok().and_then(|o| String::from_utf8(o.stdout).ok()).map(|text| PathBuf::from(text.trim()));
     let library = |path: PathBuf| {
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
         // The C++ library comes with the compiler; the bindings load the C library. A link to nothing does not exist.
@@ -89,5 +89,10 @@ fn libclang() -> bool {
             && !name.starts_with("libclang-cpp")
             && path.exists()
     };
-    LIBRARY_FOLDERS.iter().map(PathBuf::from).chain(versions).chain(told).any(|folder| entries(&folder).any(library))
+    LIBRARY_FOLDERS
+        .iter()
+        .map(PathBuf::from)
+        .chain(versions)
+        .chain(reported)
+        .any(|folder| entries(&folder).any(library))
 }

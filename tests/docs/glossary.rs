@@ -21,6 +21,7 @@ const PRIVATE: &[&str] = &[
     "nameless", "mirrored",                         // unmodelled residual; sign-ambiguous
     "believed",                                     // plausible, physical bounds
     "reckon", "reckoned", "reckons",                // computed
+    "beside",                                       // next to, with, in addition to
     "heard",                                        // visible in bounce times
     "coloured",                                     // autocorrelated
     "scout", "scouted", "bumped", "rehearse", "rehearsal", "rehearsed", // ball colour detection; camera motion; synthetic video

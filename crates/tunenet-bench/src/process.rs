@@ -21,12 +21,12 @@ pub struct ProcessCost {
 
 /// Runs `tunenet` with `arguments`.
 pub fn run(arguments: &[&str]) -> Result<ProcessCost> {
-    run_program(&programs::beside(programs::TUNENET)?, arguments)
+    run_program(&programs::sibling(programs::TUNENET)?, arguments)
 }
 
 /// Runs `tunenet` with `arguments` on so many threads.
 pub fn run_on(threads: usize, arguments: &[&str]) -> Result<ProcessCost> {
-    let mut command = Command::new(programs::beside(programs::TUNENET)?);
+    let mut command = Command::new(programs::sibling(programs::TUNENET)?);
     command.env("RAYON_NUM_THREADS", threads.to_string());
     run_command(command, arguments)
 }

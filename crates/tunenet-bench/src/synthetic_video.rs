@@ -12,7 +12,7 @@ use tunenet_video_protocol::synthetic::{Order, SyntheticTrack};
 /// # Errors
 /// Where `tunenet-video` does not start, fails, or answers with another number of tracks.
 pub fn tracks(order: &Order) -> Result<Vec<SyntheticTrack>> {
-    let mut child = Command::new(programs::beside(programs::VIDEO)?)
+    let mut child = Command::new(programs::sibling(programs::VIDEO)?)
         .arg("film")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

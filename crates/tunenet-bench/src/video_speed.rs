@@ -27,7 +27,7 @@ struct VideoMeasured {
 impl VideoFigures {
     /// Makes videos in `folder` and tracks them.
     pub fn measure(folder: &Path) -> Result<Self> {
-        let program = programs::beside(programs::VIDEO)?;
+        let program = programs::sibling(programs::VIDEO)?;
         if !program.is_file() {
             return Ok(Self(None));
         }

@@ -1,4 +1,4 @@
-//! What a rollout costs beside the simulation itself where a program simulates: 216 samples of one channel, asked for and answered in
+//! What a rollout costs on top of the simulation itself where a program simulates: 216 samples of one channel, asked for and answered in
 //! lines of JSON. This executable is the program as well, so that nothing but the speaking is measured; where Python 3 is there, the
 //! same by a program of a few lines in it, which says what Python's own JSON costs.
 

@@ -23,7 +23,7 @@ const SURFACE: &str = "surface.height";
 /// Fewer recordings leave a choice at most.
 const FEWEST_RECORDINGS: usize = 3;
 
-/// Flights only. What is missing is named only where it has to be there anyhow, as drag of a ball of known mass and size: with
+/// Flights only. What is missing is named only where it has to be there in any case, as drag of a ball of known mass and size: with
 /// so much of every flight's own, too many things look alike.
 pub struct FlightsOnly;
 

@@ -79,13 +79,13 @@ impl Answer<'_> {
     }
 
     /// Of an ambiguous answer: for each effect that it holds, that effect and whatever could be in its place. Those that are
-    /// alone in theirs are certain beside the others.
+    /// alone in theirs are certain in addition to the others.
     pub fn choices(&self) -> Vec<Vec<&'static str>> {
         let one = |e: &NamedEffect| std::iter::once(e.effect.name).chain(e.alternatives.iter().copied()).collect();
         self.diagnosis.effects().iter().map(one).collect()
     }
 
-    /// The [choices](Self::choices) in the place of something else, and what is certain beside them. Where nothing is left to
+    /// The [choices](Self::choices) in the place of something else, and what is certain in addition to them. Where nothing is left to
     /// choose from, the effect is open itself: what is in no catalogue could be in its place.
     pub fn open_and_firm(&self) -> (Vec<Vec<&'static str>>, Vec<&'static str>) {
         let (open, firm): (Vec<_>, Vec<_>) = self.choices().into_iter().partition(|names| names.len() > 1);

@@ -21,7 +21,7 @@ pub fn help(arguments: &[OsString]) -> Option<Vec<OsString>> {
 
 /// Becomes the program that measures, with `flags` before its arguments, where the system can do that, so that signals and memory are its own.
 pub fn run(arguments: &[impl AsRef<OsStr>], flags: impl IntoIterator<Item = &'static str>) -> Result<Exit> {
-    let program = programs::beside(BENCH)?;
+    let program = programs::sibling(BENCH)?;
     if !program.is_file() {
         let message = format!("expected the benchmark program next to tunenet, found no `{BENCH}`");
         return Err(Error::file(program, message, "`make build` makes it").into());

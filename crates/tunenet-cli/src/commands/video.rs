@@ -87,7 +87,7 @@ impl Asked {
         if path.is_file() {
             tunenet_formats::refuse_git_lfs_pointer(path)?;
         }
-        let program = programs::beside(VIDEO)?;
+        let program = programs::sibling(VIDEO)?;
         if !program.is_file() {
             let message = format!("expected `{VIDEO}` in the folder of tunenet, found none");
             let hint = "`make build` makes it; it needs OpenCV. Or track with another program, and give its CSV";

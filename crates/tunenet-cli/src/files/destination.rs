@@ -135,8 +135,8 @@ fn programs_beside(input: &Path) -> Vec<PathBuf> {
 pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()> {
     let urdfs = inputs.iter().filter_map(|input| urdf_beside(input));
     let programs = inputs.iter().flat_map(|input| programs_beside(input));
-    let beside: Vec<PathBuf> = urdfs.chain(programs).collect();
-    let inputs: Vec<&Path> = inputs.iter().copied().chain(beside.iter().map(PathBuf::as_path)).collect();
+    let siblings: Vec<PathBuf> = urdfs.chain(programs).collect();
+    let inputs: Vec<&Path> = inputs.iter().copied().chain(siblings.iter().map(PathBuf::as_path)).collect();
     for (number, output) in outputs.iter().enumerate() {
         let Output { path, flag, product, makes_folder } = output;
         let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());

@@ -15,7 +15,7 @@ pub const BENCH: &str = "tunenet-bench";
 ///
 /// # Errors
 /// If the system does not report the path of this program.
-pub fn beside(name: &str) -> Result<PathBuf> {
+pub fn sibling(name: &str) -> Result<PathBuf> {
     let own = std::env::current_exe().context("this program's own path")?;
     Ok(own.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
 }

@@ -40,7 +40,7 @@ impl Job {
     /// Where that program cannot be read.
     pub fn program(&self) -> Result<String> {
         match self {
-            Self::Bench(_) => hash::sha256(&programs::beside(programs::BENCH)?),
+            Self::Bench(_) => hash::sha256(&programs::sibling(programs::BENCH)?),
             Self::Each { .. } => hash::sha256(&std::env::current_exe().context("this program's own path")?),
         }
     }

@@ -76,7 +76,7 @@ pub enum Progress<'a> {
     },
     /// Tuning the simulation as it is.
     Tuning,
-    /// Scoring this many candidates beside as many effects as are already in.
+    /// Scoring this many candidates in addition to as many effects as are already in.
     Scoring {
         /// Candidates.
         candidates: usize,

@@ -2,11 +2,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Neighbours of a parabola that spans the sample, and of one that ends beside it.
+/// Neighbours of a parabola that spans the sample, and of one that ends next to it.
 pub(super) const SPANNING: usize = 7;
 const ONE_SIDED: usize = 5;
 /// So many of those that span it lie on either side at least: with one alone, a parabola can follow a kink.
-const FEWEST_BESIDE: usize = 2;
+const FEWEST_EACH_SIDE: usize = 2;
 /// The neighbours lie on the parabola where none leaves it by more than so many standard deviations of the noise ...
 const SMOOTH: f64 = 4.0;
 /// ... and this share of the least deviation that counts.
@@ -39,7 +39,7 @@ impl<'a> Channel<'a> {
         Self { clock, values, noise_sd, least }
     }
 
-    /// How far sample `i` is off a parabola of neighbours on both of its sides, or off both those that end and begin beside
+    /// How far sample `i` is off a parabola of neighbours on both of its sides, or off both those that end and begin next to
     /// it; `None` where it is on them, or nothing fits. The first sample has one side only. Samples marked in `without` are no
     /// neighbours.
     pub(super) fn deviation(&self, i: usize, without: &[bool]) -> Option<f64> {
@@ -66,8 +66,8 @@ impl<'a> Channel<'a> {
             return None;
         }
         before.reverse();
-        // Beside the end of a record there is one neighbour on that side.
-        let fewest = FEWEST_BESIDE.min(before.len()).min(after.len());
+        // Next to the end of a record there is one neighbour on that side.
+        let fewest = FEWEST_EACH_SIDE.min(before.len()).min(after.len());
         let spanning = (fewest..=SPANNING + 1 - fewest).filter_map(|left| {
             let right = SPANNING + 1 - left;
             if left > before.len() || right > after.len() {
@@ -86,14 +86,14 @@ impl<'a> Channel<'a> {
     }
 
     /// How far sample `i` is at least off the parabolas through all but one of these neighbours, of which one may be an
-    /// outlier itself, with at least `beside` left on either side; `None` where it is on one of them, or no parabola fits.
-    fn off_all(&self, i: usize, neighbours: &[usize], beside: usize) -> Option<f64> {
+    /// outlier itself, with at least `fewest` left on either side; `None` where it is on one of them, or no parabola fits.
+    fn off_all(&self, i: usize, neighbours: &[usize], fewest: usize) -> Option<f64> {
         let mut least = None;
         for left_out in 0..neighbours.len() {
             let kept: Vec<usize> =
                 neighbours.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, &k)| k).collect();
             let before = kept.iter().filter(|k| **k < i).count();
-            if before.min(kept.len() - before) < beside {
+            if before.min(kept.len() - before) < fewest {
                 continue;
             }
             let Some(forecast) = self.forecast(i, &kept) else { continue };

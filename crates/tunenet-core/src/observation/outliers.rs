@@ -66,7 +66,7 @@ impl Observation {
             .filter(|&c| ranges[c] > 0.0)
             .map(|c| Channel::new(self.clock(), self.column(c).collect(), sd[c], OFF_PARABOLA * ranges[c]))
             .collect();
-        // The worst of each neighbourhood goes first, and no longer bends the parabolas of those beside it.
+        // The worst of each neighbourhood goes first, and no longer bends the parabolas of its neighbours.
         for _ in 0..PASSES {
             let deviation = |i: usize| channels.iter().filter_map(|c| c.deviation(i, &outlying)).reduce(f64::max);
             let off: Vec<f64> =

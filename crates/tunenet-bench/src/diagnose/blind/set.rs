@@ -36,7 +36,7 @@ pub struct Recipe {
     pub trouble: Trouble,
 }
 
-/// What is wrong with a set beside its noise and what is hidden in it.
+/// What is wrong with a set besides its noise and what is hidden in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Trouble {
     /// Nothing.

@@ -127,7 +127,7 @@ fn drawn(options: &Options, source: &Source, track: &Track, bar: &ProgressBar) -
     })
 }
 
-/// A name beside `whole` with its ending, by which OpenCV knows the container.
+/// A name in the folder of `whole` with its ending, by which OpenCV knows the container.
 fn part(whole: &Path) -> PathBuf {
     let name = whole.file_name().unwrap_or_default().to_string_lossy();
     whole.with_file_name(format!(".{}.{name}", std::process::id()))

@@ -30,7 +30,7 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
                 "expected no `reference`, which only an arm's logs have (`motion.kind = \"replay\"`), found one";
             return Err(Error::file(manifest, message, "leave it out").into());
         }
-        let recording = load::beside(&scene, recording, source.reference.as_deref(), &options.reading)?;
+        let recording = load::attach_reference(&scene, recording, source.reference.as_deref(), &options.reading)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));

@@ -81,7 +81,7 @@ pub fn merged(tool: &str, recordings: &[String], folder: &Path, as_json: bool) -
 /// The key of an answer's file that says what it was made by; the answer itself is everything else.
 pub const RUN: &str = "run";
 
-/// All answers together, beside those to each recording.
+/// All answers together, in addition to those for each recording.
 pub const ALL: &str = "each.json";
 
 #[cfg(test)]

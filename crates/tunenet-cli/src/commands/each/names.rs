@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::{Context, Result};
 use tunenet_formats::Error;
 
-/// Names of files for the answers to `recordings`, in their order: `b/drop.csv.json` for `runs/b/drop.csv` beside
+/// Names of files for the answers to `recordings`, in their order: `b/drop.csv.json` for `runs/b/drop.csv` next to
 /// `runs/a/drop.csv`. They depend on how the recordings lie to each other, not on where they lie: every machine has the same.
 ///
 /// # Errors

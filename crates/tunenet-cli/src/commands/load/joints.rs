@@ -32,8 +32,8 @@ pub fn lacks(file: &SimulationFile) -> Result<Vec<Note>> {
     Ok(ReplayedArm::from_file(file)?.missing_limits())
 }
 
-/// `recording` with the run without payload at `reference` beside it, where there is one.
-pub fn beside(
+/// `recording` with the run without payload at `reference` attached, where there is one.
+pub fn attach_reference(
     file: &SimulationFile,
     recording: Recording,
     reference: Option<&Path>,

@@ -15,7 +15,7 @@ use tunenet_sim::{Session, SimulationFile};
 use crate::args::{self, Simulation};
 use crate::files::destination::urdf_beside;
 use crate::files::hash;
-pub use joints::{beside, lacks};
+pub use joints::{attach_reference, lacks};
 pub use options::reading;
 pub use recording::{of_channels, recording, recording_of};
 pub use thinned::MOST_SAMPLES;

@@ -15,7 +15,7 @@ use crate::view::text::stage;
 /// Reads it, with its reference run next to it.
 pub fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording> {
     let recording = load::recording_of(file, path, &options.reading, load::MOST_SAMPLES)?;
-    let recording = load::beside(file, recording, options.reference.as_deref(), &options.reading)?;
+    let recording = load::attach_reference(file, recording, options.reference.as_deref(), &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();
     let span = if seen.kind() == Kind::EventTimes {

@@ -32,7 +32,7 @@ impl Labels {
         Self { obstacles, taken: Vec::new(), frame: (left, top, right, bottom) }
     }
 
-    /// Writes `text` beside `line`, at the place with the least in its way and far from `other`.
+    /// Writes `text` next to `line`, at the place with the least in its way and far from `other`.
     pub fn on(&mut self, svg: &mut Svg, class: &str, text: &str, line: &[Spot], other: &[Spot]) {
         let (line, other) = (felt(line), felt(other));
         let (width, every) = (bold_width(text) + 6.0, line.len().div_ceil(TRIES).max(1));

@@ -78,7 +78,7 @@ fn track(estimate: &Estimate) -> Markup {
     svg.finish("bounds", &format!("{} within its bounds", estimate.name))
 }
 
-/// What every recording brought of its own and the fit estimated beside the parameters.
+/// What every recording brought of its own and the fit estimated along with the parameters.
 pub fn estimated(names: &[String], own: &[Vec<Parameter>]) -> Markup {
     html! {
         table {

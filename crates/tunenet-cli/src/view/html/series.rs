@@ -1,4 +1,4 @@
-//! A recording beside the simulation before and after, and what is left over below it on the same axis.
+//! A recording with the simulation before and after, and what is left over below it on the same axis.
 
 use maud::{Markup, html};
 use tunenet_core::diagnose::Explained;

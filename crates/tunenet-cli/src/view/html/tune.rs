@@ -277,7 +277,7 @@ fn significant(ratio: f64) -> String {
     format!("{ratio:.decimals$}")
 }
 
-/// A name that leaves room for a drawing beside it.
+/// A name that leaves room for a drawing next to it.
 fn shortened(name: &str) -> String {
     const MOST: usize = 18;
     if name.chars().count() <= MOST {

@@ -169,8 +169,8 @@ fn choices(answer: &Answer) -> String {
         names => names.join(", "),
     };
     let open: Vec<String> = open.iter().map(one).collect();
-    let beside = if firm.is_empty() { String::new() } else { format!("; in addition to {}", firm.join(" and ")) };
-    format!("{}{beside}", open.join("; and one of "))
+    let certain = if firm.is_empty() { String::new() } else { format!("; in addition to {}", firm.join(" and ")) };
+    format!("{}{certain}", open.join("; and one of "))
 }
 
 fn lone(named: &NamedEffect) -> String {

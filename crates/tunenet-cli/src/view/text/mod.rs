@@ -205,7 +205,7 @@ pub fn rounded(value: f64, half_width: f64) -> String {
     with_decimals(value, decimals)
 }
 
-/// A range of two numbers; a dash beside a sign would be read as one.
+/// A range of two numbers; a dash next to a sign would be read as one.
 pub fn between(low: &str, high: &str) -> String {
     if low.starts_with('-') || high.starts_with('-') { format!("{low} to {high}") } else { format!("{low}–{high}") }
 }

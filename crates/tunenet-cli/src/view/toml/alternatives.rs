@@ -6,7 +6,7 @@ use tunenet_core::simulator::Simulator;
 use tunenet_core::tune::{Outcome, Settings, shares, tune};
 use tunenet_sim::{SimulationFile, open_drag};
 
-/// Each of these explanations beside what is certain.
+/// Each of these explanations in addition to what is certain.
 pub fn fitted(simulator: &dyn Simulator, names: &[&str], sure: &[&str], seen: &[Observation]) -> Array {
     let one = |name: &&str| {
         let names: Vec<&str> = sure.iter().copied().chain([*name]).collect();
@@ -25,7 +25,7 @@ pub fn fitted(simulator: &dyn Simulator, names: &[&str], sure: &[&str], seen: &[
     weighed(tables, &shares(&fits))
 }
 
-/// Every drag that `seen` leaves open for the ball of a tuned file beside what is certain.
+/// Every drag that `seen` leaves open for the ball of a tuned file in addition to what is certain.
 pub fn open_to(tuned: &SimulationFile, sure: &[&str], seen: &[Observation]) -> tunenet_formats::Result<Array> {
     let possible = open_drag::possible(tuned, sure, seen)?;
     let weights: Vec<f64> = possible.iter().map(|held| held.share).collect();

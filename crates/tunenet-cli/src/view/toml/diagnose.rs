@@ -100,7 +100,7 @@ fn alternatives(answer: &Answer, object: usize) -> Array {
     fitted(answer.loaded.objects[object].simulator.as_ref(), &candidates, &sure, &seen_of(answer, object))
 }
 
-/// The drag that an object's recordings leave open beside the effects that are certain, which its `improved` file holds.
+/// The drag that an object's recordings leave open in addition to the effects that are certain, which its `improved` file holds.
 fn open(answer: &Answer, object: usize, improved: &SimulationFile) -> Result<Array> {
     let sure: Vec<&str> = answer.diagnosis.effects().iter().map(|e| e.effect.name).collect();
     Ok(open_to(improved, &sure, &seen_of(answer, object))?)

@@ -89,7 +89,7 @@ pub(in crate::diagnose) fn next(
     Ok(apart(&names, &reach(context.sets(), joint)))
 }
 
-/// The experiment that shows more of what no known effect explains, beside `best`.
+/// The experiment that shows more of what no known effect explains, in addition to `best`.
 ///
 /// # Errors
 /// Where a simulator refuses.

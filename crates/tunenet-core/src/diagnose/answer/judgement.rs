@@ -85,8 +85,8 @@ impl<'a> Judgement<'a> {
         let doubt = validation_doubt(&context, &found, held_out, (left.max(noise), noise), practical.is_some());
         let doubt = doubt.filter(|_| whole);
         let differs = apart.map(|apart| Doubt::DiffersBetweenRecordings(apart.effects));
-        let beside = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
-        let doubt = doubt.or(differs).or(beside).filter(|_| !found.places.is_empty());
+        let random = random_parameter.as_ref().map(|random| Doubt::ParameterDiffers(random.name.clone()));
+        let doubt = doubt.or(differs).or(random).filter(|_| !found.places.is_empty());
         let decision = decide(&context, &found, practical.as_ref().unwrap_or(&tests), confirmed, doubt);
         let heterogeneous = whole && (practical.is_some() || residuals.heterogeneous);
         let significant = whole && practical.is_some();

@@ -60,7 +60,7 @@ pub struct Fitted {
 /// Why an effect is plausible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
-    /// How much the Bayesian information criterion falls by having this effect beside the others (Schwarz 1978).
+    /// How much the Bayesian information criterion falls by having this effect in addition to the others (Schwarz 1978).
     pub bic_gain: f64,
     /// The next best explanation in its place, where there is any.
     pub runner_up: Option<&'static str>,
@@ -84,7 +84,7 @@ pub struct NamedEffect {
     pub alternatives: Vec<&'static str>,
 }
 
-/// One candidate as it stood alone beside the tuned simulation.
+/// One candidate as it stood alone, added to the tuned simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     /// Its name.
@@ -249,7 +249,7 @@ pub enum Conclusion {
     OneOf {
         /// The best explanation.
         effects: Vec<NamedEffect>,
-        /// All names of the confusable set: a single one beside what is in no catalogue, where nothing else explains anything
+        /// All names of the confusable set: a single one with what is in no catalogue, where nothing else explains anything
         /// and there is a doubt.
         names: Vec<&'static str>,
         /// Why the best explanation is not named alone, where the evidence distinguishes it from all others by far.
@@ -335,7 +335,7 @@ pub struct Diagnosis {
     /// What would separate or show what these recordings cannot.
     pub next_experiment: Option<NextExperiment>,
     /// How far behind the best an explanation is still left; more of a single motion, less in the place of what has to be
-    /// there anyhow.
+    /// there in any case.
     pub margin: f64,
     /// How much the information criterion has to gain for an effect to be there at all.
     pub least_gain: f64,

@@ -1,4 +1,4 @@
-//! What a person should know of a diagnosis beside its answer.
+//! What a person should know of a diagnosis besides its answer.
 
 use crate::diagnose::answer::judgement::Judgement;
 use crate::diagnose::answer::verdict::in_place_of;

@@ -172,7 +172,7 @@ fn arcs(set: &Set, residual: &[f64], segmented: bool) -> Vec<Arc> {
     edges.push(clock.len());
     let mut all = Vec::new();
     for (number, edge) in edges.windows(2).enumerate() {
-        // The samples beside an event may belong to either side.
+        // The samples next to an event may belong to either side.
         let (begin, end) = (edge[0] + usize::from(edge[0] > 0), edge[1].saturating_sub(1).max(edge[0]));
         if end < begin + LEAST_SAMPLES {
             continue;

@@ -27,7 +27,7 @@ pub(in crate::diagnose) struct Decision {
     pub doubt: Option<Doubt>,
 }
 
-/// The same in the place of one effect. Of one that has to be there anyhow it is no question whether it is, only whether
+/// The same in the place of one effect. Of one that has to be there in any case it is no question whether it is, only whether
 /// something else does its work: there the usual margin does.
 fn margin_of(context: &Context, place: &SelectedEffect, margin: f64) -> f64 {
     if is_required(context, place.entry) { margin.min(context.settings.margin) } else { margin }
@@ -72,8 +72,8 @@ pub(in crate::diagnose) fn decide(
     let mut near_any = false;
     for place in &found.places {
         let mut near = in_place_of(context, place, widest);
-        // One motion does not distinguish what is in the catalogue from what is not, so the next best is left beside the best; where
-        // nothing else explains anything, the best is left alone, and what is in no catalogue beside it.
+        // One motion does not distinguish what is in the catalogue from what is not, so the next best is kept with the best; where
+        // nothing else explains anything, the best is left alone, and what is in no catalogue with it.
         let doubtful = match &validation {
             Some(Doubt::Feigned(..)) => context.catalogue[place.entry].of[0].feigned_by.is_some(),
             Some(_) => true,
@@ -115,7 +115,7 @@ pub(in crate::diagnose) fn decide(
 }
 
 /// Whether an effect is not named alone although nothing comes near it: a single motion shows it, or no recording that was not
-/// fitted bears it out. One that has to be there anyhow does where it is distinguished from everything else by far, several motions or
+/// fitted bears it out. One that has to be there in any case does where it is distinguished from everything else by far, several motions or
 /// objects showing it; of a single motion, where what it leaves is noise.
 fn doubtful(context: &Context, place: &SelectedEffect, confirmed: bool) -> bool {
     if !is_required(context, place.entry) {
@@ -130,10 +130,10 @@ fn doubtful(context: &Context, place: &SelectedEffect, confirmed: bool) -> bool 
 /// The next best in the place of an effect, whatever its distance, that explains anything at all.
 fn runner_up(context: &Context, found: &Selection, place: &SelectedEffect) -> Option<usize> {
     // What falls behind by all that the effect is worth gains nothing.
-    let beside = place.others.iter().filter(|(_, gap)| *gap < place.gain).map(|(entry, _)| *entry);
+    let scored = place.others.iter().filter(|(_, gap)| *gap < place.gain).map(|(entry, _)| *entry);
     let alone = found.alone.iter().filter(|t| t.excluded.is_none() && t.gain > 0.0).map(|t| t.entry);
     let named = |entry: usize| found.places.iter().any(|p| p.entry == entry);
-    beside.chain(alone).find(|&entry| !named(entry) && !is_less_plausible(context, entry, place.entry, f64::INFINITY))
+    scored.chain(alone).find(|&entry| !named(entry) && !is_less_plausible(context, entry, place.entry, f64::INFINITY))
 }
 
 /// Each name once, in the order in which they come.

@@ -8,8 +8,8 @@ const OUTLYING: f64 = 6.0;
 /// More than this share of outlying samples is no accident, and they stay.
 const MOST_OUTLYING: f64 = 0.05;
 /// So near to a contact, s and samples, a contact that is not as simulated leaves its mark.
-const BESIDE_S: f64 = 0.03;
-const BESIDE: usize = 2;
+const NEAR_S: f64 = 0.03;
+const NEAR: usize = 2;
 /// Accidents do not wait for contacts: where they are so many times as frequent there, and so many at least, they stay.
 const GATHERED: f64 = 3.0;
 const FEWEST_GATHERED: usize = 4;
@@ -21,18 +21,18 @@ const FEWEST_GATHERED: usize = 4;
 pub(in crate::diagnose) fn set_aside(sets: &mut [Set], residuals: &[Vec<f64>]) -> usize {
     let (mut chosen, mut near, mut far) = (Vec::new(), Share::default(), Share::default());
     for (d, (set, values)) in sets.iter().zip(residuals).enumerate() {
-        let beside = beside_contacts(set);
+        let close = near_contacts(set);
         let width = set.width();
         for i in (0..values.len()).filter(|&i| set.keep[i]) {
-            (if beside[i / width] { &mut near } else { &mut far }).all += 1;
+            (if close[i / width] { &mut near } else { &mut far }).all += 1;
         }
         for i in outlying(set, values) {
-            (if beside[i / width] { &mut near } else { &mut far }).outlying += 1;
-            chosen.push((d, i, beside[i / width]));
+            (if close[i / width] { &mut near } else { &mut far }).outlying += 1;
+            chosen.push((d, i, close[i / width]));
         }
     }
     let gathered = near.outlying >= FEWEST_GATHERED && near.of() > GATHERED * far.of();
-    chosen.retain(|(_, _, beside)| !(gathered && *beside));
+    chosen.retain(|(_, _, close)| !(gathered && *close));
     for &(d, i, _) in &chosen {
         sets[d].keep[i] = false;
     }
@@ -51,17 +51,17 @@ impl Share {
     }
 }
 
-/// Which samples lie beside a contact.
-fn beside_contacts(set: &Set) -> Vec<bool> {
+/// Which samples lie near a contact.
+fn near_contacts(set: &Set) -> Vec<bool> {
     let clock = set.clock();
-    let mut beside = vec![false; clock.len()];
+    let mut close = vec![false; clock.len()];
     for contact in &set.events {
         let at = clock.partition_point(|t| t < contact);
-        let first = clock.partition_point(|t| *t < contact - BESIDE_S).min(at.saturating_sub(BESIDE));
-        let last = clock.partition_point(|t| *t <= contact + BESIDE_S).max(at + BESIDE).min(clock.len());
-        beside[first..last].fill(true);
+        let first = clock.partition_point(|t| *t < contact - NEAR_S).min(at.saturating_sub(NEAR));
+        let last = clock.partition_point(|t| *t <= contact + NEAR_S).max(at + NEAR).min(clock.len());
+        close[first..last].fill(true);
     }
-    beside
+    close
 }
 
 /// The values of a recording that leave their neighbours.

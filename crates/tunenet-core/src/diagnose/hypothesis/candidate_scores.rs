@@ -72,7 +72,7 @@ struct Scored {
     excluded: Option<Exclusion>,
 }
 
-/// Every candidate beside `model`, best first.
+/// Every candidate in addition to `model`, best first.
 pub(in crate::diagnose) fn score_candidates<'a>(
     context: &Context<'a>,
     model: &Hypothesis<'a>,

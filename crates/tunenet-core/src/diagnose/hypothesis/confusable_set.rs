@@ -11,7 +11,7 @@ use crate::estimate::canonical_correlation::canonical_correlation;
 pub(in crate::diagnose) const TWINS: f64 = 0.9999;
 
 /// What could stand in the place of `entry` in `model`, with how far it falls behind, nearest first. `without` is the model
-/// without `entry`, and `trials` are the candidates beside it.
+/// without `entry`, and `trials` are the candidates in addition to it.
 pub(in crate::diagnose) fn others(
     context: &Context,
     without: &Hypothesis,

@@ -24,7 +24,7 @@ const WORTH: f64 = 1.3;
 pub(in crate::diagnose) struct Selection<'a> {
     /// The simulation without any effect.
     pub base: Hypothesis<'a>,
-    /// Candidates beside it, each alone, best first.
+    /// Candidates in addition to it, each alone, best first.
     pub alone: Vec<CandidateFit<'a>>,
     /// The best structure; `None` where no effect earns its place.
     pub best: Option<Hypothesis<'a>>,
@@ -57,7 +57,7 @@ fn unjudged(entry: usize) -> SelectedEffect {
 pub(in crate::diagnose) struct SelectedEffect {
     /// Position in the catalogue.
     pub entry: usize,
-    /// Gain by having it beside the others.
+    /// Gain by having it in addition to the others.
     pub gain: f64,
     /// Probability of that by chance, all candidates counted.
     pub p_value: f64,
@@ -139,15 +139,15 @@ pub(in crate::diagnose) fn search<'a>(
     Ok(Selection { base, alone, best, places })
 }
 
-/// How many effects a structure like `model` may have. A single motion shows one at most beside what has to be there
-/// anyhow: more would fit whatever it holds.
+/// How many effects a structure like `model` may have. A single motion shows one at most in addition to what has to be
+/// there: more would fit anything.
 fn most_effects(context: &Context<'_>, model: &Hypothesis) -> usize {
     let certain = model.structure.effects.iter().filter(|&&entry| is_required(context, entry)).count();
     let most = if context.evidence.shows_one_motion() { certain + 1 } else { context.settings.most_effects };
     most.min(context.settings.most_effects)
 }
 
-/// Gains of candidates beside the simulation without any, all measured as that of the best structure is.
+/// Gains of candidates over the simulation without any, all measured as that of the best structure is.
 fn measure_alike<'a>(context: &Context<'a>, alone: &mut [CandidateFit<'a>], base: &Hypothesis<'a>, scale: f64) {
     for trial in alone.iter_mut() {
         if let Some(model) = &trial.model {
@@ -171,7 +171,7 @@ fn accepted<'a>(
             && is_significant(context, worth(context, before, model).1)
             && is_material(context, before, model)
     };
-    // What has to be there anyhow comes first, so that nothing else is taken for it.
+    // What has to be there in any case comes first, so that nothing else is taken for it.
     let certain = fitted().filter(|(trial, _)| is_required(context, trial.entry)).find(earns);
     let Some((_, model)) = certain.or_else(|| fitted().next().filter(earns)) else { return Ok(None) };
     let structure = context.structure(&model.structure.effects)?;

@@ -13,7 +13,7 @@ pub enum Exclusion {
     Refused(String),
     /// No recording depends on it.
     NoInfluence,
-    /// Something that is fitted anyhow does the same: what, in words.
+    /// Something that is fitted in any case does the same: what, in words.
     Redundant(&'static str),
     /// Even its physical bounds move the recordings by less than their noise.
     BelowNoise,

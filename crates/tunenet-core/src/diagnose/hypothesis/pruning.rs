@@ -1,4 +1,4 @@
-//! Backward elimination of effects that are significant and negligible beside the others.
+//! Backward elimination of effects that are significant and negligible next to the others.
 
 use crate::Result;
 use crate::diagnose::evidence::rmse;

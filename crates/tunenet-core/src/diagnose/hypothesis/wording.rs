@@ -63,7 +63,7 @@ pub(in crate::diagnose) fn is_segmented(context: &Context<'_>) -> bool {
     context.subjects.iter().all(|s| may_have_segments(s.simulator))
 }
 
-/// Why an effect is excluded in whose place what is fitted anyhow does the same.
+/// Why an effect is excluded in whose place something that is fitted in any case does the same.
 pub(in crate::diagnose) fn done_already(context: &Context<'_>) -> &'static str {
     if is_segmented(context) {
         "not distinguishable from initial state and parameters in these recordings"
@@ -84,7 +84,7 @@ fn may_have_segments(simulator: &dyn Simulator) -> bool {
     seen || simulator.effects().iter().any(|effect| matches!(effect.phase, Phase::Segment | Phase::Event))
 }
 
-/// What a person can find out beside any motion that settles whether an effect is there.
+/// What a person can find out besides any motion that settles whether an effect is there.
 fn knowledge(name: &str) -> Option<&'static str> {
     Some(match name {
         "length_scale" => "measure a known length with the same sensor",

@@ -15,7 +15,7 @@ use crate::diagnose::judge::heterogeneity::relative_heterogeneity;
 
 /// What may be left beyond noise, as a share of what the effects took away (of mean squares).
 pub(in crate::diagnose) const LEFT_SHARE: f64 = 0.1;
-/// ... where each of them has to be there anyhow (drag of a body of known mass and size): most of what was missing is
+/// ... where each of them has to be there in any case (drag of a body of known mass and size): most of what was missing is
 /// accounted for, and the rest is something else. Whether such an effect exists is no question; how large it is, is.
 const LEFT_SHARE_CERTAIN: f64 = 1.0 / 3.0;
 /// Effects have to take the residual of held-out recordings down to this share ...

@@ -56,7 +56,7 @@ pub enum Doubt {
     /// Every recording by itself is explained as well by these effects, whose size then differs between recordings; by none, where
     /// it is enough that parameters differ.
     DiffersBetweenRecordings(Vec<&'static str>),
-    /// They were found beside a parameter that differs between recordings.
+    /// They were found together with a parameter that differs between recordings.
     ParameterDiffers(String),
     /// A single motion shows them; in words.
     SingleMotion(&'static str),
@@ -74,7 +74,7 @@ impl fmt::Display for Doubt {
             Self::DrawsNotRandom => "deflections at contacts depend on the recording or on the motion",
             Self::RandomAndWeak => "chance at contacts can imitate much, and explains little here",
             Self::ManyEffects => "so many effects can imitate another one in so few recordings",
-            Self::Weak(effect) => return write!(f, "{effect} explains little beside the rest"),
+            Self::Weak(effect) => return write!(f, "{effect} explains little compared with the rest"),
             Self::Feigned(effect, values) => {
                 return write!(f, "more than noise remains, and {values} can look like {effect}");
             }
@@ -97,7 +97,7 @@ impl fmt::Display for Doubt {
 /// What speaks against naming the effects of `found` alone. `fitted` is the root mean square of what they leave of the recordings
 /// that were fitted, or the noise `floor` where that is larger; `practical` is whether they are practically significant only.
 ///
-/// Effects that are physically required exist anyhow: that they leave something is no doubt of them. Logs of a driven mechanism never
+/// Effects that are physically required exist in any case: that they leave something is no doubt of them. Logs of a driven mechanism never
 /// reach noise level: they are left to their own tests, but for effects that wrong values of the simulation look like.
 pub(in crate::diagnose) fn validation_doubt(
     context: &Context,

@@ -1,9 +1,9 @@
 //! Required effects first: of a single motion, what is physically required is part of every hypothesis from the start.
 //!
 //! Air brakes a body of known mass and size, whether that shows or not. Where something larger is missing as well, as a wrong
-//! scale of the picture, drag alone earns little beside it, and neither of them alone explains the motion. So where one motion
+//! scale of the picture, drag alone earns little in addition to it, and neither of them alone explains the motion. So where one motion
 //! is not explained otherwise, what has to be there comes first without having to earn its place; the one effect that one
-//! motion may show besides is looked for beside it, and has to earn its own. The answer leaves a choice in any case.
+//! motion may show besides is searched for with it in place, and has to earn its own. The answer leaves a choice in any case.
 
 use super::{Attempt, Refinement};
 use crate::Result;

@@ -45,7 +45,7 @@ struct Apart<'a> {
     /// All effects together, where they stand; `None` where the segments need none and the events show none.
     pub best: Option<Hypothesis<'a>>,
     pub places: Vec<SelectedEffect>,
-    /// Every candidate as it stood alone, beside segments or beside events.
+    /// Every candidate as it stood alone, added to segments or to events.
     pub alone: Vec<CandidateFit<'a>>,
     pub tests: Vec<Test>,
     /// Whether events leave something that nothing takes away.

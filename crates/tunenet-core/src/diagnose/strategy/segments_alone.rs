@@ -43,7 +43,7 @@ pub(in crate::diagnose) struct SegmentFindings {
     pub alone: Vec<NamedScore>,
 }
 
-/// A candidate beside segments or events alone.
+/// A candidate added to segments or events alone.
 pub(in crate::diagnose) struct NamedScore {
     pub name: &'static str,
     pub gain: f64,

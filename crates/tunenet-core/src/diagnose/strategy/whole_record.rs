@@ -35,7 +35,7 @@ impl Refinement for WholeRecord {
     }
 }
 
-/// The search with white noise, beside one that took a long autocorrelation for the noise's. `None` where no effect takes the
+/// The search with white noise, next to one that took a long autocorrelation for the noise's. `None` where no effect takes the
 /// correlation away: then it stays what it was taken for. Otherwise the noise is modelled as the effects leave it.
 ///
 /// # Errors

@@ -84,7 +84,7 @@ pub fn sentence(answer: &Answer) -> String {
             };
             let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
             let place = common_place(answer).map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
-            let beside = if firm.is_empty() {
+            let certain = if firm.is_empty() {
                 String::new()
             } else {
                 format!(", in addition to {}", joined(&words(&firm), "and"))
@@ -92,7 +92,7 @@ pub fn sentence(answer: &Answer) -> String {
             let why = diagnosis.conclusion.doubt().map_or("not distinguishable in these recordings".into(), |doubt| {
                 format!("the first by far, but {doubt}")
             });
-            format!("{}{place}{or_unknown}{beside}: {why}.", capital(&open.join("; and ")))
+            format!("{}{place}{or_unknown}{certain}: {why}.", capital(&open.join("; and ")))
         }
         Verdict::Unknown => {
             let place = diagnosis.conclusion.remains().map(|p| format!(" {}", phase::name(p))).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What is left of the recordings over time: beside the simulation, and in units of the noise, before and after.
+//! What is left of the recordings over time: with the simulation, and in units of the noise, before and after.
 
 use maud::{Markup, html};
 use tunenet_core::diagnose::Explained;
@@ -58,7 +58,7 @@ fn drawn(one: &Explained) -> Vec<usize> {
     if one.seen.kind() == Kind::Joints { channels(one) } else { vec![worst(one)] }
 }
 
-/// Each recording beside the simulation, in the channel where they disagree most, or every joint of an arm; `both` where before differs from after.
+/// Each recording with the simulation, in the channel where they disagree most, or every joint of an arm; `both` where before differs from after.
 pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
     html! {
         div.grid {

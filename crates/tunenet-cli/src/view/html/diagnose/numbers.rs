@@ -164,11 +164,11 @@ pub fn parameters(answer: &Answer) -> Markup {
     }
 }
 
-/// Every test beside its threshold.
+/// Every test with its threshold.
 pub fn adequacy(tests: &[Test]) -> Markup {
     html! {
         table {
-            thead { tr { th { "test" } th { "value" } th { "passes up to" } th { "beside it" } th { "" } } }
+            thead { tr { th { "test" } th { "value" } th { "passes up to" } th { "against the threshold" } th { "" } } }
             tbody {
                 @for test in tests {
                     tr {
@@ -193,5 +193,5 @@ fn bar(test: &Test) -> Markup {
     svg.area(class, (x.at(0.0), 7.0), (x.at(test.value.max(0.0)), 19.0));
     svg.line("axis", (x.at(0.0), 3.0), (x.at(0.0), 23.0));
     svg.line("limit", (x.at(test.threshold), 2.0), (x.at(test.threshold), 24.0));
-    svg.finish("bounds", &format!("{} beside its threshold", test.name))
+    svg.finish("bounds", &format!("{} against its threshold", test.name))
 }
