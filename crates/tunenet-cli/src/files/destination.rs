@@ -108,7 +108,7 @@ impl Output {
 }
 
 /// The URDF that a simulation or a task file names, which is read with it.
-pub fn urdf_beside(input: &Path) -> Option<PathBuf> {
+pub fn neighbouring_urdf(input: &Path) -> Option<PathBuf> {
     if input.extension()? != "toml" {
         return None;
     }
@@ -117,7 +117,7 @@ pub fn urdf_beside(input: &Path) -> Option<PathBuf> {
 }
 
 /// The files among the words of the command that a simulation file names: the program, or what its interpreter reads.
-fn programs_beside(input: &Path) -> Vec<PathBuf> {
+fn neighbouring_programs(input: &Path) -> Vec<PathBuf> {
     if input.extension().is_none_or(|ending| ending != "toml") {
         return Vec::new();
     }
@@ -133,8 +133,8 @@ fn programs_beside(input: &Path) -> Vec<PathBuf> {
 /// are one another, whose names end otherwise than their contents say, that cannot be written, or that would replace what tunenet did not write; the last not where `overwrite`
 /// is asked for.
 pub fn check(outputs: &[Output], inputs: &[&Path], overwrite: bool) -> Result<()> {
-    let urdfs = inputs.iter().filter_map(|input| urdf_beside(input));
-    let programs = inputs.iter().flat_map(|input| programs_beside(input));
+    let urdfs = inputs.iter().filter_map(|input| neighbouring_urdf(input));
+    let programs = inputs.iter().flat_map(|input| neighbouring_programs(input));
     let siblings: Vec<PathBuf> = urdfs.chain(programs).collect();
     let inputs: Vec<&Path> = inputs.iter().copied().chain(siblings.iter().map(PathBuf::as_path)).collect();
     for (number, output) in outputs.iter().enumerate() {

@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tenth_of_the_height_is_off_but_beside_an_impact() {
+    fn a_tenth_of_the_height_is_off_but_next_to_an_impact() {
         let (clock, values) = impacts();
         // The first impact is at 0.45 s, between samples 13 and 14.
         for i in [0, 1, 5, 9, 11, 16, 19, 22] {

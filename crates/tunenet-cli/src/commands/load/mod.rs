@@ -13,7 +13,7 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{Session, SimulationFile};
 
 use crate::args::{self, Simulation};
-use crate::files::destination::urdf_beside;
+use crate::files::destination::neighbouring_urdf;
 use crate::files::hash;
 pub use joints::{attach_reference, lacks};
 pub use options::reading;
@@ -55,6 +55,6 @@ pub fn of_kind(file: &SimulationFile, needed: Domain) -> Result<()> {
 
 /// The SHA-256 of the URDF that a simulation names, where it names one that is there.
 pub fn urdf_hash(options: &Simulation) -> Result<Option<String>> {
-    let named = options.urdf_set().or_else(|| urdf_beside(&options.sim));
+    let named = options.urdf_set().or_else(|| neighbouring_urdf(&options.sim));
     named.filter(|path| path.is_file()).map(|path| hash::sha256(&path)).transpose()
 }

@@ -110,7 +110,7 @@ mod tests {
 
     /// τ = I q'' + W cos q: an error of W moves I by −Σ q'' cos q / Σ q''² times that error.
     #[test]
-    fn a_calibration_error_moves_what_is_fitted_beside_it() {
+    fn a_calibration_error_moves_what_is_fitted_with_it() {
         let levers = Levers::new().unwrap().with_weight_known_to((2.8, 3.2));
         in_levers(&levers, &[], |context| {
             let base = fit_without_effects(context).unwrap();
