@@ -1,4 +1,5 @@
-//! Levenberg–Marquardt with multiplicative damping (Marquardt 1963), within bounds.
+//! Levenberg–Marquardt with multiplicative damping (Marquardt 1963), within bounds, in its secant version: between derivatives that are
+//! measured, those in use follow the residuals by Broyden's rank-one formula (Madsen, Nielsen and Tingleff 2004, section 3.5).
 
 use super::block_arrow::Arrow;
 use super::huber::huber_cost;
@@ -7,11 +8,16 @@ use super::normal_equations::{hold_at_bounds, normal_equations};
 use super::problem::{LeastSquares, Point, distance, prior_cost, residuals as residuals_at};
 use crate::Result;
 
+/// A step that gains this share of what the linear model promised leaves derivatives that are worth following.
+const TRUSTED: f64 = 0.3;
+
 /// How far a fit goes. What callers set differently stands here by name.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Settings {
     /// Most steps.
     pub steps: usize,
+    /// Most times that derivatives are measured.
+    pub derivatives: usize,
     /// The damping of the first step, as a share of the diagonal; a tenth of it after a success, ten times after a failure.
     pub damping: f64,
     /// It never falls below this ...
@@ -28,12 +34,15 @@ pub(crate) struct Settings {
     pub small_steps: usize,
     /// Whether a worse step is not shortened where the linear model promises less than `tolerance` by it.
     pub predicts: bool,
+    /// Whether the last step has to be one by derivatives that were measured, as its normal equations then are.
+    pub ends_measured: bool,
 }
 
 impl Settings {
     /// To the last digit: an interval is cut from differences of the cost.
     pub const EXACT: Self = Self {
-        steps: 40,
+        steps: 120,
+        derivatives: 40,
         damping: 1e-3,
         least_damping: 1e-12,
         greatest_damping: 1e12,
@@ -42,6 +51,7 @@ impl Settings {
         tolerance: 0.0,
         small_steps: 2,
         predicts: false,
+        ends_measured: true,
     };
 }
 
@@ -65,22 +75,32 @@ pub(crate) fn minimise(
     problem: &dyn LeastSquares,
     start: Point,
     mut residuals: Vec<Vec<f64>>,
-    mut first: Option<Vec<Columns>>,
+    first: Option<Vec<Columns>>,
     settings: &Settings,
     seen: &mut dyn FnMut(&Point, &[Vec<f64>]),
 ) -> Result<Minimum> {
     let mut point = start;
-    let (mut damping, mut small_steps, mut rollouts) = (settings.damping, 0, 0);
+    let (mut damping, mut small_steps, mut rollouts, mut steps) = (settings.damping, 0, 0, 0);
+    let mut columns = first;
+    let (mut measured, mut derived) = (true, 0);
     let mut equations = None;
-    for _ in 0..settings.steps {
+    while steps < settings.steps {
         let scale = problem.scale(&residuals);
         let cost = huber_cost(&residuals, scale) + prior_cost(problem, &point);
-        let known = linearised(problem, &point, &residuals, first.take(), scale, &mut rollouts)?;
+        let known = match columns.take() {
+            Some(known) => known,
+            None if derived == settings.derivatives => break,
+            None => {
+                (measured, derived) = (true, derived + 1);
+                derivatives(problem, &point, &residuals, &mut rollouts)?
+            }
+        };
+        let linear = linearised(problem, &point, &residuals, &known, scale);
         let mut improved = None;
         while damping < settings.greatest_damping {
-            let candidate = moved(problem, &point, &known, damping);
+            let candidate = moved(problem, &point, &linear, damping);
             rollouts += problem.recordings().len();
-            // A refused or worse step is a step too long.
+            // A refused or worse step is a step too long; or the derivatives mislead.
             if let Ok(new) = residuals_at(problem, &candidate) {
                 let new_cost = huber_cost(&new, scale) + prior_cost(problem, &candidate);
                 if new_cost <= cost {
@@ -88,28 +108,88 @@ pub(crate) fn minimise(
                     break;
                 }
                 // Nothing worth having is left in this direction.
-                if settings.predicts && promise(&known, damping) < settings.tolerance {
+                if settings.predicts && promise(&linear, damping) < settings.tolerance {
                     break;
                 }
             }
+            if !measured {
+                break;
+            }
             damping *= 10.0;
         }
-        equations = Some(known);
-        let Some((candidate, new, gain)) = improved else { break };
+        let promised = promise(&linear, damping);
+        equations = Some(linear);
+        let Some((candidate, new, gain)) = improved else {
+            if measured {
+                break;
+            }
+            continue;
+        };
         let still = distance(problem, &point, &candidate) < settings.still;
+        small_steps = if gain <= settings.tolerance { small_steps + 1 } else { 0 };
+        let arrived = still || gain <= settings.tolerance_share * cost || small_steps >= settings.small_steps;
+        let trusted = gain >= TRUSTED * promised;
+        if !arrived && trusted {
+            columns = Some(secant(problem, known, (&point, &candidate), (&residuals, &new)));
+        }
         (point, residuals) = (candidate, new);
         seen(&point, &residuals);
+        steps += 1;
         damping = (damping / 10.0).max(settings.least_damping);
-        small_steps = if gain <= settings.tolerance { small_steps + 1 } else { 0 };
-        if still || gain <= settings.tolerance_share * cost || small_steps == settings.small_steps {
+        if arrived && (measured || trusted && !settings.ends_measured) {
             break;
         }
+        measured = false;
     }
-    let equations = match equations {
-        Some(known) => known,
-        None => linearised(problem, &point, &residuals, first, problem.scale(&residuals), &mut rollouts)?,
+    let equations = match (equations, columns) {
+        (Some(known), _) => known,
+        (None, Some(known)) => linearised(problem, &point, &residuals, &known, problem.scale(&residuals)),
+        (None, None) => {
+            let known = derivatives(problem, &point, &residuals, &mut rollouts)?;
+            linearised(problem, &point, &residuals, &known, problem.scale(&residuals))
+        }
     };
     Ok(Minimum { point, residuals, equations, rollouts })
+}
+
+/// The derivatives at a point by as many rollouts as there are columns.
+fn derivatives(
+    problem: &dyn LeastSquares,
+    point: &Point,
+    residuals: &[Vec<f64>],
+    rollouts: &mut usize,
+) -> Result<Vec<Columns>> {
+    let columns = jacobian(problem, point, residuals)?;
+    *rollouts += columns.iter().map(Columns::count).sum::<usize>();
+    Ok(columns)
+}
+
+/// Derivatives of which the last step's change of the residuals is true (Broyden 1965), steps measured in shares of the bounds.
+fn secant(
+    problem: &dyn LeastSquares,
+    mut columns: Vec<Columns>,
+    (from, to): (&Point, &Point),
+    (before, after): (&[Vec<f64>], &[Vec<f64>]),
+) -> Vec<Columns> {
+    for (k, (one, &d)) in columns.iter_mut().zip(problem.recordings()).enumerate() {
+        let shared = one.places.iter().map(|&i| (to.parameters[i] - from.parameters[i], problem.parameter(i).span()));
+        let own = problem.nuisances(d).iter().enumerate();
+        let own = own.map(|(i, p)| (to.nuisances[d][i] - from.nuisances[d][i], p.span()));
+        let steps: Vec<(f64, f64)> = shared.chain(own).collect();
+        let square: f64 = steps.iter().map(|(step, span)| (step / span).powi(2)).sum();
+        if !square.is_normal() {
+            continue;
+        }
+        let mut missing: Vec<f64> = after[k].iter().zip(&before[k]).map(|(after, before)| after - before).collect();
+        for (column, (step, _)) in one.shared.iter().chain(&one.nuisances).zip(&steps) {
+            missing.iter_mut().zip(column).for_each(|(missing, slope)| *missing -= slope * step);
+        }
+        for (column, (step, span)) in one.shared.iter_mut().chain(&mut one.nuisances).zip(&steps) {
+            let share = step / span.powi(2) / square;
+            column.iter_mut().zip(&missing).for_each(|(slope, missing)| *slope += share * missing);
+        }
+    }
+    columns
 }
 
 /// The normal equations at a point, what pushes against a bound held there.
@@ -117,20 +197,12 @@ fn linearised(
     problem: &dyn LeastSquares,
     point: &Point,
     residuals: &[Vec<f64>],
-    known: Option<Vec<Columns>>,
+    columns: &[Columns],
     scale: f64,
-    rollouts: &mut usize,
-) -> Result<Arrow> {
-    let columns = if let Some(columns) = known {
-        columns
-    } else {
-        let columns = jacobian(problem, point, residuals)?;
-        *rollouts += columns.iter().map(Columns::count).sum::<usize>();
-        columns
-    };
-    let mut equations = normal_equations(problem, &columns, residuals, point, scale);
+) -> Arrow {
+    let mut equations = normal_equations(problem, columns, residuals, point, scale);
     hold_at_bounds(problem, point, &mut equations);
-    Ok(equations)
+    equations
 }
 
 /// What a linear model of this point promises to gain by the damped step.
@@ -194,8 +266,45 @@ mod tests {
 
     #[test]
     fn it_ends_at_the_given_step_tolerance() {
-        let two = Settings { tolerance: f64::INFINITY, ..Settings::EXACT };
+        let two = Settings { tolerance: f64::INFINITY, ends_measured: false, ..Settings::EXACT };
         assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &two).1, 2);
+        // The second step follows the derivatives of the first, so that a third has to confirm it.
+        assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &Settings { ends_measured: true, ..two }).1, 3);
         assert_eq!(fitted(&Lines::new(1.5, &[2.0]), &Settings { small_steps: 1, ..two }).1, 1);
+    }
+
+    /// From derivatives that are wrong by a factor, those along the step become right, and those across it stay.
+    #[test]
+    fn secant_derivatives_repeat_the_last_step() {
+        let lines = Lines::new(1.5, &[2.0]);
+        let from = lines.start();
+        let mut to = from.with(&[1], &[0.5]);
+        to.nuisances[0][0] += 0.25;
+        let (before, after) = (residuals_at(&lines, &from).unwrap(), residuals_at(&lines, &to).unwrap());
+        let mut wrong = jacobian(&lines, &from, &before).unwrap();
+        wrong[0].shared[0].iter_mut().for_each(|slope| *slope *= 3.0);
+        let (step, level) = (to.parameters[1] - from.parameters[1], to.nuisances[0][0] - from.nuisances[0][0]);
+        let spans = [lines.parameter(1).span(), lines.nuisances(0)[0].span()];
+        // Across the step in shares of the bounds.
+        let across = [-level / spans[1] * spans[0], step / spans[0] * spans[1]];
+        let along = |columns: &[Columns], i: usize, [a, b]: [f64; 2]| {
+            a * columns[0].shared[0][i] + b * columns[0].nuisances[0][i]
+        };
+        let right = secant(&lines, wrong.clone(), (&from, &to), (&before, &after));
+        for i in 0..before[0].len() {
+            assert!((along(&right, i, [step, level]) - (after[0][i] - before[0][i])).abs() < 1e-9);
+            assert!((along(&right, i, across) - along(&wrong, i, across)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_line_needs_its_derivatives_twice() {
+        let lines = Lines::new(1.5, &[2.0, -1.0]);
+        let (found, accepted) = fitted(&lines, &Settings::EXACT);
+        assert_eq!(
+            found.rollouts,
+            2 * 2 * 2 + 2 * accepted,
+            "two columns of two recordings, at the start and at the end"
+        );
     }
 }

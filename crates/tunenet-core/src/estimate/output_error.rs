@@ -129,7 +129,7 @@ impl Problem<'_> {
     /// As [`fit`](Problem::fit), but ends as well after two steps in a row that each gain no more than `enough` of the cost:
     /// a profile needs its cost, not the place in full precision.
     pub(crate) fn fit_until(&self, start: Point, horizon: f64, enough: f64) -> Result<Fit> {
-        self.fit_with(start, horizon, &Settings { tolerance: enough, ..Settings::EXACT })
+        self.fit_with(start, horizon, &Settings { tolerance: enough, ends_measured: enough <= 0.0, ..Settings::EXACT })
     }
 
     fn fit_with(&self, start: Point, horizon: f64, settings: &Settings) -> Result<Fit> {

@@ -33,7 +33,8 @@ pub(in crate::diagnose) fn assemble(
     mut notes: Vec<Note>,
 ) -> Result<Diagnosis> {
     let Judgement { context, found, decision, .. } = judged;
-    let last = judged.last();
+    let measured = context.measured(judged.last())?;
+    let last = &measured;
     let intervals = Intervals::new(context, last, judged.heterogeneous)?;
     if intervals.widened {
         notes.push(Note::new(

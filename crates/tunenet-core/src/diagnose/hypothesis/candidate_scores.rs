@@ -5,9 +5,10 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use crate::Result;
-use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
+use crate::diagnose::hypothesis::context::{Context, Hypothesis, TRIAL};
 use crate::diagnose::hypothesis::joint::{Effort, Point, Which};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
+use crate::diagnose::hypothesis::structure::Structure;
 use crate::diagnose::hypothesis::wording::done_already;
 use crate::estimate::canonical_correlation::canonical_correlation;
 use crate::estimate::jacobian::Columns;
@@ -15,8 +16,8 @@ use crate::estimate::projection::{Projector, orthonormal, stack};
 use crate::statistics::dot;
 
 /// One step with derivatives that are known already.
-const ONE_STEP: Effort = Effort { steps: 1, tolerance: 0.02, horizon: 1.0 };
-const FEW_STEPS: Effort = Effort { steps: 3, ..FULL };
+const ONE_STEP: Effort = Effort { steps: 1, ..TRIAL };
+const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ..TRIAL };
 /// An effect that all of its physical bounds moves less than this (root of the summed squares, in units of the noise) is
 /// not there to be seen.
 const VISIBLE: f64 = 3.0;
@@ -100,12 +101,18 @@ pub(in crate::diagnose) fn score_candidates<'a>(
                 span: one.span.clone(),
             };
             if trial.excluded.is_none() && one.predicted > 0.0 {
-                one_step(context, &mut trial, model, &base, one);
+                match (Extension { model, base: &base, scored: one }).fit(context, ONE_STEP) {
+                    Ok(fitted) => {
+                        trial.gain = gain(context, model, &fitted, model.scale());
+                        trial.model = Some(fitted);
+                    }
+                    Err(error) => trial.excluded = Some(Exclusion::Refused(error.to_string())),
+                }
             }
             trial
         })
         .collect();
-    fit_best(context, &mut trials, model);
+    fit_best(context, &mut trials, |i| Extension { model, base: &base, scored: &scored[i] });
     trials.sort_by(CandidateFit::order);
     trials
 }
@@ -169,39 +176,44 @@ fn try_score(
     Ok(())
 }
 
-/// One joint step from derivatives that are known: three rollouts for three recordings.
-fn one_step<'a>(
-    context: &Context<'a>,
-    trial: &mut CandidateFit<'a>,
-    model: &Hypothesis,
-    base: &[Columns],
-    scored: &Scored,
-) {
-    let fitted = || -> Result<Hypothesis<'a>> {
-        let structure = context.structure(&[model.structure.effects.as_slice(), &[trial.entry]].concat())?;
-        let globals = structure.carry(&model.structure, &model.fit.point.parameters);
-        let point = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
-        let columns = base.iter().zip(&scored.columns).map(|(base, new)| Columns {
+/// A model and one of its candidates, linear where the model stands.
+#[derive(Clone, Copy)]
+struct Extension<'s, 'a> {
+    model: &'s Hypothesis<'a>,
+    /// Derivatives by the model's own parameters.
+    base: &'s [Columns],
+    scored: &'s Scored,
+}
+
+impl<'a> Extension<'_, 'a> {
+    fn structure(&self, context: &Context<'a>) -> Result<Structure<'a>> {
+        context.structure(&[self.model.structure.effects.as_slice(), &[self.scored.entry]].concat())
+    }
+
+    /// The joint fit from where the model stands, with the derivatives that are known: a step takes one rollout of each
+    /// recording.
+    fn fit(&self, context: &Context<'a>, effort: Effort) -> Result<Hypothesis<'a>> {
+        let structure = self.structure(context)?;
+        let parameters = structure.carry(&self.model.structure, &self.model.fit.point.parameters);
+        let point = Point { parameters, nuisances: self.model.fit.point.nuisances.clone() };
+        let columns = self.base.iter().zip(&self.scored.columns).map(|(base, new)| Columns {
             places: [base.places.as_slice(), &new.places].concat(),
             shared: base.shared.iter().chain(&new.shared).cloned().collect(),
             nuisances: base.nuisances.clone(),
         });
         let first: Vec<Columns> = columns.collect();
-        let fit = context.joint(&structure).fit_from(point, model.fit.residuals.clone(), ONE_STEP, Some(&first))?;
+        let fit = context.joint(&structure).fit_from(point, self.model.fit.residuals.clone(), effort, Some(&first))?;
         Ok(Hypothesis { structure, fit })
-    };
-    match fitted() {
-        Ok(fitted) => {
-            trial.gain = gain(context, model, &fitted, model.scale());
-            trial.model = Some(fitted);
-        }
-        Err(error) => trial.excluded = Some(Exclusion::Refused(error.to_string())),
     }
 }
 
 /// Fits the best jointly to the end, then others that may still overtake them, and those that do nearly the same as the
 /// best; each from several starts where one does not keep what was predicted.
-fn fit_best<'a>(context: &Context<'a>, trials: &mut [CandidateFit<'a>], model: &Hypothesis<'a>) {
+fn fit_best<'s, 'a: 's>(
+    context: &Context<'a>,
+    trials: &mut [CandidateFit<'a>],
+    extension: impl Fn(usize) -> Extension<'s, 'a> + Sync,
+) {
     let mut done = vec![false; trials.len()];
     for round in 0.. {
         let best = leader(trials);
@@ -220,10 +232,12 @@ fn fit_best<'a>(context: &Context<'a>, trials: &mut [CandidateFit<'a>], model: &
         if open.is_empty() || round == ROUNDS {
             break;
         }
-        let fits: Vec<Option<Hypothesis>> = open.par_iter().map(|&i| fit_fully(context, &trials[i], model)).collect();
+        let fits: Vec<Option<Hypothesis>> =
+            open.par_iter().map(|&i| fit_fully(context, &trials[i], extension(i))).collect();
         for (&i, fitted) in open.iter().zip(fits) {
             done[i] = true;
             let Some(fitted) = fitted else { continue };
+            let model = extension(i).model;
             trials[i].gain = gain(context, model, &fitted, model.scale());
             trials[i].excluded = implausible(context, &fitted).map(Exclusion::Implausible);
             trials[i].model = Some(fitted);
@@ -243,25 +257,24 @@ fn leader(trials: &[CandidateFit]) -> Option<usize> {
     fitted.max_by(|a, b| trials[*a].gain.total_cmp(&trials[*b].gain))
 }
 
-/// From where one step led, and from larger coefficients where that falls short of what was predicted: friction that
+/// From where the model stands, and from larger coefficients where that falls short of what was predicted: friction that
 /// grips is not reached from friction that hardly is.
-fn fit_fully<'a>(context: &Context<'a>, trial: &CandidateFit<'a>, model: &Hypothesis<'a>) -> Option<Hypothesis<'a>> {
-    let effects = [model.structure.effects.as_slice(), &[trial.entry]].concat();
-    let from = |point: Point| -> Option<Hypothesis<'a>> {
-        let structure = context.structure(&effects).ok()?;
-        let fit = context.joint(&structure).fit(point, FULL).ok()?;
-        Some(Hypothesis { structure, fit })
-    };
-    let mut best = trial.model.as_ref().and_then(|start| from(start.fit.point.clone()));
+fn fit_fully<'a>(
+    context: &Context<'a>,
+    trial: &CandidateFit<'a>,
+    extension: Extension<'_, 'a>,
+) -> Option<Hypothesis<'a>> {
+    let model = extension.model;
+    let step = trial.model.as_ref()?;
+    let mut best = extension.fit(context, TRIAL).ok();
     let gain =
         |m: &Option<Hypothesis<'a>>| m.as_ref().map_or(f64::NEG_INFINITY, |m| gain(context, model, m, model.scale()));
     if gain(&best) > KEPT * trial.predicted {
         return best;
     }
-    let step = trial.model.as_ref()?;
     let known = model.structure.globals.len();
     for size in LARGER {
-        let structure = context.structure(&effects).ok()?;
+        let structure = extension.structure(context).ok()?;
         let mut globals = structure.carry(&model.structure, &model.fit.point.parameters);
         for (place, global) in structure.globals.iter().enumerate().skip(known) {
             let (absent, typical) = global.absent.unwrap_or((0.0, 0.0));
@@ -274,7 +287,9 @@ fn fit_fully<'a>(context: &Context<'a>, trial: &CandidateFit<'a>, model: &Hypoth
         let tried = context.joint(&structure).fit(start, FEW_STEPS).ok()?;
         let tried = Some(Hypothesis { structure, fit: tried });
         if gain(&tried) > gain(&best) {
-            best = tried.and_then(|t| from(t.fit.point));
+            let tried = tried?;
+            let fit = context.joint(&tried.structure).fit(tried.fit.point, TRIAL);
+            best = fit.ok().map(|fit| Hypothesis { structure: tried.structure, fit });
         }
     }
     best

@@ -22,7 +22,8 @@ pub(in crate::diagnose) use crate::estimate::Point;
 const COEFFICIENT_STEP: f64 = 1e-3;
 /// Candidates are compared by costs in steps of 0.5, so that a fit ends early.
 const SETTINGS: Settings = Settings {
-    steps: 12,
+    steps: 40,
+    derivatives: 12,
     damping: 1e-4,
     least_damping: 1e-10,
     greatest_damping: 1e8,
@@ -31,6 +32,7 @@ const SETTINGS: Settings = Settings {
     tolerance: 0.02,
     small_steps: 1,
     predicts: true,
+    ends_measured: false,
 };
 /// How far a refused start is moved, as shares of the bounds.
 const MOVES: [f64; 4] = [1e-4, 1e-3, 1e-2, 0.1];
@@ -41,6 +43,10 @@ const NEARER: f64 = 0.9;
 #[derive(Clone, Copy)]
 pub(in crate::diagnose) struct Effort {
     pub steps: usize,
+    /// Most times that derivatives are measured.
+    pub derivatives: usize,
+    /// Whether the last step has to be one by measured derivatives: the covariance is that of the last step.
+    pub ends_measured: bool,
     /// A step that gains less than this in cost ends it; a half of 1 is what the noise of one sample is worth.
     pub tolerance: f64,
     /// The share of each recording that is fitted.
@@ -238,7 +244,12 @@ impl Joint<'_> {
     /// Where `point` stands, without a step.
     pub fn stand(&self, point: Point) -> Result<Outcome> {
         let residuals = self.residuals(&point, 1.0)?;
-        self.fit_from(point, residuals, Effort { steps: 0, tolerance: 0.0, horizon: 1.0 }, None)
+        self.fit_from(
+            point,
+            residuals,
+            Effort { steps: 0, derivatives: 1, ends_measured: true, tolerance: 0.0, horizon: 1.0 },
+            None,
+        )
     }
 
     /// Moves the start of a recording that the simulator refuses (a body inside a surface that tilts) to the nearest one
@@ -274,7 +285,8 @@ impl Joint<'_> {
         effort: Effort,
         first: Option<&[Columns]>,
     ) -> Result<Outcome> {
-        let settings = Settings { steps: effort.steps, tolerance: effort.tolerance, ..SETTINGS };
+        let Effort { steps, derivatives, ends_measured, tolerance, .. } = effort;
+        let settings = Settings { steps, derivatives, ends_measured, tolerance, ..SETTINGS };
         let parts = self.parts();
         let one = |part: &Part| {
             let residuals = part.sets.iter().map(|&d| residuals[d].clone()).collect();

@@ -7,7 +7,7 @@ use crate::diagnose::hypothesis::structure::Structure;
 
 /// Shares of the recordings that are fitted one after the other: the count of events stays right on the way.
 const HORIZONS: [f64; 2] = [0.45, 0.7];
-const EARLY: Effort = Effort { steps: 6, tolerance: 0.5, horizon: 1.0 };
+const EARLY: Effort = Effort { steps: 20, derivatives: 6, ends_measured: false, tolerance: 0.5, horizon: 1.0 };
 const MOST_STARTS: usize = 3;
 /// Starts that lead so near to each other, as a share of the bounds, lead to the same.
 const SAME: f64 = 1e-3;
