@@ -15,7 +15,7 @@ const OFF_STEPS: f64 = 1.5;
 const OFF_SHARE: f64 = 0.01;
 
 /// Off a parabola by less than this share of the range may be a short motion between two impacts.
-const OFF_PARABOLA: f64 = 0.03;
+const OFF_PARABOLA: f64 = 0.005;
 /// Passes with parabolas, each without the samples found before: more outliers in one neighbourhood are motion.
 const PASSES: usize = 8;
 /// A jump for so many samples is still an accident.
@@ -144,6 +144,7 @@ mod tests {
         assert!(drop(&[]).outliers().is_empty());
         assert!(drop(&[(40, 5.0), (41, 5.0), (42, 5.0)]).outliers().is_empty(), "three in a row");
         assert_eq!(drop(&[(20, 0.5)]).outliers(), [20], "within the range, but off the path");
+        assert_eq!(drop(&[(70, 0.01), (90, 0.004)]).outliers(), [70], "a hundredth of the range, but not a 250th");
         assert!(drop(&[]).without(&[]).is_none());
     }
 }
