@@ -286,7 +286,7 @@ impl Joint<'_> {
         first: Option<&[Columns]>,
     ) -> Result<Outcome> {
         let Effort { steps, derivatives, ends_measured, tolerance, .. } = effort;
-        let settings = Settings { steps, derivatives, ends_measured, tolerance, ..SETTINGS };
+        let settings = Settings { steps, derivatives, tolerance, ends_measured, ..SETTINGS };
         let parts = self.parts();
         let one = |part: &Part| {
             let residuals = part.sets.iter().map(|&d| residuals[d].clone()).collect();
