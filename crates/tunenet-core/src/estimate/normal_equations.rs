@@ -40,7 +40,7 @@ pub(crate) fn normal_equations(
         }
         let mut nuisance_normal = normal.view((shared, shared), (nuisances, nuisances)).into_owned();
         let mut nuisance_right = right.rows(shared, nuisances).into_owned();
-        for (i, p) in problem.nuisances(d).iter().enumerate().take(nuisances) {
+        for (i, p) in problem.nuisances(d).iter().enumerate() {
             let sd = problem.prior_sd(d, i);
             nuisance_normal[(i, i)] += sd.powi(-2);
             nuisance_right[i] -= (point.nuisances[d][i] - p.value) / sd.powi(2);

@@ -33,8 +33,7 @@ pub(in crate::diagnose) fn assemble(
     mut notes: Vec<Note>,
 ) -> Result<Diagnosis> {
     let Judgement { context, found, decision, .. } = judged;
-    let measured = context.measured(judged.last())?;
-    let last = &measured;
+    let last = judged.last();
     let intervals = Intervals::new(context, last, judged.heterogeneous)?;
     if intervals.widened {
         notes.push(Note::new(

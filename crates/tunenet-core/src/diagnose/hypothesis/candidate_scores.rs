@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use crate::Result;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis, TRIAL};
+use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Point, Which};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
 use crate::diagnose::hypothesis::structure::Structure;
@@ -16,8 +16,8 @@ use crate::estimate::projection::{Projector, orthonormal, stack};
 use crate::statistics::dot;
 
 /// One step with derivatives that are known already.
-const ONE_STEP: Effort = Effort { steps: 1, ..TRIAL };
-const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ..TRIAL };
+const ONE_STEP: Effort = Effort { steps: 1, ..FULL };
+const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ends_measured: false, ..FULL };
 /// An effect that all of its physical bounds moves less than this (root of the summed squares, in units of the noise) is
 /// not there to be seen.
 const VISIBLE: f64 = 3.0;
@@ -266,7 +266,7 @@ fn fit_fully<'a>(
 ) -> Option<Hypothesis<'a>> {
     let model = extension.model;
     let step = trial.model.as_ref()?;
-    let mut best = extension.fit(context, TRIAL).ok();
+    let mut best = extension.fit(context, FULL).ok();
     let gain =
         |m: &Option<Hypothesis<'a>>| m.as_ref().map_or(f64::NEG_INFINITY, |m| gain(context, model, m, model.scale()));
     if gain(&best) > KEPT * trial.predicted {
@@ -288,7 +288,7 @@ fn fit_fully<'a>(
         let tried = Some(Hypothesis { structure, fit: tried });
         if gain(&tried) > gain(&best) {
             let tried = tried?;
-            let fit = context.joint(&tried.structure).fit(tried.fit.point, TRIAL);
+            let fit = context.joint(&tried.structure).fit(tried.fit.point, FULL);
             best = fit.ok().map(|fit| Hypothesis { structure: tried.structure, fit });
         }
     }

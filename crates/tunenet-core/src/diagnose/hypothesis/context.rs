@@ -19,8 +19,6 @@ use crate::estimate::information_criterion::{bic_gain, likelihood_gain};
 /// A full fit.
 pub(in crate::diagnose) const FULL: Effort =
     Effort { steps: 40, derivatives: 12, ends_measured: true, tolerance: 0.02, horizon: 1.0 };
-/// The same, where nobody asks for the covariance.
-pub(in crate::diagnose) const TRIAL: Effort = Effort { ends_measured: false, ..FULL };
 /// A change of the noise's lag-1 correlation below this is left.
 const CORRELATION_CHANGE: f64 = 0.05;
 
@@ -150,16 +148,6 @@ impl<'a> Context<'a> {
             nuisances: near.fit.point.nuisances.clone(),
         };
         let fit = self.joint(&structure).fit(point, FULL)?;
-        Ok(Hypothesis { structure, fit })
-    }
-
-    /// `model` with the covariance of derivatives that are measured where it stands: a fit may end with those of earlier steps.
-    ///
-    /// # Errors
-    /// Where the simulator refuses.
-    pub fn measured(&self, model: &Hypothesis) -> Result<Hypothesis<'a>> {
-        let structure = self.structure(&model.structure.effects)?;
-        let fit = self.joint(&structure).stand(model.fit.point.clone())?;
         Ok(Hypothesis { structure, fit })
     }
 

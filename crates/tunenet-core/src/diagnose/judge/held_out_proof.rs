@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::diagnose::evidence::rmse;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis, TRIAL};
+use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Point};
 
 const EARLY: Effort = Effort { steps: 20, derivatives: 6, ends_measured: false, tolerance: 0.5, horizon: 0.45 };
@@ -33,9 +33,9 @@ pub(in crate::diagnose) fn validate(context: &Context, model: &Hypothesis) -> Re
     let start =
         Point { parameters: Vec::new(), nuisances: sets.iter().map(|s| s.prepared.nuisance_values()).collect() };
     let early = joint.fit(start, EARLY)?.point;
-    let whole = joint.fit(early.clone(), TRIAL)?.point;
+    let whole = joint.fit(early.clone(), FULL)?.point;
     let plain = joint.plain_residuals(&whole)?;
-    let known = joint.fit(early, Effort { horizon: KNOWN, ..TRIAL })?.point;
+    let known = joint.fit(early, Effort { horizon: KNOWN, ..FULL })?.point;
     let ahead = joint.plain_residuals(&known)?;
     let mut residuals = plain.clone();
     for (set, values) in sets.iter().zip(&mut residuals) {
