@@ -132,15 +132,14 @@ impl Cell {
             ]);
         }
         let clock = file.record().clock();
-        let jitter_s = if self.disturbance == Disturbance::Jitter { JITTER_SHARE * (clock[1] - clock[0]) } else { 0.0 };
-        // Before the release the ball is held at the height of fall.
-        let instants: Vec<f64> = if jitter_s > 0.0 {
-            clock.iter().map(|t| (t + jitter_s * random.sample::<f64, _>(StandardNormal)).max(0.0)).collect()
+        let instants: Vec<f64> = if self.disturbance == Disturbance::Jitter {
+            let sd_s = JITTER_SHARE * (clock[1] - clock[0]);
+            // Before the release the ball is held at the height of fall.
+            clock.iter().map(|t| (t + sd_s * random.sample::<f64, _>(StandardNormal)).max(0.0)).collect()
         } else {
             clock.clone()
         };
-        let height = |t: &f64| drop.heights(std::slice::from_ref(t))[0];
-        let heights = if jitter_s > 0.0 { instants.iter().map(height).collect() } else { drop.heights(&clock) };
+        let heights = drop.heights(&instants);
         let noise = |random: &mut ChaCha8Rng| self.noise * random.sample::<f64, _>(StandardNormal);
         let mut positions: Vec<[f64; 3]> =
             heights.into_iter().map(|z| [noise(random), noise(random), PAPER_RADIUS_M + z + noise(random)]).collect();
@@ -167,11 +166,10 @@ impl Cell {
             speed_m_s *= restitution * (1.0 + scatter * random.sample::<f64, _>(StandardNormal));
             at_s += 2.0 * speed_m_s / GRAVITY_M_S2;
         }
-        let kind = Kind::EventTimes;
-        Ok((ObservedBall::new(&file, kind)?, Observation::event_times("impact", times_s)?))
+        Ok((ObservedBall::new(&file, Kind::EventTimes)?, Observation::event_times("impact", times_s)?))
     }
 
-    /// What was recorded, what is known, and what disturbs, restitution and noise, for a person.
+    /// What was recorded and what is known of it, restitution, noise and disturbance, for a person.
     pub fn labels(self) -> [String; 4] {
         let noise = if self.given.is_some() {
             format!("{} cm", self.noise * 100.0)
