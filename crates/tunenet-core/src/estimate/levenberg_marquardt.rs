@@ -1,6 +1,8 @@
 //! Levenberg–Marquardt with multiplicative damping (Marquardt 1963), within bounds, in its secant version: between derivatives that are
 //! measured, those in use follow the residuals by Broyden's rank-one formula (Madsen, Nielsen and Tingleff 2004, section 3.5).
 
+use nalgebra::DVector;
+
 use super::block_arrow::Arrow;
 use super::huber::huber_cost;
 use super::jacobian::{Columns, jacobian};
@@ -8,7 +10,7 @@ use super::normal_equations::{hold_at_bounds, normal_equations};
 use super::problem::{LeastSquares, Point, distance, prior_cost, residuals as residuals_at};
 use crate::Result;
 
-/// A step that gains this share of what the linear model promised leaves derivatives that are worth following.
+/// A step that gains this share of gradient times step, of which a quadratic gains 0.5, leaves derivatives that are worth following.
 const TRUSTED: f64 = 0.3;
 
 /// How far a fit goes. What callers set differently stands here by name.
@@ -98,17 +100,18 @@ pub(crate) fn minimise(
         let linear = linearised(problem, &point, &residuals, &known, scale);
         let mut improved = None;
         while damping < settings.greatest_damping {
-            let candidate = moved(problem, &point, &linear, damping);
+            let step = Step::damped(&linear, damping);
+            let candidate = step.from(problem, &point);
             rollouts += problem.recordings().len();
             // A refused or worse step is a step too long; or the derivatives mislead.
             if let Ok(new) = residuals_at(problem, &candidate) {
                 let new_cost = huber_cost(&new, scale) + prior_cost(problem, &candidate);
                 if new_cost <= cost {
-                    improved = Some((candidate, new, cost - new_cost));
+                    improved = Some((candidate, new, cost - new_cost, step.promised));
                     break;
                 }
                 // Nothing worth having is left in this direction.
-                if settings.predicts && promise(&linear, damping) < settings.tolerance {
+                if settings.predicts && step.promised < settings.tolerance {
                     break;
                 }
             }
@@ -117,9 +120,8 @@ pub(crate) fn minimise(
             }
             damping *= 10.0;
         }
-        let promised = promise(&linear, damping);
         equations = Some(linear);
-        let Some((candidate, new, gain)) = improved else {
+        let Some((candidate, new, gain, promised)) = improved else {
             if measured {
                 break;
             }
@@ -205,26 +207,35 @@ fn linearised(
     equations
 }
 
-/// What a linear model of this point promises to gain by the damped step.
-fn promise(equations: &Arrow, damping: f64) -> f64 {
-    let (shared, nuisances) = equations.solve(damping);
-    let nuisances: f64 = equations.blocks.iter().zip(&nuisances).map(|(b, step)| b.nuisance_right.dot(step)).sum();
-    shared.dot(&equations.right) + nuisances
+/// A damped step.
+struct Step {
+    shared: DVector<f64>,
+    nuisances: Vec<DVector<f64>>,
+    /// Gradient times step: twice what a quadratic gains in cost by the undamped step.
+    promised: f64,
 }
 
-/// Where the damped step leads, within the bounds.
-fn moved(problem: &dyn LeastSquares, point: &Point, equations: &Arrow, damping: f64) -> Point {
-    let (shared, nuisances) = equations.solve(damping);
-    let mut moved = point.clone();
-    for (&place, step) in problem.free().iter().zip(shared.iter()) {
-        moved.parameters[place] = problem.stepped(place, point.parameters[place], *step);
+impl Step {
+    fn damped(equations: &Arrow, damping: f64) -> Self {
+        let (shared, nuisances) = equations.solve(damping);
+        let own: f64 = equations.blocks.iter().zip(&nuisances).map(|(b, step)| b.nuisance_right.dot(step)).sum();
+        let promised = shared.dot(&equations.right) + own;
+        Self { shared, nuisances, promised }
     }
-    for (&d, steps) in problem.recordings().iter().zip(nuisances) {
-        for ((value, step), p) in moved.nuisances[d].iter_mut().zip(steps.iter()).zip(problem.nuisances(d)) {
-            *value = (*value + step).clamp(p.min, p.max);
+
+    /// Where it leads, within the bounds.
+    fn from(&self, problem: &dyn LeastSquares, point: &Point) -> Point {
+        let mut moved = point.clone();
+        for (&place, step) in problem.free().iter().zip(self.shared.iter()) {
+            moved.parameters[place] = problem.stepped(place, point.parameters[place], *step);
         }
+        for (&d, steps) in problem.recordings().iter().zip(&self.nuisances) {
+            for ((value, step), p) in moved.nuisances[d].iter_mut().zip(steps.iter()).zip(problem.nuisances(d)) {
+                *value = (*value + step).clamp(p.min, p.max);
+            }
+        }
+        moved
     }
-    moved
 }
 
 #[cfg(test)]
