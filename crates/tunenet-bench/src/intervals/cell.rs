@@ -206,3 +206,58 @@ impl Disturbance {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(given: Option<bool>, disturbance: Disturbance, seed: u64) -> Observation {
+        let cell = Cell { given, restitution: (0.7, 0.7), noise: 0.0, disturbance };
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        match given {
+            Some(given) => cell.heights(&mut random, 0.7, given).unwrap().1,
+            None => cell.impacts(&mut random, 0.7).unwrap().1,
+        }
+    }
+
+    fn ratios(times_s: &[f64]) -> Vec<f64> {
+        times_s.windows(3).map(|t| (t[2] - t[1]) / (t[1] - t[0])).collect()
+    }
+
+    #[test]
+    fn flights_shorten_by_the_restitution_and_scatter_about_it() {
+        let exact = seen(None, Disturbance::None, 1);
+        assert!(IMPACTS.contains(&u32::try_from(exact.clock().len()).unwrap()));
+        assert!(ratios(exact.clock()).iter().all(|ratio| (ratio - 0.7).abs() < 1e-9));
+        let scattered: Vec<f64> =
+            (0..200).flat_map(|seed| ratios(seen(None, Disturbance::Scatter(0.03), seed).clock())).collect();
+        let count = scattered.len() as f64;
+        let mean = scattered.iter().sum::<f64>() / count;
+        let sd = (scattered.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / count).sqrt();
+        assert!((mean - 0.7).abs() < 0.003 && (sd - 0.021).abs() < 0.002, "{mean} {sd}");
+    }
+
+    /// Without noise, what differs from the undisturbed drop of the same seed is the disturbance alone.
+    #[test]
+    fn a_twentieth_of_the_samples_are_outliers_and_jitter_moves_instants_only() {
+        let heights = |disturbance, seed| {
+            seen(Some(false), disturbance, seed).values().iter().skip(2).step_by(3).copied().collect::<Vec<f64>>()
+        };
+        let (mut outliers, mut count) = (0, 0);
+        for seed in 0..20 {
+            let (plain, outlying) = (heights(Disturbance::None, seed), heights(Disturbance::Outliers, seed));
+            for (plain, outlying) in plain.iter().zip(&outlying) {
+                let off = (plain - outlying).abs();
+                assert!(off == 0.0 || (0.1 - 1e-9..1.0).contains(&off), "{off}");
+                outliers += usize::from(off > 0.0);
+                count += 1;
+            }
+        }
+        let share = outliers as f64 / count as f64;
+        assert!((share - OUTLIER_SHARE).abs() < 0.01, "{share}");
+        let (plain, jittered) = (heights(Disturbance::None, 3), heights(Disturbance::Jitter, 3));
+        let furthest = plain.iter().zip(&jittered).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // At most 9 m/s over some five standard deviations of 1.7 ms.
+        assert!(furthest > 0.001 && furthest < 0.08, "{furthest}");
+    }
+}
