@@ -36,7 +36,7 @@ impl Strategy for ContactsOnly {
         as_recorded && (crowded(problem, whole) || whole.verdict() == Verdict::Unknown || !adequate)
     }
 
-    fn attempt(&self, problem: &Problem, so_far: &Explanation) -> Result<Option<Explanation>> {
+    fn attempt(&self, problem: &Problem, _: &Explanation) -> Result<Option<Explanation>> {
         if problem.recordings().iter().any(|recording| recording.prepared().seen.kind() != Kind::Positions) {
             return Ok(None);
         }
@@ -55,7 +55,6 @@ impl Strategy for ContactsOnly {
         if used < FEWEST_RECORDINGS && answer.next_experiment.is_none() {
             answer.next_experiment = Some(NextExperiment { text: WORDING.add.into(), settings: Vec::new() });
         }
-        answer.rollouts += so_far.diagnosis.rollouts;
         answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Events);
         answer.notes.push(Note::new(
             findings::CONTACTS_ALONE,

@@ -37,6 +37,9 @@ impl Strategy for FlightsOnly {
 
     fn attempt(&self, problem: &Problem, so_far: &Explanation) -> Result<Option<Explanation>> {
         let Some(spinning) = variants(problem, |ball| ball.with_hidden_state()) else { return Ok(None) };
+        if !spinning.iter().any(|ball| ball.effects().iter().any(Effect::required)) {
+            return Ok(None);
+        }
         let mut flights = Vec::new();
         for recording in problem.recordings() {
             for range in recording.free_segments().into_iter().flatten() {
@@ -72,7 +75,6 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
         answer.conclusion = left_open(&problem.subjects()[0].simulator.effects(), &answer);
         answer.next_experiment = Some(NextExperiment { text: WORDING.add.into(), settings: Vec::new() });
     }
-    answer.rollouts += whole.rollouts;
     answer.gap.iter_mut().for_each(|gap| gap.of = GapOf::Segments);
     for i in 0..answer.explained.len() {
         let recording = answer.explained[i].recording;

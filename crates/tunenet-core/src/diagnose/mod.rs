@@ -42,6 +42,9 @@ pub use judge::Test;
 pub use judge::validation_doubt::Doubt;
 pub use pipeline::{Explanation, Problem, Strategy};
 
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
 use crate::findings;
 use crate::observation::Note;
 use crate::simulator::Preparation;
@@ -126,7 +129,8 @@ pub fn diagnose_with(
         }
     }
     let preparations = Preparations { uses, notes };
-    let problem = Problem::new((subjects, recordings), (settings, progress), (&sets, &preparations));
+    let rollouts = Arc::default();
+    let problem = Problem::new((subjects, recordings), (settings, progress), (&sets, &preparations), &rollouts);
     let mut best = problem.as_recorded()?;
     for strategy in strategies {
         if strategy.applies(&problem, &best)
@@ -135,5 +139,5 @@ pub fn diagnose_with(
             best = better;
         }
     }
-    Ok(best.diagnosis)
+    Ok(Diagnosis { rollouts: rollouts.load(Ordering::Relaxed), ..best.diagnosis })
 }

@@ -1,5 +1,8 @@
 //! The pipeline: evidence → attempt by refinements → judgement → diagnosis, and strategies for what that leaves in doubt.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+
 use super::answer::assemble::assemble;
 use super::answer::insufficient::too_little;
 use super::answer::judgement::Judgement;
@@ -39,6 +42,8 @@ pub struct Problem<'a> {
     progress: &'a dyn Fn(Progress),
     recordings: &'a [PreparedRecording],
     preparations: &'a Preparations,
+    /// Counts the rollouts of all explanations, also of those that lead to nothing.
+    rollouts: &'a Arc<AtomicUsize>,
 }
 
 /// What became of the recordings before anything was fitted.
@@ -63,8 +68,9 @@ impl<'a> Problem<'a> {
         (subjects, given): (&'a [Subject<'a>], &'a [Recording<'a>]),
         (settings, progress): (&'a Settings, &'a dyn Fn(Progress)),
         (recordings, preparations): (&'a [PreparedRecording], &'a Preparations),
+        rollouts: &'a Arc<AtomicUsize>,
     ) -> Self {
-        Self { subjects, given, settings, progress, recordings, preparations }
+        Self { subjects, given, settings, progress, recordings, preparations, rollouts }
     }
 
     /// What the recordings were made of.
@@ -119,7 +125,8 @@ impl<'a> Problem<'a> {
     fn among(&self, recordings: Vec<PreparedRecording>, may: &dyn Fn(&Effect) -> bool) -> Result<Explanation> {
         let mut catalogue = catalogue(self.subjects);
         catalogue.retain(|entry| may(&entry.of[0]));
-        let context = Context::new(self.subjects, Evidence::new(recordings), catalogue, self.settings);
+        let new = Context::new(self.subjects, Evidence::new(recordings), catalogue, self.settings);
+        let context = Context { rollouts: Arc::clone(self.rollouts), ..new };
         let Preparations { uses, mut notes } = self.preparations.clone();
         if let Some(diagnosis) = too_little(&context, &uses, &notes) {
             return Ok(Explanation { diagnosis, events_open: false, odd: None });

@@ -28,7 +28,6 @@ impl Strategy for OddRecording {
         answer.uses[odd].used = false;
         answer.uses[odd].notes.push(note.clone());
         answer.notes.push(note);
-        answer.rollouts += so_far.diagnosis.rollouts;
         Ok(Some(explained))
     }
 }
