@@ -11,6 +11,7 @@ use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
 use crate::diagnose::hypothesis::structure::Structure;
 use crate::diagnose::hypothesis::wording::done_already;
 use crate::estimate::canonical_correlation::canonical_correlation;
+use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::{Projector, orthonormal, stack};
 use crate::statistics::dot;
@@ -70,6 +71,8 @@ struct Scored {
     columns: Vec<Columns>,
     span: Vec<Vec<f64>>,
     predicted: f64,
+    /// What the linear prediction gains under the robust loss: less than `predicted` where residuals are far beyond noise.
+    expected: f64,
     excluded: Option<Exclusion>,
 }
 
@@ -118,8 +121,8 @@ pub(in crate::diagnose) fn score_candidates<'a>(
 }
 
 fn score(context: &Context<'_>, entry: usize, model: &Hypothesis, projector: &Projector, left: &[f64]) -> Scored {
-    let mut scored =
-        Scored { entry, columns: Vec::new(), span: Vec::new(), predicted: f64::NEG_INFINITY, excluded: None };
+    let (columns, span, none) = (Vec::new(), Vec::new(), f64::NEG_INFINITY);
+    let mut scored = Scored { entry, columns, span, predicted: none, expected: none, excluded: None };
     if let Err(error) = try_score(context, &mut scored, model, projector, left) {
         scored.excluded = Some(Exclusion::Refused(error.to_string()));
     }
@@ -173,6 +176,13 @@ fn try_score(
     let before = model.deviance(model.scale());
     let coefficients = (structure.globals.len() - known) as f64;
     scored.predicted = context.criterion(before, (before - explained).max(1e-3 * before), coefficients);
+    let mut rest = left.to_vec();
+    for direction in &scored.span {
+        let along = dot(direction, left);
+        rest.iter_mut().zip(direction).for_each(|(rest, direction)| *rest -= along * direction);
+    }
+    let after = 2.0 * (huber_cost(&[rest], model.scale()) + model.fit.prior_part);
+    scored.expected = context.criterion(before, after.max(1e-3 * before), coefficients);
     Ok(())
 }
 
@@ -215,6 +225,12 @@ fn fit_best<'s, 'a: 's>(
     extension: impl Fn(usize) -> Extension<'s, 'a> + Sync,
 ) {
     let mut done = vec![false; trials.len()];
+    let take = |trial: &mut CandidateFit<'a>, model: &Hypothesis<'a>, fitted: Option<Hypothesis<'a>>| {
+        let Some(fitted) = fitted else { return };
+        trial.gain = gain(context, model, &fitted, model.scale());
+        trial.excluded = implausible(context, &fitted).map(Exclusion::Implausible);
+        trial.model = Some(fitted);
+    };
     for round in 0.. {
         let best = leader(trials);
         let limit = best.map_or(0.0, |b| trials[b].gain - BEHIND.max(BEHIND_SHARE * trials[b].gain));
@@ -222,7 +238,7 @@ fn fit_best<'s, 'a: 's>(
             |i: usize| best.is_some_and(|b| done[b] && canonical_correlation(&trials[b].span, &trials[i].span) > ALIKE);
         let hopeful = |i: &usize| {
             let t = &trials[*i];
-            let promising = t.gain.max(t.predicted.min(limit + BEHIND)) > limit;
+            let promising = t.gain.max(extension(*i).scored.expected.min(limit + BEHIND)) > limit;
             !done[*i] && t.excluded.is_none() && t.predicted > 0.0 && (promising || alike(*i))
         };
         let mut open: Vec<usize> = (0..trials.len()).filter(hopeful).collect();
@@ -232,15 +248,18 @@ fn fit_best<'s, 'a: 's>(
         if open.is_empty() || round == ROUNDS {
             break;
         }
-        let fits: Vec<Option<Hypothesis>> =
-            open.par_iter().map(|&i| fit_fully(context, &trials[i], extension(i))).collect();
+        let fits: Vec<_> = open.par_iter().map(|&i| extension(i).fit(context, FULL).ok()).collect();
         for (&i, fitted) in open.iter().zip(fits) {
             done[i] = true;
-            let Some(fitted) = fitted else { continue };
-            let model = extension(i).model;
-            trials[i].gain = gain(context, model, &fitted, model.scale());
-            trials[i].excluded = implausible(context, &fitted).map(Exclusion::Implausible);
-            trials[i].model = Some(fitted);
+            take(&mut trials[i], extension(i).model, fitted);
+        }
+        // What fell short of the prediction, and could still come near the best.
+        let limit = leader(trials).map_or(0.0, |b| trials[b].gain - BEHIND.max(BEHIND_SHARE * trials[b].gain));
+        let expected = |i: &usize| extension(*i).scored.expected;
+        open.retain(|i| expected(i) > limit && trials[*i].gain <= KEPT * expected(i));
+        let fits: Vec<_> = open.par_iter().map(|&i| fit_from_larger(context, &trials[i], extension(i))).collect();
+        for (&i, fitted) in open.iter().zip(fits) {
+            take(&mut trials[i], extension(i).model, fitted);
         }
     }
     // What was not fitted to the end keeps what one step gained, and no model.
@@ -257,39 +276,34 @@ fn leader(trials: &[CandidateFit]) -> Option<usize> {
     fitted.max_by(|a, b| trials[*a].gain.total_cmp(&trials[*b].gain))
 }
 
-/// From where the model stands, and from larger coefficients where that falls short of what was predicted: friction that
-/// grips is not reached from friction that hardly is.
-fn fit_fully<'a>(
+/// From larger coefficients than those to which one step leads: friction that grips is not reached from friction that hardly
+/// is. `None` where that is no better than `trial`.
+fn fit_from_larger<'a>(
     context: &Context<'a>,
     trial: &CandidateFit<'a>,
     extension: Extension<'_, 'a>,
 ) -> Option<Hypothesis<'a>> {
     let model = extension.model;
-    let step = trial.model.as_ref()?;
-    let mut best = extension.fit(context, FULL).ok();
-    let gain =
-        |m: &Option<Hypothesis<'a>>| m.as_ref().map_or(f64::NEG_INFINITY, |m| gain(context, model, m, model.scale()));
-    if gain(&best) > KEPT * trial.predicted {
-        return best;
-    }
+    let near = trial.model.as_ref()?;
+    let mut best: Option<Hypothesis> = None;
     let known = model.structure.globals.len();
     for size in LARGER {
         let structure = extension.structure(context).ok()?;
         let mut globals = structure.carry(&model.structure, &model.fit.point.parameters);
         for (place, global) in structure.globals.iter().enumerate().skip(known) {
             let (absent, typical) = global.absent.unwrap_or((0.0, 0.0));
-            let way = step.fit.point.parameters[place] - absent;
+            let way = near.fit.point.parameters[place] - absent;
             let value = absent + size * typical * if way < 0.0 { -1.0 } else { 1.0 };
             globals[place] = value.clamp(global.parameter.min, global.parameter.max);
         }
         let start = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
         // A few steps show whether this local minimum is a better one.
-        let tried = context.joint(&structure).fit(start, FEW_STEPS).ok()?;
-        let tried = Some(Hypothesis { structure, fit: tried });
-        if gain(&tried) > gain(&best) {
-            let tried = tried?;
-            let fit = context.joint(&tried.structure).fit(tried.fit.point, FULL);
-            best = fit.ok().map(|fit| Hypothesis { structure: tried.structure, fit });
+        let Ok(tried) = context.joint(&structure).fit(start, FEW_STEPS) else { continue };
+        let tried = Hypothesis { structure, fit: tried };
+        let reached = best.as_ref().map_or(trial.gain, |best| gain(context, model, best, model.scale()));
+        if gain(context, model, &tried, model.scale()) > reached {
+            let fit = context.joint(&tried.structure).fit(tried.fit.point, FULL).ok()?;
+            best = Some(Hypothesis { structure: tried.structure, fit });
         }
     }
     best

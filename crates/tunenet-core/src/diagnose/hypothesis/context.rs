@@ -59,7 +59,12 @@ pub(in crate::diagnose) struct Hypothesis<'a> {
     pub fit: Outcome,
 }
 
-impl Hypothesis<'_> {
+impl<'a> Hypothesis<'a> {
+    /// The same fit as a hypothesis of its own.
+    pub fn again(&self, context: &Context<'a>) -> Result<Self> {
+        Ok(Self { structure: context.structure(&self.structure.effects)?, fit: self.fit.clone() })
+    }
+
     /// The robust sum of squares in units of the noise, losses changing over at 4 times `scale`, with that of the nuisance
     /// parameters from their priors.
     pub fn deviance(&self, scale: f64) -> f64 {

@@ -39,6 +39,35 @@ impl<'a> Selection<'a> {
     }
 }
 
+/// A structure with every candidate in addition to it.
+struct Stage<'a> {
+    model: Hypothesis<'a>,
+    trials: Vec<CandidateFit<'a>>,
+}
+
+impl<'a> Stage<'a> {
+    /// The stage of these effects: the one among `known`, to which it is added where it is not there, fitted from where `near`
+    /// stands.
+    fn of<'s>(
+        context: &Context<'a>,
+        known: &'s mut Vec<Self>,
+        effects: &[usize],
+        near: &Hypothesis<'a>,
+    ) -> Result<&'s Self> {
+        let same = |stage: &Self| {
+            let of = &stage.model.structure.effects;
+            of.len() == effects.len() && effects.iter().all(|entry| of.contains(entry))
+        };
+        if let Some(position) = known.iter().position(same) {
+            return Ok(&known[position]);
+        }
+        let model = context.fit_near(effects, near)?;
+        let trials = score_candidates(context, &model);
+        known.push(Self { model, trials });
+        Ok(&known[known.len() - 1])
+    }
+}
+
 /// What becomes of a structure whose effects are judged one by one.
 enum Step<'a> {
     /// Each earns its place.
@@ -100,13 +129,16 @@ pub(in crate::diagnose) fn search<'a>(
         Some(expected) => Some(expected),
         None => accepted(context, &base, &alone)?,
     };
-    while let Some(model) = &best
-        && model.structure.effects.len() < most_effects(context, model)
-    {
+    let mut stages = Vec::new();
+    while let Some(model) = best.take_if(|model| model.structure.effects.len() < most_effects(context, model)) {
         let effects = model.structure.effects.len();
         progress(Progress::Scoring { candidates: context.catalogue.len() - effects, effects });
-        let next = score_candidates(context, model);
-        let Some(more) = accepted(context, model, &next)? else { break };
+        let trials = score_candidates(context, &model);
+        let Some(more) = accepted(context, &model, &trials)? else {
+            best = Some(model);
+            break;
+        };
+        stages.push(Stage { model, trials });
         best = Some(more);
     }
     let mut places = Vec::new();
@@ -118,7 +150,7 @@ pub(in crate::diagnose) fn search<'a>(
             best = Some(model);
             break;
         }
-        match judge_places(context, &base, &alone, &model)? {
+        match judge_places(context, (&base, &alone), &mut stages, &model)? {
             Step::Retained(found) => {
                 (best, places) = (Some(model), found);
                 break;
@@ -174,8 +206,7 @@ fn accepted<'a>(
     // What has to be there in any case comes first, so that nothing else is taken for it.
     let certain = fitted().filter(|(trial, _)| is_required(context, trial.entry)).find(earns);
     let Some((_, model)) = certain.or_else(|| fitted().next().filter(earns)) else { return Ok(None) };
-    let structure = context.structure(&model.structure.effects)?;
-    Ok(Some(Hypothesis { structure, fit: model.fit.clone() }))
+    model.again(context).map(Some)
 }
 
 /// What each of so many effects has to gain.
@@ -205,33 +236,29 @@ fn worth(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -> (f64
 }
 
 /// For each effect: what it is worth, and what explains as much in its place; or a better structure, one swapped or
-/// removed.
+/// removed. Stages that were scored are found in `stages`, others are added there.
 fn judge_places<'a>(
     context: &Context<'a>,
-    base: &Hypothesis<'a>,
-    alone: &[CandidateFit<'a>],
+    (base, alone): (&Hypothesis<'a>, &[CandidateFit<'a>]),
+    stages: &mut Vec<Stage<'a>>,
     model: &Hypothesis<'a>,
 ) -> Result<Step<'a>> {
     let effects = model.structure.effects.clone();
     let mut places = Vec::new();
     for &entry in &effects {
         let others: Vec<usize> = effects.iter().copied().filter(|&e| e != entry).collect();
-        let made;
-        let (without, trials);
-        if others.is_empty() {
-            (without, trials) = (base, alone);
+        let (without, trials) = if others.is_empty() {
+            (base, alone)
         } else {
-            let fitted = context.fit_near(&others, model)?;
-            let stage = score_candidates(context, &fitted);
-            made = (fitted, stage);
-            (without, trials) = (&made.0, made.1.as_slice());
-        }
+            let stage = Stage::of(context, stages, &others, model)?;
+            (&stage.model, stage.trials.as_slice())
+        };
         let (gain, p_value) = worth(context, without, model);
         let least = least_gain(context, effects.len());
         let earned = gain >= least && is_significant(context, p_value) && is_material(context, without, model);
         if !earned && !needs_no_evidence(context, entry) {
-            let fitted = if others.is_empty() { None } else { Some(context.fit_near(&others, model)?) };
-            return Ok(Step::Replaced(fitted.map(Box::new)));
+            let fitted = if others.is_empty() { None } else { Some(Box::new(without.again(context)?)) };
+            return Ok(Step::Replaced(fitted));
         }
         let excluded = confusable_set::excluded_rival(context, without, model, trials);
         let others = confusable_set::others(context, without, model, entry, trials);
@@ -241,8 +268,7 @@ fn judge_places<'a>(
         {
             let found = trials.iter().find(|t| t.entry == better.0).and_then(|t| t.model.as_ref());
             if let Some(found) = found {
-                let structure = context.structure(&found.structure.effects)?;
-                return Ok(Step::Replaced(Some(Box::new(Hypothesis { structure, fit: found.fit.clone() }))));
+                return Ok(Step::Replaced(Some(Box::new(found.again(context)?))));
             }
         }
         places.push(SelectedEffect { entry, gain, p_value, others, equals: Vec::new(), excluded });

@@ -18,6 +18,8 @@ pub(in crate::diagnose) const LEFT_SHARE: f64 = 0.1;
 /// ... where each of them has to be there in any case (drag of a body of known mass and size): most of what was missing is
 /// accounted for, and the rest is something else. Whether such an effect exists is no question; how large it is, is.
 const LEFT_SHARE_CERTAIN: f64 = 1.0 / 3.0;
+/// What exceeds a limit so many times does not fall below it by another weighting.
+const FAR: f64 = 2.0;
 /// Effects have to take the residual of held-out recordings down to this share ...
 pub(in crate::diagnose) const CONFIRMED: f64 = 0.5;
 /// ... and a wrong effect has to leave this many times as much.
@@ -35,12 +37,7 @@ pub(in crate::diagnose) fn practical_tests(
     control: Option<f64>,
 ) -> Result<Vec<Test>> {
     let Some(best) = &found.best else { return Ok(Vec::new()) };
-    let square = |model: &Hypothesis| -> Result<f64> {
-        let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
-        Ok(rmse(context.sets(), &plain, 0.0).powi(2))
-    };
-    let (before, after) = (square(&found.base)?, square(best)?);
-    let left = (after - floor).max(0.0) / (before - after).max(f64::MIN_POSITIVE);
+    let left = left_over_taken_away(context, (&found.base, best), floor)?;
     let certain = best.structure.effects.iter().all(|&entry| is_required(context, entry));
     let threshold = if certain { LEFT_SHARE_CERTAIN } else { LEFT_SHARE };
     let mut tests = vec![Test { name: "left over taken away", value: left, threshold, passed: left <= threshold }];
@@ -67,6 +64,25 @@ pub(in crate::diagnose) fn practical_tests(
         }
     }
     Ok(tests)
+}
+
+/// What `best` leaves beyond the noise, as a share of what it takes away from `base` (of mean squares of plain residuals).
+fn left_over_taken_away(context: &Context, (base, best): (&Hypothesis, &Hypothesis), floor: f64) -> Result<f64> {
+    let square = |model: &Hypothesis| -> Result<f64> {
+        let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
+        Ok(rmse(context.sets(), &plain, 0.0).powi(2))
+    };
+    let (before, after) = (square(base)?, square(best)?);
+    Ok((after - floor).max(0.0) / (before - after).max(f64::MIN_POSITIVE))
+}
+
+/// Whether effects that were found with the noise as it is leave so much that none found with more noise can pass
+/// [`practical_tests`]: those are fitted less closely.
+pub(in crate::diagnose) fn leaves_too_much(context: &Context<'_>, found: &Selection, floor: f64) -> Result<bool> {
+    let Some(best) = &found.best else { return Ok(false) };
+    let certain = (0..context.catalogue.len()).any(|entry| is_required(context, entry));
+    let threshold = if certain { LEFT_SHARE_CERTAIN } else { LEFT_SHARE };
+    Ok(left_over_taken_away(context, (&found.base, best), floor)? > FAR * threshold)
 }
 
 /// The noise of these recordings as a mean square of plain residuals.

@@ -10,7 +10,9 @@ use crate::diagnose::hypothesis::forward_selection::{Selection, search};
 use crate::diagnose::judge::adequacy::is_adequate;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::negative_control::negative_control;
-use crate::diagnose::judge::practical_significance::{CONFIRMED, CONTROL, noise_floor, practical_tests};
+use crate::diagnose::judge::practical_significance::{
+    CONFIRMED, CONTROL, leaves_too_much, noise_floor, practical_tests,
+};
 use crate::diagnose::{Progress, Test};
 
 /// Correlations above this would leave next to no independent value.
@@ -24,6 +26,9 @@ impl Refinement for DiscrepancyAsNoise {
     }
 
     fn attempt<'a>(&self, attempt: Attempt<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
+        if leaves_too_much(&attempt.context, &attempt.found, attempt.floor)? {
+            return Ok(attempt);
+        }
         let second = with_inflated_noise(&attempt.context, &attempt.found, attempt.floor, progress)?;
         Ok(if second.stands() { attempt.replaced(second) } else { attempt })
     }

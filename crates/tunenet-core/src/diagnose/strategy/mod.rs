@@ -135,7 +135,11 @@ impl<'a> Attempt<'a> {
     pub fn may_inflate_noise(&self) -> bool {
         let evidence = &self.context.evidence;
         let confirmable = !evidence.validation.is_empty() || evidence.shows_one_motion_per_object();
-        self.scope == Scope::Whole && self.practical.is_none() && confirmable && !self.residuals.passed()
+        self.scope == Scope::Whole
+            && self.practical.is_none()
+            && confirmable
+            && !self.residuals.passed()
+            && self.odd.is_none()
     }
 
     /// What wrong effects reach on held-out recordings.
