@@ -243,7 +243,7 @@ mod tests {
         let heights = |disturbance, seed| {
             seen(Some(false), disturbance, seed).values().iter().skip(2).step_by(3).copied().collect::<Vec<f64>>()
         };
-        let (mut outliers, mut count) = (0, 0);
+        let (mut outliers, mut count) = (0_usize, 0_usize);
         for seed in 0..20 {
             let (plain, outlying) = (heights(Disturbance::None, seed), heights(Disturbance::Outliers, seed));
             for (plain, outlying) in plain.iter().zip(&outlying) {
