@@ -1,7 +1,7 @@
 //! A simulator as a camera and its clock see it.
 
 use super::effects::{Act, MeasurementEffect, find};
-use super::{Effect, Parameter, Preparation, Segmented, Simulator, measurement_effects};
+use super::{Assumed, Effect, Parameter, Preparation, Segmented, Simulator, measurement_effects};
 use crate::observation::{Channel, Kind, Observation};
 use crate::{Error, Origin, Result};
 
@@ -319,6 +319,11 @@ impl<S: Simulator> Simulator for Measured<S> {
         let mut outer = Measured::new(inner, &before)?;
         outer.fixed.clone_from(&self.fixed);
         Ok(Box::new(outer.freed(&measurement)?))
+    }
+
+    fn assumed(&self) -> Vec<Assumed> {
+        let each = self.inner.assumed().into_iter();
+        each.map(|one| Assumed { at_upper: self.around(one.at_upper), ..one }).collect()
     }
 
     fn segmented(&self) -> Option<&dyn Segmented> {

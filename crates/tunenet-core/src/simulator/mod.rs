@@ -1,5 +1,6 @@
 //! What could be: a simulator with parameters, seen only through its rollouts.
 
+mod assumed;
 mod effect;
 mod effects;
 mod measured;
@@ -10,6 +11,7 @@ mod scale;
 mod segmentation;
 mod segmented;
 
+pub use assumed::Assumed;
 pub use effect::{Coefficient, Effect, Phase};
 pub use effects::measurement_effects;
 pub use measured::Measured;
@@ -76,6 +78,11 @@ pub trait Simulator: Send + Sync {
             expected: "an effect of this simulator".into(),
             found: names.join(", "),
         })
+    }
+
+    /// Constants that it takes for granted although only their usual values are known. None, unless it says so.
+    fn assumed(&self) -> Vec<Assumed> {
+        Vec::new()
     }
 
     /// This simulator as one whose recordings consist of segments between events, where it knows any.

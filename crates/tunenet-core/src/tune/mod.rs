@@ -7,6 +7,7 @@
 //! [`tune`] runs the whole chain; the pieces are public for those who want only one.
 
 mod algorithm1;
+mod assumed_constants;
 mod calibration_uncertainty;
 mod camera_projection;
 mod channel_weights;
@@ -317,6 +318,11 @@ impl Tuning<'_> {
         let (interval95, calibration) = self.intervals(&fit, &scale, &grid)?;
         rollouts += calibration.rollouts;
         let poor = self.poor(&fit);
+        if self.settings.finish && !poor {
+            let (asked, used) = assumed_constants::ask(&problem, &fit, &interval95)?;
+            notes.extend(asked);
+            rollouts += used;
+        }
         let mut found = self.standings(&fit, &known, &scale, &interval95);
         let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);

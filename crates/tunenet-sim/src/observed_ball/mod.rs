@@ -5,7 +5,7 @@ mod flight;
 mod prepare;
 
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Effect, Parameter, Preparation, Scale, Segmented, Simulator};
+use tunenet_core::simulator::{Assumed, Effect, Parameter, Preparation, Scale, Segmented, Simulator};
 use tunenet_core::{Error, Result};
 use tunenet_formats::kind_name;
 
@@ -13,6 +13,11 @@ use crate::ball::effects::{BallEffect, Body};
 use crate::ball::{Scene, State, impact_times, positions};
 use crate::scene::{BallParameters, Release};
 use crate::simulation_file::SimulationFile;
+
+/// Gravity as it is written where nobody measured it, m/s² ...
+const USUAL_GRAVITY_M_S2: [f64; 3] = [9.8, 9.81, 9.80665];
+/// ... and between which values it lies where most people live, m/s².
+const GRAVITY_M_S2: (f64, f64) = (9.79, 9.83);
 
 /// A number of the start that the file leaves to the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -236,6 +241,16 @@ impl Simulator for ObservedBall {
 
     fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
         Ok(Box::new(self.freed(names)?))
+    }
+
+    fn assumed(&self) -> Vec<Assumed> {
+        let value = self.scene.gravity_m_s2;
+        if !USUAL_GRAVITY_M_S2.contains(&value) {
+            return Vec::new();
+        }
+        let scene = Scene { gravity_m_s2: GRAVITY_M_S2.1, ..self.scene.clone() };
+        let at_upper = Box::new(Self { scene, ..self.clone() });
+        vec![Assumed { setting: "world.gravity_m_s2", value, range: GRAVITY_M_S2, unit: "m/s²", at_upper }]
     }
 
     fn segmented(&self) -> Option<&dyn Segmented> {
