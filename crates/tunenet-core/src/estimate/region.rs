@@ -73,7 +73,7 @@ impl Region {
             joint: positions,
         };
         let mut rollouts = 0;
-        let driven = problem.recordings.iter().all(crate::simulator::Prepared::is_driven);
+        let driven = problem.recordings.iter().all(|recording| recording.memoryless);
         if joint.len() == 2 && !driven && !region.is_elliptic(problem, &mut rollouts) {
             region.walk(problem, [intervals[joint[0]], intervals[joint[1]]], &mut rollouts);
         }

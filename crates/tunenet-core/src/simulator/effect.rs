@@ -83,6 +83,24 @@ pub struct Effect {
 }
 
 impl Effect {
+    /// An effect that is plausible wherever it can be fitted, and that nothing is known to resemble.
+    #[must_use]
+    pub fn new(name: &'static str, phase: Phase, sentence: &'static str, coefficients: Vec<Coefficient>) -> Self {
+        Self {
+            name,
+            phase,
+            plausible: coefficients.iter().map(|c| (c.min, c.max)).collect(),
+            coefficients,
+            plausible_rests_on: &[],
+            sentence,
+            random: false,
+            mistaken_for: &[],
+            implausible: None,
+            feigned_by: None,
+            forecast_share: 1.0,
+        }
+    }
+
     /// Whether it is required, with unknown size: its physical bounds exclude its absence.
     #[must_use]
     pub fn required(&self) -> bool {

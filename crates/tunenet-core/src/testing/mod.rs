@@ -61,7 +61,7 @@ use rand_distr::StandardNormal;
 
 use crate::observation::{Channel, Observation};
 use crate::simulator::{
-    Coefficient, Effect, Parameter, Phase, Preparation, Prepared, Segmentation, Segmented, Simulator,
+    Coefficient, Effect, Parameter, Phase, Preparation, Prepared, RolloutResult, Segmentation, Segmented, Simulator,
 };
 use crate::{Error, Origin, Result};
 
@@ -197,13 +197,7 @@ impl<S: ClosedForm + Clone> Simulator for Exact<S> {
         Ok(Box::new(made))
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, parameters: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         let all = self.parameters.iter().zip(parameters);
         let value = |name: &str| all.clone().find(|(p, _)| p.name == name).map_or(0.0, |(_, value)| *value);
         for (t, y) in clock.iter().zip(values) {

@@ -2,7 +2,9 @@
 
 use tunenet_core::Result;
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Measured, Parameter, Preparation, Simulator, measurement_effects, rollout as run};
+use tunenet_core::simulator::{
+    Measured, Parameter, Preparation, RolloutResult, Simulator, measurement_effects, rollout as run,
+};
 
 /// A throw without an end: x = 1 + 2 t, y = −½ + t, z = 3 t − p t²/2. Its clock must rise.
 struct Throw(Vec<Parameter>, Vec<Channel>, Kind);
@@ -24,7 +26,7 @@ impl Simulator for Throw {
         self.2
     }
 
-    fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+    fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> RolloutResult {
         if !clock.is_sorted() {
             return Err("the clock has to rise".into());
         }

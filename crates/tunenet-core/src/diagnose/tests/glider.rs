@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::observation::{Channel, Kind, Observation};
-use crate::simulator::{Coefficient, Effect, Parameter, Phase, Preparation, Prepared, Simulator};
+use crate::simulator::{Coefficient, Effect, Parameter, Phase, Preparation, Prepared, RolloutResult, Simulator};
 use crate::{Error, Origin, Result};
 
 pub const GRAVITY: f64 = 9.81;
@@ -89,7 +89,7 @@ impl Simulator for Glider {
         Ok(Box::new(glider))
     }
 
-    fn rollout(&self, p: &[f64], nuisances: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+    fn rollout(&self, p: &[f64], nuisances: &[f64], clock: &[f64], out: &mut [f64]) -> RolloutResult {
         let of = |name: &str| self.effects.iter().position(|e| *e == name).map_or(0.0, |i| p[1 + i]);
         let (drag, down, spring) = (of("linear_drag"), GRAVITY + of("effective_gravity"), of("spring"));
         let slope = |s: [f64; 4]| [s[1], p[0] - drag * s[1], s[3], -down - drag * s[3] - spring * s[2]];
