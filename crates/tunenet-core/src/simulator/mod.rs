@@ -12,7 +12,7 @@ mod segmentation;
 mod segmented;
 
 pub use assumed::Assumed;
-pub use effect::{Coefficient, Effect, Phase};
+pub use effect::{Coefficient, Effect, Phase, Text};
 pub use effects::measurement_effects;
 pub use measured::Measured;
 pub use parameter::Parameter;

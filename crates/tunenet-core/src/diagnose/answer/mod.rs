@@ -16,7 +16,7 @@ use crate::diagnose::hypothesis::plausibility::Exclusion;
 use crate::diagnose::judge::Test;
 use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::observation::{Note, Observation};
-use crate::simulator::{Effect, Phase};
+use crate::simulator::{Effect, Phase, Text};
 use serde::{Deserialize, Serialize};
 
 /// The answer in one word. Each is a result, none an error.
@@ -50,9 +50,9 @@ pub struct Value {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
     /// Its key in a simulation file: `c_1_m`.
-    pub key: &'static str,
+    pub key: Text,
     /// Its unit.
-    pub unit: &'static str,
+    pub unit: Text,
     /// One for each object that has recordings, or a single shared one.
     pub values: Vec<Value>,
 }
@@ -63,7 +63,7 @@ pub struct Evidence {
     /// How much the Bayesian information criterion falls by having this effect in addition to the others (Schwarz 1978).
     pub bic_gain: f64,
     /// The next best explanation in its place, where there is any.
-    pub runner_up: Option<&'static str>,
+    pub runner_up: Option<Text>,
     /// How much higher the criterion is with that one in its place; infinite where there is none.
     pub runner_up_bic_gap: f64,
     /// Probability of such a gain by chance, already multiplied by the number of candidates (Bonferroni).
@@ -81,14 +81,14 @@ pub struct NamedEffect {
     pub evidence: Evidence,
     /// Other effects that could be in its place, best first: they explain the recordings as well, or the recordings show a
     /// single motion, of which the next best is left whatever its distance.
-    pub alternatives: Vec<&'static str>,
+    pub alternatives: Vec<Text>,
 }
 
 /// One candidate as it stood alone, added to the tuned simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     /// Its name.
-    pub name: &'static str,
+    pub name: Text,
     /// Gain of the information criterion over the tuned simulation without any effect; negative where the effect does not
     /// earn its coefficients.
     pub bic_gain: f64,
@@ -138,7 +138,7 @@ pub struct Gap {
     /// On recordings that were not fitted, of which only the start was.
     pub held_out: Option<Change>,
     /// On the same with a wrong effect added: its name and what it reaches. A gain that it reaches too proves nothing.
-    pub control: Option<(&'static str, f64)>,
+    pub control: Option<(Text, f64)>,
     /// On the same, their later part predicted from the start of the first 40 %.
     pub forecast: Option<Change>,
 }
@@ -212,10 +212,10 @@ pub struct Use {
 }
 
 /// What one object's own recordings say of an effect of the answer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OwnEffect {
     /// The effect's name.
-    pub name: &'static str,
+    pub name: Text,
     /// How much the Bayesian information criterion of this object's recordings falls by its own coefficients (from their
     /// squared distance from absence in standard errors; Wald 1943). `None` where all objects share them, or where contacts
     /// are not understood.
@@ -251,14 +251,14 @@ pub enum Conclusion {
         effects: Vec<NamedEffect>,
         /// All names of the confusable set: a single one with what is in no catalogue, where nothing else explains anything
         /// and there is a doubt.
-        names: Vec<&'static str>,
+        names: Vec<Text>,
         /// Why the best explanation is not named alone, where the evidence distinguishes it from all others by far.
         doubt: Option<Doubt>,
     },
     /// Something is missing, and nothing in the catalogue explains it.
     Unknown {
         /// The effects that come nearest.
-        nearest: Vec<&'static str>,
+        nearest: Vec<Text>,
         /// What is left, in words.
         description: String,
         /// Where it acts, as far as that shows.
@@ -292,10 +292,12 @@ impl Conclusion {
 
     /// The names of the answer: the effects named, the confusable set, or the nearest.
     #[must_use]
-    pub fn names(&self) -> Vec<&'static str> {
+    pub fn names(&self) -> Vec<&str> {
         match self {
-            Self::Named { effects } => effects.iter().map(|named| named.effect.name).collect(),
-            Self::OneOf { names, .. } | Self::Unknown { nearest: names, .. } => names.clone(),
+            Self::Named { effects } => effects.iter().map(|named| named.effect.name.as_ref()).collect(),
+            Self::OneOf { names, .. } | Self::Unknown { nearest: names, .. } => {
+                names.iter().map(AsRef::as_ref).collect()
+            }
             Self::None | Self::Insufficient => Vec::new(),
         }
     }
@@ -314,8 +316,8 @@ impl Conclusion {
 
     /// Where an unknown effect acts, as far as that shows.
     #[must_use]
-    pub const fn remains(&self) -> Option<Phase> {
-        if let Self::Unknown { remains, .. } = self { *remains } else { None }
+    pub const fn remains(&self) -> Option<&Phase> {
+        if let Self::Unknown { remains, .. } = self { remains.as_ref() } else { None }
     }
 }
 
@@ -366,7 +368,7 @@ impl Diagnosis {
 
     /// The names of the answer; see [`Conclusion::names`].
     #[must_use]
-    pub fn names(&self) -> Vec<&'static str> {
+    pub fn names(&self) -> Vec<&str> {
         self.conclusion.names()
     }
 }
