@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use serde::Serialize;
+
 use super::Parameter;
 use crate::Result;
 
@@ -9,7 +11,8 @@ use crate::Result;
 pub type Text = Cow<'static, str>;
 
 /// Where an effect acts.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Phase {
     /// Between events.
     Segment,
@@ -24,11 +27,12 @@ pub enum Phase {
     /// In an actuator.
     Actuator,
     /// Anywhere else: the word that groups the effect in answers.
+    #[serde(untagged)]
     Other(Text),
 }
 
 /// One number of an effect.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Coefficient {
     /// Its key under `[effects.NAME]`, with its unit: `c_1_m`.
     pub key: Text,
@@ -64,7 +68,7 @@ impl Coefficient {
 }
 
 /// An effect as an entry of the catalogue: what it is, not how it acts.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Effect {
     /// Its name in simulation files and answers: `quadratic_drag`.
     pub name: Text,

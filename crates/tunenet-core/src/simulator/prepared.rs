@@ -2,16 +2,19 @@
 
 use std::sync::Arc;
 
+use serde::{Serialize, Serializer};
+
 use super::{Parameter, Scale, Segmentation};
 use crate::observation::{Check, LocalEstimate, Note, Observation};
 
 /// The usable part of a recording, with its nuisance parameters.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Prepared {
     /// The samples to explain.
     pub seen: Observation,
     /// What drove the thing while it was seen (the motion of an arm), where its simulator predicts from that; on the clock of
     /// `seen`.
+    #[serde(serialize_with = "shared")]
     pub input: Option<Arc<Observation>>,
     /// The noise of each channel of `seen`, in its unit, where it is known better than from `seen` itself.
     pub noise: Option<Vec<f64>>,
@@ -31,6 +34,7 @@ pub struct Prepared {
     /// When something sudden happened to the thing (impacts), on the clock of `seen`; empty where that is not known.
     pub events: Vec<f64>,
     /// How it is cut into segments between events, where its simulator knows any.
+    #[serde(skip)]
     pub segmentation: Option<Arc<dyn Segmentation>>,
     /// Every check that was made of it.
     pub checks: Vec<Check>,
@@ -95,4 +99,10 @@ pub struct Rejected {
     pub note: Note,
     /// Every check that was made of it.
     pub checks: Vec<Check>,
+}
+
+/// What drove it, as any other observation.
+#[expect(clippy::ref_option, reason = "the form that serde calls")]
+fn shared<S: Serializer>(input: &Option<Arc<Observation>>, serializer: S) -> Result<S::Ok, S::Error> {
+    input.as_deref().serialize(serializer)
 }

@@ -17,7 +17,7 @@ use crate::diagnose::judge::Test;
 use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Effect, Phase, Text};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// The answer in one word. Each is a result, none an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ pub enum Verdict {
 }
 
 /// A number of an effect for one object.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Value {
     /// The object's position among the subjects; `None` where all objects share it (how they were seen).
     pub object: Option<usize>,
@@ -47,7 +47,7 @@ pub struct Value {
 }
 
 /// One coefficient of a named effect.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fitted {
     /// Its key in a simulation file: `c_1_m`.
     pub key: Text,
@@ -58,7 +58,7 @@ pub struct Fitted {
 }
 
 /// Why an effect is plausible.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Evidence {
     /// How much the Bayesian information criterion falls by having this effect in addition to the others (Schwarz 1978).
     pub bic_gain: f64,
@@ -71,7 +71,7 @@ pub struct Evidence {
 }
 
 /// An effect of the answer.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NamedEffect {
     /// Its entry in the catalogue; where it acts is [`Effect::phase`].
     pub effect: Effect,
@@ -85,7 +85,7 @@ pub struct NamedEffect {
 }
 
 /// One candidate as it stood alone, added to the tuned simulation.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Candidate {
     /// Its name.
     pub name: Text,
@@ -103,7 +103,7 @@ pub struct Candidate {
 }
 
 /// A pair of numbers, before and after.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Change {
     /// Of the simulation as it was, tuned anew.
     pub before: f64,
@@ -112,7 +112,8 @@ pub struct Change {
 }
 
 /// What a gap was measured on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum GapOf {
     /// The recordings as they are.
     Recordings,
@@ -123,7 +124,7 @@ pub enum GapOf {
 }
 
 /// How far simulation and measurement lie apart (root mean square), and what noise alone leaves.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
     /// The unit of all.
     pub unit: String,
@@ -138,22 +139,24 @@ pub struct Gap {
     /// On recordings that were not fitted, of which only the start was.
     pub held_out: Option<Change>,
     /// On the same with a wrong effect added: its name and what it reaches. A gain that it reaches too proves nothing.
+    #[serde(serialize_with = "control")]
     pub control: Option<(Text, f64)>,
     /// On the same, their later part predicted from the start of the first 40 %.
     pub forecast: Option<Change>,
 }
 
 /// What to measure next.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NextExperiment {
     /// One sentence for users.
     pub text: String,
     /// Numbers of it by name, for scripts: `release.velocity_x` in m/s.
+    #[serde(serialize_with = "settings")]
     pub settings: Vec<(String, f64)>,
 }
 
 /// A tuned parameter of one object with the named effects in place.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tuned {
     /// The object's position among the subjects.
     pub object: usize,
@@ -172,7 +175,7 @@ pub struct Tuned {
 }
 
 /// One recording as it was seen and explained.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Explained {
     /// Its position among the recordings given.
     pub recording: usize,
@@ -195,11 +198,12 @@ pub struct Explained {
     /// Events as the recording shows them, s.
     pub events: Vec<f64>,
     /// Its nuisance parameters with the named effects: name, value, unit.
+    #[serde(serialize_with = "nuisances")]
     pub nuisances: Vec<(String, f64, String)>,
 }
 
 /// What becomes of one recording given.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Use {
     /// Its name.
     pub name: String,
@@ -212,7 +216,7 @@ pub struct Use {
 }
 
 /// What one object's own recordings say of an effect of the answer.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OwnEffect {
     /// The effect's name.
     pub name: Text,
@@ -225,7 +229,7 @@ pub struct OwnEffect {
 }
 
 /// The answer of one object among several.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OfObject {
     /// The object's position among the subjects.
     pub object: usize,
@@ -236,7 +240,8 @@ pub struct OfObject {
 }
 
 /// The answer, each with what it alone has.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "verdict", rename_all = "snake_case")]
 pub enum Conclusion {
     /// Nothing is missing that these recordings could show.
     None,
@@ -321,8 +326,8 @@ impl Conclusion {
     }
 }
 
-/// Everything that a diagnosis found.
-#[derive(Debug, Clone)]
+/// Everything that a diagnosis found. Numbers that are not finite become null in JSON.
+#[derive(Debug, Clone, Serialize)]
 pub struct Diagnosis {
     /// The answer.
     pub conclusion: Conclusion,
@@ -371,4 +376,31 @@ impl Diagnosis {
     pub fn names(&self) -> Vec<&str> {
         self.conclusion.names()
     }
+}
+
+/// The wrong effect and what it reaches, as an object.
+#[expect(clippy::ref_option, reason = "the form that serde calls")]
+fn control<S: Serializer>(control: &Option<(Text, f64)>, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Control<'a> {
+        name: &'a str,
+        after: f64,
+    }
+    control.as_ref().map(|(name, after)| Control { name, after: *after }).serialize(serializer)
+}
+
+/// Numbers by name, as an object.
+fn settings<S: Serializer>(settings: &[(String, f64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(settings.iter().map(|(name, value)| (name, value)))
+}
+
+/// Name, value and unit of each, as objects.
+fn nuisances<S: Serializer>(nuisances: &[(String, f64, String)], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Nuisance<'a> {
+        name: &'a str,
+        value: f64,
+        unit: &'a str,
+    }
+    serializer.collect_seq(nuisances.iter().map(|(name, value, unit)| Nuisance { name, value: *value, unit }))
 }

@@ -2,13 +2,16 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::observation::three_digits;
 use crate::simulator::Text;
 
 /// Why a candidate cannot be the answer.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "of", rename_all = "snake_case")]
 pub enum Exclusion {
     /// The simulator refuses it, with this sentence.
     Refused(String),
@@ -35,7 +38,7 @@ impl fmt::Display for Exclusion {
 }
 
 /// A coefficient outside its physical bounds, or on a bound of the fit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutOfRange {
     /// The name of its effect.
     pub effect: Text,

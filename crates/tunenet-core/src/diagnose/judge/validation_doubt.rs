@@ -3,6 +3,8 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
@@ -32,7 +34,8 @@ const RECORDINGS_FOR_EACH: usize = 2;
 const FEW_RECORDINGS: usize = 4;
 
 /// Why effects that the evidence distinguishes from all others are not named alone.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "of", rename_all = "snake_case")]
 pub enum Doubt {
     /// They are practically significant, and leave more than noise.
     DiscrepancyRemains,
