@@ -1,4 +1,4 @@
-//! Where effects of the built-in worlds act, in words: segments are flights, events contacts, and joints those of an arm.
+//! Where effects act, in words: segments are flights and events contacts, as of a ball; joints are those of any mechanism.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ pub fn name(phase: &Phase) -> Cow<'static, str> {
         Phase::Segment => "in flight",
         Phase::Event => "at contact",
         Phase::Measurement => "in the measurement",
-        Phase::Joint => "in the arm",
+        Phase::Joint => "in the mechanism",
         Phase::Sensor => "in the sensor",
         Phase::Actuator => "in the actuator",
         Phase::Other(word) => return format!("in \"{word}\"").into(),

@@ -20,7 +20,7 @@ pub enum Phase {
     Event,
     /// In how the motion was seen, not in the motion.
     Measurement,
-    /// In a joint of an arm.
+    /// In a joint.
     Joint,
     /// In a sensor.
     Sensor,
