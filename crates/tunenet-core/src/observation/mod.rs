@@ -29,6 +29,8 @@ pub use resample::resample;
 
 use std::sync::Arc;
 
+use serde::Serialize;
+
 use crate::{Error, Result};
 
 /// Fewest samples of an observation.
@@ -39,7 +41,8 @@ pub const FEWEST_SAMPLES: usize = 3;
 pub const GREATEST: f64 = 1e100;
 
 /// What kind of thing was measured. Decides what the channels and the clock mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Kind {
     /// A body's centre: channels `x`, `y`, `z` in m; clock in s.
@@ -79,7 +82,7 @@ pub(crate) fn usable_number() -> String {
 }
 
 /// One column of an observation.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize)]
 pub struct Channel {
     /// Short name without unit: `z`, `tau3`.
     pub name: String,
@@ -110,7 +113,7 @@ impl Channel {
 /// assert!(Observation::new(Kind::Other, vec![Channel::new("angle", "rad")], vec![0.0, 0.1, 0.1], vec![0.3, 0.2, 0.0]).is_err());
 /// # Ok::<(), tunenet_core::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Observation {
     kind: Kind,
     channels: Vec<Channel>,

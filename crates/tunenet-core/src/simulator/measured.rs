@@ -107,7 +107,7 @@ impl<S: Simulator> Measured<S> {
             found: format!("`{name}`"),
         };
         let kind = self.inner.kind();
-        let known = || measurement_effects(kind).iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
+        let known = || measurement_effects(kind).into_iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
         let found =
             find(name, kind).ok_or_else(|| refuse(format!("an effect that {} can show ({})", kind.name(), known())))?;
         if self.has(name) {
@@ -134,7 +134,7 @@ impl<S: Simulator> Measured<S> {
             coefficients = rest;
             for (c, value) in effect.coefficients.iter().zip(values) {
                 if !(c.min..=c.max).contains(value) {
-                    let (name, key, min, max) = (effect.name, c.key, c.min, c.max);
+                    let (name, key, min, max) = (effect.name, &c.key, c.min, c.max);
                     return Err(format!("`{name}.{key}` is {value}, but has to lie within {min} and {max}"));
                 }
             }

@@ -17,7 +17,7 @@ mod start_state;
 
 pub use assumed::Assumed;
 pub use declared::{Declared, Model, Run};
-pub use effect::{Coefficient, Effect, Phase};
+pub use effect::{Coefficient, Effect, Phase, Text};
 pub use effects::measurement_effects;
 pub use fn_simulator::FnSimulator;
 pub use measured::Measured;

@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
+
 use super::{Parameter, Scale, Segmentation};
 use crate::observation::{Check, Circumstances, LocalEstimate, Note, Observation};
 
 /// The usable part of a recording, with its nuisance parameters.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Prepared {
     /// The samples to explain.
     pub seen: Observation,
     /// What its simulator is given with every rollout: what drove the thing, where it started.
+    #[serde(skip)]
     pub circumstances: Option<Arc<Circumstances>>,
     /// Whether every prediction follows from the inputs near that instant alone, as torques follow from a motion: there is no
     /// initial state, and no error that adds up.
@@ -36,6 +39,7 @@ pub struct Prepared {
     /// When something sudden happened to the thing (impacts), on the clock of `seen`; empty where that is not known.
     pub events: Vec<f64>,
     /// How it is cut into segments between events, where its simulator knows any.
+    #[serde(skip)]
     pub segmentation: Option<Arc<dyn Segmentation>>,
     /// Every check that was made of it.
     pub checks: Vec<Check>,

@@ -9,7 +9,7 @@ use rand_distr::StandardNormal;
 
 use super::{Values, effect};
 use crate::observation::{Channel, Circumstances, Hold, Input, Kind, Observation};
-use crate::simulator::{Coefficient, Effect, Parameter, Preparation, Prepared, RolloutResult, Simulator};
+use crate::simulator::{Coefficient, Effect, Parameter, Preparation, Prepared, RolloutResult, Simulator, Text};
 use crate::{Error, Origin, Result};
 
 /// Samples of a recording, and their rate in Hz.
@@ -24,7 +24,7 @@ const HELD_RAD: f64 = 0.4;
 pub struct Levers {
     parameters: Vec<Parameter>,
     channels: [Channel; 2],
-    carried: Vec<&'static str>,
+    carried: Vec<Text>,
 }
 
 impl Levers {
@@ -108,7 +108,7 @@ fn torque(value: &Values, j: usize, [q, speed, acceleration]: [f64; 3]) -> f64 {
 fn effects() -> Vec<Effect> {
     let each = |name, key, unit, bounds, typical| {
         let one = effect(name, key, unit, bounds, typical);
-        let coefficients: Vec<Coefficient> = [1, 2].map(|number| one.coefficients[0].numbered(number)).into();
+        let coefficients: Vec<Coefficient> = [1, 2].map(|number| one.coefficients[0].clone().numbered(number)).into();
         Effect { coefficients, plausible: vec![bounds; 2], ..one }
     };
     vec![

@@ -85,8 +85,8 @@ pub(in crate::diagnose) fn next(
     let (there, gone) = (joint.plain_residuals(&best.fit.point)?, joint.plain_residuals(&without)?);
     let differences = there.iter().zip(&gone).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
     let joint = strongest(context.sets(), &differences.collect::<Vec<_>>());
-    let names: Vec<&'static str> =
-        std::iter::once(&contested).chain(others).map(|&entry| context.catalogue[entry].name).collect();
+    let names: Vec<&str> =
+        std::iter::once(&contested).chain(others).map(|&entry| context.catalogue[entry].name.as_ref()).collect();
     Ok(apart(&names, &reach(context.sets(), joint)))
 }
 
@@ -128,7 +128,7 @@ fn reach(sets: &[Set], joint: usize) -> Reach {
     found
 }
 
-fn apart(contested: &[&'static str], reach: &Reach) -> NextExperiment {
+fn apart(contested: &[&str], reach: &Reach) -> NextExperiment {
     let Reach { joint, low_rad, high_rad, fastest_rad_s } = *reach;
     let follows: Vec<Follows> = contested.iter().map(|name| Follows::of(name)).collect();
     let count = |what: Follows| follows.iter().filter(|f| **f == what).count();

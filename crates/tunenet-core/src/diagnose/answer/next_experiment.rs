@@ -42,7 +42,7 @@ pub(in crate::diagnose) fn next(
 ) -> Result<Option<NextExperiment>> {
     let Some(best) = &found.best else { return Ok(None) };
     let open = found.places.iter().zip(alternatives).find(|(_, others)| !others.is_empty());
-    let name = |entry: usize| context.catalogue[entry].name;
+    let name = |entry: usize| context.catalogue[entry].name.as_ref();
     let Some((place, others)) = open else {
         // Nothing else explains anything: what is in no catalogue is all that could be in its place.
         let words = words(context);

@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::observation::{Channel, Kind, Observation};
-use crate::simulator::{Coefficient, Effect, Parameter, Phase, Preparation, Prepared, RolloutResult, Simulator};
+use crate::simulator::{Coefficient, Effect, Parameter, Phase, Preparation, Prepared, RolloutResult, Simulator, Text};
 use crate::{Error, Origin, Result};
 
 pub const GRAVITY: f64 = 9.81;
@@ -14,7 +14,7 @@ pub const NOISE_M: f64 = 0.002;
 pub struct Glider {
     parameters: Vec<Parameter>,
     channels: Vec<Channel>,
-    effects: Vec<&'static str>,
+    effects: Vec<Text>,
 }
 
 impl Glider {
@@ -26,14 +26,14 @@ impl Glider {
 
 fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64, plausible: (f64, f64)) -> Effect {
     Effect {
-        name,
+        name: name.into(),
         phase: Phase::Segment,
         coefficients: vec![Coefficient::new(key, "1", 0.0, range, typical)],
         plausible: vec![plausible],
-        sentence: "",
+        sentence: "".into(),
         random: false,
-        mistaken_for: &[],
-        plausible_rests_on: &[],
+        mistaken_for: Vec::new(),
+        plausible_rests_on: Vec::new(),
         implausible: None,
         feigned_by: None,
         forecast_share: 1.0,
@@ -83,8 +83,8 @@ impl Simulator for Glider {
                     found: (*name).into(),
                 });
             };
-            glider.effects.push(effect.name);
             glider.parameters.extend(effect.parameters(None)?);
+            glider.effects.push(effect.name);
         }
         Ok(Box::new(glider))
     }
