@@ -119,6 +119,7 @@ pub struct Observation {
     channels: Vec<Channel>,
     clock: Vec<f64>,
     values: Vec<f64>,
+    #[serde(skip)]
     circumstances: Option<Arc<Circumstances>>,
 }
 

@@ -102,16 +102,16 @@ pub struct Effect {
 impl Effect {
     /// An effect that is plausible wherever it can be fitted, and that nothing is known to resemble.
     #[must_use]
-    pub fn new(name: &'static str, phase: Phase, sentence: &'static str, coefficients: Vec<Coefficient>) -> Self {
+    pub fn new(name: impl Into<Text>, phase: Phase, sentence: impl Into<Text>, coefficients: Vec<Coefficient>) -> Self {
         Self {
-            name,
+            name: name.into(),
             phase,
             plausible: coefficients.iter().map(|c| (c.min, c.max)).collect(),
             coefficients,
-            plausible_rests_on: &[],
-            sentence,
+            plausible_rests_on: Vec::new(),
+            sentence: sentence.into(),
             random: false,
-            mistaken_for: &[],
+            mistaken_for: Vec::new(),
             implausible: None,
             feigned_by: None,
             forecast_share: 1.0,

@@ -61,7 +61,8 @@ use rand_distr::StandardNormal;
 
 use crate::observation::{Channel, Observation};
 use crate::simulator::{
-    Coefficient, Effect, Parameter, Phase, Preparation, Prepared, RolloutResult, Segmentation, Segmented, Simulator, Text,
+    Coefficient, Effect, Parameter, Phase, Preparation, Prepared, RolloutResult, Segmentation, Segmented, Simulator,
+    Text,
 };
 use crate::{Error, Origin, Result};
 

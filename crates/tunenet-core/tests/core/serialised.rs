@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tunenet_core::diagnose::{self, Conclusion, Diagnosis, Doubt, Recording, Subject, Verdict, diagnose};
 use tunenet_core::observation::{Channel, Observation};
-use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation, Simulator};
+use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation, RolloutResult, Simulator};
 use tunenet_core::testing::{Exact, Pendulum};
 use tunenet_core::tune::{self, tune};
 use tunenet_core::{Error, Origin, Result};
@@ -74,13 +74,7 @@ impl Simulator for Renamed {
         Ok(Box::new(Self::new(inner, &self.prefix)))
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, parameters: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         self.pendulum.rollout(parameters, nuisances, clock, values)
     }
 }
