@@ -69,10 +69,10 @@ fn observations(answer: &Answer, object: usize) -> Array {
 /// What an effect stands there for.
 fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
     let mut one = InlineTable::new();
-    one.insert("name", named.effect.name.into());
+    one.insert("name", named.effect.name.as_ref().into());
     one.insert("bic_gain", named.evidence.bic_gain.into());
-    if let Some(other) = named.evidence.runner_up {
-        one.insert("runner_up", other.into());
+    if let Some(other) = &named.evidence.runner_up {
+        one.insert("runner_up", other.as_ref().into());
         one.insert("runner_up_bic_gap", named.evidence.runner_up_bic_gap.into());
     }
     for fitted in &named.coefficients {
@@ -95,14 +95,15 @@ fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
 /// all of them, and how well it then fits. One that cannot be fitted alone is left out.
 fn alternatives(answer: &Answer, object: usize) -> Array {
     let candidates = answer.candidates();
-    let sure = answer.diagnosis.effects().iter().map(|e| e.effect.name).filter(|name| !candidates.contains(name));
+    let sure =
+        answer.diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).filter(|name| !candidates.contains(name));
     let sure: Vec<&str> = sure.collect();
     fitted(answer.loaded.objects[object].simulator.as_ref(), &candidates, &sure, &seen_of(answer, object))
 }
 
 /// The drag that an object's recordings leave open in addition to the effects that are certain, which its `improved` file holds.
 fn open(answer: &Answer, object: usize, improved: &SimulationFile) -> Result<Array> {
-    let sure: Vec<&str> = answer.diagnosis.effects().iter().map(|e| e.effect.name).collect();
+    let sure: Vec<&str> = answer.diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).collect();
     Ok(open_to(improved, &sure, &seen_of(answer, object))?)
 }
 

@@ -48,5 +48,5 @@ fn own(judged: &Judgement, intervals: &Intervals, place: &SelectedEffect, object
     let weighed = !mine.is_empty() && !judged.events_open();
     let bic_gain = weighed.then(|| intervals.squared_distance_from_absence(&mine) - price);
     let shown = bic_gain.is_none_or(|gain| gain > context.settings.margin);
-    OwnEffect { name: context.catalogue[place.entry].name, bic_gain, shown }
+    OwnEffect { name: context.catalogue[place.entry].name.clone(), bic_gain, shown }
 }
