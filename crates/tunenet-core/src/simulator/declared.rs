@@ -101,17 +101,20 @@ impl<M: Model> Declared<M> {
         }
     }
 
-    /// The same with one more initial state, in every setup.
+    /// The same with one more initial state, in the first setup.
     #[must_use]
     pub fn start(mut self, state: StartState) -> Self {
-        self.setups.iter_mut().for_each(|states| states.push(state.clone()));
+        self.setups[0].push(state);
         self
     }
 
     /// The same with these initial states, a list for each setup of its recordings (see [`Circumstances::setup`]), each of the same
     /// states in the same order.
     #[must_use]
-    pub fn setups(self, setups: Vec<Vec<StartState>>) -> Self {
+    pub fn setups(self, mut setups: Vec<Vec<StartState>>) -> Self {
+        if setups.is_empty() {
+            setups.push(Vec::new());
+        }
         Self { setups, ..self }
     }
 
