@@ -15,6 +15,8 @@
 //! [`Levers`] are driven: two joints whose motion is an input and whose torques are seen, with `viscous_friction` and `torque_bias`
 //! of each joint.
 //!
+//! [`PushedCart`] is driven by a recorded force; a declared simulator of it may lack its `delay_s` or `stiffness_n_m`.
+//!
 //! [`reflected_point`] is a point that falls and is reflected, with the data set of pairs that a network learns from.
 //!
 //! ```
@@ -42,6 +44,7 @@ mod levers;
 mod line;
 mod oscillation;
 mod pendulum;
+mod pushed_cart;
 pub mod reflected_point;
 mod shuttle;
 
@@ -50,6 +53,7 @@ pub use driven_oscillator::DrivenOscillator;
 pub use levers::Levers;
 pub use line::Line;
 pub use pendulum::Pendulum;
+pub use pushed_cart::PushedCart;
 pub use reflected_point::ReflectedPoint;
 pub use shuttle::Shuttle;
 
