@@ -32,7 +32,7 @@ fn rows(effects: &[Effect]) -> String {
             table,
             "| `{}` | {} | {coefficients} | {sentence} | {mistaken} |",
             effect.name,
-            tunenet_sim::phase::name(effect.phase)
+            tunenet_sim::phase::name(&effect.phase)
         )
         .unwrap();
     }
@@ -67,7 +67,7 @@ fn mistaken_both_ways(all: &[Effect]) {
     for (i, effect) in all.iter().enumerate() {
         assert!(!all[..i].iter().any(|e| e.name == effect.name), "{} stands there twice", effect.name);
         assert!(!effect.mistaken_for.is_empty() && effect.sentence.len() < 110, "{}", effect.name);
-        for other in effect.mistaken_for {
+        for other in &effect.mistaken_for {
             let back = all.iter().find(|e| e.name == *other).unwrap_or_else(|| panic!("{}: {other}?", effect.name));
             assert!(back.mistaken_for.contains(&effect.name), "{other} should name {}", effect.name);
         }

@@ -6,13 +6,18 @@ use crate::common::{DROP, Drop, Folder, timeless};
 /// Threads of each run; the first is run twice.
 const THREADS: [&str; 4] = ["1", "1", "2", "4"];
 
-/// Everything that `line` prints and writes: its standard output and error without seconds, and every new file.
+/// Where a line on standard error begins that long work writes from time to time.
+const PROGRESS: &str = "sets: ";
+
+/// Everything that `line` prints and writes: its standard output and error without seconds and progress, and every new file.
 fn written(folder: &Folder, line: &str, threads: &str) -> Vec<(String, Vec<u8>)> {
     let before = folder.names();
     let ran = folder.command().env("RAYON_NUM_THREADS", threads).args(line.split_whitespace()).output().unwrap();
     assert!(matches!(ran.status.code(), Some(0 | 3)), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
     let text = |bytes: Vec<u8>| -> Vec<u8> {
-        String::from_utf8(bytes).unwrap().lines().flat_map(|l| (untimed(l) + "\n").into_bytes()).collect()
+        let lines = String::from_utf8(bytes).unwrap();
+        let kept = lines.lines().filter(|line| !line.starts_with(PROGRESS));
+        kept.flat_map(|line| (untimed(line) + "\n").into_bytes()).collect()
     };
     let printed = if ran.stdout.starts_with(b"{") { timeless(&ran.stdout) } else { text(ran.stdout) };
     let mut all = vec![("standard output".to_owned(), printed), ("standard error".into(), text(ran.stderr))];

@@ -20,7 +20,9 @@ fn a_clean_drop_is_not_warned_of() {
     folder.write("drop.csv", Drop::default().csv());
     let ran = folder.run("tune --sim scene.toml --observation drop.csv --json").ends(0);
     let json = ran.json();
-    assert_eq!(json["warnings"], serde_json::json!([]));
+    // Whether gravity has its usual value is asked, which is a note.
+    assert_eq!(codes(&json["warnings"]), ["constant.assumed"]);
+    assert_eq!(json["warnings"][0]["severity"], "note");
     assert_eq!(json["forced"], false);
     let checks = json["preflight"][0].as_array().unwrap();
     assert!(
@@ -97,7 +99,7 @@ fn inspect_and_tune_say_the_same() {
         };
         assert_eq!(states(&inspected["preflight"]), states(&tuned["preflight"][0]), "{name}");
         let all = tuned["warnings"].as_array().unwrap().iter();
-        let later = ["fit.", "parameter.", "cache.", "friction."];
+        let later = ["fit.", "parameter.", "cache.", "friction.", "constant."];
         let told: Vec<&Value> =
             all.filter(|w| !later.iter().any(|l| w["code"].as_str().unwrap().starts_with(l))).collect();
         assert_eq!(inspected["warnings"].as_array().unwrap().iter().collect::<Vec<_>>(), told, "{name}");

@@ -1,7 +1,7 @@
 //! A simulator of your own, made tunable: a pendulum's length and damping from one recorded swing.
 use tunenet_core::Error;
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Parameter, Simulator, rollout};
+use tunenet_core::simulator::{Parameter, RolloutResult, Simulator, rollout};
 use tunenet_core::tune::{Outcome, Settings, tune};
 
 struct Pendulum([Parameter; 2], [Channel; 1]);
@@ -12,7 +12,7 @@ impl Simulator for Pendulum {
     fn channels(&self) -> &[Channel] {
         &self.1
     }
-    fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], angles: &mut [f64]) -> Result<(), String> {
+    fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], angles: &mut [f64]) -> RolloutResult {
         let slope = |s: [f64; 2]| [s[1], -9.81 / p[0] * s[0].sin() - p[1] * s[1]];
         let (mut s, mut now) = ([0.5, 0.0], 0.0); // angle and rate: let go half a radian off the vertical
         for (&t, angle) in clock.iter().zip(angles) {

@@ -83,6 +83,12 @@ pub enum Error {
         /// What it said.
         message: String,
     },
+    /// A simulator failed, whatever the values: no other values help.
+    #[error("the simulator failed: {message}")]
+    SimulatorBroken {
+        /// What it said.
+        message: String,
+    },
     /// A simulator answered a number that is unusable: not finite, or beyond
     /// [`GREATEST`](crate::observation::GREATEST).
     #[error("the simulator answered {found} for {place} with {at}: expected {expected}")]

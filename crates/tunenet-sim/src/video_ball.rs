@@ -2,7 +2,7 @@
 
 use tunenet_core::camera::LineCamera;
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
-use tunenet_core::simulator::{Effect, Parameter, Preparation, Rejected, Simulator};
+use tunenet_core::simulator::{Effect, Parameter, Preparation, Rejected, RolloutResult, Simulator};
 use tunenet_core::{Error, Result};
 use tunenet_formats::kind_name;
 
@@ -100,21 +100,15 @@ impl Simulator for VideoBall {
         Vec::new()
     }
 
-    fn rollout(
-        &self,
-        p: &[f64],
-        nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, p: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         let Some((ball, [stretch, rise, perspective])) = nuisances.split_last_chunk::<CAMERA>() else {
-            return Err(format!("{} nuisance parameters are too few", nuisances.len()));
+            return Err(format!("{} nuisance parameters are too few", nuisances.len()).into());
         };
         self.ball.rollout(p, ball, clock, values)?;
         for row in values.chunks_exact_mut(3) {
             let depth = perspective * row[2] + 1.0;
             if depth <= 0.0 {
-                return Err(format!("a ball at {} m is behind the camera", row[2]));
+                return Err(format!("a ball at {} m is behind the camera", row[2]).into());
             }
             row[2] = (stretch * row[2] + rise) / depth;
         }

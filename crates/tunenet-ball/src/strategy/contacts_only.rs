@@ -8,7 +8,7 @@ use tunenet_core::diagnose::{
     Strategy, Verdict,
 };
 use tunenet_core::observation::{Kind, Note};
-use tunenet_core::simulator::{Effect, Phase, Preparation, Simulator, measurement_effects};
+use tunenet_core::simulator::{Effect, Phase, Preparation, Simulator, Text, measurement_effects};
 
 use super::detrended_flights::detrend;
 use super::flights_only::crowded;
@@ -84,14 +84,14 @@ fn of_contacts(problem: &Problem, spinning: &[Box<dyn Simulator>], wider: f64) -
     // A tilt does not explain changes to either side.
     let no_tilt = beyond_tilt > problem.settings().margin;
     let at_contact = |effect: &Effect| {
-        let tilts = effect.mistaken_for.contains(&CAMERA_TILT);
+        let tilts = effect.mistaken_for.iter().any(|name| name == CAMERA_TILT);
         effect.phase == Phase::Event && !effect.random && !(no_tilt && tilts)
     };
     let settings = Settings { most_effects: 1, ..problem.settings().clone() };
     let Ok(explained) = problem.explain(spinning, detrended, &settings, &at_contact) else { return Ok(None) };
     let answer = &explained.diagnosis;
     let effects = answer.effects();
-    let seen_so: Vec<&str> = measurement_effects(Kind::Positions).iter().map(|e| e.name).collect();
+    let seen_so: Vec<Text> = measurement_effects(Kind::Positions).into_iter().map(|e| e.name).collect();
     let by_camera = effects.iter().any(|n| n.effect.mistaken_for.iter().any(|o| seen_so.contains(o)));
     Ok((!effects.is_empty() && !by_camera).then_some((explained, used)))
 }
@@ -143,14 +143,14 @@ fn left_open(conclusion: Conclusion, candidates: &[Candidate]) -> Conclusion {
     };
     for NamedEffect { effect, alternatives, .. } in effects.iter_mut().filter(|one| one.alternatives.is_empty()) {
         let kin = candidates.iter().find(|c| effect.mistaken_for.contains(&c.name));
-        alternatives.extend(kin.map(|c| c.name));
+        alternatives.extend(kin.map(|c| c.name.clone()));
     }
     Conclusion::OneOf { names: with_alternatives(&effects), effects, doubt }
 }
 
 /// Every effect, each with what could be in its place.
-fn with_alternatives(effects: &[NamedEffect]) -> Vec<&'static str> {
-    effects.iter().flat_map(|one| [one.effect.name].into_iter().chain(one.alternatives.clone())).collect()
+fn with_alternatives(effects: &[NamedEffect]) -> Vec<Text> {
+    effects.iter().flat_map(|one| std::iter::once(&one.effect.name).chain(&one.alternatives)).cloned().collect()
 }
 
 #[cfg(test)]
@@ -163,10 +163,13 @@ mod tests {
     fn with(alternatives: &[&'static str], deltas: &[(&'static str, f64)]) -> (NamedEffect, Vec<Candidate>) {
         let answer = swings(&[(FRICTION, 0.2)], 3);
         let mut named = answer.effects()[0].clone();
-        named.effect.mistaken_for = &["rest_angle"];
-        named.alternatives = alternatives.to_vec();
-        let candidate =
-            |&(name, delta): &(&'static str, f64)| Candidate { name, delta, ..answer.candidates[0].clone() };
+        named.effect.mistaken_for = vec!["rest_angle".into()];
+        named.alternatives = alternatives.iter().copied().map(Text::from).collect();
+        let candidate = |&(name, delta): &(&'static str, f64)| Candidate {
+            name: name.into(),
+            delta,
+            ..answer.candidates[0].clone()
+        };
         (named, deltas.iter().map(candidate).collect())
     }
 

@@ -8,7 +8,7 @@ use tunenet_core::diagnose::{
     Verdict,
 };
 use tunenet_core::observation::{Note, Observation};
-use tunenet_core::simulator::{Effect, Preparation, Simulator};
+use tunenet_core::simulator::{Effect, Preparation, Simulator, Text};
 use tunenet_core::statistics::NORMAL_95;
 
 use super::variants;
@@ -95,10 +95,10 @@ fn stated(problem: &Problem, whole: &Diagnosis, explained: Explanation, used: us
 /// A set of the single name and the next candidate; `known` are the effects of the catalogue.
 fn left_open(known: &[Effect], answer: &Diagnosis) -> Conclusion {
     let implausible = |name: &str| known.iter().any(|e| e.name == name && e.implausible.is_some());
-    let mut names = answer.names();
-    let others = answer.candidates.iter().filter(|c| c.excluded.is_none() && !implausible(c.name)).map(|c| c.name);
-    let next = others.into_iter().find(|name| !names.contains(name));
-    names.extend(next);
+    let mut names: Vec<Text> = answer.names().into_iter().map(|name| name.to_owned().into()).collect();
+    let others = answer.candidates.iter().filter(|c| c.excluded.is_none() && !implausible(&c.name)).map(|c| &c.name);
+    let next = others.into_iter().find(|name| !names.contains(name)).cloned();
+    names.extend(next.clone());
     let mut effects = answer.effects().to_vec();
     // A single name belongs to one effect.
     if let Some(named) = effects.first_mut() {
@@ -157,13 +157,13 @@ mod tests {
         let answer = swings(&[(FRICTION, 0.2)], 3);
         assert_eq!((answer.verdict(), answer.names()), (Verdict::Named, vec!["viscous_friction"]));
         let next = answer.candidates.iter().filter(|c| c.excluded.is_none() && c.name != "viscous_friction");
-        let next: Vec<&str> = next.map(|c| c.name).collect();
+        let next: Vec<&str> = next.map(|c| c.name.as_ref()).collect();
         let mut known = Exact::new(Pendulum).effects();
         let open = left_open(&known, &answer);
         assert_eq!((open.verdict(), open.names()), (Verdict::OneOf, vec!["viscous_friction", next[0]]));
         assert_eq!(open.effects()[0].alternatives, [next[0]]);
         for effect in known.iter_mut().filter(|effect| effect.name == next[0]) {
-            effect.implausible = Some("it swings in air");
+            effect.implausible = Some("it swings in air".into());
         }
         assert!(!left_open(&known, &answer).names().contains(&next[0]), "an implausible effect is not offered");
     }

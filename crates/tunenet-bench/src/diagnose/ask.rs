@@ -81,7 +81,7 @@ impl Asked {
 fn answer(diagnosis: &Diagnosis, seconds: f64) -> Result<Answer> {
     let gap = diagnosis.gap.as_ref();
     let owned = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
-    let effects: Vec<&str> = diagnosis.effects().iter().map(|e| e.effect.name).collect();
+    let effects: Vec<&str> = diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).collect();
     Ok(Answer {
         verdict: serde_json::to_value(diagnosis.verdict())?.as_str().unwrap_or_default().into(),
         effects: if diagnosis.verdict() == Verdict::Named { owned(&effects) } else { vec![] },

@@ -3,7 +3,7 @@
 
 use tunenet_core::Result;
 use tunenet_core::observation::Channel;
-use tunenet_core::simulator::{Parameter, Simulator};
+use tunenet_core::simulator::{Parameter, RolloutResult, Simulator};
 
 use crate::scene::GRAVITY_M_S2;
 
@@ -36,13 +36,7 @@ impl Simulator for Swing {
         &self.channels
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        _: &[f64],
-        clock: &[f64],
-        angles: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, parameters: &[f64], _: &[f64], clock: &[f64], angles: &mut [f64]) -> RolloutResult {
         let slope = |s: [f64; 2]| [s[1], -GRAVITY_M_S2 / parameters[0] * s[0] - parameters[1] * s[1]];
         let (mut state, mut now) = ([parameters[2], 0.0], 0.0);
         for (&time, angle) in clock.iter().zip(angles) {

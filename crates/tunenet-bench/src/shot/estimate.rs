@@ -202,13 +202,13 @@ impl Several {
         let Some(e) = found.parameters.iter().find(|p| p.name == "restitution") else { return Ok(None) };
         let effects = found.effects().iter().map(|named| {
             let one =
-                |c: &diagnose::Fitted| Some((c.key.to_owned(), c.values.first().map(|v| (v.value, v.interval95))?));
-            (named.effect.name.to_owned(), named.coefficients.iter().filter_map(one).collect())
+                |c: &diagnose::Fitted| Some((c.key.to_string(), c.values.first().map(|v| (v.value, v.interval95))?));
+            (named.effect.name.to_string(), named.coefficients.iter().filter_map(one).collect())
         });
         let verdict = serde_json::to_value(found.verdict())?.as_str().unwrap_or_default().to_owned();
         let effects = effects.collect();
         // As `tunenet diagnose` writes them into its file.
-        let named = found.effects().iter().map(|e| e.effect.name);
+        let named = found.effects().iter().map(|e| e.effect.name.as_ref());
         let sure: Vec<&str> = named.filter(|name| !found.names().contains(name)).collect();
         let alternatives = match found.verdict() {
             Verdict::OneOf => fitted(simulator.as_ref(), &found.names(), &sure, &self.seen, None).to_string(),

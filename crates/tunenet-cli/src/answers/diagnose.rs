@@ -71,7 +71,7 @@ pub struct Answer<'a> {
 
 impl Answer<'_> {
     /// Names to choose from: of a set, or the nearest where nothing fits.
-    pub fn candidates(&self) -> Vec<&'static str> {
+    pub fn candidates(&self) -> Vec<&str> {
         match self.diagnosis.verdict() {
             Verdict::OneOf | Verdict::Unknown => self.diagnosis.names(),
             _ => Vec::new(),
@@ -80,21 +80,22 @@ impl Answer<'_> {
 
     /// Of an ambiguous answer: for each effect that it holds, that effect and whatever could be in its place. Those that are
     /// alone in theirs are certain in addition to the others.
-    pub fn choices(&self) -> Vec<Vec<&'static str>> {
-        let one = |e: &NamedEffect| std::iter::once(e.effect.name).chain(e.alternatives.iter().copied()).collect();
-        self.diagnosis.effects().iter().map(one).collect()
+    pub fn choices(&self) -> Vec<Vec<&str>> {
+        let effects = self.diagnosis.effects().iter();
+        let all = effects.map(|e| std::iter::once(&e.effect.name).chain(&e.alternatives));
+        all.map(|names| names.map(AsRef::as_ref).collect()).collect()
     }
 
     /// The [choices](Self::choices) in the place of something else, and what is certain in addition to them. Where nothing is left to
     /// choose from, the effect is open itself: what is in no catalogue could be in its place.
-    pub fn open_and_firm(&self) -> (Vec<Vec<&'static str>>, Vec<&'static str>) {
+    pub fn open_and_firm(&self) -> (Vec<Vec<&str>>, Vec<&str>) {
         let (open, firm): (Vec<_>, Vec<_>) = self.choices().into_iter().partition(|names| names.len() > 1);
         if open.is_empty() { (firm, Vec::new()) } else { (open, firm.into_iter().flatten().collect()) }
     }
 
     /// The effects that the improved file holds where several could be in their place.
-    pub fn chosen(&self) -> Vec<&'static str> {
-        self.diagnosis.effects().iter().map(|e| e.effect.name).collect()
+    pub fn chosen(&self) -> Vec<&str> {
+        self.diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).collect()
     }
 
     /// The drag coefficient of an object: the force over that of the pressure ρv²/2 on the ball's section. None where its
@@ -148,12 +149,12 @@ impl Answer<'_> {
     }
 
     /// The effects that some objects do not need, each with the names of these objects: their own recordings do not show it.
-    pub fn unneeded(&self) -> Vec<(&'static str, Vec<&str>)> {
+    pub fn unneeded(&self) -> Vec<(&str, Vec<&str>)> {
         let each = self.diagnosis.effects().iter().enumerate().map(|(k, named)| {
             let idle = self.objects().filter(|(_, one)| one.effects.get(k).is_some_and(|own| !own.needed));
-            (named.effect.name, idle.map(|(name, _)| name).collect())
+            (named.effect.name.as_ref(), idle.map(|(name, _)| name).collect())
         });
-        each.filter(|(_, objects): &(_, Vec<&str>)| !objects.is_empty()).collect()
+        each.filter(|(_, objects): &(&str, Vec<&str>)| !objects.is_empty()).collect()
     }
 
     /// The effects of the answer that an object's simulation has to hold.
@@ -196,7 +197,7 @@ impl Answer<'_> {
 
 /// Whether an effect has numbers of each joint of an arm.
 pub fn is_per_joint(named: &NamedEffect) -> bool {
-    ArmEffect::find(named.effect.name).is_some_and(|effect| effect.per_joint)
+    ArmEffect::find(&named.effect.name).is_some_and(|effect| effect.per_joint)
 }
 
 /// What the gap was measured on.

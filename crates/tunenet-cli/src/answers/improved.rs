@@ -43,8 +43,8 @@ pub fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
     }
     for effect in answer.effects_of(number) {
         let values: Vec<(&str, f64)> =
-            effect.coefficients.iter().filter_map(|c| Some((c.key, value_of(c, number)?.value))).collect();
-        file.add_effect(effect.effect.name, &values)?;
+            effect.coefficients.iter().filter_map(|c| Some((c.key.as_ref(), value_of(c, number)?.value))).collect();
+        file.add_effect(&effect.effect.name, &values)?;
     }
     Ok(file)
 }
@@ -57,7 +57,7 @@ fn improved_arm(answer: &Answer, number: usize, mut file: SimulationFile) -> Res
     }
     for effect in answer.effects_of(number) {
         let values: Vec<f64> = effect.coefficients.iter().filter_map(|c| Some(value_of(c, number)?.value)).collect();
-        file.add_arm_effect(effect.effect.name, &values)?;
+        file.add_arm_effect(&effect.effect.name, &values)?;
     }
     Ok(file)
 }

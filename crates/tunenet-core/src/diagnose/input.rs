@@ -84,7 +84,7 @@ pub enum Progress<'a> {
         effects: usize,
     },
     /// Fitting one candidate jointly.
-    Fitting(&'static str),
+    Fitting(&'a str),
     /// Judging what is left, and held-out recordings.
     Judging,
 }

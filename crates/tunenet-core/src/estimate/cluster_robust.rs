@@ -96,7 +96,7 @@ impl Problem<'_> {
     /// apply: nothing drove the recordings, or nothing is free.
     pub(super) fn robust_scale(&self, fit: &Fit, linear: &Linearisation, variance: f64) -> Option<RobustScale> {
         let n = self.free.len();
-        if n == 0 || variance <= 0.0 || self.recordings.iter().any(|r| r.input.is_none() || !r.nuisances.is_empty()) {
+        if n == 0 || variance <= 0.0 || self.recordings.iter().any(|r| !r.driven()) {
             return None;
         }
         let places: Vec<usize> = (0..n).collect();

@@ -5,7 +5,6 @@ use super::misfit_grid::GridPoint;
 use super::output_error::{Fit, Linearisation, Problem};
 use super::problem::{Point, robust_scale};
 use crate::Result;
-use crate::simulator::Prepared;
 use crate::statistics::{UPPER_95, fisher_quantile, student_quantile};
 
 /// The level of every interval that is stated.
@@ -215,7 +214,7 @@ pub(crate) fn ends_with(
         let places = grid.get(i).map_or(&[][..], Vec::as_slice);
         let alone = places.iter().all(|p| scale.excess(p.cost - fit.cost) > scale.quantile().powi(2));
         // For driven recordings the scale estimate is cluster-robust; a profile of the squares does not contain it.
-        if problem.recordings.iter().all(Prepared::is_driven) && sd < p.span() {
+        if problem.recordings.iter().all(|recording| recording.memoryless) && sd < p.span() {
             all.push(curved());
             continue;
         }

@@ -4,8 +4,8 @@
 use rayon::prelude::*;
 
 use super::problem::{DIFFERENCE_STEP, LeastSquares, Point};
-use crate::Result;
 use crate::simulator::{Parameter, every};
+use crate::{Error, Result};
 
 /// Derivatives of one recording's residuals.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ impl Columns {
 ///
 /// # Errors
 /// Where the simulator refuses both sides of a direction, unless that counts as
-/// [flat](LeastSquares::flat_where_refused).
+/// [flat](LeastSquares::flat_where_refused), or where it failed.
 pub(crate) fn jacobian(problem: &dyn LeastSquares, point: &Point, residuals: &[Vec<f64>]) -> Result<Vec<Columns>> {
     let recordings = problem.recordings();
     let places: Vec<Vec<usize>> = recordings.iter().map(|&d| problem.touched(d)).collect();
@@ -53,6 +53,7 @@ pub(crate) fn jacobian(problem: &dyn LeastSquares, point: &Point, residuals: &[V
         // On the edge of what can be simulated (a start that touches a surface) only one side exists, or none.
         let (mut values, step) = match moved(1.0).or_else(|_| moved(-1.0)) {
             Ok(found) => found,
+            Err(broken @ Error::SimulatorBroken { .. }) => return Err(broken),
             Err(_) if problem.flat_where_refused() => return Ok(vec![0.0; residuals[k].len()]),
             Err(refused) => return Err(refused),
         };

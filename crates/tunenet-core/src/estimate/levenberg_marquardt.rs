@@ -8,7 +8,7 @@ use super::huber::huber_cost;
 use super::jacobian::{Columns, jacobian};
 use super::normal_equations::{hold_at_bounds, normal_equations};
 use super::problem::{LeastSquares, Point, distance, prior_cost, residuals as residuals_at};
-use crate::Result;
+use crate::{Error, Result};
 
 /// A step that gains this share of gradient times step, of which a quadratic gains 0.5, leaves derivatives that are worth following.
 const TRUSTED: f64 = 0.3;
@@ -72,7 +72,8 @@ pub(crate) struct Minimum {
 /// point is shown to `seen`.
 ///
 /// # Errors
-/// Where the simulator refuses a direction on both sides, unless that counts as flat. A refused step is only shortened.
+/// Where the simulator refuses a direction on both sides, unless that counts as flat, or where it failed. A refused step is only
+/// shortened.
 pub(crate) fn minimise(
     problem: &dyn LeastSquares,
     start: Point,
@@ -104,7 +105,11 @@ pub(crate) fn minimise(
             let candidate = step.from(problem, &point);
             rollouts += problem.recordings().len();
             // A refused or worse step is a step too long; or the derivatives mislead.
-            if let Ok(new) = residuals_at(problem, &candidate) {
+            let moved = residuals_at(problem, &candidate);
+            if let Err(broken @ Error::SimulatorBroken { .. }) = moved {
+                return Err(broken);
+            }
+            if let Ok(new) = moved {
                 let new_cost = huber_cost(&new, scale) + prior_cost(problem, &candidate);
                 if new_cost <= cost {
                     improved = Some((candidate, new, cost - new_cost, step.promised));

@@ -12,6 +12,7 @@
 //! | `noise_model` | noise of each channel |
 //! | `interval`, `profile`, `region`, `contour` | profile likelihood |
 //! | `contour_ray` | regula falsi with bisection |
+//! | `matrix_rows` | serialisation of a matrix |
 //! | `misfit_grid` | grid of profiled misfits |
 //! | `information`, `cluster_robust` | Fisher information; cluster-robust covariance |
 //! | `variance_components` | restricted likelihood of two variance components |
@@ -31,6 +32,7 @@ pub(crate) mod information_criterion;
 mod interval;
 pub(crate) mod jacobian;
 pub(crate) mod levenberg_marquardt;
+pub(crate) mod matrix_rows;
 mod misfit_grid;
 mod noise_model;
 pub(crate) mod normal_equations;

@@ -64,6 +64,10 @@ impl LeastSquares for Window<'_> {
         &self.problem.recordings[recording].nuisances
     }
 
+    fn prior_sd(&self, recording: usize, i: usize) -> f64 {
+        self.problem.recordings[recording].prior_sd(i)
+    }
+
     fn residual(&self, recording: usize, parameters: &[f64], nuisances: &[f64]) -> Result<Vec<f64>> {
         let prepared = &self.problem.recordings[recording];
         let samples = leading_samples(prepared.seen.len(), self.horizon);

@@ -2,6 +2,7 @@
 //! 1988, chapter 3; the split by recordings as in Triggs et al. 2000, section 6).
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::Result;
 use crate::observation::FEWEST_SAMPLES;
@@ -13,7 +14,7 @@ use crate::statistics::mad_sd;
 pub(crate) const DIFFERENCE_STEP: f64 = 1e-6;
 
 /// A point of the search: the shared parameters, free and fixed ones, and the nuisance parameters of every recording.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// All shared parameters, in the order of the simulator or of the hypothesis.
     pub parameters: Vec<f64>,

@@ -5,9 +5,11 @@
 //! bound cuts it, the boundary of a pair is walked.
 
 use nalgebra::{DMatrix, DVector, Vector2};
+use serde::Serialize;
 
 use super::contour_ray::Ray;
 use super::interval::{Interval, LEVEL, ScaleEstimate, fit_with_fixed};
+use super::matrix_rows::rows_of_some;
 use super::noise_model::weights;
 use super::output_error::{Fit, Problem};
 use super::problem::Point;
@@ -24,7 +26,7 @@ const CORNERS: usize = 36;
 const SAME_SIZE: f64 = 2.0;
 
 /// The joint 95 % region of the parameters that the data bear on.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Region {
     /// Their names.
     pub parameters: Vec<String>,
@@ -32,16 +34,22 @@ pub struct Region {
     pub centre: Vec<f64>,
     /// Covariance of the estimate, the scatter and the autocorrelation of the residuals included, shape `[parameter, parameter]`.
     /// `None` where a parameter has no slope at the estimate, so that the region is no ellipse.
+    #[serde(serialize_with = "rows_of_some")]
     pub covariance: Option<DMatrix<f64>>,
     /// The ellipse holds θ with (θ − centre)ᵀ covariance⁻¹ (θ − centre) ≤ this.
     pub quantile: f64,
     /// For a pair whose region is no ellipse within the bounds: the corners of its boundary, in order around it.
     pub boundary: Vec<[f64; 2]>,
+    #[serde(skip)]
     scale: ScaleEstimate,
+    #[serde(skip)]
     best: Point,
+    #[serde(skip)]
     cost: f64,
     /// All positions that were fitted, and those of `parameters` among the simulator's.
+    #[serde(skip)]
     free: Vec<usize>,
+    #[serde(skip)]
     joint: Vec<usize>,
 }
 
@@ -73,7 +81,7 @@ impl Region {
             joint: positions,
         };
         let mut rollouts = 0;
-        let driven = problem.recordings.iter().all(crate::simulator::Prepared::is_driven);
+        let driven = problem.recordings.iter().all(|recording| recording.memoryless);
         if joint.len() == 2 && !driven && !region.is_elliptic(problem, &mut rollouts) {
             region.walk(problem, [intervals[joint[0]], intervals[joint[1]]], &mut rollouts);
         }

@@ -94,7 +94,7 @@ mod tests {
     use super::*;
     use crate::network::CoveredParameter;
     use crate::observation::Channel;
-    use crate::simulator::Parameter;
+    use crate::simulator::{Parameter, RolloutResult};
     use rand::Rng;
 
     /// A line whose second parameter is forgotten.
@@ -109,7 +109,7 @@ mod tests {
             &self.1
         }
 
-        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> RolloutResult {
             clock.iter().zip(out).for_each(|(t, v)| *v = p[0] * t);
             Ok(())
         }

@@ -1,9 +1,11 @@
 //! Inverse-variance weighted mean, widened by the excess scatter (Birge 1932), of estimates from parts of the data.
 
+use serde::Serialize;
+
 use crate::statistics::{NORMAL_95, UPPER_95, student_quantile};
 
 /// A number read off a part of the data, with its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LocalEstimate {
     /// The estimate.
     pub value: f64,

@@ -4,8 +4,10 @@
 //! samples: its constructor refuses them, so no later code has to check again.
 
 mod check;
+mod circumstances;
 mod event_noise;
 mod header;
+mod input;
 mod local;
 mod local_parabola;
 mod noise;
@@ -15,13 +17,19 @@ mod outliers;
 mod resample;
 
 pub use check::{Check, State};
+pub use circumstances::Circumstances;
 pub use event_noise::event_time_sd;
 pub use header::plain;
+pub use input::{Hold, Input};
 pub use local::{LocalEstimate, widened};
 pub use noise::{noise_sd, step};
 pub use note::Note;
 pub use number::{three_digits, with_decimals};
 pub use resample::resample;
+
+use std::sync::Arc;
+
+use serde::Serialize;
 
 use crate::{Error, Result};
 
@@ -33,7 +41,8 @@ pub const FEWEST_SAMPLES: usize = 3;
 pub const GREATEST: f64 = 1e100;
 
 /// What kind of thing was measured. Decides what the channels and the clock mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Kind {
     /// A body's centre: channels `x`, `y`, `z` in m; clock in s.
@@ -73,7 +82,7 @@ pub(crate) fn usable_number() -> String {
 }
 
 /// One column of an observation.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize)]
 pub struct Channel {
     /// Short name without unit: `z`, `tau3`.
     pub name: String,
@@ -104,12 +113,14 @@ impl Channel {
 /// assert!(Observation::new(Kind::Other, vec![Channel::new("angle", "rad")], vec![0.0, 0.1, 0.1], vec![0.3, 0.2, 0.0]).is_err());
 /// # Ok::<(), tunenet_core::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Observation {
     kind: Kind,
     channels: Vec<Channel>,
     clock: Vec<f64>,
     values: Vec<f64>,
+    #[serde(skip)]
+    circumstances: Option<Arc<Circumstances>>,
 }
 
 impl Observation {
@@ -160,7 +171,7 @@ impl Observation {
                 format!("{}", values[i + 1]),
             );
         }
-        Ok(Self { kind, channels, clock, values })
+        Ok(Self { kind, channels, clock, values, circumstances: None })
     }
 
     /// A body's centre over time, shape `[sample, 3]`.
@@ -178,6 +189,18 @@ impl Observation {
     pub fn event_times(name: &str, time_s: Vec<f64>) -> Result<Self> {
         let index = (0..time_s.len()).map(|i| i as f64).collect();
         Self::new(Kind::EventTimes, vec![Channel::new(name, "s")], index, time_s)
+    }
+
+    /// The same, recorded in these circumstances. They stay with every part of it.
+    #[must_use]
+    pub fn under(self, circumstances: impl Into<Arc<Circumstances>>) -> Self {
+        Self { circumstances: Some(circumstances.into()), ..self }
+    }
+
+    /// What is known of it besides what was observed, where anything is.
+    #[must_use]
+    pub fn circumstances(&self) -> Option<&Arc<Circumstances>> {
+        self.circumstances.as_ref()
     }
 
     /// What kind of thing was measured.
@@ -227,7 +250,7 @@ impl Observation {
     /// Where `channel` is not below the number of channels.
     #[must_use]
     pub fn column(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + '_ {
-        assert!(channel < self.channels.len(), "channel {channel} of {}", self.channels.len());
+        check_channel(self, channel);
         self.values[channel..].iter().step_by(self.channels.len()).copied()
     }
 
@@ -242,14 +265,34 @@ impl Observation {
         let every = self.len().div_ceil(most.max(1));
         let clock = self.clock.iter().step_by(every).copied().collect();
         let values = (0..self.len()).step_by(every).flat_map(|i| self.row(i).iter().copied()).collect();
-        Self::new(self.kind, self.channels.clone(), clock, values).map(Some)
+        Ok(Some(self.same_circumstances(Self::new(self.kind, self.channels.clone(), clock, values)?)))
     }
 
     /// The same with the clock shifted to begin at 0.
     #[must_use]
     pub fn from_zero(&self) -> Self {
-        let clock = self.clock.iter().map(|t| t - self.clock[0]).collect();
-        Self { clock, ..self.clone() }
+        self.earlier(self.clock[0])
+    }
+
+    /// The same on a clock that starts this much earlier, its inputs as well.
+    fn earlier(&self, by_s: f64) -> Self {
+        let clock = self.clock.iter().map(|t| t - by_s).collect();
+        let circumstances = self.circumstances.as_ref().map(|known| Arc::new(known.earlier(by_s)));
+        Self { clock, circumstances, ..self.clone() }
+    }
+
+    /// Other values at the same instants, in the same circumstances.
+    ///
+    /// # Errors
+    /// As [`Observation::new`].
+    pub fn with_values(&self, values: Vec<f64>) -> Result<Self> {
+        let other = Self::new(self.kind, self.channels.clone(), self.clock.clone(), values)?;
+        Ok(self.same_circumstances(other))
+    }
+
+    /// `part` of this recording, in the circumstances of the whole.
+    pub(crate) fn same_circumstances(&self, part: Self) -> Self {
+        Self { circumstances: self.circumstances.clone(), ..part }
     }
 
     /// The samples of `range` alone.
@@ -262,8 +305,13 @@ impl Observation {
     pub fn slice(&self, range: std::ops::Range<usize>) -> Result<Self> {
         let width = self.channels.len();
         let values = self.values[range.start * width..range.end * width].to_vec();
-        Self::new(self.kind, self.channels.clone(), self.clock[range].to_vec(), values)
+        Ok(self.same_circumstances(Self::new(self.kind, self.channels.clone(), self.clock[range].to_vec(), values)?))
     }
+}
+
+/// Panics, with both numbers, where there is no such channel.
+fn check_channel(seen: &Observation, channel: usize) {
+    assert!(channel < seen.channels.len(), "channel {channel} of {}", seen.channels.len());
 }
 
 /// The first place where `clock[i + 1] <= clock[i]`.

@@ -37,7 +37,8 @@ pub fn resample(observation: &Observation, clock: &[f64]) -> Result<Observation>
             values.extend(low.iter().zip(high).map(|(a, b)| a + share * (b - a)));
         }
     }
-    Observation::new(observation.kind(), observation.channels().to_vec(), clock.to_vec(), values)
+    let series = Observation::new(observation.kind(), observation.channels().to_vec(), clock.to_vec(), values)?;
+    Ok(observation.same_circumstances(series))
 }
 
 #[cfg(test)]

@@ -1,10 +1,18 @@
 //! An effect: something that a simulation leaves out and a measurement may show.
 
+use std::borrow::Cow;
+
+use serde::Serialize;
+
 use super::Parameter;
 use crate::Result;
 
+/// A name or a sentence of an effect: borrowed where it is built in, owned where a user declared the effect.
+pub type Text = Cow<'static, str>;
+
 /// Where an effect acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Phase {
     /// Between events.
     Segment,
@@ -12,17 +20,24 @@ pub enum Phase {
     Event,
     /// In how the motion was seen, not in the motion.
     Measurement,
-    /// In a joint of an arm.
+    /// In a joint.
     Joint,
+    /// In a sensor.
+    Sensor,
+    /// In an actuator.
+    Actuator,
+    /// Anywhere else: the word that groups the effect in answers.
+    #[serde(untagged)]
+    Other(Text),
 }
 
 /// One number of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Coefficient {
     /// Its key under `[effects.NAME]`, with its unit: `c_1_m`.
-    pub key: &'static str,
+    pub key: Text,
     /// Its unit in words: `1/m`.
-    pub unit: &'static str,
+    pub unit: Text,
     /// The value that means "absent": 0, or 1 for a factor.
     pub absent: f64,
     /// The least value that is simulated and fitted.
@@ -40,21 +55,23 @@ impl Coefficient {
     /// from absent.
     #[must_use]
     pub const fn new(key: &'static str, unit: &'static str, absent: f64, (min, max): (f64, f64), typical: f64) -> Self {
+        let (key, unit) = (Cow::Borrowed(key), Cow::Borrowed(unit));
         Self { key, unit, absent, min, max, typical, number: None }
     }
 
     /// The same as number `number` of several, from 1.
     #[must_use]
-    pub const fn numbered(self, number: usize) -> Self {
-        Self { number: Some(number), ..self }
+    pub const fn numbered(mut self, number: usize) -> Self {
+        self.number = Some(number);
+        self
     }
 }
 
 /// An effect as an entry of the catalogue: what it is, not how it acts.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Effect {
     /// Its name in simulation files and answers: `quadratic_drag`.
-    pub name: &'static str,
+    pub name: Text,
     /// Where it acts.
     pub phase: Phase,
     /// Its numbers, in order.
@@ -64,25 +81,43 @@ pub struct Effect {
     pub plausible: Vec<(f64, f64)>,
     /// The settings of the scene on which the physical bounds rest, as users write them: if one of them is wrong, so are the
     /// bounds. Empty where they hold for any scene.
-    pub plausible_rests_on: &'static [&'static str],
+    pub plausible_rests_on: Vec<Text>,
     /// One sentence for users: what it is and what it does.
-    pub sentence: &'static str,
+    pub sentence: Text,
     /// Whether it is a random effect: every event draws its own value, and the coefficient is their standard deviation.
     pub random: bool,
     /// Names of effects that some recordings cannot distinguish from it.
-    pub mistaken_for: &'static [&'static str],
+    pub mistaken_for: Vec<Text>,
     /// Why it is implausible for this object: another effect that explains the recordings as well is preferred, and it is
     /// named only if there is none.
-    pub implausible: Option<&'static str>,
+    pub implausible: Option<Text>,
     /// What is wrong in the simulation, rather than missing from it, and looks the same: an effect that leaves more than noise is
     /// then not named alone.
-    pub feigned_by: Option<&'static str>,
+    pub feigned_by: Option<Text>,
     /// Largest share of the forecast error without it that may remain with it: above, it is not named alone from few recordings,
     /// because causes that are no effect resemble it. 1 where none do.
     pub forecast_share: f64,
 }
 
 impl Effect {
+    /// An effect that is plausible wherever it can be fitted, and that nothing is known to resemble.
+    #[must_use]
+    pub fn new(name: impl Into<Text>, phase: Phase, sentence: impl Into<Text>, coefficients: Vec<Coefficient>) -> Self {
+        Self {
+            name: name.into(),
+            phase,
+            plausible: coefficients.iter().map(|c| (c.min, c.max)).collect(),
+            coefficients,
+            plausible_rests_on: Vec::new(),
+            sentence: sentence.into(),
+            random: false,
+            mistaken_for: Vec::new(),
+            implausible: None,
+            feigned_by: None,
+            forecast_share: 1.0,
+        }
+    }
+
     /// Whether it is required, with unknown size: its physical bounds exclude its absence.
     #[must_use]
     pub fn required(&self) -> bool {
@@ -103,8 +138,9 @@ impl Effect {
     /// [`Error::Parameter`](crate::Error::Parameter) where one of `values` lies outside its bounds.
     pub fn parameters(&self, values: Option<&[f64]>) -> Result<Vec<Parameter>> {
         let value = |i: usize| values.map_or(self.coefficients[i].absent, |v| v[i]);
-        let one =
-            |(i, c): (usize, &Coefficient)| Parameter::new(self.parameter_name(i), c.unit, value(i), c.min, c.max);
+        let one = |(i, c): (usize, &Coefficient)| {
+            Parameter::new(self.parameter_name(i), c.unit.as_ref(), value(i), c.min, c.max)
+        };
         self.coefficients.iter().enumerate().map(one).collect()
     }
 
@@ -112,7 +148,7 @@ impl Effect {
     /// `viscous_friction.nms_rad.2` where the coefficient has a number.
     #[must_use]
     pub fn parameter_name(&self, i: usize) -> String {
-        let Coefficient { key, number, .. } = self.coefficients[i];
+        let Coefficient { key, number, .. } = &self.coefficients[i];
         number.map_or_else(|| format!("{}.{key}", self.name), |number| format!("{}.{key}.{number}", self.name))
     }
 }
@@ -124,14 +160,14 @@ mod tests {
     #[test]
     fn an_effect_whose_plausible_range_excludes_absence_is_required() {
         let effect = |low: f64, high: f64| Effect {
-            name: "drag",
+            name: "drag".into(),
             phase: Phase::Segment,
             coefficients: vec![Coefficient::new("c", "1", 0.0, (0.0, 10.0), 0.1)],
             plausible: vec![(low, high)],
-            sentence: "",
+            sentence: "".into(),
             random: false,
-            mistaken_for: &[],
-            plausible_rests_on: &[],
+            mistaken_for: Vec::new(),
+            plausible_rests_on: Vec::new(),
             implausible: None,
             feigned_by: None,
             forecast_share: 1.0,

@@ -1,8 +1,10 @@
 //! A simulator as a camera and its clock see it.
 
 use super::effects::{Act, MeasurementEffect, find};
-use super::{Assumed, Effect, Parameter, Preparation, Segmented, Simulator, measurement_effects};
-use crate::observation::{Channel, Kind, Observation};
+use super::{
+    Assumed, Effect, Parameter, Preparation, RolloutError, RolloutResult, Segmented, Simulator, measurement_effects,
+};
+use crate::observation::{Channel, Circumstances, Kind, Observation};
 use crate::{Error, Origin, Result};
 
 /// Rounds of the fixed point `t = stamp + delay(z(t))`. Each gains a factor of delay times speed, at most a tenth or so.
@@ -49,12 +51,12 @@ impl<S: Simulator> Measured<S> {
     /// `inner` with the coefficients of these effects as further parameters, at their absent values and free to tune.
     ///
     /// ```
-    /// # use tunenet_core::{observation::{Channel, Observation, Kind}, simulator::{Measured, Parameter, Simulator, rollout}};
+    /// # use tunenet_core::{observation::{Channel, Observation, Kind}, simulator::{Measured, Parameter, RolloutResult, Simulator, rollout}};
     /// struct Fall(Vec<Parameter>, Vec<Channel>);
     /// impl Simulator for Fall {
     ///     fn parameters(&self) -> &[Parameter] { &self.0 }
     ///     fn channels(&self) -> &[Channel] { &self.1 }
-    ///     fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> Result<(), String> {
+    ///     fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
     ///         clock.iter().zip(values).for_each(|(t, v)| *v = -0.5 * p[0] * t * t);
     ///         Ok(())
     ///     }
@@ -105,7 +107,7 @@ impl<S: Simulator> Measured<S> {
             found: format!("`{name}`"),
         };
         let kind = self.inner.kind();
-        let known = || measurement_effects(kind).iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
+        let known = || measurement_effects(kind).into_iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
         let found =
             find(name, kind).ok_or_else(|| refuse(format!("an effect that {} can show ({})", kind.name(), known())))?;
         if self.has(name) {
@@ -132,7 +134,7 @@ impl<S: Simulator> Measured<S> {
             coefficients = rest;
             for (c, value) in effect.coefficients.iter().zip(values) {
                 if !(c.min..=c.max).contains(value) {
-                    let (name, key, min, max) = (effect.name, c.key, c.min, c.max);
+                    let (name, key, min, max) = (effect.name, &c.key, c.min, c.max);
                     return Err(format!("`{name}.{key}` is {value}, but has to lie within {min} and {max}"));
                 }
             }
@@ -148,12 +150,12 @@ impl<S: Simulator> Measured<S> {
         &self,
         p: &[f64],
         nuisances: &[f64],
-        input: Option<&Observation>,
+        circumstances: Option<&Circumstances>,
         clock: &[f64],
         values: &mut [f64],
-    ) -> std::result::Result<(), String> {
-        match input {
-            Some(input) => self.inner.rollout_driven(p, nuisances, input, clock, values),
+    ) -> RolloutResult {
+        match circumstances {
+            Some(known) => self.inner.rollout_driven(p, nuisances, known, clock, values),
             None => self.inner.rollout(p, nuisances, clock, values),
         }
     }
@@ -163,20 +165,20 @@ impl<S: Simulator> Measured<S> {
         &self,
         p: &[f64],
         nuisances: &[f64],
-        input: Option<&Observation>,
+        circumstances: Option<&Circumstances>,
         instants: &[f64],
-    ) -> std::result::Result<Vec<f64>, String> {
+    ) -> std::result::Result<Vec<f64>, RolloutError> {
         let width = self.channels().len();
         let mut values = vec![0.0; instants.len() * width];
         if instants.is_sorted() {
-            self.run(p, nuisances, input, instants, &mut values)?;
+            self.run(p, nuisances, circumstances, instants, &mut values)?;
             return Ok(values);
         }
         let mut order: Vec<usize> = (0..instants.len()).collect();
         order.sort_by(|&a, &b| instants[a].total_cmp(&instants[b]));
         let rising: Vec<f64> = order.iter().map(|&i| instants[i]).collect();
         let mut sorted = values.clone();
-        self.run(p, nuisances, input, &rising, &mut sorted)?;
+        self.run(p, nuisances, circumstances, &rising, &mut sorted)?;
         for (row, &i) in sorted.chunks_exact(width).zip(&order) {
             values[i * width..(i + 1) * width].copy_from_slice(row);
         }
@@ -184,13 +186,14 @@ impl<S: Simulator> Measured<S> {
     }
 
     /// What is observed of values on these channels.
-    fn seen(&self, active: &[Active], row: &mut [f64]) -> std::result::Result<(), String> {
+    fn seen(&self, active: &[Active], row: &mut [f64]) -> RolloutResult {
         for (_, effect, c) in active {
             match effect.act {
                 Act::Point(map) => {
                     let point = [row[0], row[1], row[2]];
                     let Some(moved) = map(point, c) else {
-                        return Err(format!("`{}` of {c:?} puts the point {point:?} behind the camera", effect.name));
+                        let refused = format!("`{}` of {c:?} puts the point {point:?} behind the camera", effect.name);
+                        return Err(refused.into());
                     };
                     row.copy_from_slice(&moved);
                 }
@@ -209,17 +212,17 @@ impl<S: Simulator> Measured<S> {
         &self,
         parameters: &[f64],
         nuisances: &[f64],
-        input: Option<&Observation>,
+        circumstances: Option<&Circumstances>,
         clock: &[f64],
         values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    ) -> RolloutResult {
         let (p, coefficients) = parameters.split_at(self.inner.parameters().len());
         let active = self.active(coefficients)?;
         if active.is_empty() {
-            return self.run(p, nuisances, input, clock, values);
+            return self.run(p, nuisances, circumstances, clock, values);
         }
         if self.kind() == Kind::EventTimes {
-            self.run(p, nuisances, input, clock, values)?;
+            self.run(p, nuisances, circumstances, clock, values)?;
             for (_, effect, c) in &active {
                 if let Act::Clock { to_seen, .. } = effect.act {
                     for time in values.iter_mut() {
@@ -246,14 +249,14 @@ impl<S: Simulator> Measured<S> {
         };
         let stamps = clock.iter().flat_map(|t| nodes.iter().map(move |(share, _)| t + length * share));
         let stamps: Vec<f64> = stamps.map(to_true).collect();
-        let mut inner = self.ask(p, nuisances, input, &stamps)?;
+        let mut inner = self.ask(p, nuisances, circumstances, &stamps)?;
         let width = self.channels().len();
         for (_, effect, c) in &active {
             let Act::Readout(delay) = effect.act else { continue };
             for _ in 0..READOUT_ROUNDS {
                 let late = |(t, row): (&f64, &[f64])| t + delay(row[2], c);
                 let instants: Vec<f64> = stamps.iter().zip(inner.chunks_exact(width)).map(late).collect();
-                inner = self.ask(p, nuisances, input, &instants)?;
+                inner = self.ask(p, nuisances, circumstances, &instants)?;
             }
         }
         for (rows, out) in inner.chunks_exact_mut(width * nodes.len()).zip(values.chunks_exact_mut(width)) {
@@ -330,13 +333,7 @@ impl<S: Simulator> Simulator for Measured<S> {
         self.inner.segmented().map(|_| self as &dyn Segmented)
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, parameters: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         self.observe(parameters, nuisances, None, clock, values)
     }
 
@@ -344,10 +341,10 @@ impl<S: Simulator> Simulator for Measured<S> {
         &self,
         parameters: &[f64],
         nuisances: &[f64],
-        input: &Observation,
+        circumstances: &Circumstances,
         clock: &[f64],
         values: &mut [f64],
-    ) -> std::result::Result<(), String> {
-        self.observe(parameters, nuisances, Some(input), clock, values)
+    ) -> RolloutResult {
+        self.observe(parameters, nuisances, Some(circumstances), clock, values)
     }
 }

@@ -1,31 +1,39 @@
 //! What could be: a simulator with parameters, seen only through its rollouts.
 
 mod assumed;
+mod declared;
 mod effect;
 mod effects;
+mod fn_simulator;
 mod measured;
 mod parameter;
 mod prepared;
+mod rollout_error;
 mod rollouts;
 mod scale;
 mod segmentation;
 mod segmented;
+mod start_state;
 
 pub use assumed::Assumed;
-pub use effect::{Coefficient, Effect, Phase};
+pub use declared::{Declared, Model, Run};
+pub use effect::{Coefficient, Effect, Phase, Text};
 pub use effects::measurement_effects;
+pub use fn_simulator::FnSimulator;
 pub use measured::Measured;
 pub use parameter::Parameter;
 pub use prepared::{Preparation, Prepared, Rejected};
+pub use rollout_error::{RolloutError, RolloutResult};
 pub(crate) use rollouts::every;
 pub use rollouts::{predict, rollout, rollouts};
 pub use scale::Scale;
 pub use segmentation::Segmentation;
 pub use segmented::Segmented;
+pub use start_state::{StartState, StartValue};
 
 use auto_impl::auto_impl;
 
-use crate::observation::{Channel, Kind, Observation};
+use crate::observation::{Channel, Circumstances, Kind, Observation};
 use crate::{Error, Origin, Result};
 
 /// Anything that can be rolled out with given parameters. Implement this to tune a simulator of your own.
@@ -90,8 +98,8 @@ pub trait Simulator: Send + Sync {
         None
     }
 
-    /// As [`rollout`](Self::rollout), driven by what was measured besides the observation, the motion of an arm, say. Only a
-    /// simulator whose [`prepare`](Self::prepare) gives an [input](Prepared::input) is ever asked.
+    /// As [`rollout`](Self::rollout), in the circumstances of one recording: what drove the thing, where it started, its constants.
+    /// It is asked where [`prepare`](Self::prepare) gives [circumstances](Prepared::circumstances).
     ///
     /// # Errors
     /// As [`rollout`](Self::rollout).
@@ -99,11 +107,11 @@ pub trait Simulator: Send + Sync {
         &self,
         parameters: &[f64],
         nuisances: &[f64],
-        input: &Observation,
+        circumstances: &Circumstances,
         clock: &[f64],
         values: &mut [f64],
-    ) -> std::result::Result<(), String> {
-        let _ = input;
+    ) -> RolloutResult {
+        let _ = circumstances;
         self.rollout(parameters, nuisances, clock, values)
     }
 
@@ -112,12 +120,6 @@ pub trait Simulator: Send + Sync {
     /// [`Prepared::nuisances`]. Deterministic: the same arguments give the same bits.
     ///
     /// # Errors
-    /// A sentence for users where these values cannot be simulated.
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String>;
+    /// A sentence for users where these values cannot be simulated, or where the simulator failed.
+    fn rollout(&self, parameters: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult;
 }

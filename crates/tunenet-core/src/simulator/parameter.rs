@@ -1,9 +1,11 @@
 //! A number that can be tuned.
 
+use serde::Serialize;
+
 use crate::{Error, Result};
 
 /// A number of a simulator, with its bounds and its unit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
     /// Its name, as in a simulation file: `mass`.
     pub name: String,

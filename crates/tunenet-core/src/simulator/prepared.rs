@@ -2,23 +2,31 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
+
 use super::{Parameter, Scale, Segmentation};
-use crate::observation::{Check, LocalEstimate, Note, Observation};
+use crate::observation::{Check, Circumstances, LocalEstimate, Note, Observation};
 
 /// The usable part of a recording, with its nuisance parameters.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Prepared {
     /// The samples to explain.
     pub seen: Observation,
-    /// What drove the thing while it was seen (the motion of an arm), where its simulator predicts from that; on the clock of
-    /// `seen`.
-    pub input: Option<Arc<Observation>>,
+    /// What its simulator is given with every rollout: what drove the thing, where it started.
+    #[serde(skip)]
+    pub circumstances: Option<Arc<Circumstances>>,
+    /// Whether every prediction follows from the inputs near that instant alone, as torques follow from a motion: there is no
+    /// initial state, and no error that adds up.
+    pub memoryless: bool,
     /// The noise of each channel of `seen`, in its unit, where it is known better than from `seen` itself.
     pub noise: Option<Vec<f64>>,
     /// Scale estimate of each channel's residual, where it exceeds the noise: residuals are divided by it.
     pub residual_scale: Option<Vec<f64>>,
     /// Nuisance parameters of this recording (its release, its floor), each with a first guess as `value`.
     pub nuisances: Vec<Parameter>,
+    /// Standard deviations of the priors of the nuisance parameters around their first guesses, in their order; of one that is
+    /// missing here the prior is as wide as its bounds.
+    pub prior_sd: Vec<f64>,
     /// For each parameter of the simulator: what the samples near the events say of it, independent of what happens in
     /// between. It starts the fit, and stands in for it where the record as a whole cannot be explained.
     pub local: Vec<Option<LocalEstimate>>,
@@ -31,6 +39,7 @@ pub struct Prepared {
     /// When something sudden happened to the thing (impacts), on the clock of `seen`; empty where that is not known.
     pub events: Vec<f64>,
     /// How it is cut into segments between events, where its simulator knows any.
+    #[serde(skip)]
     pub segmentation: Option<Arc<dyn Segmentation>>,
     /// Every check that was made of it.
     pub checks: Vec<Check>,
@@ -39,22 +48,30 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Whether a measured input drives it from the first sample to the last, so that it has no start state to fit.
+    /// Whether measured inputs alone decide what is predicted, without an initial state or another nuisance parameter.
     #[must_use]
     pub fn driven(&self) -> bool {
-        self.input.is_some() && self.nuisances.is_empty()
+        self.memoryless && self.nuisances.is_empty()
     }
 
-    /// `seen` as it is, without nuisance parameters.
+    /// The standard deviation of the prior of nuisance parameter `i`.
+    #[must_use]
+    pub fn prior_sd(&self, i: usize) -> f64 {
+        self.prior_sd.get(i).copied().unwrap_or_else(|| self.nuisances[i].span())
+    }
+
+    /// `seen` as it is, in its circumstances, without nuisance parameters.
     #[must_use]
     pub fn whole(seen: Observation, parameters: usize) -> Self {
         let (local, silent) = (vec![None; parameters], vec![None; parameters]);
         Self {
+            circumstances: seen.circumstances().cloned(),
+            memoryless: false,
             seen,
-            input: None,
             noise: None,
             residual_scale: None,
             nuisances: Vec::new(),
+            prior_sd: Vec::new(),
             local,
             silent,
             video: None,
@@ -64,12 +81,6 @@ impl Prepared {
             checks: Vec::new(),
             notes: Vec::new(),
         }
-    }
-
-    /// Whether its simulator predicts from a measured input.
-    #[must_use]
-    pub fn is_driven(&self) -> bool {
-        self.input.is_some()
     }
 
     /// The first guesses of the nuisance parameters.

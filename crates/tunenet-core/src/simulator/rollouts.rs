@@ -2,20 +2,20 @@
 
 use rayon::prelude::*;
 
-use super::{Prepared, Simulator};
+use super::{Prepared, RolloutError, RolloutResult, Simulator};
 use crate::observation::{usable, usable_number};
 use crate::{Error, Result};
 
 /// One rollout, values row-major `[sample, channel]`.
 ///
 /// # Errors
-/// [`Error::Simulator`] where the simulator refuses; [`Error::Prediction`] where it returns a number that is not finite or
+/// [`Error::Simulator`] where the simulator refuses; [`Error::SimulatorBroken`] where it failed; [`Error::Prediction`] where it returns a number that is not finite or
 /// beyond [`GREATEST`](crate::observation::GREATEST).
 pub fn rollout(simulator: &dyn Simulator, parameters: &[f64], nuisances: &[f64], clock: &[f64]) -> Result<Vec<f64>> {
     checked(simulator, parameters, clock, |values| simulator.rollout(parameters, nuisances, clock, values))
 }
 
-/// One rollout as `recording` was driven, values row-major `[sample, channel]`.
+/// One rollout in the circumstances of `recording`, values row-major `[sample, channel]`.
 ///
 /// # Errors
 /// As [`rollout`].
@@ -26,9 +26,9 @@ pub fn predict(
     nuisances: &[f64],
     clock: &[f64],
 ) -> Result<Vec<f64>> {
-    let Some(input) = &recording.input else { return rollout(simulator, parameters, nuisances, clock) };
+    let Some(known) = &recording.circumstances else { return rollout(simulator, parameters, nuisances, clock) };
     checked(simulator, parameters, clock, |values| {
-        simulator.rollout_driven(parameters, nuisances, input, clock, values)
+        simulator.rollout_driven(parameters, nuisances, known, clock, values)
     })
 }
 
@@ -37,14 +37,17 @@ fn checked(
     simulator: &dyn Simulator,
     parameters: &[f64],
     clock: &[f64],
-    run: impl FnOnce(&mut [f64]) -> std::result::Result<(), String>,
+    run: impl FnOnce(&mut [f64]) -> RolloutResult,
 ) -> Result<Vec<f64>> {
     let mut values = vec![0.0; clock.len() * simulator.channels().len()];
     let at = || {
         let named = simulator.parameters().iter().zip(parameters).map(|(p, v)| format!("{}={v}", p.name));
         named.collect::<Vec<_>>().join(" ")
     };
-    run(&mut values).map_err(|message| Error::Simulator { at: at(), message })?;
+    run(&mut values).map_err(|error| match error {
+        RolloutError::Refused(message) => Error::Simulator { at: at(), message },
+        RolloutError::Broken(message) => Error::SimulatorBroken { message },
+    })?;
     if let Some(i) = values.iter().position(|&v| !usable(v)) {
         let (sample, channel) =
             (i / simulator.channels().len() + 1, &simulator.channels()[i % simulator.channels().len()]);

@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::{Values, effect};
-use crate::observation::{Channel, Kind, Observation};
-use crate::simulator::{Coefficient, Effect, Parameter, Preparation, Prepared, Simulator};
+use crate::observation::{Channel, Circumstances, Hold, Input, Kind, Observation};
+use crate::simulator::{Coefficient, Effect, Parameter, Preparation, Prepared, RolloutResult, Simulator, Text};
 use crate::{Error, Origin, Result};
 
 /// Samples of a recording, and their rate in Hz.
@@ -24,7 +24,7 @@ const HELD_RAD: f64 = 0.4;
 pub struct Levers {
     parameters: Vec<Parameter>,
     channels: [Channel; 2],
-    carried: Vec<&'static str>,
+    carried: Vec<Text>,
 }
 
 impl Levers {
@@ -108,7 +108,7 @@ fn torque(value: &Values, j: usize, [q, speed, acceleration]: [f64; 3]) -> f64 {
 fn effects() -> Vec<Effect> {
     let each = |name, key, unit, bounds, typical| {
         let one = effect(name, key, unit, bounds, typical);
-        let coefficients: Vec<Coefficient> = [1, 2].map(|number| one.coefficients[0].numbered(number)).into();
+        let coefficients: Vec<Coefficient> = [1, 2].map(|number| one.coefficients[0].clone().numbered(number)).into();
         Effect { coefficients, plausible: vec![bounds; 2], ..one }
     };
     vec![
@@ -139,7 +139,9 @@ impl Simulator for Levers {
             Observation::new(seen.kind(), channels, seen.clock().to_vec(), values)
         };
         let mut prepared = Prepared::whole(part(&["tau1", "tau2"])?, self.parameters.len());
-        prepared.input = Some(Arc::new(part(&["q1", "dq1", "ddq1", "q2", "dq2", "ddq2"])?));
+        let motion = part(&["q1", "dq1", "ddq1", "q2", "dq2", "ddq2"])?;
+        prepared.circumstances = Some(Arc::new(Circumstances::driven_by(vec![Input::new(motion, Hold::Previous)])));
+        prepared.memoryless = true;
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 
@@ -164,7 +166,7 @@ impl Simulator for Levers {
         Ok(Box::new(made))
     }
 
-    fn rollout(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) -> std::result::Result<(), String> {
+    fn rollout(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) -> RolloutResult {
         Err("levers need a measured motion".into())
     }
 
@@ -172,19 +174,20 @@ impl Simulator for Levers {
         &self,
         parameters: &[f64],
         _: &[f64],
-        input: &Observation,
+        circumstances: &Circumstances,
         clock: &[f64],
         values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    ) -> RolloutResult {
         let value = |name: &str| {
             self.parameters.iter().zip(parameters).find(|(p, _)| p.name == name).map_or(0.0, |(_, value)| *value)
         };
+        let motion = circumstances.inputs[0].series();
         for (t, row) in clock.iter().zip(values.chunks_exact_mut(2)) {
-            // The clock is a part of the input's.
-            let k = input.clock().partition_point(|s| s < t).min(input.len() - 1);
+            // The clock is a part of the motion's.
+            let k = motion.clock().partition_point(|s| s < t).min(motion.len() - 1);
             for (j, tau) in row.iter_mut().enumerate() {
-                let motion = &input.row(k)[3 * j..3 * j + 3];
-                *tau = torque(&value, j, [motion[0], motion[1], motion[2]]);
+                let joint = &motion.row(k)[3 * j..3 * j + 3];
+                *tau = torque(&value, j, [joint[0], joint[1], joint[2]]);
             }
         }
         Ok(())

@@ -61,7 +61,8 @@ use rand_distr::StandardNormal;
 
 use crate::observation::{Channel, Observation};
 use crate::simulator::{
-    Coefficient, Effect, Parameter, Phase, Preparation, Prepared, Segmentation, Segmented, Simulator,
+    Coefficient, Effect, Parameter, Phase, Preparation, Prepared, RolloutResult, Segmentation, Segmented, Simulator,
+    Text,
 };
 use crate::{Error, Origin, Result};
 
@@ -112,7 +113,7 @@ pub struct Exact<S> {
     system: S,
     parameters: Vec<Parameter>,
     channels: [Channel; 1],
-    carried: Vec<&'static str>,
+    carried: Vec<Text>,
 }
 
 impl<S: ClosedForm + Clone> Exact<S> {
@@ -197,13 +198,7 @@ impl<S: ClosedForm + Clone> Simulator for Exact<S> {
         Ok(Box::new(made))
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, parameters: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         let all = self.parameters.iter().zip(parameters);
         let value = |name: &str| all.clone().find(|(p, _)| p.name == name).map_or(0.0, |(_, value)| *value);
         for (t, y) in clock.iter().zip(values) {
@@ -215,21 +210,22 @@ impl<S: ClosedForm + Clone> Simulator for Exact<S> {
 
 impl<S: ClosedForm + Clone> Segmented for Exact<S> {
     fn free_segment(&self) -> Option<Box<dyn Simulator>> {
-        Exact::new(self.system.free()?).with_effects(&self.carried).ok()
+        let carried: Vec<&str> = self.carried.iter().map(AsRef::as_ref).collect();
+        Exact::new(self.system.free()?).with_effects(&carried).ok()
     }
 }
 
 /// An effect of one coefficient that is absent at 0 and plausible within `bounds`.
 fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f64, f64), typical: f64) -> Effect {
     Effect {
-        name,
+        name: name.into(),
         phase: Phase::Joint,
         coefficients: vec![Coefficient::new(key, unit, 0.0, bounds, typical)],
         plausible: vec![bounds],
-        sentence: "",
+        sentence: "".into(),
         random: false,
-        mistaken_for: &[],
-        plausible_rests_on: &[],
+        mistaken_for: Vec::new(),
+        plausible_rests_on: Vec::new(),
         implausible: None,
         feigned_by: None,
         forecast_share: 1.0,

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::network::{CoveredParameter, DatasetHeader, PairDraw};
 use crate::observation::{Channel, Kind};
-use crate::simulator::{Parameter, Scale, Simulator};
+use crate::simulator::{Parameter, RolloutResult, Scale, Simulator};
 
 /// m/s², downwards.
 const GRAVITY_M_S2: f64 = 9.81;
@@ -48,13 +48,7 @@ impl Simulator for ReflectedPoint {
         Kind::Positions
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, parameters: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         let (returned, height) = (parameters[0], nuisances[0]);
         // The arc between two impacts: when it began, where, how fast, how long it lasts.
         let (mut began, mut low, mut speed) = (0.0, height, 0.0);

@@ -49,7 +49,7 @@ fn note(problem: &Problem, assumed: &Assumed, (parameter, moved, half_width): (u
 mod tests {
     use super::*;
     use crate::observation::{Channel, Observation};
-    use crate::simulator::{Parameter, Simulator};
+    use crate::simulator::{Parameter, RolloutResult, Simulator};
 
     /// Distance fallen in t from a start at rest, `k g t²/2`: an estimate of k rests on g alone.
     #[derive(Clone)]
@@ -71,7 +71,7 @@ mod tests {
             let (setting, unit) = ("world.gravity_m_s2", "m/s²");
             vec![Assumed { setting, value: self.gravity, range: (9.79, 9.83), unit, at_upper }]
         }
-        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
+        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
             values.iter_mut().zip(clock).for_each(|(value, t)| *value = 0.5 * p[0] * self.gravity * t * t);
             Ok(())
         }

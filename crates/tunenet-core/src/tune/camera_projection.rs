@@ -45,9 +45,7 @@ impl<'a> VideoTrack<'a> {
         for (row, v) in values.chunks_exact_mut(width).zip(&self.v_px) {
             row[HEIGHT] = camera.height(*v);
         }
-        let seen = &self.recording.seen;
         // A height outside the picture (beyond the horizon) makes no observation.
-        let seen = Observation::new(seen.kind(), seen.channels().to_vec(), seen.clock().to_vec(), values);
-        seen.ok().map(|seen| ProjectedRollout { appears_px, seen })
+        self.recording.seen.with_values(values).ok().map(|seen| ProjectedRollout { appears_px, seen })
     }
 }

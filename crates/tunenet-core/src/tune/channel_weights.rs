@@ -13,7 +13,7 @@ const WEIGHINGS: usize = 3;
 /// # Errors
 /// Where the simulator refuses.
 pub(super) fn weigh(simulator: &dyn Simulator, recordings: &mut [Prepared], free: &[usize]) -> Result<()> {
-    if recordings.iter().any(|r| r.input.is_none() || r.noise.is_none()) {
+    if recordings.iter().any(|r| !r.memoryless || r.noise.is_none()) {
         return Ok(());
     }
     let mut point = Point::start(simulator, recordings);

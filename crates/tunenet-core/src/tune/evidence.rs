@@ -199,7 +199,7 @@ fn moves(curve: &[f64], noise: &[f64]) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::observation::Channel;
-    use crate::simulator::Parameter;
+    use crate::simulator::{Parameter, RolloutResult};
     use crate::tune::{Settings, tune};
     use rand::{Rng, SeedableRng};
 
@@ -221,7 +221,7 @@ mod tests {
             &self.1
         }
 
-        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> RolloutResult {
             clock.iter().zip(out).for_each(|(t, v)| *v = p[0] + p[1] * t);
             Ok(())
         }

@@ -88,7 +88,7 @@ pub fn fit_at_fixed_values(
 mod tests {
     use super::*;
     use crate::observation::{Channel, Kind};
-    use crate::simulator::Parameter;
+    use crate::simulator::{Parameter, RolloutResult};
 
     /// y = a + b t.
     struct Line(Vec<Parameter>, Vec<Channel>);
@@ -102,7 +102,7 @@ mod tests {
             &self.1
         }
 
-        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> std::result::Result<(), String> {
+        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
             clock.iter().zip(values).for_each(|(t, v)| *v = p[0] + p[1] * t);
             Ok(())
         }

@@ -119,7 +119,7 @@ fn local_minima<'a>(places: &'a [GridPoint], fit: &Fit, position: usize) -> Vec<
 #[cfg(test)]
 mod tests {
     use crate::observation::{Channel, Kind, Observation};
-    use crate::simulator::{Parameter, Simulator};
+    use crate::simulator::{Parameter, RolloutResult, Simulator};
     use crate::tune::{Settings, tune};
 
     /// A line whose slope rises with the parameter up to 4 and falls beyond: two values for each slope.
@@ -134,7 +134,7 @@ mod tests {
             &self.1
         }
 
-        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+        fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> RolloutResult {
             let slope = 2.0 - (p[0] - 4.0).abs() / if p[0] < 4.0 { 2.0 } else { 4.0 };
             clock.iter().zip(out).for_each(|(t, v)| *v = slope * t);
             Ok(())

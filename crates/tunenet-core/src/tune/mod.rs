@@ -74,12 +74,12 @@ impl Default for Settings {
 /// A `model` starts the fit; of several recordings it looks at the first that can be used.
 ///
 /// ```
-/// # use tunenet_core::{observation::{Channel, Observation, Kind}, simulator::{Parameter, Simulator}, tune};
+/// # use tunenet_core::{observation::{Channel, Observation, Kind}, simulator::{Parameter, RolloutResult, Simulator}, tune};
 /// struct Cooling(Vec<Parameter>, Vec<Channel>);
 /// impl Simulator for Cooling {
 ///     fn parameters(&self) -> &[Parameter] { &self.0 }
 ///     fn channels(&self) -> &[Channel] { &self.1 }
-///     fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> Result<(), String> {
+///     fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
 ///         clock.iter().zip(values).for_each(|(t, v)| *v = (-p[0] * t).exp());
 ///         Ok(())
 ///     }

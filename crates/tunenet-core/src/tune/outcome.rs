@@ -1,5 +1,6 @@
 //! What tuning ends with.
 
+use crate::estimate::matrix_rows::rows;
 use crate::estimate::{Point, Region};
 use crate::observation::Check;
 use crate::observation::Note;
@@ -46,7 +47,7 @@ impl Status {
 }
 
 /// One tuned parameter.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
     /// Its name.
     pub name: String,
@@ -67,7 +68,7 @@ pub struct Estimate {
 }
 
 /// One iteration: where the parameters stood, and how far the rollout there lay from the data.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Iteration {
     /// Its number, 0 for the start.
     pub k: usize,
@@ -78,7 +79,7 @@ pub struct Iteration {
 }
 
 /// How far simulation and measurement lie apart, as a root mean square.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
     /// The unit of all three.
     pub unit: String,
@@ -103,8 +104,8 @@ pub enum Stop {
     Nothing,
 }
 
-/// Everything that tuning found.
-#[derive(Debug, Clone)]
+/// Everything that tuning found. Numbers that are not finite become null in JSON.
+#[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
     /// The answer.
     pub verdict: Verdict,
@@ -114,6 +115,7 @@ pub struct Outcome {
     /// which no recording has any bearing is not among them.
     pub free: Vec<String>,
     /// Correlations between the fitted ones, shape `[parameter, parameter]`.
+    #[serde(serialize_with = "rows")]
     pub correlation: DMatrix<f64>,
     /// The joint 95 % region of those that the data bear on; absent with fewer than two, with a poor fit, and where the
     /// fit was not finished.

@@ -35,7 +35,7 @@ impl Tuning<'_> {
     pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, MisfitGrid, usize)> {
         let problem = self.problem();
         // A driven thing does not go its own way after a bad start: what it shows is nearly linear in its parameters.
-        if self.free.is_empty() || self.recordings.iter().all(Prepared::is_driven) {
+        if self.free.is_empty() || self.recordings.iter().all(|recording| recording.memoryless) {
             let fit = problem.fit(near.clone(), 1.0)?;
             let rollouts = fit.rollouts;
             return Ok((fit, Vec::new(), rollouts));

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tunenet_core::Result;
-use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Measured, Parameter, Preparation, Prepared, Simulator, predict};
+use tunenet_core::observation::{Channel, Circumstances, Hold, Input, Kind, Observation};
+use tunenet_core::simulator::{Measured, Parameter, Preparation, Prepared, RolloutResult, Simulator, predict};
 use tunenet_core::tune::{Settings, Verdict, tune};
 
 /// A cart pushed by a measured force: `a = F / m`. A recording has both, in this order.
@@ -37,11 +37,13 @@ impl Simulator for Cart {
             Observation::new(Kind::Other, vec![channel], clock, seen.column(i).collect())
         };
         let mut prepared = Prepared::whole(column(1, self.channels[0].clone())?, 1);
-        prepared.input = Some(Arc::new(column(0, Channel::new("force", "N"))?));
+        let force = Input::new(column(0, Channel::new("force", "N"))?, Hold::Previous);
+        prepared.circumstances = Some(Arc::new(Circumstances::driven_by(vec![force])));
+        prepared.memoryless = true;
         Ok(Preparation::Usable(Box::new(prepared)))
     }
 
-    fn rollout(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) -> std::result::Result<(), String> {
+    fn rollout(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) -> RolloutResult {
         Err("nothing pushes the cart".into())
     }
 
@@ -49,13 +51,14 @@ impl Simulator for Cart {
         &self,
         parameters: &[f64],
         _: &[f64],
-        input: &Observation,
+        circumstances: &Circumstances,
         clock: &[f64],
         values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    ) -> RolloutResult {
         for (t, value) in clock.iter().zip(values) {
-            let i = input.clock().partition_point(|c| c < t).min(input.len() - 1);
-            *value = input.row(i)[0] / parameters[0];
+            let force = circumstances.inputs[0].series();
+            let i = force.clock().partition_point(|c| c < t).min(force.len() - 1);
+            *value = force.row(i)[0] / parameters[0];
         }
         Ok(())
     }

@@ -3,5 +3,6 @@
 mod driven;
 mod examples;
 mod measured;
+mod serialised;
 mod several;
 mod words;

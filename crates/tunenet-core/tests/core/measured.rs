@@ -2,7 +2,9 @@
 
 use tunenet_core::Result;
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Measured, Parameter, Preparation, Simulator, measurement_effects, rollout as run};
+use tunenet_core::simulator::{
+    Measured, Parameter, Preparation, RolloutResult, Simulator, measurement_effects, rollout as run,
+};
 
 /// A throw without an end: x = 1 + 2 t, y = −½ + t, z = 3 t − p t²/2. Its clock must rise.
 struct Throw(Vec<Parameter>, Vec<Channel>, Kind);
@@ -24,7 +26,7 @@ impl Simulator for Throw {
         self.2
     }
 
-    fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+    fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> RolloutResult {
         if !clock.is_sorted() {
             return Err("the clock has to rise".into());
         }
@@ -146,7 +148,7 @@ fn absent_effects_change_no_bit() {
     let plain = run(&throw, &[PULL], &[], &clock()).unwrap();
     let all = measurement_effects(Kind::Positions);
     assert_eq!(all.len(), 9);
-    let names: Vec<&str> = all.iter().map(|e| e.name).collect();
+    let names: Vec<&str> = all.iter().map(|e| e.name.as_ref()).collect();
     let measured = Measured::new(&throw, &names).unwrap();
     let absent: Vec<f64> = measured.parameters().iter().map(|p| p.value).collect();
     assert_eq!(run(&measured, &absent, &[], &clock()).unwrap(), plain);
@@ -156,7 +158,7 @@ fn absent_effects_change_no_bit() {
 fn derivatives_are_smooth() {
     let throw = throw();
     for effect in measurement_effects(Kind::Positions) {
-        let measured = Measured::new(&throw, &[effect.name]).unwrap();
+        let measured = Measured::new(&throw, &[&effect.name]).unwrap();
         let absent: Vec<f64> = measured.parameters().iter().map(|p| p.value).collect();
         for (i, c) in effect.coefficients.iter().enumerate() {
             for away in [0.0, 1.0] {
@@ -182,7 +184,7 @@ fn derivatives_are_smooth() {
 
 #[test]
 fn other_kinds_show_what_they_can() {
-    let names = |kind| measurement_effects(kind).iter().map(|e| e.name).collect::<Vec<_>>();
+    let names = |kind| measurement_effects(kind).into_iter().map(|e| e.name).collect::<Vec<_>>();
     assert_eq!(names(Kind::EventTimes), ["time_scale", "time_offset"]);
     assert_eq!(names(Kind::Joints), Vec::<&str>::new());
     // On a series of no kind, lengths are the channels in m.

@@ -2,7 +2,7 @@
 
 use rand::{Rng, SeedableRng};
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Parameter, Simulator};
+use tunenet_core::simulator::{Parameter, RolloutResult, Simulator};
 use tunenet_core::tune::{Outcome, Settings, Status, Verdict, tune};
 
 type Law = fn(&[f64], f64) -> f64;
@@ -19,7 +19,7 @@ impl Simulator for Signal {
         &self.1
     }
 
-    fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> Result<(), String> {
+    fn rollout(&self, p: &[f64], _: &[f64], clock: &[f64], out: &mut [f64]) -> RolloutResult {
         clock.iter().zip(out).for_each(|(t, v)| *v = self.2(p, *t));
         Ok(())
     }

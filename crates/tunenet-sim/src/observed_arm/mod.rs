@@ -10,7 +10,7 @@ mod rollout;
 use std::path::{Path, PathBuf};
 
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
-use tunenet_core::simulator::{Parameter, Preparation, Simulator};
+use tunenet_core::simulator::{Parameter, Preparation, RolloutResult, Simulator};
 use tunenet_formats::{Error, Result};
 
 use crate::SimulationFile;
@@ -160,13 +160,7 @@ impl Simulator for ObservedArm {
         self.prepared(seen)
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        _nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
-        self.roll(parameters, clock, values)
+    fn rollout(&self, parameters: &[f64], _nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
+        Ok(self.roll(parameters, clock, values)?)
     }
 }

@@ -33,7 +33,7 @@ impl ObservedBall {
         for name in names {
             let new = |e: &BallEffect| self.can_take(e) && !ball.free.iter().any(|f| f.name == e.name);
             let Some(effect) = BallEffect::find(name).filter(new) else {
-                let known = ball.absent_effects().iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
+                let known = ball.absent_effects().iter().map(|e| e.name.as_ref()).collect::<Vec<_>>().join(", ");
                 let expected = format!("an effect of a ball seen as {} ({known})", kind_name(self.kind));
                 return Err(Error::Setting {
                     origin: Origin::Caller,
@@ -98,7 +98,7 @@ impl ObservedBall {
         // A record without a bounce is silent about contacts only.
         let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
         for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
-            if phase == Phase::Segment {
+            if *phase == Phase::Segment {
                 *silent = None;
             }
         }

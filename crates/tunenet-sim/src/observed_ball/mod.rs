@@ -5,7 +5,7 @@ mod flight;
 mod prepare;
 
 use tunenet_core::observation::{Channel, Kind, Observation};
-use tunenet_core::simulator::{Assumed, Effect, Parameter, Preparation, Scale, Segmented, Simulator};
+use tunenet_core::simulator::{Assumed, Effect, Parameter, Preparation, RolloutResult, Scale, Segmented, Simulator};
 use tunenet_core::{Error, Result};
 use tunenet_formats::kind_name;
 
@@ -257,17 +257,11 @@ impl Simulator for ObservedBall {
         Some(self)
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, parameters: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         let (scene, start, time_s) = self.world(parameters, nuisances);
         if self.kind == Kind::Positions {
             let begin = self.release.time_s.unwrap_or(clock[0]);
-            return positions(&scene, &start, begin, clock, values);
+            return Ok(positions(&scene, &start, begin, clock, values)?);
         }
         let last = clock[clock.len() - 1].max(0.0);
         #[expect(
@@ -275,7 +269,8 @@ impl Simulator for ObservedBall {
             clippy::cast_sign_loss,
             reason = "a count of impacts, checked to be small"
         )]
-        let count = if last < 1e6 { last as usize + 1 } else { return Err(format!("{last} impacts are too many")) };
+        let count =
+            if last < 1e6 { last as usize + 1 } else { return Err(format!("{last} impacts are too many").into()) };
         let times = impact_times(&scene, &start, time_s, count)?;
         let Some(&rest) = times.last() else { return Err("the ball never reaches the surface".into()) };
         for (value, index) in values.iter_mut().zip(clock) {

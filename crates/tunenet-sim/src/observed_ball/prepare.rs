@@ -31,7 +31,7 @@ impl ObservedBall {
         Expected {
             gravity_m_s2: scene.gravity_m_s2 + forces.effective_gravity_m_s2,
             // A flight with forces of its own is none of gravity's alone.
-            forces_known: known || self.free.iter().chain(&self.per_recording).any(|e| e.phase == Phase::Segment),
+            forces_known: known || self.free.iter().chain(&self.per_recording).any(|e| *e.phase == Phase::Segment),
             radius_m: Some(self.scene.radius_m),
             surface_height_m: self.surface_height_m,
             release_height_m: self.release.height_m,

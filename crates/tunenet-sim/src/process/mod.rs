@@ -32,7 +32,7 @@ mod tally;
 use std::sync::Arc;
 
 use tunenet_core::observation::{Channel, GREATEST, Kind, Observation};
-use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Simulator};
+use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, RolloutError, RolloutResult, Simulator};
 use tunenet_core::text::visible;
 use tunenet_core::{Error, Origin, Result};
 
@@ -123,13 +123,7 @@ impl Simulator for ProcessSimulator {
         Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found: names.join(", ") })
     }
 
-    fn rollout(
-        &self,
-        parameters: &[f64],
-        _nuisances: &[f64],
-        clock: &[f64],
-        values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    fn rollout(&self, parameters: &[f64], _nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         // A step that lost its way is no rollout, and no fault of the program.
         if !parameters.iter().chain(clock).all(|number| number.is_finite()) {
             return Err("parameters and times have to be finite".into());
@@ -151,14 +145,16 @@ impl Simulator for ProcessSimulator {
                 Ok(())
             }
             // Its length was held against the request already.
-            Ok(Answer::Values(answered)) => Err(format!("expected {} numbers, found {}", values.len(), answered.len())),
+            Ok(Answer::Values(answered)) => {
+                Err(format!("expected {} numbers, found {}", values.len(), answered.len()).into())
+            }
             Ok(Answer::Refused(message)) => {
                 tally.lacks(Why::Refused, &self.parameters, parameters, &message);
-                Err(message)
+                Err(message.into())
             }
             Err(failure) => {
                 self.session.note(self.pool.file(), &failure);
-                Err(failure.message)
+                Err(RolloutError::Broken(failure.message))
             }
         }
     }

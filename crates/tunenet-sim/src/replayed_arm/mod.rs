@@ -20,9 +20,9 @@ mod torque;
 
 use std::sync::Arc;
 
-use tunenet_core::observation::{Channel, Kind, Note, Observation};
+use tunenet_core::observation::{Channel, Circumstances, Hold, Input, Kind, Note, Observation};
 use tunenet_core::observation::{Check, State};
-use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Rejected, Simulator};
+use tunenet_core::simulator::{Effect, Parameter, Preparation, Prepared, Rejected, RolloutResult, Simulator};
 use tunenet_core::{Error, Origin, Result};
 use tunenet_formats::kind_name;
 
@@ -303,7 +303,9 @@ impl Simulator for ReplayedArm {
         let other = |j: usize| reference.as_ref().map_or(0.0, |r| r.noise_nm[j]);
         let noise = |j: usize| (log.noise_nm[j].hypot(other(j))) / (cells as f64).sqrt();
         prepared.noise = Some((0..n).map(noise).collect());
-        prepared.input = Some(Arc::new(self.arm.input(&log, reference.as_ref())?));
+        let motion = Input::new(self.arm.input(&log, reference.as_ref())?, Hold::Linear);
+        prepared.circumstances = Some(Arc::new(Circumstances::driven_by(vec![motion])));
+        prepared.memoryless = true;
         let torques = self.torques_of(&log, cells, prepared.seen.clock())?;
         checks.push(signs::signs(&torques, &joints, columns(seen, "tau").is_empty()));
         if reference.is_some() && checks.iter().all(|c| c.state != State::Failed) {
@@ -339,7 +341,7 @@ impl Simulator for ReplayedArm {
         Ok(Box::new(arm))
     }
 
-    fn rollout(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) -> std::result::Result<(), String> {
+    fn rollout(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) -> RolloutResult {
         Err("a replayed arm needs a measured motion".into())
     }
 
@@ -347,12 +349,13 @@ impl Simulator for ReplayedArm {
         &self,
         parameters: &[f64],
         _: &[f64],
-        input: &Observation,
+        circumstances: &Circumstances,
         clock: &[f64],
         values: &mut [f64],
-    ) -> std::result::Result<(), String> {
+    ) -> RolloutResult {
         let (mass, com, arm) = self.decoded(parameters);
         let n = self.arm.joints();
+        let input = circumstances.inputs[0].series();
         let shown = self.arm.shown(input, &cube(mass, com, self.payload_size_m), &arm);
         let (first, last) = (input.clock()[0], input.clock()[input.len() - 1]);
         let step = (last - first) / (input.len() - 1) as f64;

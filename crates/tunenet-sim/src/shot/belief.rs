@@ -100,7 +100,7 @@ impl Belief {
             let Some(effect) = BallEffect::find(&present.name) else { continue };
             for (c, value) in effect.coefficients.iter().zip(&present.values) {
                 let name = format!("{}.{}", effect.name, c.key);
-                let interval = provenance.of_effect(effect.name, c.key);
+                let interval = provenance.of_effect(effect.name, &c.key);
                 let interval = unless_edited(&name, *value, interval, &mut changed);
                 let (role, bounds) = (Role::Coefficient(Box::new(effect)), (c.min, c.max));
                 quantities.push(Quantity { name, role, value: *value, interval, bounds });
@@ -225,7 +225,7 @@ impl Belief {
                 _ => value.is_nan() || (q.bounds.0..=q.bounds.1).contains(&value),
             }
         };
-        strength.is_some_and(|c| (c.min..=c.max).contains(&of(c.key)))
+        strength.is_some_and(|c| (c.min..=c.max).contains(&of(&c.key)))
             && (0.0..=1.0).contains(&of("weight"))
             && self.nominal.iter().all(tuned)
     }
@@ -251,12 +251,12 @@ impl Alternative {
         }
         if let Some(effect) = effect {
             for c in effect.coefficients {
-                let value = table.get(c.key).and_then(number).unwrap_or(c.absent).clamp(c.min, c.max);
+                let value = table.get(&c.key).and_then(number).unwrap_or(c.absent).clamp(c.min, c.max);
                 one.quantities.push(Quantity {
                     name: format!("{}.{}", effect.name, c.key),
                     role: Role::Coefficient(Box::new(effect)),
                     value,
-                    interval: interval(table, c.key, value),
+                    interval: interval(table, &c.key, value),
                     bounds: (c.min, c.max),
                 });
             }

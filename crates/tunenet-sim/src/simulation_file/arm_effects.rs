@@ -55,7 +55,7 @@ impl SimulationFile {
             let count = effect.numbers(joints);
             let mut values = Vec::new();
             for c in effect.coefficients {
-                let given = table.get(c.key);
+                let given = table.get(&c.key);
                 let list = given.and_then(Item::as_array).map(|a| a.iter().filter_map(number).collect::<Vec<f64>>());
                 let numbers = list.or_else(|| given.and_then(item_number).map(|v| vec![v]));
                 let numbers = numbers.unwrap_or_else(|| vec![c.absent; count]);
@@ -96,13 +96,13 @@ impl SimulationFile {
         }
         let one = table(table(self.document.root_mut(), "effects", true), name, false);
         for (c, numbers) in effect.coefficients.iter().zip(values.chunks(count.max(1))) {
-            let decor = one.get(c.key).and_then(Item::as_value).map(|v| v.decor().clone());
-            one[c.key] = if effect.per_joint {
+            let decor = one.get(&c.key).and_then(Item::as_value).map(|v| v.decor().clone());
+            one[c.key.as_ref()] = if effect.per_joint {
                 toml_edit::value(numbers.iter().copied().collect::<Array>())
             } else {
                 toml_edit::value(numbers[0])
             };
-            if let (Some(decor), Some(new)) = (decor, one[c.key].as_value_mut()) {
+            if let (Some(decor), Some(new)) = (decor, one[c.key.as_ref()].as_value_mut()) {
                 *new.decor_mut() = decor;
             }
         }

@@ -34,7 +34,7 @@ impl SimulationFile {
         let Some(all) = self.item("effects").and_then(Item::as_table_like) else { return Vec::new() };
         let each = all.iter().filter_map(|(name, item)| {
             let (table, known) = (item.as_table_like()?, coefficients(name)?);
-            let value = |c: &Coefficient| table.get(c.key).and_then(item_number).unwrap_or(c.absent);
+            let value = |c: &Coefficient| table.get(&c.key).and_then(item_number).unwrap_or(c.absent);
             let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(false);
             Some(PresentEffect { name: name.into(), values: known.iter().map(value).collect(), tune })
         });

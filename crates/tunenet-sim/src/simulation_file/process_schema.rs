@@ -72,7 +72,7 @@ pub static PROCESS_EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
             path: Cow::Owned(format!("effects.{}", effect.parameter_name(i))),
             shape: Shape::Number(effect.coefficients[i].min, effect.coefficients[i].max),
             required: false,
-            meaning: Cow::Borrowed(effect.sentence),
+            meaning: effect.sentence.clone(),
         };
         (0..effect.coefficients.len()).map(one).collect::<Vec<_>>()
     });

@@ -187,7 +187,7 @@ pub static EFFECT_KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
             path: Cow::Owned(format!("effects.{}", effect.parameter_name(i))),
             shape: Shape::Number(effect.coefficients[i].min, effect.coefficients[i].max),
             required: false,
-            meaning: Cow::Borrowed(effect.sentence),
+            meaning: effect.sentence.clone(),
         };
         (0..effect.coefficients.len()).map(one).chain(tuned).collect::<Vec<_>>()
     });

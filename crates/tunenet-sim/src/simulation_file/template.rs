@@ -286,8 +286,8 @@ mod tests {
                 continue;
             }
             let effect = crate::arm::effects::ArmEffect::find(effect).unwrap();
-            let expected = effect.coefficients.iter().find(|c| c.key == key).unwrap().unit;
-            let words = match expected {
+            let coefficient = effect.coefficients.iter().find(|c| c.key == key).unwrap();
+            let words = match coefficient.unit.as_ref() {
                 "rad" => "radians",
                 "m" => "metres",
                 "s" => "seconds",

@@ -48,7 +48,7 @@ fn simulated(file: &SimulationFile, name: &str, values: &[f64], clock: &[f64]) -
     let seen = rollout(&*free, &parameters, &[], clock).unwrap();
 
     let mut file = file.clone();
-    let pairs: Vec<_> = entry.coefficients.iter().map(|c| c.key).zip(values.iter().copied()).collect();
+    let pairs: Vec<_> = entry.coefficients.iter().map(|c| c.key.as_ref()).zip(values.iter().copied()).collect();
     file.add_effect(name, &pairs).unwrap();
     let fixed = simulator(&file, Kind::Positions, &Session::default()).unwrap();
     assert_eq!(fixed.parameters().len(), 2);
@@ -215,7 +215,8 @@ fn a_scattered_bounce_meets_a_turned_normal() {
 fn absent_effects_change_no_bit() {
     let (base, clock) = (simulator(&file(), Kind::Positions, &Session::default()).unwrap(), clock());
     let plain = rollout(&*base, &[0.75, 0.05], &[], &clock).unwrap();
-    let all: Vec<&str> = base.effects().iter().map(|e| e.name).collect();
+    let known = base.effects();
+    let all: Vec<&str> = known.iter().map(|e| e.name.as_ref()).collect();
     assert_eq!(all.len(), 12);
     let free = base.with_effects(&all).unwrap();
     let absent: Vec<f64> = free.parameters().iter().map(|p| p.value).collect();
@@ -223,7 +224,8 @@ fn absent_effects_change_no_bit() {
     assert!(free.effects().is_empty());
 
     let base = simulator(&file(), Kind::EventTimes, &Session::default()).unwrap();
-    let all: Vec<&str> = base.effects().iter().map(|e| e.name).collect();
+    let known = base.effects();
+    let all: Vec<&str> = known.iter().map(|e| e.name.as_ref()).collect();
     let expected =
         ["quadratic_drag", "linear_drag", "effective_gravity", "speed_dependent_restitution", "contact_time"];
     assert_eq!(all, expected);
@@ -239,8 +241,9 @@ fn absent_effects_change_no_bit() {
 #[test]
 fn derivatives_are_smooth() {
     let (base, clock) = (simulator(&file(), Kind::Positions, &Session::default()).unwrap(), clock());
-    for effect in base.effects().iter().filter(|e| !["bounce_scatter", "rolling_resistance"].contains(&e.name)) {
-        let free = base.with_effects(&[effect.name]).unwrap();
+    for effect in base.effects().iter().filter(|e| !["bounce_scatter", "rolling_resistance"].contains(&e.name.as_ref()))
+    {
+        let free = base.with_effects(&[&effect.name]).unwrap();
         let absent: Vec<f64> = free.parameters().iter().map(|p| p.value).collect();
         for (i, coefficient) in effect.coefficients.iter().enumerate() {
             for away in [0.0, 1.0] {

@@ -199,7 +199,7 @@ fn trial(model: &Model, frame: &Frame, hidden: ArmEffect, ratio: f64, seed: u64,
     let names = if found.verdict() == Verdict::OneOf {
         found.names()
     } else {
-        found.effects().iter().map(|e| e.effect.name).collect()
+        found.effects().iter().map(|e| e.effect.name.as_ref()).collect()
     };
     let names = names.into_iter().map(str::to_owned).collect();
     Ok(ArmTrial { truth: hidden.name().into(), ratio, outside, verdict: found.verdict(), names })

@@ -49,8 +49,8 @@ fn effect(answer: &Answer, named: &NamedEffect) -> Json {
     if let Some(fitted) = named.coefficients.first() {
         let values: Option<Vec<Value>> = fitted.values.iter().map(|v| answer.drag_coefficient(named, v)).collect();
         if let Some(values) = values.filter(|values| !values.is_empty()) {
-            let fitted = Fitted { key: "drag_coefficient", unit: "1", values };
-            coefficients.insert(fitted.key.into(), coefficient(answer, &fitted));
+            let fitted = Fitted { key: "drag_coefficient".into(), unit: "1".into(), values };
+            coefficients.insert(fitted.key.to_string(), coefficient(answer, &fitted));
         }
     }
     let evidence = &named.evidence;
@@ -58,7 +58,7 @@ fn effect(answer: &Answer, named: &NamedEffect) -> Json {
         "name": named.effect.name,
         "sentence": named.effect.sentence,
         "coefficients": coefficients,
-        "where": { "phase": phase::code(named.effect.phase), "text": phase::name(named.effect.phase) },
+        "where": { "phase": phase::code(&named.effect.phase), "text": phase::name(&named.effect.phase) },
         "evidence": {
             "bic_gain": evidence.bic_gain,
             "runner_up": evidence.runner_up,
@@ -93,7 +93,7 @@ fn coefficients(answer: &Answer, named: &NamedEffect) -> Map<String, Json> {
                 json!({ "value": null, "unit": fitted.unit, "interval95": null, "objects": each.collect::<Vec<_>>() })
             }
         };
-        found.insert(fitted.key.into(), one);
+        found.insert(fitted.key.to_string(), one);
     }
     found
 }
@@ -135,7 +135,7 @@ fn gap(gap: &Gap) -> Json {
         "noise_floor": gap.noise_floor,
         "held_out": gap.held_out.as_ref().map(change),
         "forecast": gap.forecast.as_ref().map(change),
-        "control": gap.control.map(|(name, after)| json!({ "name": name, "after": after })),
+        "control": gap.control.as_ref().map(|(name, after)| json!({ "name": name, "after": after })),
     })
 }
 

@@ -178,7 +178,7 @@ fn choices(answer: &Answer) -> String {
 }
 
 fn lone(named: &NamedEffect) -> String {
-    format!("{} {}", named.effect.name, phase::name(named.effect.phase))
+    format!("{} {}", named.effect.name, phase::name(&named.effect.phase))
 }
 
 /// What a person wants to know beyond the verdict.
@@ -189,8 +189,8 @@ fn details(answer: &Answer) -> Vec<String> {
         let joints = is_per_joint(named);
         for (i, fitted) in named.coefficients.iter().enumerate() {
             let joint = 1 + named.coefficients[..i].iter().filter(|other| other.key == fitted.key).count();
-            let key = if joints { format!("{} of joint {joint}", fitted.key) } else { fitted.key.to_owned() };
-            let unit = if fitted.unit == "1" { "" } else { fitted.unit };
+            let key = if joints { format!("{} of joint {joint}", fitted.key) } else { fitted.key.to_string() };
+            let unit = if fitted.unit == "1" { "" } else { &fitted.unit };
             for value in &fitted.values {
                 let object = answer.object(value).filter(|_| fitted.values.len() > 1);
                 let object = object.map(|o| format!("{o}: ")).unwrap_or_default();
@@ -228,8 +228,8 @@ fn details(answer: &Answer) -> Vec<String> {
             }
             lines.push(line);
         }
-        if let Some((wrong, after)) = gap.control {
-            lines.push(format!("control: with {wrong} instead, held out {}", words(after)));
+        if let Some((wrong, after)) = &gap.control {
+            lines.push(format!("control: with {wrong} instead, held out {}", words(*after)));
         }
     }
     lines
@@ -266,9 +266,9 @@ fn candidates(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     let row = |c: &Candidate| {
         let about = if c.fitted { "" } else { "~" };
         let ratio = c.held_out_ratio.map_or("-".into(), |r| format!("×{}", with_decimals(r, 3)));
-        vec![c.name.to_owned(), format!("{about}{}", whole(c.bic_gain)), format!("{about}{}", whole(c.delta)), ratio]
+        vec![c.name.to_string(), format!("{about}{}", whole(c.bic_gain)), format!("{about}{}", whole(c.delta)), ratio]
     };
-    let shown = |(i, c): &(usize, &Candidate)| *i < SHOWN || verbose() || diagnosis.names().contains(&c.name);
+    let shown = |(i, c): &(usize, &Candidate)| *i < SHOWN || verbose() || diagnosis.names().contains(&c.name.as_ref());
     let left = diagnosis.candidates.iter().filter(|c| c.excluded.is_none()).enumerate().filter(shown);
     rows.extend(left.map(|(_, c)| row(c)));
     rows.push(vec!["none".into(), "0".into(), "-".into(), "×1".into()]);
@@ -278,7 +278,7 @@ fn candidates(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
 /// What cannot be the answer, and why; together where the reason is the same.
 fn excluded(diagnosis: &Diagnosis) -> Vec<String> {
     let all: Vec<(&str, String)> =
-        diagnosis.candidates.iter().filter_map(|c| Some((c.name, c.excluded.as_ref()?.to_string()))).collect();
+        diagnosis.candidates.iter().filter_map(|c| Some((c.name.as_ref(), c.excluded.as_ref()?.to_string()))).collect();
     let first = all.iter().enumerate().filter(|(i, (_, why))| all[..*i].iter().all(|(_, other)| other != why));
     let one = |(_, (_, why)): (usize, &(&str, String))| {
         let names: Vec<&str> = all.iter().filter(|(_, other)| other == why).map(|(name, _)| *name).collect();
@@ -304,7 +304,7 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
         line = format!("{line} (failed: {})", failed.join(", "));
     }
     let runners_up =
-        diagnosis.effects().iter().filter_map(|e| Some((e.evidence.runner_up?, e.evidence.runner_up_bic_gap)));
+        diagnosis.effects().iter().filter_map(|e| Some((e.evidence.runner_up.as_ref()?, e.evidence.runner_up_bic_gap)));
     if let Some((name, gap)) = runners_up.min_by(|a, b| a.1.total_cmp(&b.1)) {
         // What is ahead was passed over for another reason than its evidence.
         let place = if gap < 0.0 { "as good".into() } else { format!("{} behind", whole(gap)) };

@@ -21,7 +21,8 @@ pub fn provenance(
     let diagnosis = answer.diagnosis;
     let mine = diagnosis.parameters.iter().filter(|p| p.object == object);
     let effects = answer.effects_of(object);
-    let unneeded = diagnosis.effects().iter().map(|e| e.effect.name).filter(|name| !holds(&effects, name));
+    let unneeded =
+        diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).filter(|name: &&str| !holds(&effects, name));
     let mut made = Provenance::new("diagnose", seed, diagnosis.verdict())?
         .with("observations", observations(answer, object))
         .with_intervals(mine.map(|p| (p.name.clone(), p.interval95)))
@@ -32,14 +33,14 @@ pub fn provenance(
         // Of effects that are not distinguished only one is written, never all together.
         made = made
             .with("candidates", candidates(answer, &effects).into_iter().collect::<Array>())
-            .with("chosen", effects.iter().map(|e| e.effect.name).collect::<Array>());
+            .with("chosen", effects.iter().map(|e| e.effect.name.as_ref()).collect::<Array>());
         // Numbers of flights alone are not those that a fit to whole recordings finds, where these are not explained.
         if gap.of == GapOf::Recordings {
             made = made.with("alternatives", alternatives(answer, &effects, object));
         }
     }
     if !ambiguous {
-        let sure: Vec<&str> = effects.iter().map(|e| e.effect.name).collect();
+        let sure: Vec<&str> = effects.iter().map(|e| e.effect.name.as_ref()).collect();
         made = made.with_any("open_drag", open_to(improved, &sure, &seen_of(answer, object))?);
     }
     made = made.with("gap_of", gap_of(gap)).with_gap(&gap.unit, [gap.before, gap.after, gap.noise_floor]);
@@ -74,10 +75,10 @@ fn observations(answer: &Answer, object: usize) -> Array {
 /// What an effect stands there for.
 fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
     let mut one = InlineTable::new();
-    one.insert("name", named.effect.name.into());
+    one.insert("name", named.effect.name.as_ref().into());
     one.insert("bic_gain", named.evidence.bic_gain.into());
-    if let Some(other) = named.evidence.runner_up {
-        one.insert("runner_up", other.into());
+    if let Some(other) = &named.evidence.runner_up {
+        one.insert("runner_up", other.as_ref().into());
         one.insert("runner_up_bic_gap", named.evidence.runner_up_bic_gap.into());
     }
     for fitted in &named.coefficients {
@@ -100,7 +101,7 @@ fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
 /// all of them, and how well it then fits. One that cannot be fitted alone is left out.
 fn alternatives(answer: &Answer, effects: &[&NamedEffect], object: usize) -> Array {
     let candidates = candidates(answer, effects);
-    let sure = effects.iter().map(|e| e.effect.name).filter(|name| !candidates.contains(name));
+    let sure = effects.iter().map(|e| e.effect.name.as_ref()).filter(|name| !candidates.contains(name));
     let sure: Vec<&str> = sure.collect();
     let stated = stated(answer, effects, &sure, object);
     let simulator = answer.loaded.objects[object].simulator.as_ref();
@@ -115,7 +116,7 @@ fn stated<'e>(
     sure: &[&str],
     object: usize,
 ) -> Option<(&'e str, Vec<Stated>)> {
-    let mut chosen = effects.iter().filter(|e| !sure.contains(&e.effect.name));
+    let mut chosen = effects.iter().filter(|e| !sure.contains(&e.effect.name.as_ref()));
     let (first, None) = (chosen.next()?, chosen.next()) else { return None };
     if effects.iter().any(|e| is_per_joint(e)) {
         return None;
@@ -123,16 +124,18 @@ fn stated<'e>(
     let parameters = answer.diagnosis.parameters.iter().filter(|p| p.object == object);
     let parameters = parameters.map(|p| (p.name.clone(), p.value, p.interval95));
     let coefficients = effects.iter().flat_map(|e| {
-        let of_object = e.coefficients.iter().filter_map(|c| Some((c.key, value_of(c, object)?)));
+        let of_object = e.coefficients.iter().filter_map(|c| Some((&c.key, value_of(c, object)?)));
         of_object.map(|(key, value)| (format!("{}.{key}", e.effect.name), value.value, value.interval95))
     });
-    Some((first.effect.name, parameters.chain(coefficients).collect()))
+    Some((first.effect.name.as_ref(), parameters.chain(coefficients).collect()))
 }
 
 /// The names of the confusable set that belong to the effects of one object.
-fn candidates(answer: &Answer, effects: &[&NamedEffect]) -> Vec<&'static str> {
+fn candidates<'e>(answer: &'e Answer, effects: &[&NamedEffect]) -> Vec<&'e str> {
     let names = answer.candidates().into_iter();
-    names.filter(|name| holds(effects, name) || effects.iter().any(|e| e.alternatives.contains(name))).collect()
+    names
+        .filter(|name| holds(effects, name) || effects.iter().any(|e| e.alternatives.iter().any(|other| other == name)))
+        .collect()
 }
 
 fn holds(effects: &[&NamedEffect], name: &str) -> bool {

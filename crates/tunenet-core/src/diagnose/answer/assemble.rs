@@ -164,7 +164,7 @@ fn named(context: &Context, numbers: &Numbers, place: &SelectedEffect, alternati
         } else {
             values
         };
-        Fitted { key: coefficient.key, unit: coefficient.unit, values }
+        Fitted { key: coefficient.key.clone(), unit: coefficient.unit.clone(), values }
     });
     // What acts along an axis that was not measured has no value.
     let coefficients = coefficients.filter(|fitted| !fitted.values.is_empty());
@@ -174,18 +174,18 @@ fn named(context: &Context, numbers: &Numbers, place: &SelectedEffect, alternati
         coefficients: coefficients.collect(),
         evidence: Evidence {
             bic_gain: place.gain,
-            runner_up: next.map(|(other, _)| context.catalogue[*other].name),
+            runner_up: next.map(|(other, _)| context.catalogue[*other].name.clone()),
             runner_up_bic_gap: next.map_or(f64::INFINITY, |(_, gap)| *gap),
             p_value: place.p_value,
         },
-        alternatives: alternatives.iter().map(|&other| context.catalogue[other].name).collect(),
+        alternatives: alternatives.iter().map(|&other| context.catalogue[other].name.clone()).collect(),
     }
 }
 
 fn candidates(context: &Context, found: &Selection, ratios: &[(usize, f64)]) -> Vec<Candidate> {
     let best = found.alone.iter().filter(|t| t.excluded.is_none()).map(|t| t.gain).fold(f64::NEG_INFINITY, f64::max);
     let each = found.alone.iter().map(|t| Candidate {
-        name: context.catalogue[t.entry].name,
+        name: context.catalogue[t.entry].name.clone(),
         bic_gain: t.gain,
         delta: best - t.gain,
         fitted: t.model.is_some(),
@@ -211,7 +211,7 @@ fn gap(judged: &Judgement, spared: Option<&Spared>) -> Result<Gap> {
         after: if judged.reports_effects() { left } else { before },
         noise_floor: judged.floor.sqrt(),
         held_out: pair(|h| h.rmse),
-        control: judged.control.wrong,
+        control: judged.control.wrong.clone(),
         forecast: pair(|h| h.forecast),
     })
 }

@@ -7,6 +7,7 @@ use crate::Result;
 use crate::diagnose::answer::NextExperiment;
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::observation::Input;
 
 /// What a torque follows.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -84,8 +85,8 @@ pub(in crate::diagnose) fn next(
     let (there, gone) = (joint.plain_residuals(&best.fit.point)?, joint.plain_residuals(&without)?);
     let differences = there.iter().zip(&gone).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
     let joint = strongest(context.sets(), &differences.collect::<Vec<_>>());
-    let names: Vec<&'static str> =
-        std::iter::once(&contested).chain(others).map(|&entry| context.catalogue[entry].name).collect();
+    let names: Vec<&str> =
+        std::iter::once(&contested).chain(others).map(|&entry| context.catalogue[entry].name.as_ref()).collect();
     Ok(apart(&names, &reach(context.sets(), joint)))
 }
 
@@ -113,7 +114,8 @@ fn strongest(sets: &[Set], values: &[Vec<f64>]) -> usize {
 /// How far and how fast the recordings move a joint, where their inputs name positions and speeds.
 fn reach(sets: &[Set], joint: usize) -> Reach {
     let mut found = Reach { joint: joint + 1, low_rad: f64::INFINITY, high_rad: f64::NEG_INFINITY, fastest_rad_s: 0.0 };
-    for input in sets.iter().filter_map(|set| set.prepared.input.as_ref()) {
+    let inputs = sets.iter().filter_map(|set| set.prepared.circumstances.as_ref()).flat_map(|known| &known.inputs);
+    for input in inputs.map(Input::series) {
         let column = |name: String| input.channels().iter().position(|c| c.name == name);
         if let Some(q) = column(format!("q{}", joint + 1)) {
             let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
@@ -126,7 +128,7 @@ fn reach(sets: &[Set], joint: usize) -> Reach {
     found
 }
 
-fn apart(contested: &[&'static str], reach: &Reach) -> NextExperiment {
+fn apart(contested: &[&str], reach: &Reach) -> NextExperiment {
     let Reach { joint, low_rad, high_rad, fastest_rad_s } = *reach;
     let follows: Vec<Follows> = contested.iter().map(|name| Follows::of(name)).collect();
     let count = |what: Follows| follows.iter().filter(|f| **f == what).count();

@@ -16,8 +16,8 @@ use crate::diagnose::hypothesis::plausibility::Exclusion;
 use crate::diagnose::judge::Test;
 use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::observation::{Note, Observation};
-use crate::simulator::{Effect, Phase};
-use serde::{Deserialize, Serialize};
+use crate::simulator::{Effect, Phase, Text};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// The answer in one word. Each is a result, none an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ pub enum Verdict {
 }
 
 /// A number of an effect for one object.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Value {
     /// The object's position among the subjects; `None` where all objects share it (how they were seen).
     pub object: Option<usize>,
@@ -47,23 +47,23 @@ pub struct Value {
 }
 
 /// One coefficient of a named effect.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fitted {
     /// Its key in a simulation file: `c_1_m`.
-    pub key: &'static str,
+    pub key: Text,
     /// Its unit.
-    pub unit: &'static str,
+    pub unit: Text,
     /// One for each object that has recordings, or a single shared one.
     pub values: Vec<Value>,
 }
 
 /// Why an effect is plausible.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Evidence {
     /// How much the Bayesian information criterion falls by having this effect in addition to the others (Schwarz 1978).
     pub bic_gain: f64,
     /// The next best explanation in its place, where there is any.
-    pub runner_up: Option<&'static str>,
+    pub runner_up: Option<Text>,
     /// How much higher the criterion is with that one in its place; infinite where there is none.
     pub runner_up_bic_gap: f64,
     /// Probability of such a gain by chance, already multiplied by the number of candidates (Bonferroni).
@@ -71,7 +71,7 @@ pub struct Evidence {
 }
 
 /// An effect of the answer.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NamedEffect {
     /// Its entry in the catalogue; where it acts is [`Effect::phase`].
     pub effect: Effect,
@@ -81,14 +81,14 @@ pub struct NamedEffect {
     pub evidence: Evidence,
     /// Other effects that could be in its place, best first: they explain the recordings as well, or the recordings show a
     /// single motion, of which the next best is left whatever its distance.
-    pub alternatives: Vec<&'static str>,
+    pub alternatives: Vec<Text>,
 }
 
 /// One candidate as it stood alone, added to the tuned simulation.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Candidate {
     /// Its name.
-    pub name: &'static str,
+    pub name: Text,
     /// Gain of the information criterion over the tuned simulation without any effect; negative where the effect does not
     /// earn its coefficients.
     pub bic_gain: f64,
@@ -103,7 +103,7 @@ pub struct Candidate {
 }
 
 /// A pair of numbers, before and after.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Change {
     /// Of the simulation as it was, tuned anew.
     pub before: f64,
@@ -112,7 +112,8 @@ pub struct Change {
 }
 
 /// What a gap was measured on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum GapOf {
     /// The recordings as they are.
     Recordings,
@@ -123,7 +124,7 @@ pub enum GapOf {
 }
 
 /// How far simulation and measurement lie apart (root mean square), and what noise alone leaves.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
     /// The unit of all.
     pub unit: String,
@@ -138,13 +139,14 @@ pub struct Gap {
     /// On recordings that were not fitted, of which only the start was.
     pub held_out: Option<Change>,
     /// On the same with a wrong effect added: its name and what it reaches. A gain that it reaches too proves nothing.
-    pub control: Option<(&'static str, f64)>,
+    #[serde(serialize_with = "control")]
+    pub control: Option<(Text, f64)>,
     /// On the same, their later part predicted from the start of the first 40 %.
     pub forecast: Option<Change>,
 }
 
 /// The gap of one object's recordings, or of one channel of them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartGap {
     /// The object's position among the subjects.
     pub object: usize,
@@ -163,16 +165,17 @@ pub struct PartGap {
 }
 
 /// What to measure next.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NextExperiment {
     /// One sentence for users.
     pub text: String,
     /// Numbers of it by name, for scripts: `release.velocity_x` in m/s.
+    #[serde(serialize_with = "settings")]
     pub settings: Vec<(String, f64)>,
 }
 
 /// A tuned parameter of one object with the named effects in place.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tuned {
     /// The object's position among the subjects.
     pub object: usize,
@@ -191,7 +194,7 @@ pub struct Tuned {
 }
 
 /// One recording as it was seen and explained.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Explained {
     /// Its position among the recordings given.
     pub recording: usize,
@@ -218,11 +221,12 @@ pub struct Explained {
     /// Events as the recording shows them, s.
     pub events: Vec<f64>,
     /// Its nuisance parameters with the named effects: name, value, unit.
+    #[serde(serialize_with = "nuisances")]
     pub nuisances: Vec<(String, f64, String)>,
 }
 
 /// What becomes of one recording given.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Use {
     /// Its name.
     pub name: String,
@@ -235,10 +239,10 @@ pub struct Use {
 }
 
 /// What one object's own recordings say of an effect of the answer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OwnEffect {
     /// The effect's name.
-    pub name: &'static str,
+    pub name: Text,
     /// How much the Bayesian information criterion of this object's recordings falls by its own coefficients (from their
     /// squared distance from absence in standard errors; Wald 1943). `None` where all objects share them, or where contacts
     /// are not understood.
@@ -251,7 +255,7 @@ pub struct OwnEffect {
 }
 
 /// The answer of one object among several.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OfObject {
     /// The object's position among the subjects.
     pub object: usize,
@@ -262,7 +266,8 @@ pub struct OfObject {
 }
 
 /// The answer, each with what it alone has.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "verdict", rename_all = "snake_case")]
 pub enum Conclusion {
     /// Nothing is missing that these recordings could show.
     None,
@@ -277,14 +282,14 @@ pub enum Conclusion {
         effects: Vec<NamedEffect>,
         /// All names of the confusable set: a single one with what is in no catalogue, where nothing else explains anything
         /// and there is a doubt.
-        names: Vec<&'static str>,
+        names: Vec<Text>,
         /// Why the best explanation is not named alone, where the evidence distinguishes it from all others by far.
         doubt: Option<Doubt>,
     },
     /// Something is missing, and nothing in the catalogue explains it.
     Unknown {
         /// The effects that come nearest.
-        nearest: Vec<&'static str>,
+        nearest: Vec<Text>,
         /// What is left, in words.
         description: String,
         /// Where it acts, as far as that shows.
@@ -318,10 +323,12 @@ impl Conclusion {
 
     /// The names of the answer: the effects named, the confusable set, or the nearest.
     #[must_use]
-    pub fn names(&self) -> Vec<&'static str> {
+    pub fn names(&self) -> Vec<&str> {
         match self {
-            Self::Named { effects } => effects.iter().map(|named| named.effect.name).collect(),
-            Self::OneOf { names, .. } | Self::Unknown { nearest: names, .. } => names.clone(),
+            Self::Named { effects } => effects.iter().map(|named| named.effect.name.as_ref()).collect(),
+            Self::OneOf { names, .. } | Self::Unknown { nearest: names, .. } => {
+                names.iter().map(AsRef::as_ref).collect()
+            }
             Self::None | Self::Insufficient => Vec::new(),
         }
     }
@@ -340,13 +347,13 @@ impl Conclusion {
 
     /// Where an unknown effect acts, as far as that shows.
     #[must_use]
-    pub const fn remains(&self) -> Option<Phase> {
-        if let Self::Unknown { remains, .. } = self { *remains } else { None }
+    pub const fn remains(&self) -> Option<&Phase> {
+        if let Self::Unknown { remains, .. } = self { remains.as_ref() } else { None }
     }
 }
 
-/// Everything that a diagnosis found.
-#[derive(Debug, Clone)]
+/// Everything that a diagnosis found. Numbers that are not finite become null in JSON.
+#[derive(Debug, Clone, Serialize)]
 pub struct Diagnosis {
     /// The answer.
     pub conclusion: Conclusion,
@@ -394,7 +401,34 @@ impl Diagnosis {
 
     /// The names of the answer; see [`Conclusion::names`].
     #[must_use]
-    pub fn names(&self) -> Vec<&'static str> {
+    pub fn names(&self) -> Vec<&str> {
         self.conclusion.names()
     }
+}
+
+/// The wrong effect and what it reaches, as an object.
+#[expect(clippy::ref_option, reason = "the form that serde calls")]
+fn control<S: Serializer>(control: &Option<(Text, f64)>, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Control<'a> {
+        name: &'a str,
+        after: f64,
+    }
+    control.as_ref().map(|(name, after)| Control { name, after: *after }).serialize(serializer)
+}
+
+/// Numbers by name, as an object.
+fn settings<S: Serializer>(settings: &[(String, f64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(settings.iter().map(|(name, value)| (name, value)))
+}
+
+/// Name, value and unit of each, as objects.
+fn nuisances<S: Serializer>(nuisances: &[(String, f64, String)], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Nuisance<'a> {
+        name: &'a str,
+        value: f64,
+        unit: &'a str,
+    }
+    serializer.collect_seq(nuisances.iter().map(|(name, value, unit)| Nuisance { name, value: *value, unit }))
 }

@@ -11,8 +11,7 @@ use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
 use crate::diagnose::hypothesis::wording::{is_segmented, words};
 use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::{Projector, orthonormal, stack};
-use crate::observation::Observation;
-use crate::simulator::{Parameter, Prepared, rollout};
+use crate::simulator::{Parameter, Prepared, predict};
 use crate::statistics::dot;
 
 /// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
@@ -43,7 +42,7 @@ pub(in crate::diagnose) fn next(
 ) -> Result<Option<NextExperiment>> {
     let Some(best) = &found.best else { return Ok(None) };
     let open = found.places.iter().zip(alternatives).find(|(_, others)| !others.is_empty());
-    let name = |entry: usize| context.catalogue[entry].name;
+    let name = |entry: usize| context.catalogue[entry].name.as_ref();
     let Some((place, others)) = open else {
         // Nothing else explains anything: what is in no catalogue is all that could be in its place.
         let words = words(context);
@@ -135,9 +134,9 @@ fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
                     start[i] = value;
                 }
             }
-            let Ok(values) = rollout(simulator, &parameters, &start, set.clock()) else { continue };
+            let Ok(values) = predict(simulator, &set.prepared, &parameters, &start, set.clock()) else { continue };
             let seen = &set.prepared.seen;
-            let seen = Observation::new(seen.kind(), seen.channels().to_vec(), seen.clock().to_vec(), values)?;
+            let seen = seen.with_values(values)?;
             let free = |(p, value): (&Parameter, &f64)| {
                 let reach = p.span().max(2.0 * (value - p.value).abs());
                 Parameter { value: *value, min: value - reach, max: value + reach, ..p.clone() }

@@ -59,18 +59,18 @@ pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) 
 /// is not physical for them.
 fn note_out_of_range(judged: &Judgement, notes: &mut Vec<Note>) {
     let Judgement { context, found, .. } = judged;
-    let remedy = |found: &OutOfRange| match found.rests_on {
+    let remedy = |found: &OutOfRange| match found.rests_on.as_slice() {
         [] => String::new(),
         settings => format!("check {} in the simulation file", settings.join(" and ")),
     };
     let rivals = found.places.iter().filter_map(|place| place.excluded.as_ref());
-    let mut said: Vec<&str> = Vec::new();
+    let mut said = Vec::new();
     for rival in rivals.chain(excluded_alone(context, found)) {
-        if said.contains(&rival.effect) {
+        if said.contains(&&rival.effect) {
             continue;
         }
         let text = format!("`{}` explains more than the answer, but {rival}", rival.effect);
-        said.push(rival.effect);
+        said.push(&rival.effect);
         notes.push(Note::new(findings::EFFECT_EXCLUDED, text, remedy(rival)));
     }
     let several = context.subjects.len() > 1;
@@ -138,7 +138,7 @@ fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, no
         let offered = in_place_of(context, place, margin);
         let near = place.others.iter().filter(|(other, gap)| *gap < margin && !offered.contains(other));
         for (other, why) in near.filter_map(|(other, _)| Some((*other, implausible_reason(context, *other)?))) {
-            let name = context.catalogue[other].name;
+            let name = &context.catalogue[other].name;
             let text = format!("`{name}` explains these recordings about as well, but {why}");
             notes.push(Note::new(
                 findings::EFFECT_IMPLAUSIBLE,

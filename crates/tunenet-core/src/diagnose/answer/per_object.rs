@@ -58,7 +58,7 @@ fn own(judged: &Judgement, intervals: &Intervals, place: &SelectedEffect, object
     let weighed = !mine.is_empty() && !judged.events_open();
     let bic_gain = weighed.then(|| intervals.squared_distance_from_absence(&mine) - price);
     let shown = bic_gain.is_none_or(|gain| gain > context.settings.margin);
-    OwnEffect { name: context.catalogue[place.entry].name, bic_gain, shown, needed: true }
+    OwnEffect { name: context.catalogue[place.entry].name.clone(), bic_gain, shown, needed: true }
 }
 
 /// An effect that some objects show is not needed by the others. What none shows by itself all show together, and all need.
@@ -176,7 +176,7 @@ mod tests {
     use crate::observation::{Channel, Kind, Observation};
 
     fn own(shown: bool) -> OwnEffect {
-        OwnEffect { name: "drag", bic_gain: Some(if shown { 90.0 } else { -3.0 }), shown, needed: true }
+        OwnEffect { name: "drag".into(), bic_gain: Some(if shown { 90.0 } else { -3.0 }), shown, needed: true }
     }
 
     fn needed(shown: &[bool]) -> Vec<bool> {

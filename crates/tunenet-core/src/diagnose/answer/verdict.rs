@@ -8,6 +8,7 @@ use crate::diagnose::hypothesis::plausibility::needs_no_evidence;
 use crate::diagnose::hypothesis::plausibility::{is_less_plausible, is_required};
 use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::validation_doubt::Doubt;
+use crate::simulator::Text;
 
 /// How many alternatives of an effect are offered at most.
 const MOST_ALTERNATIVES: usize = 5;
@@ -20,7 +21,7 @@ pub(in crate::diagnose) struct Decision {
     /// For each effect of the best structure: what could be in its place. Empty where it has none.
     pub alternatives: Vec<Vec<usize>>,
     /// All names that are left, or the nearest.
-    pub names: Vec<&'static str>,
+    pub names: Vec<Text>,
     /// How far behind the best an explanation is still left.
     pub margin: f64,
     /// Why what is distinguished from everything else by far is not named alone.
@@ -53,7 +54,8 @@ pub(in crate::diagnose) fn decide(
     validation: Option<Doubt>,
 ) -> Decision {
     let adequate = tests.iter().all(|t| t.passed);
-    let names = |entries: &mut dyn Iterator<Item = usize>| unique(entries.map(|e| context.catalogue[e].name).collect());
+    let names =
+        |entries: &mut dyn Iterator<Item = usize>| unique(entries.map(|e| context.catalogue[e].name.clone()).collect());
     let widest = context.margin();
     let ended = |verdict, names| Decision { verdict, alternatives: Vec::new(), names, margin: widest, doubt: None };
     if found.best.is_none() {
@@ -92,13 +94,13 @@ pub(in crate::diagnose) fn decide(
             near.extend(runner_up(context, found, place));
         }
         near.truncate(MOST_ALTERNATIVES);
-        let excluded = place.excluded.iter().map(|rival| rival.effect);
+        let excluded = place.excluded.iter().map(|rival| &rival.effect);
         let differing = match &validation {
             Some(Doubt::DiffersBetweenRecordings(effects)) if context.catalogue[place.entry].chance() => &effects[..],
             _ => &[],
         };
-        let rivals = excluded.chain(differing.iter().copied());
-        for rival in rivals.filter_map(|name| context.catalogue.iter().position(|entry| entry.name == name)) {
+        let rivals = excluded.chain(differing);
+        for rival in rivals.filter_map(|name| context.catalogue.iter().position(|entry| entry.name == *name)) {
             if !near.contains(&rival) && found.places.iter().all(|p| p.entry != rival) {
                 near.insert(0, rival);
             }
@@ -145,8 +147,8 @@ fn runner_up(context: &Context, found: &Selection, place: &SelectedEffect) -> Op
 }
 
 /// Each name once, in the order in which they come.
-pub(in crate::diagnose) fn unique<'a>(names: Vec<&'a str>) -> Vec<&'a str> {
-    let mut once: Vec<&'a str> = Vec::with_capacity(names.len());
+pub(in crate::diagnose) fn unique<T: PartialEq>(names: Vec<T>) -> Vec<T> {
+    let mut once: Vec<T> = Vec::with_capacity(names.len());
     for name in names {
         if !once.contains(&name) {
             once.push(name);
@@ -165,7 +167,7 @@ mod tests {
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
     use crate::diagnose::judge::adequacy::residual_diagnostics;
 
-    fn verdict(truth: &[(&str, f64)], count: u32) -> (Verdict, Vec<&'static str>) {
+    fn verdict(truth: &[(&str, f64)], count: u32) -> (Verdict, Vec<Text>) {
         let mut found = (Verdict::Insufficient, Vec::new());
         in_swings(truth, count, 0, |context| {
             let searched = search(context, fit_without_effects(context).unwrap(), is_adequate, &|_| {}).unwrap();
@@ -179,8 +181,8 @@ mod tests {
     #[test]
     fn several_motions_name_an_effect_and_a_single_one_leaves_a_choice() {
         assert_eq!(verdict(&[], 3), (Verdict::None, Vec::new()));
-        assert_eq!(verdict(&[(FRICTION, 0.15)], 3), (Verdict::Named, vec!["viscous_friction"]));
+        assert_eq!(verdict(&[(FRICTION, 0.15)], 3), (Verdict::Named, vec!["viscous_friction".into()]));
         let (one, names) = verdict(&[(FRICTION, 0.15)], 1);
-        assert!(one == Verdict::OneOf && names.contains(&"viscous_friction"), "{one:?} {names:?}");
+        assert!(one == Verdict::OneOf && names.iter().any(|name| name == "viscous_friction"), "{one:?} {names:?}");
     }
 }

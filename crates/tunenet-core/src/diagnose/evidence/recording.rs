@@ -128,7 +128,7 @@ impl PreparedRecording {
             (0..seen.values().len()).map(|i| ranges[i % width] > STILL_SHARE * widest || width == 1).collect();
         let events = segmentation.map_or_else(Vec::new, |known| known.events(seen));
         let filter = Filter::new(seen.clock(), &noise, &keep, 0.0);
-        let prior_sd = prepared.nuisances.iter().map(Parameter::span).collect();
+        let prior_sd = (0..prepared.nuisances.len()).map(|i| prepared.prior_sd(i)).collect();
         Self {
             recording,
             object,
@@ -153,7 +153,7 @@ impl PreparedRecording {
         let width = self.width();
         let keep = self.keep[range.start * width..range.end * width].to_vec();
         let filter = Filter::new(prepared.seen.clock(), &self.noise, &keep, 0.0);
-        let prior_sd = prepared.nuisances.iter().map(Parameter::span).collect();
+        let prior_sd = (0..prepared.nuisances.len()).map(|i| prepared.prior_sd(i)).collect();
         let (noise, measured_noise) = (self.noise.clone(), self.measured_noise.clone());
         let mut piece =
             Self { prepared, prior_sd, noise, measured_noise, keep, resting: 0, filter, events: Vec::new(), ..*self };

@@ -4,12 +4,12 @@ use std::ops::Deref;
 
 use crate::Result;
 use crate::diagnose::Subject;
-use crate::simulator::{Effect, Measured, Phase, Simulator, measurement_effects};
+use crate::simulator::{Effect, Measured, Phase, Simulator, Text, measurement_effects};
 
 /// An effect that may be missing.
 #[derive(Clone)]
 pub(in crate::diagnose) struct Entry {
-    pub name: &'static str,
+    pub name: Text,
     /// The entry as each subject has it: the ranges may differ with mass and size.
     pub of: Vec<Effect>,
     /// For each coefficient: whether the recordings depend on it; what acts along an axis that was not measured is not free.
@@ -56,14 +56,14 @@ pub(in crate::diagnose) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {
     let everywhere = |effect: &Effect| {
         let of: Option<Vec<Effect>> =
             known.iter().map(|effects| effects.iter().find(|e| e.name == effect.name).cloned()).collect();
-        of.map(|of| Entry { name: effect.name, of, seen: vec![true; effect.coefficients.len()] })
+        of.map(|of| Entry { name: effect.name.clone(), of, seen: vec![true; effect.coefficients.len()] })
     };
     known.first().into_iter().flatten().filter_map(everywhere).collect()
 }
 
 /// `subject` with these effects added.
 pub(in crate::diagnose) fn carrier<'a>(subject: &Subject<'a>, effects: &[&Entry]) -> Result<Carrier<'a>> {
-    let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
+    let names: Vec<&str> = effects.iter().map(|e| e.name.as_ref()).collect();
     let (seen, physical): (Vec<&Entry>, Vec<&Entry>) = effects.iter().partition(|e| e.shared());
     if names.is_empty() {
         return Ok(Carrier::Plain(subject.simulator));
@@ -72,8 +72,8 @@ pub(in crate::diagnose) fn carrier<'a>(subject: &Subject<'a>, effects: &[&Entry]
     if seen.is_empty() || made.is_ok() {
         return made.map(Carrier::Made);
     }
-    let seen: Vec<&str> = seen.iter().map(|e| e.name).collect();
-    let physical: Vec<&str> = physical.iter().map(|e| e.name).collect();
+    let seen: Vec<&str> = seen.iter().map(|e| e.name.as_ref()).collect();
+    let physical: Vec<&str> = physical.iter().map(|e| e.name.as_ref()).collect();
     Ok(if physical.is_empty() {
         Carrier::Seen(Measured::new(subject.simulator, &seen)?)
     } else {
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn a_subject_carries_physical_and_measurement_effects() {
         in_swings(&[], 1, 0, |context| {
-            let names: Vec<&str> = context.catalogue.iter().map(|e| e.name).collect();
+            let names: Vec<&str> = context.catalogue.iter().map(|e| e.name.as_ref()).collect();
             assert!(names.contains(&"viscous_friction") && names.contains(&"time_scale"), "{names:?}");
             let of = |name: &str| &context.catalogue[entry(context, name)];
             assert!(of("time_scale").shared() && !of("rest_angle").shared());

@@ -283,12 +283,14 @@ mod tests {
 
     use crate::diagnose::hypothesis::multistart::fit_without_effects;
 
-    fn found(truth: &[(&str, f64)], count: u32) -> Vec<&'static str> {
+    fn found(truth: &[(&str, f64)], count: u32) -> Vec<String> {
         let mut found = Vec::new();
         in_swings(truth, count, 0, |context| {
             let base = fit_without_effects(context).unwrap();
             let best = search(context, base, |_, _| true, &|_| {}).unwrap().best;
-            found = best.map_or_else(Vec::new, |best| names(context, &best.structure.effects));
+            found = best.map_or_else(Vec::new, |best| {
+                names(context, &best.structure.effects).into_iter().map(String::from).collect()
+            });
         });
         found
     }

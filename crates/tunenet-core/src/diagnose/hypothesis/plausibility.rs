@@ -2,12 +2,16 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::observation::three_digits;
+use crate::simulator::Text;
 
 /// Why a candidate cannot be the answer.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "of", rename_all = "snake_case")]
 pub enum Exclusion {
     /// The simulator refuses it, with this sentence.
     Refused(String),
@@ -34,10 +38,10 @@ impl fmt::Display for Exclusion {
 }
 
 /// A coefficient outside its physical bounds, or on a bound of the fit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutOfRange {
     /// The name of its effect.
-    pub effect: &'static str,
+    pub effect: Text,
     /// The position of its object among the subjects.
     pub object: usize,
     /// Its name as a parameter.
@@ -45,11 +49,11 @@ pub struct OutOfRange {
     /// The value that the recordings ask for.
     pub value: f64,
     /// Its unit in words.
-    pub unit: &'static str,
+    pub unit: Text,
     /// Its physical bounds; `None` where it ends on a bound of the fit.
     pub physical: Option<(f64, f64)>,
     /// The settings on which the physical bounds rest.
-    pub rests_on: &'static [&'static str],
+    pub rests_on: Vec<Text>,
 }
 
 impl fmt::Display for OutOfRange {
@@ -108,13 +112,13 @@ fn out_of_range_of(context: &Context<'_>, model: &Hypothesis, position: usize, o
         let unphysical = value < low - slack || value > high + slack;
         let at_bound = value != coefficient.absent && (value <= p.min || value >= p.max);
         (unphysical || at_bound).then(|| OutOfRange {
-            effect: effect.name,
+            effect: effect.name.clone(),
             object,
             coefficient: p.name.clone(),
             value,
-            unit: coefficient.unit,
+            unit: coefficient.unit.clone(),
             physical: unphysical.then_some((low, high)),
-            rests_on: if unphysical { effect.plausible_rests_on } else { &[] },
+            rests_on: if unphysical { effect.plausible_rests_on.clone() } else { Vec::new() },
         })
     })
 }
@@ -133,9 +137,9 @@ pub(in crate::diagnose) fn is_less_plausible(context: &Context<'_>, other: usize
     gap > PREFERRED && implausible_reason(context, other).is_some() && implausible_reason(context, entry).is_none()
 }
 
-pub(in crate::diagnose) fn implausible_reason(context: &Context<'_>, entry: usize) -> Option<&'static str> {
+pub(in crate::diagnose) fn implausible_reason<'a>(context: &'a Context<'_>, entry: usize) -> Option<&'a str> {
     let of = &context.catalogue[entry].of;
-    of.iter().all(|effect| effect.implausible.is_some()).then_some(of[0].implausible)?
+    of.iter().all(|effect| effect.implausible.is_some()).then_some(of[0].implausible.as_deref())?
 }
 
 /// The simulation with what has to be there, where it is taken to be there; else `None`.

@@ -12,8 +12,10 @@ pub(in crate::diagnose) mod random_effect_diagnostics;
 pub(in crate::diagnose) mod recording_scores;
 pub(in crate::diagnose) mod validation_doubt;
 
+use serde::Serialize;
+
 /// One test of what the final model leaves.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Test {
     /// What was tested.
     pub name: &'static str,

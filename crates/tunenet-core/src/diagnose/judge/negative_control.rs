@@ -4,15 +4,13 @@ use crate::Result;
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::simulator::Text;
 
 /// Candidates that are tried on held-out recordings.
 const MOST_RATIOS: usize = 3;
 
 /// A wrong effect on the held-out recordings, the candidate that was fitted and gained least: its name and what it reaches.
-pub(in crate::diagnose) fn negative_control(
-    context: &Context,
-    found: &Selection,
-) -> Result<Option<(&'static str, f64)>> {
+pub(in crate::diagnose) fn negative_control(context: &Context, found: &Selection) -> Result<Option<(Text, f64)>> {
     let named = |entry: usize| {
         found.places.iter().any(|p| {
             p.entry == entry
@@ -23,7 +21,7 @@ pub(in crate::diagnose) fn negative_control(
     let wrong = found.alone.iter().rev().find(|t| t.excluded.is_none() && !named(t.entry));
     let (Some(wrong), false) = (wrong, context.evidence.validation.is_empty()) else { return Ok(None) };
     let model = context.fit_near(&[wrong.entry], &found.base)?;
-    Ok(validate(context, &model)?.map(|reached| (context.catalogue[wrong.entry].name, reached.rmse)))
+    Ok(validate(context, &model)?.map(|reached| (context.catalogue[wrong.entry].name.clone(), reached.rmse)))
 }
 
 /// How far the best candidates, each alone, take the held-out residual down.

@@ -115,7 +115,8 @@ mod tests {
         in_levers(&levers, &[], |context| {
             let base = fit_without_effects(context).unwrap();
             let moves = calibration_moves(context, &base).unwrap();
-            let input = context.sets()[0].prepared.input.clone().unwrap();
+            let known = context.sets()[0].prepared.circumstances.clone().unwrap();
+            let input = known.inputs[0].series();
             let (mut product, mut square) = (0.0, 0.0);
             for k in 0..context.sets()[0].clock().len() {
                 let row = input.row(k);

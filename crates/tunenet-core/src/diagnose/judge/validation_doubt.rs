@@ -3,11 +3,14 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
 use crate::diagnose::judge::held_out_proof::HeldOut;
 use crate::diagnose::judge::random_effect_diagnostics::p_value_of_draws;
+use crate::simulator::Text;
 
 /// The right effects leave of held-out recordings no more than this many times what they leave of those that were fitted. Over 600
 /// blind sets 99 % of the right names stay below 1.09, and wrong ones exceed 1.25.
@@ -31,7 +34,8 @@ const RECORDINGS_FOR_EACH: usize = 2;
 const FEW_RECORDINGS: usize = 4;
 
 /// Why effects that the evidence distinguishes from all others are not named alone.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "of", rename_all = "snake_case")]
 pub enum Doubt {
     /// They are practically significant, and leave more than noise.
     DiscrepancyRemains,
@@ -46,16 +50,16 @@ pub enum Doubt {
     /// So many effects are fitted to too few recordings.
     ManyEffects,
     /// This one of several effects explains little.
-    Weak(&'static str),
+    Weak(Text),
     /// A wrong value of the simulation looks the same as this effect: which value.
-    Feigned(&'static str, &'static str),
+    Feigned(Text, Text),
     /// They leave more of held-out recordings than of those that were fitted.
     HeldOutUnexplained,
     /// Another effect explains far more, with a coefficient that is not physical.
     ExcludedExplainsMore(OutOfRange),
     /// Every recording by itself is explained as well by these effects, whose size then differs between recordings; by none, where
     /// it is enough that parameters differ.
-    DiffersBetweenRecordings(Vec<&'static str>),
+    DiffersBetweenRecordings(Vec<Text>),
     /// They were found together with a parameter that differs between recordings.
     ParameterDiffers(String),
     /// A single motion shows them; in words.
@@ -110,7 +114,7 @@ pub(in crate::diagnose) fn validation_doubt(
     if context.evidence.driven() {
         let feigned = |&entry: &usize| {
             let effect = &context.catalogue[entry].of[0];
-            Some(Doubt::Feigned(effect.name, effect.feigned_by?))
+            Some(Doubt::Feigned(effect.name.clone(), effect.feigned_by.clone()?))
         };
         return best.structure.effects.iter().find_map(feigned).filter(|_| practical && fitted > FEIGNED * floor);
     }
@@ -134,7 +138,7 @@ pub(in crate::diagnose) fn validation_doubt(
     }
     let weak = |p: &&SelectedEffect| p.gain < CLEAR_MARGIN * context.settings.margin && !is_required(context, p.entry);
     if let Some(weak) = found.places.iter().find(weak).filter(|_| effects > 1) {
-        return Some(Doubt::Weak(context.catalogue[weak.entry].name));
+        return Some(Doubt::Weak(context.catalogue[weak.entry].name.clone()));
     }
     if p_value_of_draws(context, best, after) < DRAWS_SIGNIFICANCE {
         return Some(Doubt::DrawsNotRandom);

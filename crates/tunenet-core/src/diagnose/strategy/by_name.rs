@@ -4,20 +4,21 @@ use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::context::Context;
 use crate::diagnose::hypothesis::forward_selection::SelectedEffect;
 use crate::diagnose::hypothesis::plausibility::OutOfRange;
+use crate::simulator::Text;
 
 /// A [`SelectedEffect`] that holds in any catalogue.
 pub(in crate::diagnose) struct ByName {
-    name: &'static str,
+    name: Text,
     gain: f64,
     p_value: f64,
-    others: Vec<(&'static str, f64)>,
-    equals: Vec<&'static str>,
+    others: Vec<(Text, f64)>,
+    equals: Vec<Text>,
     excluded: Option<OutOfRange>,
 }
 
 impl ByName {
     pub fn of(context: &Context, place: &SelectedEffect) -> Self {
-        let name = |entry: usize| context.catalogue[entry].name;
+        let name = |entry: usize| context.catalogue[entry].name.clone();
         Self {
             name: name(place.entry),
             gain: place.gain,
@@ -39,10 +40,10 @@ impl ByName {
     pub fn place(&self, catalogue: &[Entry]) -> Option<SelectedEffect> {
         let entry = |name: &str| catalogue.iter().position(|e| e.name == name);
         Some(SelectedEffect {
-            entry: entry(self.name)?,
+            entry: entry(&self.name)?,
             gain: self.gain,
             p_value: self.p_value,
-            others: self.others.iter().filter_map(|&(name, gap)| Some((entry(name)?, gap))).collect(),
+            others: self.others.iter().filter_map(|(name, gap)| Some((entry(name)?, *gap))).collect(),
             equals: self.equals.iter().filter_map(|name| entry(name)).collect(),
             excluded: self.excluded.clone(),
         })

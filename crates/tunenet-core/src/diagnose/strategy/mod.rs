@@ -22,6 +22,7 @@ use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
 use crate::diagnose::judge::negative_control::{negative_control, ratios};
 use crate::diagnose::judge::practical_significance::noise_floor;
 use crate::diagnose::{Progress, Test};
+use crate::simulator::Text;
 pub(in crate::diagnose) use random_parameter::RandomParameter;
 use recordings_apart::Apart;
 use sign_ambiguous::fix_sign_ambiguous;
@@ -44,7 +45,7 @@ pub(in crate::diagnose) enum Scope {
 /// What recordings that were not fitted say of wrong effects.
 pub(in crate::diagnose) struct Control {
     /// A wrong effect, and the root mean square that it reaches.
-    pub wrong: Option<(&'static str, f64)>,
+    pub wrong: Option<(Text, f64)>,
     /// Of the best candidates: the held-out residual of each alone over that without it.
     pub ratios: Vec<(usize, f64)>,
 }

@@ -13,6 +13,7 @@ use crate::diagnose::hypothesis::joint::{Outcome, Point};
 use crate::diagnose::hypothesis::structure::Global;
 use crate::diagnose::judge::adequacy::is_adequate;
 use crate::diagnose::{Progress, Subject};
+use crate::simulator::Text;
 use crate::statistics::{dot, upper_chi_squared};
 
 /// Fewer recordings show no difference between them.
@@ -28,7 +29,7 @@ const GOOD_RMS: f64 = 1.2;
 #[derive(Debug, Clone)]
 pub(in crate::diagnose) struct Apart {
     /// The effects that it takes.
-    pub effects: Vec<&'static str>,
+    pub effects: Vec<Text>,
     /// Gain of the information criterion over the tuned simulation that all recordings share.
     pub gain: f64,
     /// Whether what is left is noise.
@@ -134,7 +135,7 @@ pub(in crate::diagnose) fn explain_apart(
     let entry = |entry: &Entry| Entry {
         of: sets.iter().map(|set| entry.of[set.object].clone()).collect(),
         seen: entry.seen.clone(),
-        name: entry.name,
+        name: entry.name.clone(),
     };
     let training = sets.iter().enumerate().map(|(d, set)| Set { object: d, ..set.clone() }).collect();
     let evidence = Evidence { training, validation: Vec::new(), noise: context.evidence.noise };
@@ -162,7 +163,7 @@ pub(in crate::diagnose) fn explain_apart(
     let scale = model.scale();
     let rms = |values: &Vec<f64>| (dot(values, values) / values.len().max(1) as f64).sqrt();
     Ok(Some(Apart {
-        effects: best.structure.effects.iter().map(|&e| apart.catalogue[e].name).collect(),
+        effects: best.structure.effects.iter().map(|&e| apart.catalogue[e].name.clone()).collect(),
         gain: context.criterion(model.deviance(scale), best.deviance(scale), extra as f64),
         adequate: is_adequate(&apart, best),
         estimates: estimates(best, sets.len()),

@@ -23,7 +23,7 @@ use crate::diagnose::strategy::by_name::ByName;
 use crate::diagnose::strategy::discrepancy_as_noise::search_inflated;
 use crate::diagnose::strategy::segments_alone::by_name;
 use crate::diagnose::strategy::segments_alone::{NamedScore, SegmentFindings, segments_alone};
-use crate::simulator::Phase;
+use crate::simulator::{Phase, Text};
 
 pub(super) struct SegmentWise;
 
@@ -56,7 +56,7 @@ struct Apart<'a> {
 struct Events {
     point: Point,
     /// The effects that act at events, by name.
-    names: Vec<&'static str>,
+    names: Vec<Text>,
     /// Free numbers: object, name, value.
     values: Vec<(Option<usize>, String, f64)>,
     places: Vec<ByName>,
@@ -77,16 +77,16 @@ fn is_far_beyond_noise(context: &Context<'_>, model: &Hypothesis) -> bool {
 fn apart<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Option<Apart<'a>>> {
     let Some(segments_alone) = segments_alone(context, progress)? else { return Ok(None) };
     let events = events(context, &segments_alone.given, progress)?;
-    let mut names: Vec<&'static str> = segments_alone.given.iter().map(|g| g.entry.name).collect();
+    let mut names: Vec<Text> = segments_alone.given.iter().map(|g| g.entry.name.clone()).collect();
     if events.confirmed {
-        names.extend(&events.names);
+        names.extend(events.names);
     }
     let entry = |name: &str| context.catalogue.iter().position(|e| e.name == name);
     let effects: Vec<usize> = names.iter().filter_map(|name| entry(name)).collect();
     let trial = |alone: &NamedScore| {
         Some(CandidateFit {
             excluded: alone.excluded.clone(),
-            ..CandidateFit::unfitted(entry(alone.name)?, alone.gain)
+            ..CandidateFit::unfitted(entry(&alone.name)?, alone.gain)
         })
     };
     let mut alone: Vec<CandidateFit> = segments_alone.alone.iter().chain(&events.alone).filter_map(trial).collect();
@@ -134,7 +134,7 @@ fn events(context: &Context, given: &[FixedEffect], progress: &dyn Fn(Progress))
     let places = best.structure.effects.iter().filter_map(of).map(|place| ByName::of(&context, place));
     Ok(Events {
         point: best.fit.point.clone(),
-        names: best.structure.effects.iter().map(|&e| context.catalogue[e].name).collect(),
+        names: best.structure.effects.iter().map(|&e| context.catalogue[e].name.clone()).collect(),
         values: globals.map(|(g, value)| (g.object, g.parameter.name.clone(), *value)).collect(),
         places: places.collect(),
         tests,

@@ -22,7 +22,7 @@ use crate::diagnose::strategy::by_name::ByName;
 use crate::diagnose::strategy::discrepancy_as_noise::with_inflated_noise;
 use crate::diagnose::strategy::unmeasured_axes::without_unmeasured;
 use crate::diagnose::{Progress, Subject, Test};
-use crate::simulator::{Phase, Preparation, Simulator};
+use crate::simulator::{Phase, Preparation, Simulator, Text};
 
 /// Of so many segments of an object one is held out: the second, so that others are faster, and others slower.
 const ENOUGH: usize = 3;
@@ -45,7 +45,7 @@ pub(in crate::diagnose) struct SegmentFindings {
 
 /// A candidate added to segments or events alone.
 pub(in crate::diagnose) struct NamedScore {
-    pub name: &'static str,
+    pub name: Text,
     pub gain: f64,
     pub excluded: Option<Exclusion>,
 }
@@ -103,7 +103,7 @@ fn understood<'a>(
 
 /// The candidates by name.
 pub(in crate::diagnose) fn by_name(context: &Context<'_>, found: &Selection) -> Vec<NamedScore> {
-    let name = |entry: usize| context.catalogue[entry].name;
+    let name = |entry: usize| context.catalogue[entry].name.clone();
     let one = |t: &CandidateFit| NamedScore { name: name(t.entry), gain: t.gain, excluded: t.excluded.clone() };
     found.alone.iter().map(one).collect()
 }
@@ -175,11 +175,14 @@ mod tests {
     fn segments_show_what_acts_in_them_whatever_happens_at_events() {
         in_shuttles(&[(BETWEEN, 0.6), (AT_EVENTS, 0.3)], |context| {
             let found = segments_alone(context, &|_| {}).unwrap().unwrap();
-            let names: Vec<&str> = found.given.iter().map(|given| given.entry.name).collect();
+            let names: Vec<&str> = found.given.iter().map(|given| given.entry.name.as_ref()).collect();
             assert_eq!(names, ["friction"]);
             let rate = found.given[0].value(0, BETWEEN).unwrap();
             assert!((rate - 0.6).abs() < 0.03, "{rate}");
-            assert!(found.alone.iter().all(|score| !["kick", "slip"].contains(&score.name)), "they act at events");
+            assert!(
+                found.alone.iter().all(|score| !["kick", "slip"].contains(&score.name.as_ref())),
+                "they act at events"
+            );
         });
     }
 

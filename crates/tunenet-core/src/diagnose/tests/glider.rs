@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::observation::{Channel, Kind, Observation};
-use crate::simulator::{Coefficient, Effect, Parameter, Phase, Preparation, Prepared, Simulator};
+use crate::simulator::{Coefficient, Effect, Parameter, Phase, Preparation, Prepared, RolloutResult, Simulator, Text};
 use crate::{Error, Origin, Result};
 
 pub const GRAVITY: f64 = 9.81;
@@ -14,7 +14,7 @@ pub const NOISE_M: f64 = 0.002;
 pub struct Glider {
     parameters: Vec<Parameter>,
     channels: Vec<Channel>,
-    effects: Vec<&'static str>,
+    effects: Vec<Text>,
 }
 
 impl Glider {
@@ -26,14 +26,14 @@ impl Glider {
 
 fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64, plausible: (f64, f64)) -> Effect {
     Effect {
-        name,
+        name: name.into(),
         phase: Phase::Segment,
         coefficients: vec![Coefficient::new(key, "1", 0.0, range, typical)],
         plausible: vec![plausible],
-        sentence: "",
+        sentence: "".into(),
         random: false,
-        mistaken_for: &[],
-        plausible_rests_on: &[],
+        mistaken_for: Vec::new(),
+        plausible_rests_on: Vec::new(),
         implausible: None,
         feigned_by: None,
         forecast_share: 1.0,
@@ -83,13 +83,13 @@ impl Simulator for Glider {
                     found: (*name).into(),
                 });
             };
-            glider.effects.push(effect.name);
             glider.parameters.extend(effect.parameters(None)?);
+            glider.effects.push(effect.name);
         }
         Ok(Box::new(glider))
     }
 
-    fn rollout(&self, p: &[f64], nuisances: &[f64], clock: &[f64], out: &mut [f64]) -> std::result::Result<(), String> {
+    fn rollout(&self, p: &[f64], nuisances: &[f64], clock: &[f64], out: &mut [f64]) -> RolloutResult {
         let of = |name: &str| self.effects.iter().position(|e| *e == name).map_or(0.0, |i| p[1 + i]);
         let (drag, down, spring) = (of("linear_drag"), GRAVITY + of("effective_gravity"), of("spring"));
         let slope = |s: [f64; 4]| [s[1], p[0] - drag * s[1], s[3], -down - drag * s[3] - spring * s[2]];

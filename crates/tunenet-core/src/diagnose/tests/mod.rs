@@ -54,7 +54,7 @@ fn drag_is_named_with_its_size_and_proven_on_a_glide_set_aside() {
     let held_out = gap.held_out.unwrap();
     assert_eq!(found.uses.iter().filter(|u| u.held_out).count(), 1);
     assert!(held_out.after < 0.8 * held_out.before && held_out.after < 1.15 * gap.noise_floor, "{gap:?}");
-    assert!(gap.control.unwrap().1 > held_out.after, "a wrong effect does not reach it: {gap:?}");
+    assert!(gap.control.as_ref().unwrap().1 > held_out.after, "a wrong effect does not reach it: {gap:?}");
 }
 
 #[test]

@@ -82,6 +82,6 @@ pub fn entry(context: &Context, name: &str) -> usize {
 }
 
 /// The names of these effects.
-pub fn names(context: &Context, effects: &[usize]) -> Vec<&'static str> {
-    effects.iter().map(|&e| context.catalogue[e].name).collect()
+pub fn names<'a>(context: &'a Context<'_>, effects: &[usize]) -> Vec<&'a str> {
+    effects.iter().map(|&e| context.catalogue[e].name.as_ref()).collect()
 }

@@ -67,14 +67,14 @@ impl MeasurementEffect {
     /// Its entry.
     pub fn entry(&self) -> Effect {
         Effect {
-            name: self.name,
+            name: self.name.into(),
             phase: Phase::Measurement,
             coefficients: self.coefficients.to_vec(),
             plausible: self.plausible.to_vec(),
-            sentence: self.sentence,
+            sentence: self.sentence.into(),
             random: false,
-            mistaken_for: self.mistaken_for,
-            plausible_rests_on: &[],
+            mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
+            plausible_rests_on: Vec::new(),
             implausible: None,
             feigned_by: None,
             forecast_share: 1.0,

@@ -6,7 +6,7 @@ use super::{ArmEffect, add};
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "armature",
-    phase: Phase::Joint,
+    phase: &Phase::Joint,
     per_joint: true,
     coefficients: &[Coefficient::new("kg_m2", "kg·m²", 0.0, (0.0, 1000.0), 0.01)],
     plausible: &[(0.0, 50.0)],

@@ -6,7 +6,7 @@ use super::{ArmEffect, add};
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "base_tilt",
-    phase: Phase::Joint,
+    phase: &Phase::Joint,
     per_joint: false,
     coefficients: &[
         Coefficient::new("about_x_rad", "rad", 0.0, (-1.5, 1.5), 0.005),

@@ -6,7 +6,7 @@ use super::{ArmEffect, add};
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "coulomb_friction",
-    phase: Phase::Joint,
+    phase: &Phase::Joint,
     per_joint: true,
     coefficients: &[Coefficient::new("nm", "N·m", 0.0, (0.0, 1000.0), 0.1)],
     plausible: &[(0.0, 200.0)],

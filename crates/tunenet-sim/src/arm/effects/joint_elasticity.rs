@@ -6,7 +6,7 @@ use super::{ArmEffect, add};
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "joint_elasticity",
-    phase: Phase::Joint,
+    phase: &Phase::Joint,
     per_joint: true,
     coefficients: &[Coefficient::new("rad_nm", "rad/(N·m)", 0.0, (0.0, 0.1), 0.0002)],
     plausible: &[(0.0, 0.1)],

@@ -6,7 +6,7 @@ use super::{ArmEffect, add};
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "joint_offset",
-    phase: Phase::Measurement,
+    phase: &Phase::Measurement,
     per_joint: true,
     coefficients: &[Coefficient::new("rad", "rad", 0.0, (-1.0, 1.0), 0.005)],
     plausible: &[(-0.5, 0.5)],

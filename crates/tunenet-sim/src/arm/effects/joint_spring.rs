@@ -6,7 +6,7 @@ use super::{ArmEffect, add};
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "joint_spring",
-    phase: Phase::Joint,
+    phase: &Phase::Joint,
     per_joint: true,
     coefficients: &[Coefficient::new("nm_rad", "N·m/rad", 0.0, (-1000.0, 1000.0), 0.1)],
     plausible: &[(-500.0, 500.0)],

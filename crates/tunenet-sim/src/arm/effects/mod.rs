@@ -28,7 +28,7 @@ pub struct ArmEffect {
     /// Its name in simulation files.
     pub name: &'static str,
     /// Where it acts: in the arm, or in how torque and motion were measured.
-    pub phase: Phase,
+    pub phase: &'static Phase,
     /// Whether every joint has numbers of its own.
     pub per_joint: bool,
     /// Its numbers, each as of one joint.
@@ -83,19 +83,19 @@ impl ArmEffect {
     pub fn entry(&self, joints: usize) -> Effect {
         let each = self.numbers(joints);
         let of_joints = |c: &Coefficient| -> Vec<Coefficient> {
-            if self.per_joint { (1..=joints).map(|joint| c.numbered(joint)).collect() } else { vec![*c] }
+            if self.per_joint { (1..=joints).map(|joint| c.clone().numbered(joint)).collect() } else { vec![c.clone()] }
         };
         Effect {
-            name: self.name,
-            phase: self.phase,
+            name: self.name.into(),
+            phase: self.phase.clone(),
             coefficients: self.coefficients.iter().flat_map(of_joints).collect(),
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
-            sentence: self.sentence,
+            sentence: self.sentence.into(),
             random: false,
-            mistaken_for: self.mistaken_for,
-            plausible_rests_on: &[],
+            mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
+            plausible_rests_on: Vec::new(),
             implausible: None,
-            feigned_by: FEIGNED_BY_LINKS.contains(&self.name).then_some(WRONG_LINKS),
+            feigned_by: FEIGNED_BY_LINKS.contains(&self.name).then_some(WRONG_LINKS.into()),
             forecast_share: 1.0,
         }
     }

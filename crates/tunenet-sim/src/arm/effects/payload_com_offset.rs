@@ -6,7 +6,7 @@ use super::{ArmEffect, add};
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "payload_com_offset",
-    phase: Phase::Joint,
+    phase: &Phase::Joint,
     per_joint: false,
     coefficients: &[
         Coefficient::new("x_m", "m", 0.0, (-1.0, 1.0), 0.01),

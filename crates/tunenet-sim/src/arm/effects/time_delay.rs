@@ -6,7 +6,7 @@ use super::ArmEffect;
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "time_delay",
-    phase: Phase::Measurement,
+    phase: &Phase::Measurement,
     per_joint: false,
     coefficients: &[Coefficient::new("delay_s", "s", 0.0, (-0.5, 0.5), 0.002)],
     plausible: &[(-0.2, 0.2)],

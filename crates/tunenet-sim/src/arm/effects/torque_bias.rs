@@ -6,7 +6,7 @@ use super::{ArmEffect, add};
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "torque_bias",
-    phase: Phase::Measurement,
+    phase: &Phase::Measurement,
     per_joint: true,
     coefficients: &[Coefficient::new("nm", "N·m", 0.0, (-1000.0, 1000.0), 0.1)],
     plausible: &[(-100.0, 100.0)],

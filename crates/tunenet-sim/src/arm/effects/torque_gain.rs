@@ -6,7 +6,7 @@ use super::ArmEffect;
 
 pub(super) const EFFECT: ArmEffect = ArmEffect {
     name: "torque_gain",
-    phase: Phase::Measurement,
+    phase: &Phase::Measurement,
     per_joint: true,
     coefficients: &[Coefficient::new("factor", "1", 1.0, (0.05, 20.0), 0.02)],
     plausible: &[(0.3, 3.0)],

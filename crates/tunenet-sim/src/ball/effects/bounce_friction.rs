@@ -7,7 +7,7 @@ use super::BallEffect;
 /// Adds to the parameter `friction`; where that is tuned they are one and the same, and this effect is not offered.
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "bounce_friction",
-    phase: Phase::Event,
+    phase: &Phase::Event,
     coefficients: &[Coefficient::new("mu", "1", 0.0, (0.0, 2.0), 0.05)],
     plausible: |_| vec![(0.0, 1.5)],
     sentence: "sliding friction at contacts slows the ball and spins it: Coulomb's mu, added to `friction`",

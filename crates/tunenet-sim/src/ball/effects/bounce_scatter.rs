@@ -8,7 +8,7 @@ use super::BallEffect;
 /// each of its bounces as nuisance parameters. Their root mean square is the coefficient.
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "bounce_scatter",
-    phase: Phase::Event,
+    phase: &Phase::Event,
     coefficients: &[Coefficient::new("sd_rad", "rad", 0.0, (0.0, 0.5), 0.02)],
     plausible: |_| vec![(0.0, 0.3)],
     sentence: "each bounce deflects the ball at random, as if the surface were tilted anew (a ball that is not round)",

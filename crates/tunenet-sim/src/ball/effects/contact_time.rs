@@ -6,7 +6,7 @@ use super::BallEffect;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "contact_time",
-    phase: Phase::Event,
+    phase: &Phase::Event,
     coefficients: &[Coefficient::new("duration_s", "s", 0.0, (0.0, 0.1), 0.005)],
     plausible: |_| vec![(0.0, 0.05)],
     sentence: "the contact lasts: the ball dips into the surface and leaves it this much later",

@@ -11,7 +11,7 @@ const UNKNOWN_BALL_M_S2: f64 = 2.0;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "effective_gravity",
-    phase: Phase::Segment,
+    phase: &Phase::Segment,
     coefficients: &[Coefficient::new("dg_m_s2", "m/s²", 0.0, (-9.5, 20.0), 0.05)],
     plausible: |body| {
         // Buoyancy takes β g; half the displaced air is moved along, so that g (1 − β)/(1 + β/2) is left: −3/2 β g and,

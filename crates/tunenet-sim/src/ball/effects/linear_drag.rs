@@ -9,7 +9,7 @@ const SMALLEST_M: f64 = 1e-4;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "linear_drag",
-    phase: Phase::Segment,
+    phase: &Phase::Segment,
     coefficients: &[Coefficient::new("b_1_s", "1/s", 0.0, (0.0, 20.0), 0.05)],
     plausible: |_| vec![(0.0, 5.0)],
     sentence: "something brakes the ball in proportion to its speed: a = -b v",

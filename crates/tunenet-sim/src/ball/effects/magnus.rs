@@ -6,7 +6,7 @@ use super::BallEffect;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "magnus",
-    phase: Phase::Segment,
+    phase: &Phase::Segment,
     coefficients: &[
         Coefficient::new("sx_1_s", "1/s", 0.0, (-50.0, 50.0), 0.05),
         Coefficient::new("sy_1_s", "1/s", 0.0, (-50.0, 50.0), 0.05),

@@ -16,7 +16,7 @@ mod surface_tilt;
 mod tangential_restitution;
 mod wind;
 
-use tunenet_core::simulator::{Coefficient, Effect, Phase};
+use tunenet_core::simulator::{Coefficient, Effect, Phase, Text};
 
 use super::Scene;
 
@@ -85,7 +85,7 @@ pub struct BallEffect {
     /// Its name in simulation files.
     pub name: &'static str,
     /// Where it acts.
-    pub phase: Phase,
+    pub phase: &'static Phase,
     /// Its numbers.
     pub coefficients: &'static [Coefficient],
     /// The physical bounds of each coefficient for this ball.
@@ -132,15 +132,19 @@ impl BallEffect {
     pub fn entry(&self, body: &Body) -> Effect {
         let of_unknown_mass = (self.plausible)(&Body { mass_kg: None, ..*body });
         Effect {
-            name: self.name,
-            phase: self.phase,
+            name: self.name.into(),
+            phase: self.phase.clone(),
             coefficients: self.coefficients.to_vec(),
             plausible: (self.plausible)(body),
-            plausible_rests_on: if (self.plausible)(body) == of_unknown_mass { &[] } else { &MASS_AND_SIZE },
-            sentence: self.sentence,
+            plausible_rests_on: if (self.plausible)(body) == of_unknown_mass {
+                Vec::new()
+            } else {
+                MASS_AND_SIZE.map(Text::from).to_vec()
+            },
+            sentence: self.sentence.into(),
             random: self.name == bounce_scatter::EFFECT.name,
-            mistaken_for: self.mistaken_for,
-            implausible: (self.implausible)(body),
+            mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
+            implausible: (self.implausible)(body).map(Text::from),
             feigned_by: None,
             forecast_share: self.forecast_share,
         }

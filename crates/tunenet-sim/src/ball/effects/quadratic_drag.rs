@@ -9,7 +9,7 @@ const DRAG_COEFFICIENT: (f64, f64) = (0.1, 1.5);
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "quadratic_drag",
-    phase: Phase::Segment,
+    phase: &Phase::Segment,
     coefficients: &[Coefficient::new("c_1_m", "1/m", 0.0, (0.0, 10.0), 0.02)],
     plausible: |body| {
         let (low, high) = DRAG_COEFFICIENT;

@@ -6,7 +6,7 @@ use super::BallEffect;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "rolling_resistance",
-    phase: Phase::Event,
+    phase: &Phase::Event,
     coefficients: &[Coefficient::new("c_rr", "1", 0.0, (0.0, 1.0), 0.01)],
     plausible: |_| vec![(0.0, 0.3)],
     sentence: "a rolling ball slows down, by c_rr times the acceleration that presses it onto the surface",

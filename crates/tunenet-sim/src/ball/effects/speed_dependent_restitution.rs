@@ -6,7 +6,7 @@ use super::BallEffect;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "speed_dependent_restitution",
-    phase: Phase::Event,
+    phase: &Phase::Event,
     coefficients: &[Coefficient::new("exponent", "1", 0.0, (-1.0, 1.0), 0.02)],
     // Solids return less of a faster impact, by yielding (v^(-1/4)) or by inner friction (1 - k v^(1/5)): Johnson, Contact
     // Mechanics (1985), section 11.5. What seems to return more has another cause, such as a force near the floor.

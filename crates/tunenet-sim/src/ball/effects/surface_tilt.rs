@@ -6,7 +6,7 @@ use super::BallEffect;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "surface_tilt",
-    phase: Phase::Event,
+    phase: &Phase::Event,
     coefficients: &[
         Coefficient::new("about_x_rad", "rad", 0.0, (-0.7, 0.7), 0.01),
         Coefficient::new("about_y_rad", "rad", 0.0, (-0.7, 0.7), 0.01),

@@ -7,7 +7,7 @@ use super::BallEffect;
 /// 1 is full grip; above it the slip is reversed, as by a bouncing rubber ball, and 2 does so without a loss.
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "tangential_restitution",
-    phase: Phase::Event,
+    phase: &Phase::Event,
     coefficients: &[Coefficient::new("loss", "1", 0.0, (0.0, 2.0), 0.05)],
     plausible: |_| vec![(0.0, 2.0)],
     sentence: "each bounce takes this share of the speed with which the ball's skin slips along the surface",

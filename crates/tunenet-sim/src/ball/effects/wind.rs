@@ -6,7 +6,7 @@ use super::BallEffect;
 
 pub(super) const EFFECT: BallEffect = BallEffect {
     name: "wind",
-    phase: Phase::Segment,
+    phase: &Phase::Segment,
     coefficients: &[
         Coefficient::new("ax_m_s2", "m/s²", 0.0, (-20.0, 20.0), 0.05),
         Coefficient::new("ay_m_s2", "m/s²", 0.0, (-20.0, 20.0), 0.05),

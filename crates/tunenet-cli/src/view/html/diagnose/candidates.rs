@@ -28,16 +28,16 @@ pub fn left(diagnosis: &Diagnosis) -> impl Iterator<Item = &Candidate> {
 }
 
 /// Names that these recordings do not distinguish from the best.
-pub fn confusable(diagnosis: &Diagnosis) -> Vec<&'static str> {
+pub fn confusable(diagnosis: &Diagnosis) -> Vec<&str> {
     match diagnosis.verdict() {
-        Verdict::OneOf => diagnosis.names().clone(),
+        Verdict::OneOf => diagnosis.names(),
         _ => Vec::new(),
     }
 }
 
 /// Bars of the gain, with the line that an explanation has to reach to be left.
 pub fn gains(diagnosis: &Diagnosis) -> Markup {
-    let is_shown = |(i, c): &(usize, &Candidate)| *i < MOST || diagnosis.names().contains(&c.name);
+    let is_shown = |(i, c): &(usize, &Candidate)| *i < MOST || diagnosis.names().contains(&c.name.as_ref());
     let shown: Vec<&Candidate> = left(diagnosis).enumerate().filter(is_shown).map(|(_, c)| c).collect();
     let width = Size::Narrow.width();
     let best = shown.iter().map(|c| c.bic_gain).fold(0.0, f64::max);
@@ -51,10 +51,10 @@ pub fn gains(diagnosis: &Diagnosis) -> Markup {
     for (i, one) in shown.iter().enumerate() {
         let y = 8.0 + ROW * i as f64;
         let class = if one.bic_gain >= needed { "after" } else { "rest" };
-        svg.text("row", (0.0, y + 13.0), Anchor::Start, one.name);
+        svg.text("row", (0.0, y + 13.0), Anchor::Start, &one.name);
         svg.text("value", (right - 2.0, y + 13.0), Anchor::End, &gain(one));
         svg.area(&format!("bar {class}"), (x.at(0.0), y + 19.0), (x.at(one.bic_gain.max(0.0)), y + 33.0));
-        if twins.contains(&one.name) {
+        if twins.contains(&one.name.as_ref()) {
             bracketed.push(y + 20.0);
         }
     }
@@ -75,23 +75,23 @@ pub fn gains(diagnosis: &Diagnosis) -> Markup {
             svg.line("bracket", (edge - 8.0, *y), (edge, *y));
         }
     }
-    debug_assert!(shown.iter().all(|c| text_width(c.name) + bold_width(&gain(c)) < right), "names leave room");
+    debug_assert!(shown.iter().all(|c| text_width(&c.name) + bold_width(&gain(c)) < right), "names leave room");
     svg.finish("small", "gain of the information criterion by candidate, with the margin")
 }
 
 /// All candidates that are not excluded, with what they do on held-out recordings.
 pub fn table(answer: &Answer) -> Markup {
     let diagnosis = answer.diagnosis;
-    let control = diagnosis.gap.as_ref().and_then(|g| g.control).map(|c| c.0);
+    let control = diagnosis.gap.as_ref().and_then(|g| g.control.as_ref()).map(|c| c.0.as_ref());
     let ratio = |c: &Candidate| match (&diagnosis.gap, c.held_out_ratio) {
         (_, Some(ratio)) => Some(ratio),
-        (Some(gap), None) if control == Some(c.name) => {
-            gap.held_out.zip(gap.control).map(|(h, (_, after))| after / h.before.max(f64::MIN_POSITIVE))
+        (Some(gap), None) if control == Some(c.name.as_ref()) => {
+            gap.held_out.zip(gap.control.as_ref()).map(|(h, (_, after))| after / h.before.max(f64::MIN_POSITIVE))
         }
         _ => None,
     };
-    let (kept, idle): (Vec<&Candidate>, Vec<&Candidate>) =
-        left(diagnosis).partition(|c| c.bic_gain > 0.0 || ratio(c).is_some() || diagnosis.names().contains(&c.name));
+    let (kept, idle): (Vec<&Candidate>, Vec<&Candidate>) = left(diagnosis)
+        .partition(|c| c.bic_gain > 0.0 || ratio(c).is_some() || diagnosis.names().contains(&c.name.as_ref()));
     html! {
         table {
             thead { tr { th { "effect" } th { "acts" } th { "gain" } th { "behind the best" } th { "held-out error" } th { "" } } }
@@ -99,11 +99,11 @@ pub fn table(answer: &Answer) -> Markup {
                 @for one in &kept {
                     tr {
                         th scope="row" { code { (one.name) } }
-                        td data-name="acts" { @if let Some(effect) = answer.entry(one.name) { (phase::name(effect.phase)) } }
+                        td data-name="acts" { @if let Some(effect) = answer.entry(&one.name) { (phase::name(&effect.phase)) } }
                         td.number data-name="gain" { (gain(one)) }
                         td.number data-name="behind the best" { (format!("{:.0}", one.delta)) }
                         td.number data-name="held-out error" { @if let Some(ratio) = ratio(one) { (format!("\u{d7}\u{a0}{}", with_decimals(ratio, 3))) } }
-                        td.state { @if diagnosis.names().contains(&one.name) { (role(diagnosis.verdict())) } @else if control == Some(one.name) { "control" } }
+                        td.state { @if diagnosis.names().contains(&one.name.as_ref()) { (role(diagnosis.verdict())) } @else if control == Some(one.name.as_ref()) { "control" } }
                     }
                 }
             }
@@ -135,7 +135,7 @@ fn role(verdict: Verdict) -> &'static str {
 /// Effects that cannot be the answer, and why.
 pub fn excluded(diagnosis: &Diagnosis) -> Markup {
     let all: Vec<(&str, String)> =
-        diagnosis.candidates.iter().filter_map(|c| Some((c.name, c.excluded.as_ref()?.to_string()))).collect();
+        diagnosis.candidates.iter().filter_map(|c| Some((c.name.as_ref(), c.excluded.as_ref()?.to_string()))).collect();
     html! {
         @if !all.is_empty() {
             table {

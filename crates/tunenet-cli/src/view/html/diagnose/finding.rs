@@ -22,7 +22,7 @@ pub fn finding(answer: &Answer) -> Markup {
                 p.word { (word(diagnosis.verdict())) }
                 p.act { (sentence(answer)) }
                 @if diagnosis.verdict() == Verdict::Named {
-                    @for named in diagnosis.effects() { p { (capital(named.effect.sentence)) "." } }
+                    @for named in diagnosis.effects() { p { (capital(&named.effect.sentence)) "." } }
                 }
                 @if !diagnosis.effects().is_empty() {
                     @for line in in_short(answer) { p.value { (line) } }
@@ -70,7 +70,7 @@ pub fn sentence(answer: &Answer) -> String {
             let each: Vec<_> = diagnosis
                 .effects()
                 .iter()
-                .map(|e| format!("{} {}", plain(e.effect.name), phase::name(e.effect.phase)))
+                .map(|e| format!("{} {}", plain(&e.effect.name), phase::name(&e.effect.phase)))
                 .collect();
             let verb = if each.len() == 1 { "is" } else { "are" };
             format!("{} {verb} missing.", capital(&joined(&each, "and")))
@@ -84,7 +84,7 @@ pub fn sentence(answer: &Answer) -> String {
                 String::new()
             };
             let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
-            let place = common_place(answer).map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
+            let place = common_place(answer).map(|p| format!(" {}", phase::name(&p))).unwrap_or_default();
             let certain = if firm.is_empty() {
                 String::new()
             } else {
@@ -108,7 +108,7 @@ fn common_place(answer: &Answer) -> Option<Phase> {
     let candidates = answer.candidates();
     let mut places = candidates.iter().map(|name| answer.entry(name).map(|effect| effect.phase));
     let first = places.next()??;
-    places.all(|place| place == Some(first)).then_some(first)
+    places.all(|place| place.as_ref() == Some(&first)).then_some(first)
 }
 
 /// What the gap was and is.

@@ -93,7 +93,7 @@ fn place(answer: &Answer, both: bool) -> Markup {
         @if !diagnosis.effects().is_empty() {
             ul.plain {
                 @for named in diagnosis.effects() {
-                    li { code { (named.effect.name) } " acts " b { (phase::name(named.effect.phase)) } ": " (named.effect.sentence) "." }
+                    li { code { (named.effect.name) } " acts " b { (phase::name(&named.effect.phase)) } ": " (named.effect.sentence) "." }
                 }
             }
         }
@@ -207,8 +207,8 @@ fn totals(answer: &Answer) -> Vec<Pair> {
         |name: &str, before: f64, after: f64| pair(name, named.then_some(before), after, |v| quantity(v, &gap.unit));
     let mut rows = vec![one("fitted", gap.before, gap.after)];
     rows.extend(gap.held_out.map(|h| one("held out", h.before, h.after)));
-    if let (Some(h), Some((name, after))) = (&gap.held_out, gap.control) {
-        rows.push(pair(&format!("control: {name}"), Some(h.before), after, |v| quantity(v, &gap.unit)));
+    if let (Some(h), Some((name, after))) = (&gap.held_out, &gap.control) {
+        rows.push(pair(&format!("control: {name}"), Some(h.before), *after, |v| quantity(v, &gap.unit)));
     }
     rows.extend(gap.forecast.map(|f| one("forecast", f.before, f.after)));
     rows
@@ -263,7 +263,7 @@ fn apart(answer: &Answer) -> Markup {
             h2 { "Indistinguishable effects" }
             ul.plain {
                 @for name in names {
-                    li { code { (name) } @if let Some(effect) = answer.entry(name) { " \u{b7} " (phase::name(effect.phase)) ": " (effect.sentence) } }
+                    li { code { (name) } @if let Some(effect) = answer.entry(name) { " \u{b7} " (phase::name(&effect.phase)) ": " (effect.sentence) } }
                 }
             }
         }

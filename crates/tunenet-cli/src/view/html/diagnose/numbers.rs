@@ -33,8 +33,8 @@ fn short(bound: f64) -> String {
 /// One row for each coefficient of each object.
 struct Row<'a> {
     named: &'a NamedEffect,
-    key: &'static str,
-    unit: &'static str,
+    key: &'a str,
+    unit: &'a str,
     value: &'a Value,
     plausible: (f64, f64),
 }
@@ -47,8 +47,8 @@ fn rows<'a>(answer: &'a Answer<'a>) -> Vec<Row<'a>> {
         .flat_map(|(named, fitted, i)| {
             fitted.values.iter().map(move |value| Row {
                 named,
-                key: fitted.key,
-                unit: fitted.unit,
+                key: &fitted.key,
+                unit: &fitted.unit,
                 value,
                 plausible: answer.plausible(named, i, value),
             })
@@ -124,7 +124,7 @@ pub fn coefficients(answer: &Answer) -> Markup {
             @let evidence = &named.evidence;
             p.how {
                 code { (named.effect.name) } ": the criterion falls by " (format!("{:.0}", evidence.bic_gain)) " by having it"
-                @if let Some(next) = evidence.runner_up {
+                @if let Some(next) = &evidence.runner_up {
                     "; with " code { (next) } " in its place it stands " (format!("{:.0}", evidence.runner_up_bic_gap)) " higher"
                 }
                 ". " (chance(evidence.p_value))
