@@ -167,7 +167,7 @@ fn each_object_of_a_manifest_has_a_verdict_of_its_own() {
     for (name, height_m, seed) in [("low.csv", 0.8, 3), ("high.csv", 1.4, 4)] {
         folder.write(name, Drop { restitution: 0.7, height_m, noise_m: 0.002, seed, ..Drop::default() }.csv());
     }
-    let line = "diagnose --sim scene.toml --manifest m.toml --report page.html --json";
+    let line = "diagnose --sim scene.toml --manifest m.toml --report page.html --out improved --json";
     let ran = folder.run(line).ends(0);
     let json = ran.json();
     assert_eq!(
@@ -182,7 +182,28 @@ fn each_object_of_a_manifest_has_a_verdict_of_its_own() {
     let gain = |i: usize| each[i]["effects"][0]["bic_gain"].as_f64().expect("a gain");
     assert!(gain(0) > 1000.0 && gain(1) < 6.0, "{each:#?}");
     let page = folder.text("page.html");
-    assert!(page.contains("The recordings of heavy alone do not need it."), "the page names it");
+    let left_out = "The recordings of heavy do not need quadratic drag; their files leave it out.";
+    assert!(page.contains(left_out), "the page names it");
+    assert!(page.contains("gap of"), "the page has a table of the gaps");
+    assert_eq!((&each[0]["effects"][0]["needed"], &each[1]["effects"][0]["needed"]), (&true.into(), &false.into()));
+    let [light, heavy] = ["improved/light.toml", "improved/heavy.toml"].map(|name| folder.text(name));
+    assert!(light.contains("[effects.quadratic_drag]") && !light.contains("not_needed"), "{light}");
+    assert!(!heavy.contains("[effects.quadratic_drag]"), "{heavy}");
+    assert!(heavy.contains("not_needed = [\"quadratic_drag\"]"), "{heavy}");
+    // Without it the heavy ball is tuned anew: to the restitution of its drops.
+    let tuned = list(&json, "parameters").iter().find(|p| p["object"] == "heavy").expect("the heavy ball").clone();
+    assert!((tuned["value"].as_f64().unwrap() - 0.7).abs() < 2e-3, "{tuned}");
+    let gaps = list(&json, "gaps");
+    let whole: Vec<_> = gaps.iter().filter(|gap| gap["channel"].is_null()).collect();
+    assert_eq!(whole.iter().map(|gap| gap["object"].as_str().unwrap()).collect::<Vec<_>>(), ["light", "heavy"]);
+    for gap in &whole {
+        let [after, floor] = ["after", "noise_floor"].map(|key| gap[key].as_f64().expect("a number"));
+        assert!(after < 1.2 * floor, "{gap}");
+    }
+    assert!(whole[0]["held_out"]["after"].is_number() && whole[1]["held_out"].is_null(), "{gaps:#?}");
+    let text = folder.run("diagnose --sim scene.toml --manifest m.toml").ends(0).stdout;
+    assert!(text.contains("quadratic_drag is not needed by the recordings of heavy"), "{text}");
+    assert!(text.contains("gap of") && text.contains("noise floor"), "{text}");
     // Of a single object the verdict is that of the whole, and the list is empty.
     let one = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv --json").ends(0).json();
     assert!(list(&one, "objects").is_empty(), "{one:#}");

@@ -9,9 +9,15 @@ finding_kinds! {
     warning RECORDINGS_SHORT = "recordings.short",
         "no more values than fitted parameters, so any fit is exact",
         "use longer recordings, or more of them";
+    note SAMPLES_EXCLUDED = "samples.excluded",
+        "samples after the end of the motion, and outliers, do not count; says which share of all samples counts",
+        "none needed";
     warning FIT_POOR = "fit.poor",
         "the tuned simulation leaves more than noise explains",
         "look for a missing effect, a wrong radius or unit, or another object in the recording; add a known effect to the file";
+    warning RECORDINGS_DISAGREE = "recordings.disagree",
+        "lists of events differ by more than their own scatter explains (analysis of variance); the fit is poor",
+        "tune each by itself, and look for what differs: the object, the surface, a missed event";
     warning FIT_UNTESTED = "fit.untested",
         "too few samples to distinguish noise from model error",
         "use a longer recording";

@@ -1,4 +1,4 @@
-//! What an MP4 or MOV file is made of, as far as it says why it cannot be opened.
+//! What MP4, MOV and AVI files are made of, as far as it says why they cannot be used.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -56,6 +56,25 @@ fn head(file: &mut File, at: u64, size: u64) -> Option<(u64, [u8; 4])> {
     (8..1 << 60).contains(&length).then_some((length, kind))
 }
 
+/// So much of an AVI file holds the head of its first stream: lists and heads before it are short.
+const AVI_START: u64 = 4096;
+
+/// Whether the file is an AVI (RIFF) whose stream of pictures states no rate: its rate or its scale is 0. FFmpeg takes 25 frames a
+/// second then, and says nothing.
+pub(crate) fn states_no_rate(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = |file: File| file.take(AVI_START).read_to_end(&mut start);
+    if File::open(path).and_then(read).is_err() || start.get(..4) != Some(b"RIFF") || start.get(8..12) != Some(b"AVI ")
+    {
+        return false;
+    }
+    // The head of a stream: its kind, codec, flags, priority and language, first frames, scale, rate.
+    let head = start.windows(12).position(|part| &part[..4] == b"strh" && &part[8..] == b"vids");
+    let number = |at: usize| start.get(at..at + 4).and_then(<[u8]>::first_chunk).map(|four| u32::from_le_bytes(*four));
+    let Some((scale, rate)) = head.and_then(|at| Some((number(at + 28)?, number(at + 32)?))) else { return false };
+    scale == 0 || rate == 0
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -82,5 +101,31 @@ pub(crate) mod tests {
         assert!(incomplete(&path).is_none());
         std::fs::write(&path, [0x42; 300]).unwrap();
         assert!(incomplete(&path).is_none());
+    }
+
+    /// The start of an AVI whose stream of pictures has this scale and rate.
+    fn avi(scale: u32, rate: u32) -> Vec<u8> {
+        let mut bytes = b"RIFF\0\x10\0\0AVI LIST\xC0\0\0\0hdrlavih\x38\0\0\0".to_vec();
+        bytes.resize(bytes.len() + 56, 0);
+        bytes.extend(b"LIST\x74\0\0\0strlstrh\x38\0\0\0vidsMJPG");
+        bytes.extend([0; 12]);
+        bytes.extend(scale.to_le_bytes());
+        bytes.extend(rate.to_le_bytes());
+        bytes.resize(2000, 0x5A);
+        bytes
+    }
+
+    #[test]
+    fn an_avi_that_states_no_rate_is_recognised() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("video.avi");
+        let stated = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            !states_no_rate(&path)
+        };
+        assert!(stated(&avi(1, 50)) && stated(&avi(1001, 30_000)));
+        assert!(!stated(&avi(1, 0)) && !stated(&avi(0, 25)));
+        assert!(stated(&cut_before_index()) && stated(&[]) && stated(&avi(1, 0)[..100]), "what is no AVI, or cut off");
+        assert!(!states_no_rate(&folder.path().join("absent.avi")));
     }
 }

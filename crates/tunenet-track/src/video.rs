@@ -11,7 +11,7 @@ use opencv::videoio::{
 };
 use tunenet_formats::{Action, Error, Result};
 
-use crate::container::incomplete;
+use crate::container::{incomplete, states_no_rate};
 
 /// Fewest frames in which something can be seen to move.
 pub const FEWEST_FRAMES: usize = 2;
@@ -96,6 +96,10 @@ pub(crate) fn reader(path: &Path) -> Result<(VideoCapture, f64)> {
     if !(frames_per_s.is_finite() && frames_per_s > 0.0) {
         return Err(refuse(path, &format!("one without a usable rate ({frames_per_s} frames per second)")));
     }
+    if states_no_rate(path) {
+        let remedy = "convert it with its true rate: `ffmpeg -r RATE -i FILE NEW.mp4`";
+        return Err(Error::file(path, "expected a video that states its frames per second, found a rate of 0", remedy));
+    }
     Ok((reader, frames_per_s))
 }
 
@@ -151,6 +155,20 @@ mod tests {
         write_video(&path, 12);
         let clip = open(&path).unwrap();
         assert_eq!(clip, Clip { path, width_px: 64, height_px: 48, frames_per_s: 50.0, frames: 12 });
+    }
+
+    /// OpenCV itself says 25 of such a file.
+    #[test]
+    fn a_video_without_a_rate_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("video.avi");
+        write_video(&path, 12);
+        let mut bytes = std::fs::read(&path).unwrap();
+        let head = bytes.windows(12).position(|part| &part[..4] == b"strh" && &part[8..] == b"vids").unwrap();
+        bytes[head + 32..head + 36].fill(0);
+        std::fs::write(&path, bytes).unwrap();
+        let text = open(&path).unwrap_err().to_string();
+        assert!(text.contains("found a rate of 0"), "{text}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The clock: even or not, frames lost, frames that stand twice, and whether it is quick enough for the motion.
 
+use super::share;
 use crate::findings;
 use crate::segmentation::span;
 use tunenet_core::finding::FindingKind;
@@ -149,7 +150,8 @@ pub(crate) fn repeats(seen: &Observation, standing: &[(usize, usize)]) -> (Check
         return (Check::passed(KIND, "no frame stands twice"), out);
     };
     let every = if out.len() * 3 > seen.len() { "every second frame or so" } else { "frames" };
-    let text = format!("{} repeated frames left out ({every}), the first at {:.3} s", out.len(), seen.clock()[*first]);
+    let (share, at_s) = (share(out.len(), seen.len()), seen.clock()[*first]);
+    let text = format!("{} repeated frames left out ({every}; {share}), the first at {at_s:.3} s", out.len());
     (Check::noticed(KIND, text, "save the video at the rate at which it was taken"), out)
 }
 

@@ -107,6 +107,12 @@ impl Preflight {
     }
 }
 
+/// A part of all samples in words: "12 % of the samples".
+fn share(part: usize, all: usize) -> String {
+    let percent = 100.0 * part as f64 / all.max(1) as f64;
+    if percent < 1.0 { format!("{percent:.1} % of the samples") } else { format!("{percent:.0} % of the samples") }
+}
+
 /// Every check of `seen`.
 #[must_use]
 pub fn of(seen: &Observation, expected: &Expected) -> Vec<Check> {
@@ -140,7 +146,7 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     let mut kept = kept.unwrap_or_else(|| seen.clone());
     let outliers = kept.outliers();
     let rest = kept.without(&outliers);
-    checks.push(values::outliers(&outliers, rest.is_some()));
+    checks.push(values::outliers(&outliers, rest.is_some(), seen.len()));
     kept = rest.unwrap_or(kept);
     checks.push(clock::slow(&kept, expected.gravity_m_s2));
     checks.push(skipped::check(&kept, expected.gravity_m_s2));
@@ -157,15 +163,15 @@ fn positions(seen: &Observation, expected: &Expected) -> Preflight {
     checks.push(gravity::check(gravity.as_ref(), expected, clock::rate_hz(seen.clock())));
     checks.push(motion::like(&kept, &arcs, &flights, expected));
     let level = Level::of(&kept, &arcs, &flights);
-    let (left, edge) = surface::left(&kept, level);
+    let (left, edge) = surface::left(&kept, level, seen.len());
     if let Some(edge) = edge {
         arcs.end_at(edge, kept.clock());
     }
-    checks.push(motion::release(&arcs));
-    checks.push(motion::blows(&arcs));
-    checks.push(motion::undisturbed(arcs.usable.len(), kept.len()));
+    checks.push(motion::release(&arcs, seen.len()));
+    checks.push(motion::blows(&arcs, seen.len()));
+    checks.push(motion::undisturbed(arcs.usable.len(), seen.len()));
     let coarse = FirstFall::find(&kept, expected.gravity_m_s2).filter(|_| arcs.contacts.is_empty());
-    let (bounces, check) = surface::bounces(&kept, &arcs, coarse.is_some());
+    let (bounces, check) = surface::bounces(&kept, &arcs, coarse.is_some(), seen.len());
     let bounce_check = Some(checks.len());
     checks.push(check);
     checks.push(left);

@@ -1,7 +1,7 @@
 //! The motion as a whole: is it that of a ball, who else touches it, when is it released and when does it rest.
 
-use super::Expected;
 use super::flights::{Flight, Flights};
+use super::{Expected, share};
 use crate::findings;
 use crate::segmentation::span;
 use crate::segmentation::{Arcs, Blows};
@@ -87,27 +87,31 @@ fn is_upside_down(seen: &Observation, expected: &Expected) -> bool {
 }
 
 /// Whether samples before the release are excluded.
-pub(crate) fn release(arcs: &Arcs) -> Check {
+pub(crate) fn release(arcs: &Arcs, samples: usize) -> Check {
     const KIND: FindingKind = findings::RELEASE_LATE;
     match arcs.held_s {
-        Some(held) => Check::noticed(KIND, format!("the first {held:.3} s before the release were excluded"), ""),
+        Some(held) => {
+            let share = share(arcs.held_samples, samples);
+            Check::noticed(KIND, format!("the first {held:.3} s before the release were excluded ({share})"), "")
+        }
         None => Check::passed(KIND, "the record begins in flight or at the release"),
     }
 }
 
 /// Whether samples are excluded because something other than the surface touches the ball.
-pub(crate) fn blows(arcs: &Arcs) -> Check {
+pub(crate) fn blows(arcs: &Arcs, given: usize) -> Check {
     const KIND: FindingKind = findings::MOTION_BLOW;
     let Some(Blows { times_s, used, samples }) = &arcs.blows else {
         return Check::passed(KIND, "nothing but the surface touches the ball");
     };
     let times: Vec<String> = times_s.iter().take(BLOWS_SHOWN).map(|t| format!("{t:.3} s")).collect();
     let text = format!(
-        "something other than the surface changes the velocity at {}{}: samples {} to {} of {samples} are used",
+        "something other than the surface changes the velocity at {}{}: samples {} to {} of {samples} are used, {} are excluded",
         times.join(", "),
         if times_s.len() > BLOWS_SHOWN { " and later" } else { "" },
         used.start + 1,
         used.end,
+        share(samples - used.len(), given),
     );
     Check::noticed(KIND, text, "record without touching the ball; a hand, a racket or a second surface does this")
 }
@@ -119,7 +123,8 @@ pub(crate) fn undisturbed(usable: usize, samples: usize) -> Check {
         let text = format!("only {usable} of {samples} samples are undisturbed free motion");
         return Check::failed(KIND, text, "record a drop that touches nothing but the surface");
     }
-    Check::passed(KIND, format!("{usable} of {samples} samples are undisturbed"))
+    let share = share(samples - usable.min(samples), samples);
+    Check::passed(KIND, format!("{usable} of {samples} samples are undisturbed; {share} are excluded"))
 }
 
 /// How much of the end the ball lies still.
@@ -132,7 +137,8 @@ pub(crate) fn rest(seen: &Observation) -> Check {
     let since = seen.clock()[last + 1 - still.max(1)];
     let lies = seen.clock()[last] - since;
     if still > seen.len() / 10 && still > 8 {
-        return Check::passed(KIND, format!("the ball lies still for the last {lies:.2} s"));
+        let share = share(still, seen.len());
+        return Check::passed(KIND, format!("the ball lies still for the last {lies:.2} s ({share})"));
     }
     Check::passed(KIND, "the record ends in motion")
 }

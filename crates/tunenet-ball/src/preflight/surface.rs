@@ -2,7 +2,7 @@
 //! the surface and the release agrees with what is seen.
 
 use super::flights::{Flight, Flights};
-use super::{Bounces, Expected};
+use super::{Bounces, Expected, share};
 use crate::findings;
 use crate::segmentation::Arcs;
 use crate::segmentation::polynomial::Polynomial;
@@ -29,7 +29,7 @@ const BORDER_SHARE: f64 = 0.15;
 
 /// Whether it bounces, and whether its contacts can be examined; `coarse` says that it bounces, in too few samples to determine
 /// when.
-pub(crate) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool) -> (Bounces, Check) {
+pub(crate) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool, samples: usize) -> (Bounces, Check) {
     const KIND: FindingKind = findings::CONTACT_NONE;
     const REMEDY: &str = "record until after the first bounce, better the third";
     if coarse {
@@ -39,8 +39,9 @@ pub(crate) fn bounces(seen: &Observation, arcs: &Arcs, coarse: bool) -> (Bounces
     if let Some(low) = arcs.late {
         let text = format!(
             "the ball first bounces at the very end of the {duration:.2} s of the record, near {:.3} s: too late to determine anything about \
-             its contacts, so the samples from there on are excluded",
-            seen.clock()[low]
+             its contacts, so the samples from there on are excluded ({})",
+            seen.clock()[low],
+            share(seen.len() - low, samples)
         );
         return (Bounces::TooLate, Check::noticed(KIND, text, REMEDY));
     }
@@ -156,7 +157,7 @@ pub(crate) fn agrees(arcs: &Arcs, level: Option<Level>, expected: &Expected) -> 
 }
 
 /// Whether the ball stays on its surface; where it does not, the sample at which it has fallen below.
-pub(crate) fn left(seen: &Observation, level: Option<Level>) -> (Check, Option<usize>) {
+pub(crate) fn left(seen: &Observation, level: Option<Level>, samples: usize) -> (Check, Option<usize>) {
     const KIND: FindingKind = findings::SURFACE_LEFT;
     let Some(level) = level else {
         return (Check::not_run(KIND, "no contact shows the surface height"), None);
@@ -171,9 +172,10 @@ pub(crate) fn left(seen: &Observation, level: Option<Level>) -> (Check, Option<u
     // It left where it was last as high as the surface.
     let edge = (after..below).rev().find(|&i| heights[i] >= level.height_m).unwrap_or(after);
     let text = format!(
-        "the ball leaves its surface at {:.3} s and falls below it; samples from {} on are excluded",
+        "the ball leaves its surface at {:.3} s and falls below it; samples from {} on are excluded ({})",
         seen.clock()[edge],
-        edge + 2
+        edge + 2,
+        share(seen.len() - edge - 1, samples)
     );
     (Check::noticed(KIND, text, "end the record there, or use a larger surface"), Some(edge + 1))
 }

@@ -1,5 +1,6 @@
 //! Single values: leaps, a tracker that stands still, and a path cut off at the border of the view.
 
+use super::share;
 use crate::findings;
 use crate::segmentation::span;
 use tunenet_core::finding::FindingKind;
@@ -11,7 +12,7 @@ use tunenet_core::observation::{noise_sd, step};
 const STANDS: usize = 5;
 
 /// The check of single outliers.
-pub(crate) fn outliers(places: &[usize], kept: bool) -> Check {
+pub(crate) fn outliers(places: &[usize], kept: bool, samples: usize) -> Check {
     const KIND: FindingKind = findings::SAMPLES_OUTLIERS;
     if places.is_empty() {
         return Check::passed(KIND, "no outliers");
@@ -19,10 +20,11 @@ pub(crate) fn outliers(places: &[usize], kept: bool) -> Check {
     let shown: Vec<String> = places.iter().take(4).map(|i| (i + 1).to_string()).collect();
     let more = if places.len() > 4 { format!(" and {} more", places.len() - 4) } else { String::new() };
     let shown = shown.join(", ");
+    let share = share(places.len(), samples);
     let text = match (places.len(), kept) {
-        (1, true) => format!("sample {shown} is an outlier and was excluded"),
+        (1, true) => format!("sample {shown} is an outlier and was excluded ({share})"),
         (1, false) => format!("sample {shown} is an outlier and was kept, because too few would remain"),
-        (_, true) => format!("samples {shown}{more} are outliers and were excluded"),
+        (_, true) => format!("samples {shown}{more} are outliers and were excluded ({share})"),
         (_, false) => format!("samples {shown}{more} are outliers and were kept, because too few would remain"),
     };
     Check::noticed(KIND, text, "correct or remove it")
@@ -51,8 +53,9 @@ pub(crate) fn frozen(seen: &Observation, inside: &[(usize, usize)]) -> (Check, V
     let shown = places.iter().take(3).cloned().collect::<Vec<_>>().join(", ");
     let more = if places.len() > 3 { format!(" and {} more times", places.len() - 3) } else { String::new() };
     let text = format!(
-        "exactly the same values {shown}{more}: the tracker lost the ball, and {} samples were left out",
-        out.len()
+        "exactly the same values {shown}{more}: the tracker lost the ball, and {} samples were left out ({})",
+        out.len(),
+        share(out.len(), seen.len())
     );
     (Check::noticed(KIND, text, "keep the whole path in view, or leave out samples without a ball"), out)
 }

@@ -33,6 +33,8 @@ pub struct Arcs {
     pub misfit_share: Option<f64>,
     /// How long the record shows the ball before its release, s, where it does; these samples are excluded.
     pub held_s: Option<f64>,
+    /// How many samples these are.
+    pub(crate) held_samples: usize,
     /// Blows by something other than the surface, where samples are excluded because of them.
     pub blows: Option<Blows>,
     /// The lowest sample of a first bounce so near the end that no flight follows it; what is usable ends before it.
@@ -54,8 +56,10 @@ impl Arcs {
         let (mut usable, blows) = kinks.usable(seen.clock());
         let inside: Vec<usize> =
             kinks.impacts.iter().copied().filter(|&k| k > usable.start + 1 && k + 1 < usable.end).collect();
-        let release = release(seen.clock(), &axes[2], usable.start, *inside.first().unwrap_or(&usable.end));
+        let release =
+            release(seen.clock(), &axes[2], usable.start, *inside.first().unwrap_or(&usable.end), gravity_m_s2);
         let held_s = (release > usable.start).then(|| seen.clock()[release] - seen.clock()[usable.start]);
+        let held_samples = release.saturating_sub(usable.start);
         usable.start = usable.start.max(release);
         let contacts = contacts(seen.clock(), &axes[2], &usable, &inside, gravity_m_s2);
         let first_end = contacts.first().map_or(usable.end, |c| seen.clock().partition_point(|t| *t < c.time_s));
@@ -88,6 +92,7 @@ impl Arcs {
             apparent_gravity_m_s2,
             misfit_share,
             held_s,
+            held_samples,
             blows,
             late,
             kinks: kinks.all(),

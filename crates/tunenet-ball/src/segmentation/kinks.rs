@@ -81,15 +81,19 @@ impl Kinks {
         let profile = |values: &[f64]| -> Vec<(f64, f64, f64)> {
             range.clone().map(|k| jump(values, k).unwrap_or((0.0, 0.0, 0.0))).collect()
         };
+        // A ball that is held or lies still falls no more: between two windows its path without gravity bends by gravity times the
+        // time from the middle of one to that of the other. That is no error of the camera.
+        let centres = half as f64 / (2 * half - 1) as f64;
         // A kink stands out of the noise, of gravity's own bend, and of what the whole record shows.
-        let judged = |profile: &[(f64, f64, f64)], sd: f64, least: f64| -> Vec<(f64, bool)> {
-            let typical = typical(profile.iter().map(|p| p.0.abs())) * KINK_OVER_TYPICAL;
+        let judged = |profile: &[(f64, f64, f64)], sd: f64, (least, supported): (f64, f64)| -> Vec<(f64, bool)> {
+            let typical = typical(profile.iter().map(|p| p.0.abs().min((p.0 - supported * p.2).abs())));
+            let typical = typical * KINK_OVER_TYPICAL;
             let limit = |&(_, gain, span): &(f64, f64, f64)| {
                 (KINK_SIGNIFICANCE * gain * sd).max(KINK_OVER_GRAVITY * gravity * span / 2.0).max(typical).max(least)
             };
             profile.iter().map(|p| (p.0, p.0 > limit(p))).collect()
         };
-        let up = judged(&profile(&without_gravity), sd[2], 0.0);
+        let up = judged(&profile(&without_gravity), sd[2], (0.0, gravity * centres));
         let speed = median(range.clone().map(|k| {
             let along = |axis: usize| {
                 (axes[axis][k + half] - axes[axis][k + 1 - half]) / (clock[k + half] - clock[k + 1 - half])
@@ -99,7 +103,7 @@ impl Kinks {
         .unwrap_or(0.0);
         let across: Vec<(f64, f64, f64)> =
             profile(&axes[0]).iter().zip(profile(&axes[1])).map(|(x, y)| (x.0.hypot(y.0), x.1, x.2)).collect();
-        let across = judged(&across, sd[0].hypot(sd[1]), BLOW_SHARE * speed);
+        let across = judged(&across, sd[0].hypot(sd[1]), (BLOW_SHARE * speed, 0.0));
         let peaks = |signal: &[(f64, bool)]| -> Vec<usize> {
             (0..signal.len())
                 .filter(|&i| {
@@ -217,9 +221,11 @@ fn cuts(clock: &[f64], heights: &[f64], range: &Range<usize>) -> Vec<usize> {
         let k = pair[0].end - 1;
         let (falls, then) = (before.slope(clock[k]), after.slope(clock[k]));
         // A release is no kink: its speed does not change.
-        let clear =
-            (then - falls) > 0.5 * falls.abs() + KINK_SIGNIFICANCE * noise_sd(heights) * before.slope_gain(clock[k]);
-        if falls < 0.0 && clear && range.contains(&k) {
+        let unsure = KINK_SIGNIFICANCE * noise_sd(heights);
+        let clear = (then - falls) > 0.5 * falls.abs() + unsure * before.slope_gain(clock[k]);
+        // A surface lets nothing fall on.
+        let stopped = then > -unsure * after.slope_gain(clock[k]);
+        if falls < 0.0 && clear && stopped && range.contains(&k) {
             places.push(k);
         }
     }

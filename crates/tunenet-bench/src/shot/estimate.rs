@@ -211,7 +211,7 @@ impl Several {
         let named = found.effects().iter().map(|e| e.effect.name.as_ref());
         let sure: Vec<&str> = named.filter(|name| !found.names().contains(name)).collect();
         let alternatives = match found.verdict() {
-            Verdict::OneOf => fitted(simulator.as_ref(), &found.names(), &sure, &self.seen).to_string(),
+            Verdict::OneOf => fitted(simulator.as_ref(), &found.names(), &sure, &self.seen, None).to_string(),
             _ => NOTHING.into(),
         };
         let restitution = (e.value, e.interval95);

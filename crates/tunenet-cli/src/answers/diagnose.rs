@@ -1,7 +1,7 @@
 //! The answer of `tunenet diagnose`: what was read, what was found, and what changes in the simulation file.
 
 use toml_edit::InlineTable;
-use tunenet_core::diagnose::{self, Diagnosis, Fitted, Gap, GapOf, NamedEffect, OfObject, Value, Verdict};
+use tunenet_core::diagnose::{self, Diagnosis, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Value, Verdict};
 use tunenet_core::findings;
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
@@ -148,11 +148,45 @@ impl Answer<'_> {
         named.filter(|_| all.len() > 1)
     }
 
-    /// Names of objects whose own recordings do not need what is reported for all together.
-    pub fn without_effect(&self) -> Vec<&str> {
-        let whole = self.diagnosis.verdict();
-        let spared = |one: &OfObject| one.verdict == Verdict::None && whole != Verdict::None;
-        self.objects().filter(|(_, one)| spared(one)).map(|(name, _)| name).collect()
+    /// The effects that some objects do not need, each with the names of these objects: their own recordings do not show it.
+    pub fn unneeded(&self) -> Vec<(&str, Vec<&str>)> {
+        let each = self.diagnosis.effects().iter().enumerate().map(|(k, named)| {
+            let idle = self.objects().filter(|(_, one)| one.effects.get(k).is_some_and(|own| !own.needed));
+            (named.effect.name.as_ref(), idle.map(|(name, _)| name).collect())
+        });
+        each.filter(|(_, objects): &(&str, Vec<&str>)| !objects.is_empty()).collect()
+    }
+
+    /// The effects of the answer that an object's simulation has to hold.
+    pub fn effects_of(&self, object: usize) -> Vec<&NamedEffect> {
+        let own = self.diagnosis.objects.iter().find(|one| one.object == object);
+        let needed = |k: usize| own.and_then(|one| one.effects.get(k)).is_none_or(|effect| effect.needed);
+        self.diagnosis.effects().iter().enumerate().filter(|(k, _)| needed(*k)).map(|(_, named)| named).collect()
+    }
+
+    /// The gaps that say more than the one of all: of each object where there are several, of each channel where units differ.
+    pub fn gaps(&self) -> Vec<&PartGap> {
+        let all = &self.diagnosis.gaps;
+        let several = all.iter().any(|one| one.object != all[0].object);
+        let mixed = all.iter().any(|one| one.unit != all[0].unit);
+        let whole = |one: &&PartGap| {
+            one.channel.is_none() || all.iter().all(|other| other.object != one.object || other.channel.is_some())
+        };
+        if mixed {
+            all.iter().filter(|one| one.channel.is_some()).collect()
+        } else if several {
+            all.iter().filter(whole).collect()
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// What a part of the gap is of: object and channel, as far as there are several.
+    pub fn part_name(&self, part: &PartGap) -> String {
+        let object = self.loaded.objects.get(part.object).filter(|_| self.loaded.objects.len() > 1);
+        let words = object.map(|o| o.name.as_str()).into_iter().chain(part.channel.as_deref());
+        let words: Vec<&str> = words.collect();
+        words.join(" ")
     }
 
     /// The name of the object that a value belongs to.

@@ -27,7 +27,7 @@ pub fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
     }
 }
 
-/// The file of an object with the tuned parameters and the named effects.
+/// The file of an object with the tuned parameters and those of the named effects that it needs.
 pub fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
     let diagnosis = answer.diagnosis;
     let mut file = answer.loaded.objects[number].file.clone();
@@ -41,7 +41,7 @@ pub fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
             None => file.set_value(&tuned.name, tuned.value),
         }
     }
-    for effect in diagnosis.effects() {
+    for effect in answer.effects_of(number) {
         let values: Vec<(&str, f64)> =
             effect.coefficients.iter().filter_map(|c| Some((c.key.as_ref(), value_of(c, number)?.value))).collect();
         file.add_effect(&effect.effect.name, &values)?;
@@ -55,7 +55,7 @@ fn improved_arm(answer: &Answer, number: usize, mut file: SimulationFile) -> Res
     for tuned in answer.diagnosis.parameters.iter().filter(|p| p.object == number) {
         file.set_arm_value(&tuned.name, tuned.value, joints)?;
     }
-    for effect in answer.diagnosis.effects() {
+    for effect in answer.effects_of(number) {
         let values: Vec<f64> = effect.coefficients.iter().filter_map(|c| Some(value_of(c, number)?.value)).collect();
         file.add_arm_effect(&effect.effect.name, &values)?;
     }

@@ -32,7 +32,7 @@ mod tests;
 pub use answer::odd_recording::OddRecording;
 pub use answer::{
     Candidate, Change, Conclusion, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment,
-    OfObject, OwnEffect, Tuned, Use, Value, Verdict,
+    OfObject, OwnEffect, PartGap, Tuned, Use, Value, Verdict,
 };
 pub use evidence::recording::PreparedRecording;
 pub use hypothesis::plausibility::{Exclusion, OutOfRange};

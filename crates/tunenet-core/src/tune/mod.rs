@@ -17,6 +17,7 @@ mod judge;
 mod local_minima;
 mod observable_nuisances;
 mod outcome;
+mod pool;
 mod secant;
 mod starts;
 
@@ -187,6 +188,40 @@ fn agrees(model: &Model, simulator: &dyn Simulator) -> Result<()> {
     Err(Error::Model { what: "tunes other parameters".into(), expected: asked.join(", "), found: learned.join(", ") })
 }
 
+/// The estimates of [`tune`] from where another fit of the same recordings ended, without a search for starts, and the rollouts that they
+/// took; `None` where the recordings leave more than their noise explains.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub(crate) fn estimates_near(
+    simulator: &dyn Simulator,
+    mut recordings: Vec<Prepared>,
+    near: &Point,
+) -> Result<(Option<Vec<Estimate>>, usize)> {
+    let free = free(simulator.parameters(), &recordings);
+    channel_weights::weigh(simulator, &mut recordings, &free)?;
+    let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
+    let settings = &Settings::default();
+    let tuning = Tuning { simulator, recordings: &recordings, numbers: &[], noise: &noise, free: &free, settings };
+    let mut fit = tuning.problem().fit(near.clone(), 1.0)?;
+    let Uncertainty { scale, known, interval95, rollouts, .. } = tuning.uncertainty(&mut fit, &[])?;
+    let rollouts = fit.rollouts + rollouts;
+    if tuning.poor(&fit) {
+        return Ok((None, rollouts));
+    }
+    let found = tuning.standings(&fit, &known, &scale, &interval95);
+    Ok((Some(tuning.estimates(near, &mut fit, &found, &mut Vec::new())), rollouts))
+}
+
+/// How well the free parameters of a fit are known.
+struct Uncertainty {
+    scale: ScaleEstimate,
+    known: Information,
+    interval95: Vec<Interval>,
+    calibration: CalibrationUncertainty,
+    rollouts: usize,
+}
+
 /// One call of [`tune`] with everything prepared.
 struct Tuning<'a> {
     simulator: &'a dyn Simulator,
@@ -254,6 +289,18 @@ impl Tuning<'_> {
         Ok((interval95, calibration))
     }
 
+    /// How well the free parameters are known at `fit`, whose covariance is stated by the way.
+    fn uncertainty(&self, fit: &mut Fit, grid: &[Vec<GridPoint>]) -> Result<Uncertainty> {
+        let problem = self.problem();
+        let linear = problem.linearise(fit)?;
+        let scale = ScaleEstimate::of(&problem, fit, &linear);
+        let known = Information::of(&problem, fit, &linear, &scale);
+        fit.covariance = known.covariance.clone();
+        let (interval95, calibration) = self.intervals(fit, &scale, grid)?;
+        let rollouts = linear.rollouts() + calibration.rollouts;
+        Ok(Uncertainty { scale, known, interval95, calibration, rollouts })
+    }
+
     /// The network's iterations from `start`, where they end, and the rollouts that they took.
     fn residual_tuning(&self, model: &Model, start: &Point) -> Result<(Vec<Iteration>, Point, usize)> {
         let secant = self.settings.finish && self.free.len() == 1;
@@ -310,14 +357,16 @@ impl Tuning<'_> {
             rollouts += fit.rollouts;
             fit
         };
-        let linear = problem.linearise(&fit)?;
-        rollouts += linear.rollouts();
-        let scale = ScaleEstimate::of(&problem, &fit, &linear);
-        let known = Information::of(&problem, &fit, &linear, &scale);
-        fit.covariance = known.covariance.clone();
-        let (interval95, calibration) = self.intervals(&fit, &scale, &grid)?;
-        rollouts += calibration.rollouts;
-        let poor = self.poor(&fit);
+        let Uncertainty { scale, known, interval95, calibration, rollouts: used } =
+            self.uncertainty(&mut fit, &grid)?;
+        rollouts += used;
+        let mut poor = self.poor(&fit);
+        if self.settings.finish && !poor {
+            let (disagree, used) = self.disagreement(&fit)?;
+            rollouts += used;
+            poor = disagree.is_some();
+            notes.extend(disagree);
+        }
         if self.settings.finish && !poor {
             let (asked, used) = assumed_constants::ask(&problem, &fit, &interval95)?;
             notes.extend(asked);

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 use tunenet_core::diagnose::{
-    Candidate, Change, Explained, Fitted, Gap, NamedEffect, OfObject, OwnEffect, Test, Tuned, Use, Value,
+    Candidate, Change, Explained, Fitted, Gap, NamedEffect, OfObject, OwnEffect, PartGap, Test, Tuned, Use, Value,
 };
 use tunenet_sim::phase;
 
@@ -20,6 +20,7 @@ pub fn object(answer: &Answer) -> Json {
         "candidates": answer.candidates(),
         "scores": diagnosis.candidates.iter().map(score).collect::<Vec<_>>(),
         "gap": diagnosis.gap.as_ref().map(gap),
+        "gaps": diagnosis.gaps.iter().map(|part| part_gap(answer, part)).collect::<Vec<_>>(),
         "margin": diagnosis.margin,
         "adequacy": diagnosis.adequacy.iter().map(test).collect::<Vec<_>>(),
         "doubt": diagnosis.conclusion.doubt().map(ToString::to_string),
@@ -38,7 +39,8 @@ pub fn object(answer: &Answer) -> Json {
 }
 
 fn of_object((name, one): (&str, &OfObject)) -> Json {
-    let effect = |e: &OwnEffect| json!({ "name": e.name, "bic_gain": e.bic_gain, "shown": e.shown });
+    let effect =
+        |e: &OwnEffect| json!({ "name": e.name, "bic_gain": e.bic_gain, "shown": e.shown, "needed": e.needed });
     json!({ "object": name, "verdict": one.verdict, "effects": one.effects.iter().map(effect).collect::<Vec<_>>() })
 }
 
@@ -134,6 +136,18 @@ fn gap(gap: &Gap) -> Json {
         "held_out": gap.held_out.as_ref().map(change),
         "forecast": gap.forecast.as_ref().map(change),
         "control": gap.control.as_ref().map(|(name, after)| json!({ "name": name, "after": after })),
+    })
+}
+
+fn part_gap(answer: &Answer, part: &PartGap) -> Json {
+    json!({
+        "object": answer.loaded.objects.get(part.object).map(|o| &o.name),
+        "channel": part.channel,
+        "unit": part.unit,
+        "before": part.before,
+        "after": part.after,
+        "noise_floor": part.noise_floor,
+        "held_out": part.held_out.as_ref().map(change),
     })
 }
 

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::path::Path;
 
 use indicatif::ProgressBar;
-use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, Progress, Value, Verdict};
+use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, PartGap, Progress, Value, Verdict};
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
@@ -63,6 +63,10 @@ pub fn answer(answer: &Answer) -> Printout {
     }
     for line in details(answer) {
         shown.line(&format!("  {line}"));
+    }
+    let gaps = gaps(answer);
+    if !gaps.is_empty() {
+        shown.table(&gaps);
     }
     if !diagnosis.candidates.is_empty() {
         shown.table(&candidates(diagnosis));
@@ -196,9 +200,8 @@ fn details(answer: &Answer) -> Vec<String> {
             }
         }
     }
-    let spared = answer.without_effect();
-    if !spared.is_empty() {
-        lines.push(format!("not needed by the recordings of {}", spared.join(", ")));
+    for (effect, objects) in answer.unneeded() {
+        lines.push(format!("{effect} is not needed by the recordings of {}", objects.join(", ")));
     }
     for tuned in &diagnosis.parameters {
         let object = answer.loaded.objects.get(tuned.object).filter(|_| answer.loaded.objects.len() > 1);
@@ -238,6 +241,23 @@ fn ranged(value: &Value, unit: &str) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let of = |v: f64| rounded(v, half);
     format!("{}{unit} (95 %: {} to {})", of(value.value), of(low), of(high))
+}
+
+/// The gap of each object, or of each channel, where that says more than the one of all.
+fn gaps(answer: &Answer) -> Vec<Vec<String>> {
+    let parts = answer.gaps();
+    let held_out = parts.iter().any(|part| part.held_out.is_some());
+    let columns = ["gap of", "before", "after", "noise floor", "held out"];
+    let shown = if held_out { columns.len() } else { columns.len() - 1 };
+    let row = |part: &&PartGap| {
+        let words = |value: f64| in_words(value, &part.unit);
+        let change = |c: &Change| format!("{} → {}", words(c.before), words(c.after));
+        let judged = part.held_out.as_ref().map_or("-".into(), change);
+        let all = [answer.part_name(part), words(part.before), words(part.after), words(part.noise_floor), judged];
+        all[..shown].to_vec()
+    };
+    let head = columns[..shown].iter().map(|&column| column.to_owned()).collect();
+    if parts.is_empty() { Vec::new() } else { std::iter::once(head).chain(parts.iter().map(row)).collect() }
 }
 
 /// The best candidates, and the model without any.

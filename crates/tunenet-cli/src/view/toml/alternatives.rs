@@ -6,18 +6,30 @@ use tunenet_core::simulator::Simulator;
 use tunenet_core::tune::{Outcome, Settings, shares, tune};
 use tunenet_sim::{SimulationFile, open_drag};
 
-/// Each of these explanations in addition to what is certain.
-pub fn fitted(simulator: &dyn Simulator, names: &[&str], sure: &[&str], seen: &[Observation]) -> Array {
+/// A number of an explanation: the name of its parameter, its value, its 95 % interval.
+pub type Stated = (String, f64, (f64, f64));
+
+/// Each of these explanations in addition to what is certain. The one whose numbers are `stated` already has these.
+pub fn fitted(
+    simulator: &dyn Simulator,
+    names: &[&str],
+    sure: &[&str],
+    seen: &[Observation],
+    stated: Option<&(&str, Vec<Stated>)>,
+) -> Array {
     let one = |name: &&str| {
         let names: Vec<&str> = sure.iter().copied().chain([*name]).collect();
         let with = simulator.with_effects(&names).ok()?;
         let outcome = tune(&with, seen, None, &Settings::default()).ok()?;
         let mut one = InlineTable::new();
         one.insert("name", (*name).into());
+        let found = outcome.parameters.iter().filter(|found| found.identified);
+        let found: Vec<Stated> = found.map(|found| (found.name.clone(), found.value, found.interval95)).collect();
+        let numbers = stated.filter(|(of, _)| of == name).map_or(&found, |(_, numbers)| numbers);
         // Its own coefficients stand there without its name.
-        for found in outcome.parameters.iter().filter(|found| found.identified) {
-            let own = found.name.strip_prefix(*name).and_then(|rest| rest.strip_prefix('.'));
-            put(&mut one, own.unwrap_or(&found.name), found.value, found.interval95);
+        for (key, value, interval95) in numbers {
+            let own = key.strip_prefix(*name).and_then(|rest| rest.strip_prefix('.'));
+            put(&mut one, own.unwrap_or(key), *value, *interval95);
         }
         (one.len() > 1).then_some((one, outcome))
     };

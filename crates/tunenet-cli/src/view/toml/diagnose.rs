@@ -6,7 +6,7 @@ use tunenet_core::diagnose::{Change, Gap, GapOf, NamedEffect, Verdict};
 use tunenet_core::observation::Observation;
 use tunenet_sim::SimulationFile;
 
-use super::alternatives::{fitted, open_to};
+use super::alternatives::{Stated, fitted, open_to};
 use super::provenance::Provenance;
 use crate::answers::diagnose::{Answer, Recorded, gap_of, is_per_joint, value_of};
 
@@ -20,22 +20,28 @@ pub fn provenance(
 ) -> Result<Provenance> {
     let diagnosis = answer.diagnosis;
     let mine = diagnosis.parameters.iter().filter(|p| p.object == object);
+    let effects = answer.effects_of(object);
+    let unneeded =
+        diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).filter(|name: &&str| !holds(&effects, name));
     let mut made = Provenance::new("diagnose", seed, diagnosis.verdict())?
         .with("observations", observations(answer, object))
         .with_intervals(mine.map(|p| (p.name.clone(), p.interval95)))
-        .with("effects", diagnosis.effects().iter().map(|e| evidence(e, object)).collect::<Array>());
-    if diagnosis.verdict() == Verdict::OneOf {
+        .with("effects", effects.iter().map(|e| evidence(e, object)).collect::<Array>())
+        .with_any("not_needed", unneeded.collect());
+    let ambiguous = diagnosis.verdict() == Verdict::OneOf && !effects.is_empty();
+    if ambiguous {
         // Of effects that are not distinguished only one is written, never all together.
         made = made
-            .with("candidates", answer.candidates().into_iter().collect::<Array>())
-            .with("chosen", answer.chosen().into_iter().collect::<Array>());
+            .with("candidates", candidates(answer, &effects).into_iter().collect::<Array>())
+            .with("chosen", effects.iter().map(|e| e.effect.name.as_ref()).collect::<Array>());
         // Numbers of flights alone are not those that a fit to whole recordings finds, where these are not explained.
         if gap.of == GapOf::Recordings {
-            made = made.with("alternatives", alternatives(answer, object));
+            made = made.with("alternatives", alternatives(answer, &effects, object));
         }
     }
-    if matches!(diagnosis.verdict(), Verdict::None | Verdict::Named) {
-        made = made.with_any("open_drag", open(answer, object, improved)?);
+    if !ambiguous {
+        let sure: Vec<&str> = effects.iter().map(|e| e.effect.name.as_ref()).collect();
+        made = made.with_any("open_drag", open_to(improved, &sure, &seen_of(answer, object))?);
     }
     made = made.with("gap_of", gap_of(gap)).with_gap(&gap.unit, [gap.before, gap.after, gap.noise_floor]);
     let pairs = [
@@ -93,18 +99,47 @@ fn evidence(named: &NamedEffect, object: usize) -> InlineTable {
 
 /// Each candidate with the parameters and coefficients that fit an object's recordings best with it, for whoever plans with
 /// all of them, and how well it then fits. One that cannot be fitted alone is left out.
-fn alternatives(answer: &Answer, object: usize) -> Array {
-    let candidates = answer.candidates();
-    let sure =
-        answer.diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).filter(|name| !candidates.contains(name));
+fn alternatives(answer: &Answer, effects: &[&NamedEffect], object: usize) -> Array {
+    let candidates = candidates(answer, effects);
+    let sure = effects.iter().map(|e| e.effect.name.as_ref()).filter(|name| !candidates.contains(name));
     let sure: Vec<&str> = sure.collect();
-    fitted(answer.loaded.objects[object].simulator.as_ref(), &candidates, &sure, &seen_of(answer, object))
+    let stated = stated(answer, effects, &sure, object);
+    let simulator = answer.loaded.objects[object].simulator.as_ref();
+    fitted(simulator, &candidates, &sure, &seen_of(answer, object), stated.as_ref())
 }
 
-/// The drag that an object's recordings leave open in addition to the effects that are certain, which its `improved` file holds.
-fn open(answer: &Answer, object: usize, improved: &SimulationFile) -> Result<Array> {
-    let sure: Vec<&str> = answer.diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).collect();
-    Ok(open_to(improved, &sure, &seen_of(answer, object))?)
+/// The effect that the file holds with its numbers, where it and what is certain are all effects of the answer: the same explanation is
+/// not stated twice with other numbers.
+fn stated<'e>(
+    answer: &Answer,
+    effects: &[&'e NamedEffect],
+    sure: &[&str],
+    object: usize,
+) -> Option<(&'e str, Vec<Stated>)> {
+    let mut chosen = effects.iter().filter(|e| !sure.contains(&e.effect.name.as_ref()));
+    let (first, None) = (chosen.next()?, chosen.next()) else { return None };
+    if effects.iter().any(|e| is_per_joint(e)) {
+        return None;
+    }
+    let parameters = answer.diagnosis.parameters.iter().filter(|p| p.object == object);
+    let parameters = parameters.map(|p| (p.name.clone(), p.value, p.interval95));
+    let coefficients = effects.iter().flat_map(|e| {
+        let of_object = e.coefficients.iter().filter_map(|c| Some((&c.key, value_of(c, object)?)));
+        of_object.map(|(key, value)| (format!("{}.{key}", e.effect.name), value.value, value.interval95))
+    });
+    Some((first.effect.name.as_ref(), parameters.chain(coefficients).collect()))
+}
+
+/// The names of the confusable set that belong to the effects of one object.
+fn candidates<'e>(answer: &'e Answer, effects: &[&NamedEffect]) -> Vec<&'e str> {
+    let names = answer.candidates().into_iter();
+    names
+        .filter(|name| holds(effects, name) || effects.iter().any(|e| e.alternatives.iter().any(|other| other == name)))
+        .collect()
+}
+
+fn holds(effects: &[&NamedEffect], name: &str) -> bool {
+    effects.iter().any(|e| e.effect.name == name)
 }
 
 fn seen_of(answer: &Answer, object: usize) -> Vec<Observation> {

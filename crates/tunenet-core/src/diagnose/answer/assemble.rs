@@ -3,12 +3,12 @@
 use std::sync::atomic::Ordering;
 
 use crate::Result;
-use crate::diagnose::Recording;
 use crate::diagnose::answer::driven_experiment;
 use crate::diagnose::answer::intervals::Intervals;
 use crate::diagnose::answer::judgement::{Judgement, root_mean_square};
 use crate::diagnose::answer::next_experiment;
-use crate::diagnose::answer::per_object::by_object;
+use crate::diagnose::answer::notes::note_excluded;
+use crate::diagnose::answer::per_object::{Spared, by_object, gaps, without_unneeded};
 use crate::diagnose::answer::residual_description::describe;
 use crate::diagnose::answer::{
     Candidate, Change, Conclusion, Diagnosis, Evidence, Explained, Fitted, Gap, GapOf, NamedEffect, NextExperiment,
@@ -20,16 +20,19 @@ use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
 use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::held_out_proof::HeldOut;
 use crate::diagnose::judge::validation_doubt::Doubt;
+use crate::diagnose::{Recording, Subject};
+use crate::estimate::Point;
 use crate::findings;
 use crate::observation::Note;
-use crate::simulator::Phase;
+use crate::simulator::{Parameter, Phase, Preparation, Prepared};
 use crate::statistics::NORMAL_95;
+use crate::tune::estimates_near;
 
 /// The answer of what was judged.
 pub(in crate::diagnose) fn assemble(
     judged: &Judgement,
     recordings: &[Recording],
-    uses: Vec<Use>,
+    mut uses: Vec<Use>,
     mut notes: Vec<Note>,
 ) -> Result<Diagnosis> {
     let Judgement { context, found, decision, .. } = judged;
@@ -42,16 +45,24 @@ pub(in crate::diagnose) fn assemble(
             "",
         ));
     }
+    note_excluded(context, recordings, &mut uses);
+    let mut objects = by_object(judged, &intervals);
+    let spared = without_unneeded(judged, &mut objects)?;
+    let narrower = spared.as_ref().map(|one| Intervals::new(&one.context, &one.model, judged.heterogeneous));
+    let narrower = narrower.transpose()?;
+    let numbers = Numbers { model: last, intervals: &intervals, spared: narrower.as_ref() };
+    let explained = explained(judged, spared.as_ref(), recordings)?;
     Ok(Diagnosis {
-        conclusion: conclusion(judged, &intervals)?,
-        objects: by_object(judged, &intervals),
+        conclusion: conclusion(judged, &numbers)?,
+        objects,
         candidates: candidates(context, found, &judged.control.ratios),
-        gap: Some(gap(judged)?),
+        gap: Some(gap(judged, spared.as_ref())?),
+        gaps: gaps(&explained),
         next_experiment: next(judged)?,
         margin: decision.margin,
         least_gain: context.settings.margin,
-        parameters: parameters(context, found, last, &intervals),
-        explained: explained(judged, recordings)?,
+        parameters: as_tuned(judged, recordings, parameters(context, found, &numbers))?,
+        explained,
         adequacy: judged.tests.clone(),
         uses,
         notes,
@@ -59,12 +70,29 @@ pub(in crate::diagnose) fn assemble(
     })
 }
 
+/// Shared parameters of the answer with their intervals.
+struct Numbers<'a> {
+    model: &'a Hypothesis<'a>,
+    intervals: &'a Intervals<'a>,
+    /// Those of the hypothesis without what objects do not need.
+    spared: Option<&'a Intervals<'a>>,
+}
+
+impl Numbers<'_> {
+    /// Shared parameter `g` of the model and its interval: without what objects do not need, where it is then still there.
+    fn of(&self, g: usize) -> (f64, (f64, f64)) {
+        let global = &self.model.structure.globals[g];
+        let found = self.spared.and_then(|spared| spared.number(global.object, &global.parameter.name));
+        found.unwrap_or_else(|| (self.model.fit.point.parameters[g], self.intervals.of(g)))
+    }
+}
+
 /// The verdict with what belongs to it.
-fn conclusion(judged: &Judgement, intervals: &Intervals) -> Result<Conclusion> {
+fn conclusion(judged: &Judgement, numbers: &Numbers) -> Result<Conclusion> {
     let Judgement { context, found, decision, .. } = judged;
     let effects = || {
         let places = found.places.iter().zip(&decision.alternatives);
-        places.map(|(place, near)| named(context, judged.last(), intervals, place, near)).collect()
+        places.map(|(place, near)| named(context, numbers, place, near)).collect()
     };
     Ok(match decision.verdict {
         Verdict::None => Conclusion::None,
@@ -106,13 +134,8 @@ fn check_settings(judged: &Judgement) -> Option<String> {
     })
 }
 
-fn named(
-    context: &Context,
-    model: &Hypothesis,
-    intervals: &Intervals,
-    place: &SelectedEffect,
-    alternatives: &[usize],
-) -> NamedEffect {
+fn named(context: &Context, numbers: &Numbers, place: &SelectedEffect, alternatives: &[usize]) -> NamedEffect {
+    let model = numbers.model;
     let entry = &context.catalogue[place.entry];
     let position = model.structure.effects.iter().position(|&e| e == place.entry);
     let mine = position.map_or_else(Vec::new, |p| model.structure.of_effect(p));
@@ -122,10 +145,9 @@ fn named(
     let coefficients = entry.of[0].coefficients.iter().enumerate().map(|(k, coefficient)| {
         let globals = &model.structure.globals;
         let places = mine.iter().copied().filter(|&g| globals[g].effect.is_some_and(|e| e.1 == k));
-        let values = places.map(|g| Value {
-            object: globals[g].object,
-            value: model.fit.point.parameters[g],
-            interval95: intervals.of(g),
+        let values = places.map(|g| {
+            let (value, interval95) = numbers.of(g);
+            Value { object: globals[g].object, value, interval95 }
         });
         let values = match context.random_tilts {
             Some(RandomTilts { sd_rad: sd, count }) if entry.chance() => {
@@ -173,18 +195,20 @@ fn candidates(context: &Context, found: &Selection, ratios: &[(usize, f64)]) -> 
     each.collect()
 }
 
-fn gap(judged: &Judgement) -> Result<Gap> {
+fn gap(judged: &Judgement, spared: Option<&Spared>) -> Result<Gap> {
     let (context, found) = (&judged.context, &judged.found);
     let before = if found.best.is_some() { root_mean_square(context, &found.base)? } else { judged.left };
+    let left = spared.map_or(judged.left, |one| one.left);
     let pair = |of: fn(&HeldOut) -> f64| {
-        let (before, after) = (judged.before.as_ref()?, judged.after.as_ref()?);
+        let after = spared.map_or(judged.after.as_ref(), |one| one.held_out.as_ref());
+        let (before, after) = (judged.before.as_ref()?, after?);
         Some(Change { before: of(before), after: if judged.reports_effects() { of(after) } else { of(before) } })
     };
     Ok(Gap {
         unit: context.subjects[0].simulator.channels()[0].unit.clone(),
         of: GapOf::Recordings,
         before,
-        after: if judged.reports_effects() { judged.left } else { before },
+        after: if judged.reports_effects() { left } else { before },
         noise_floor: judged.floor.sqrt(),
         held_out: pair(|h| h.rmse),
         control: judged.control.wrong.clone(),
@@ -192,30 +216,78 @@ fn gap(judged: &Judgement) -> Result<Gap> {
     })
 }
 
-fn parameters(context: &Context, found: &Selection, last: &Hypothesis, intervals: &Intervals) -> Vec<Tuned> {
+fn parameters(context: &Context, found: &Selection, numbers: &Numbers) -> Vec<Tuned> {
+    let last = numbers.model;
     let nuisances = last.structure.globals.iter().enumerate().filter(|(_, g)| g.effect.is_none());
     nuisances
         .map(|(g, global)| {
             let object = global.object.unwrap_or(0);
             let given =
                 context.subjects[object].simulator.parameters().iter().find(|p| p.name == global.parameter.name);
+            let (value, interval95) = numbers.of(g);
             Tuned {
                 object,
                 name: global.parameter.name.clone(),
                 unit: global.parameter.unit.clone(),
                 given: given.map_or(global.parameter.value, |p| p.value),
                 before: found.base.fit.point.parameters[g],
-                value: last.fit.point.parameters[g],
-                interval95: intervals.of(g),
+                value,
+                interval95,
             }
         })
         .collect()
 }
 
-fn explained(judged: &Judgement, recordings: &[Recording]) -> Result<Vec<Explained>> {
-    let (context, last) = (&judged.context, judged.last());
+/// The parameters as [tuning](crate::tune) states them, where nothing is missing: then both answer the same question. Where the
+/// tuning leaves more than noise, or a parameter is not determined, they stay as they are.
+fn as_tuned(judged: &Judgement, recordings: &[Recording], mut parameters: Vec<Tuned>) -> Result<Vec<Tuned>> {
+    let context = &judged.context;
+    if judged.decision.verdict != Verdict::None || judged.random_parameter.is_some() {
+        return Ok(parameters);
+    }
+    for (object, subject) in context.subjects.iter().enumerate() {
+        let near = judged.found.base.structure.parameters(object, &judged.found.base.fit.point.parameters);
+        let mut point = Point { parameters: near, nuisances: Vec::new() };
+        let mut prepared = Vec::new();
+        for (d, set) in context.sets().iter().enumerate().filter(|(_, set)| set.object == object) {
+            let one = tuned_recording(subject, set, recordings)?;
+            let known = set.prepared.nuisances.iter().zip(&judged.found.base.fit.point.nuisances[d]);
+            let known: Vec<(&str, f64)> = known.map(|(p, value)| (p.name.as_str(), *value)).collect();
+            let value = |p: &Parameter| known.iter().find(|(name, _)| *name == p.name).map_or(p.value, |(_, v)| *v);
+            point.nuisances.push(one.nuisances.iter().map(value).collect());
+            prepared.push(one);
+        }
+        if prepared.is_empty() {
+            continue;
+        }
+        let (estimates, rollouts) = estimates_near(subject.simulator, prepared, &point)?;
+        context.rollouts.fetch_add(rollouts, Ordering::Relaxed);
+        for estimate in estimates.into_iter().flatten().filter(|estimate| estimate.identified) {
+            for tuned in parameters.iter_mut().filter(|t| t.object == object && t.name == estimate.name) {
+                (tuned.before, tuned.value, tuned.interval95) = (estimate.value, estimate.value, estimate.interval95);
+            }
+        }
+    }
+    Ok(parameters)
+}
+
+/// A recording as it is tuned to: with its end at rest, and with all that is free there. Of a driven one the end is held out.
+fn tuned_recording(subject: &Subject, set: &Set, recordings: &[Recording]) -> Result<Prepared> {
+    if !set.driven()
+        && let Preparation::Usable(prepared) = subject.simulator.prepare(recordings[set.recording].seen)?
+    {
+        return Ok(*prepared);
+    }
+    Ok(set.prepared.clone())
+}
+
+fn explained(judged: &Judgement, spared: Option<&Spared>, recordings: &[Recording]) -> Result<Vec<Explained>> {
+    let context = &judged.context;
+    let last = spared.map_or_else(|| judged.last(), |one| &one.model);
+    let held_out = spared.map_or(judged.after.as_ref(), |one| one.held_out.as_ref());
     let one = |set: &Set, before: &[f64], after: &[f64], nuisances: &[f64]| Explained {
         recording: set.recording,
+        object: set.object,
         name: recordings[set.recording].name.clone(),
         segment: None,
         held_out: set.held_out,
@@ -224,6 +296,7 @@ fn explained(judged: &Judgement, recordings: &[Recording]) -> Result<Vec<Explain
         before: before.to_vec(),
         after: after.to_vec(),
         noise: set.noise.clone(),
+        measured_noise: set.measured_noise.clone(),
         events: set.events.clone(),
         nuisances: set
             .prepared
@@ -237,7 +310,7 @@ fn explained(judged: &Judgement, recordings: &[Recording]) -> Result<Vec<Explain
     let mut all: Vec<Explained> = (0..context.sets().len())
         .map(|d| one(&context.sets()[d], &before[d], &after[d], &last.fit.point.nuisances[d]))
         .collect();
-    if let (Some(before), Some(after)) = (&judged.before, &judged.after) {
+    if let (Some(before), Some(after)) = (&judged.before, held_out) {
         let after = if judged.reports_effects() { after } else { before };
         for (d, set) in context.evidence.validation.iter().enumerate() {
             all.push(one(set, &before.residuals[d], &after.residuals[d], &after.nuisances[d]));

@@ -29,6 +29,7 @@ pub(in crate::diagnose) fn too_little(context: &Context, uses: &[Use], notes: &[
         objects: Vec::new(),
         candidates: Vec::new(),
         gap: None,
+        gaps: Vec::new(),
         adequacy: Vec::new(),
         next_experiment: joints.then(driven_experiment::first),
         margin: context.margin(),

@@ -53,6 +53,13 @@ impl<'a> Intervals<'a> {
         ((value - self.half[g]).max(p.min), (value + self.half[g]).min(p.max))
     }
 
+    /// The shared parameter of an object, or of all, with this name, and its interval; `None` where the model has none.
+    pub fn number(&self, object: Option<usize>, name: &str) -> Option<(f64, (f64, f64))> {
+        let globals = &self.model.structure.globals;
+        let g = globals.iter().position(|global| global.object == object && global.parameter.name == name)?;
+        Some((self.model.fit.point.parameters[g], self.of(g)))
+    }
+
     /// How far the shared parameters `places` together lie from absence, squared, in standard errors as wide as the intervals, and
     /// correlated as the fit has them (Wald 1943).
     pub fn squared_distance_from_absence(&self, places: &[usize]) -> f64 {

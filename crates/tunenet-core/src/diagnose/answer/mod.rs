@@ -145,6 +145,25 @@ pub struct Gap {
     pub forecast: Option<Change>,
 }
 
+/// The gap of one object's recordings, or of one channel of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartGap {
+    /// The object's position among the subjects.
+    pub object: usize,
+    /// The channel; `None` for all together as one distance, which is left out where their units differ.
+    pub channel: Option<String>,
+    /// The unit of all.
+    pub unit: String,
+    /// On the recordings that were fitted: the simulation as it was, its own parameters tuned anew.
+    pub before: f64,
+    /// With the effects of the answer.
+    pub after: f64,
+    /// What noise alone leaves.
+    pub noise_floor: f64,
+    /// On recordings that were not fitted, of which only the start was.
+    pub held_out: Option<Change>,
+}
+
 /// What to measure next.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NextExperiment {
@@ -179,6 +198,8 @@ pub struct Tuned {
 pub struct Explained {
     /// Its position among the recordings given.
     pub recording: usize,
+    /// The position of its object among the subjects.
+    pub object: usize,
     /// Its name.
     pub name: String,
     /// Which of its segments between events this is, from 1, where they were cut apart.
@@ -195,6 +216,8 @@ pub struct Explained {
     pub after: Vec<f64>,
     /// Noise of each channel in its unit.
     pub noise: Vec<f64>,
+    /// The same as measured, before any model discrepancy counts as noise.
+    pub measured_noise: Vec<f64>,
     /// Events as the recording shows them, s.
     pub events: Vec<f64>,
     /// Its nuisance parameters with the named effects: name, value, unit.
@@ -226,6 +249,9 @@ pub struct OwnEffect {
     pub bic_gain: Option<f64>,
     /// Whether its recordings show the effect.
     pub shown: bool,
+    /// Whether the simulation of this object has to hold the effect: not where its own recordings do not show it, and those of
+    /// another object do.
+    pub needed: bool,
 }
 
 /// The answer of one object among several.
@@ -337,6 +363,8 @@ pub struct Diagnosis {
     pub candidates: Vec<Candidate>,
     /// The gap; absent where nothing could be fitted.
     pub gap: Option<Gap>,
+    /// The same for each object with recordings to fit, of all channels and of each. Empty where nothing could be fitted.
+    pub gaps: Vec<PartGap>,
     /// What the final model leaves, test by test.
     pub adequacy: Vec<Test>,
     /// What would separate or show what these recordings cannot.

@@ -1,5 +1,7 @@
 //! What a person should know of a diagnosis besides its answer.
 
+use crate::diagnose::Recording;
+use crate::diagnose::answer::Use;
 use crate::diagnose::answer::judgement::Judgement;
 use crate::diagnose::answer::verdict::in_place_of;
 use crate::diagnose::evidence::unmeasured::SILENT;
@@ -147,6 +149,37 @@ fn note_less_plausible(context: &Context<'_>, found: &Selection, margin: f64, no
     }
 }
 
+/// Notes, for every recording, which share of its samples does not count, and why. A recording that was cut into several is
+/// none of these.
+pub(in crate::diagnose) fn note_excluded(context: &Context, given: &[Recording], uses: &mut [Use]) {
+    let sets = || context.sets().iter().chain(&context.evidence.validation);
+    for set in sets() {
+        let alone = sets().filter(|other| other.recording == set.recording).count() == 1;
+        let (resting, outliers) = (set.resting, set.outliers());
+        if alone && resting + outliers > 0 {
+            let left = set.prepared.seen.len();
+            let before = given[set.recording].seen.len().saturating_sub(left + resting);
+            uses[set.recording].notes.push(excluded([before, resting, outliers], left));
+        }
+    }
+}
+
+/// What does not count: before the fit, after the motion, outliers among the samples that are left.
+fn excluded([before, resting, outliers]: [usize; 3], left: usize) -> Note {
+    let percent = |part: usize| {
+        let percent = 100.0 * part as f64 / (before + resting + left).max(1) as f64;
+        if percent < 1.0 { with_decimals(percent, 1) } else { with_decimals(percent, 0) }
+    };
+    let parts = [(before, "by the checks"), (resting, "after the end of the motion"), (outliers, "as outliers")];
+    let parts: Vec<String> = parts
+        .into_iter()
+        .filter(|(part, _)| *part > 0)
+        .map(|(part, why)| format!("{} % {why}", percent(part)))
+        .collect();
+    let all = percent(before + resting + outliers);
+    Note::new(findings::SAMPLES_EXCLUDED, format!("{all} % of the samples do not count: {}", parts.join(", ")), "")
+}
+
 /// Notes recordings that are copies of one motion.
 pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>) {
     let mut recordings: Vec<usize> = context.sets().iter().map(|set| set.recording).collect();
@@ -160,5 +193,20 @@ pub(in crate::diagnose) fn note_copies(context: &Context, notes: &mut Vec<Note>)
             motion = words.motion
         );
         notes.push(Note::new(findings::RECORDINGS_ALIKE, text, words.otherwise));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::excluded;
+
+    #[test]
+    fn what_does_not_count_is_said_with_its_share() {
+        let text = excluded([0, 120, 4], 276).text;
+        assert_eq!(text, "31 % of the samples do not count: 30 % after the end of the motion, 1 % as outliers");
+        assert_eq!(
+            excluded([50, 0, 2], 50).text,
+            "52 % of the samples do not count: 50 % by the checks, 2 % as outliers"
+        );
     }
 }

@@ -70,6 +70,14 @@ pub(in crate::diagnose) fn decide(
     {
         return ended(Verdict::Unknown, names(&mut found.places.iter().map(|p| p.entry)));
     }
+    // Chance at contacts can imitate what nothing in the catalogue explains: alone and in doubt, it is no answer.
+    let imitates = matches!(validation, Some(Doubt::RandomAndWeak | Doubt::DrawsNotRandom));
+    if let ([place], true) = (&found.places[..], imitates)
+        && context.catalogue[place.entry].chance()
+        && in_place_of(context, place, widest).is_empty()
+    {
+        return ended(Verdict::Unknown, names(&mut std::iter::once(place.entry)));
+    }
     let mut alternatives = Vec::with_capacity(found.places.len());
     let mut near_any = false;
     for place in &found.places {

@@ -30,8 +30,12 @@ pub struct PreparedRecording {
     pub(in crate::diagnose) prior_sd: Vec<f64>,
     /// Standard deviation of each channel.
     pub(in crate::diagnose) noise: Vec<f64>,
+    /// The same as measured, before any model discrepancy counts as noise.
+    pub(in crate::diagnose) measured_noise: Vec<f64>,
     /// Whether a value counts, shape `[sample · channel]`.
     pub(in crate::diagnose) keep: Vec<bool>,
+    /// How many samples follow its motion, and were cut off.
+    pub(in crate::diagnose) resting: usize,
     /// From plain residuals to white ones in units of the noise.
     pub(in crate::diagnose) filter: Filter,
     /// When events are seen, s.
@@ -97,6 +101,7 @@ impl PreparedRecording {
         for (sd, known) in self.noise.iter_mut().zip(noise) {
             *sd = if *known > 0.0 { *known } else { *sd };
         }
+        self.measured_noise.clone_from(&self.noise);
         self.prewhiten(0.0);
         self
     }
@@ -105,12 +110,14 @@ impl PreparedRecording {
 impl PreparedRecording {
     pub(in crate::diagnose) fn new(recording: usize, object: usize, held_out: bool, mut prepared: Prepared) -> Self {
         let segmentation = prepared.segmentation.clone();
+        let all = prepared.seen.len();
         if let Some(known) = &segmentation
             && let Ok(moving) = prepared.seen.slice(0..known.moving(&prepared.seen, &noise(&prepared.seen)))
         {
             prepared.seen = moving;
         }
         let seen = &prepared.seen;
+        let resting = all - seen.len();
         let width = seen.channels().len();
         let ranges: Vec<f64> = (0..width).map(|c| range(seen.column(c))).collect();
         let widest = ranges.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
@@ -129,8 +136,10 @@ impl PreparedRecording {
             held_out,
             prepared,
             prior_sd,
+            measured_noise: noise.clone(),
             noise,
             keep,
+            resting,
             filter,
             events,
             held_still: false,
@@ -145,8 +154,9 @@ impl PreparedRecording {
         let keep = self.keep[range.start * width..range.end * width].to_vec();
         let filter = Filter::new(prepared.seen.clock(), &self.noise, &keep, 0.0);
         let prior_sd = (0..prepared.nuisances.len()).map(|i| prepared.prior_sd(i)).collect();
-        let (noise, events) = (self.noise.clone(), Vec::new());
-        let mut piece = Self { prepared, prior_sd, noise, keep, filter, events, ..*self };
+        let (noise, measured_noise) = (self.noise.clone(), self.measured_noise.clone());
+        let mut piece =
+            Self { prepared, prior_sd, noise, measured_noise, keep, resting: 0, filter, events: Vec::new(), ..*self };
         piece.hold_still();
         piece
     }
@@ -194,6 +204,13 @@ impl PreparedRecording {
     /// Whether it is [driven](Prepared::driven).
     pub(in crate::diagnose) fn driven(&self) -> bool {
         self.prepared.driven()
+    }
+
+    /// How many samples have an outlier; a channel that does not count at all has none.
+    pub(in crate::diagnose) fn outliers(&self) -> usize {
+        let width = self.width();
+        let counts: Vec<bool> = (0..width).map(|c| (c..self.keep.len()).step_by(width).any(|i| self.keep[i])).collect();
+        self.keep.chunks(width).filter(|row| row.iter().zip(&counts).any(|(keep, counts)| *counts && !keep)).count()
     }
 
     /// How many values count.

@@ -39,6 +39,7 @@ fn raise_noise(segment: &mut PreparedRecording) {
             segment.noise[channel] = segment.noise[channel].max(sd);
         }
     }
+    segment.measured_noise.clone_from(&segment.noise);
     segment.prewhiten(0.0);
 }
 

@@ -47,6 +47,8 @@ pub(in crate::diagnose) struct Context<'a> {
     pub random_tilts: Option<RandomTilts>,
     /// Effects that are fixed at known values.
     pub given: Arc<[FixedEffect]>,
+    /// Effects, by their positions in the catalogue, and objects in which they stand at absence.
+    pub spared: Arc<[(usize, usize)]>,
     /// Whether what is physically required is part of every hypothesis from the start.
     pub required_first: bool,
     /// Counts rollouts.
@@ -90,6 +92,7 @@ impl<'a> Context<'a> {
             settings,
             random_tilts: None,
             given: Arc::new([]),
+            spared: Arc::new([]),
             required_first: false,
             rollouts: Arc::default(),
         }
@@ -115,7 +118,8 @@ impl<'a> Context<'a> {
     }
 
     pub fn structure(&self, effects: &[usize]) -> Result<Structure<'a>> {
-        Structure::new(self.subjects, self.sets(), &self.catalogue, effects, &self.given, self.random_tilts.is_some())
+        let fixed = (&self.given[..], &self.spared[..]);
+        Structure::new(self.subjects, self.sets(), &self.catalogue, effects, fixed, self.random_tilts.is_some())
     }
 
     /// Chance at contacts, where every subject knows it.

@@ -50,12 +50,13 @@ pub(in crate::diagnose) struct Structure<'a> {
 }
 
 impl<'a> Structure<'a> {
+    /// The structure with these `effects`; each of `spared`, an effect and an object, stands at absence in that object.
     pub fn new(
         subjects: &[Subject<'a>],
         sets: &[Set],
         catalogue: &[Entry],
         effects: &[usize],
-        given: &[FixedEffect],
+        (given, spared): (&[FixedEffect], &[(usize, usize)]),
         chance: bool,
     ) -> Result<Self> {
         let entries: Vec<&Entry> = effects.iter().map(|&e| &catalogue[e]).collect();
@@ -87,7 +88,7 @@ impl<'a> Structure<'a> {
         let present: Vec<usize> = (0..subjects.len()).filter(|&o| sets.iter().any(|s| s.object == o)).collect();
         for (position, entry) in entries.iter().enumerate() {
             for (k, coefficient) in entry.of[0].coefficients.iter().enumerate().filter(|(k, _)| entry.seen[*k]) {
-                for &object in &present {
+                for &object in present.iter().filter(|&&o| !spared.contains(&(effects[position], o))) {
                     let name = entry.of[object].parameter_name(k);
                     let known = structure.simulators[object].parameters().iter().find(|p| p.name == name).cloned();
                     let parameter = known.ok_or_else(|| crate::Error::Simulator {
@@ -184,6 +185,12 @@ mod tests {
             assert_eq!(more.parameters(0, &[1.7, 0.2]), [1.7, 0.2]);
             let moved = context.structure(&[]).unwrap().with_value(0, 0, 9.0);
             assert_eq!(moved.parameters(0, &[1.7]), [1.7], "a free parameter has its own value");
+            let spared = crate::diagnose::hypothesis::context::Context {
+                spared: vec![(entry(context, "rest_angle"), 0)].into(),
+                ..context.clone()
+            };
+            let without = spared.structure(&[entry(context, "rest_angle")]).unwrap();
+            assert_eq!((without.globals.len(), without.parameters(0, &[1.7])), (1, vec![1.7, 0.0]));
             let frozen = more.frozen(&[1.7, 0.2]);
             assert!(frozen.globals.is_empty());
             assert_eq!(frozen.parameters(0, &[]), [1.7, 0.2]);

@@ -143,8 +143,15 @@ pub(in crate::diagnose) fn validation_doubt(
     if p_value_of_draws(context, best, after) < DRAWS_SIGNIFICANCE {
         return Some(Doubt::DrawsNotRandom);
     }
-    let shares = found.places.iter().map(|place| context.catalogue[place.entry].of[0].forecast_share);
-    forecast_doubt((before?, after?), fitted, shares.fold(0.0, f64::max), context.sets().len())
+    let share = |place: &&SelectedEffect| context.catalogue[place.entry].of[0].forecast_share;
+    let (random, others): (Vec<_>, Vec<_>) = found.places.iter().partition(|p| context.catalogue[p.entry].chance());
+    // A random effect next to others takes up what they leave, and so hides that they are not the right ones.
+    let share = if random.is_empty() || others.is_empty() {
+        found.places.iter().map(|place| share(&place)).fold(0.0, f64::max)
+    } else {
+        others.iter().map(share).fold(f64::INFINITY, f64::min)
+    };
+    forecast_doubt((before?, after?), fitted, share, context.sets().len())
 }
 
 /// What held-out recordings say of effects that leave `fitted` of those that were fitted, so many, and may leave this `share` of the

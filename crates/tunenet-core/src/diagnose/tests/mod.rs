@@ -103,6 +103,39 @@ fn each_object_has_its_own_size_of_a_shared_effect() {
     assert!((found.parameters[1].value - 1.0).abs() < 0.05 && found.parameters[1].object == 1);
 }
 
+/// The drag of a glider that has none is not needed: its push is fitted anew, and its gap is its noise.
+#[test]
+fn an_object_that_does_not_show_an_effect_is_fitted_without_it() {
+    let (light, heavy) = (Truth { drag: 0.3, ..Truth::default() }, Truth { push: 1.0, ..Truth::default() });
+    let found = ask(&[&glides(light, 3, 180, 7), &glides(heavy, 3, 180, 8)], &Settings::default());
+    assert_eq!((found.verdict(), found.names().as_slice()), (Verdict::Named, ["linear_drag"].as_slice()));
+    let own: Vec<_> = found.objects.iter().map(|one| (one.effects[0].shown, one.effects[0].needed)).collect();
+    assert_eq!(own, [(true, true), (false, false)]);
+    assert_eq!(found.objects[1].verdict, Verdict::None);
+    let alone = ask(&[&glides(heavy, 3, 180, 8)], &Settings::default());
+    let (both, one) = (&found.parameters[1], &alone.parameters[0]);
+    assert!((both.value - one.value).abs() < 1e-6, "{both:?} {one:?}");
+    let whole: Vec<_> = found.gaps.iter().filter(|gap| gap.channel.is_none()).collect();
+    assert!(whole.len() == 2 && whole.iter().all(|gap| gap.after < 1.2 * gap.noise_floor), "{whole:?}");
+    assert!(whole[0].before > 2.0 * whole[0].after && whole[1].before < 1.05 * whole[1].after);
+}
+
+/// What lacks nothing is tuned: parameters and intervals are those of tuning the same recordings.
+#[test]
+fn a_diagnosis_of_nothing_states_the_intervals_of_tuning() {
+    let seen = glides(Truth { push: 0.4, ..Truth::default() }, 2, 180, 12);
+    let found = ask(&[&seen], &Settings { set_aside: false, ..Settings::default() });
+    assert_eq!(found.verdict(), Verdict::None);
+    let tuned = crate::tune::tune(&Glider::new(), &seen, None, &crate::tune::Settings::default()).unwrap();
+    let (ours, theirs) = (&found.parameters[0], &tuned.parameters[0]);
+    let half = 0.5 * (theirs.interval95.1 - theirs.interval95.0);
+    for (a, b) in
+        [(ours.value, theirs.value), (ours.interval95.0, theirs.interval95.0), (ours.interval95.1, theirs.interval95.1)]
+    {
+        assert!((a - b).abs() < 0.01 * half, "{ours:?} {theirs:?}");
+    }
+}
+
 #[test]
 fn the_number_of_threads_changes_no_bit() {
     let seen = glides(Truth { drag: 0.15, ..Truth::default() }, 3, 180, 9);

@@ -27,8 +27,9 @@ pub fn finding(answer: &Answer) -> Markup {
                 @if !diagnosis.effects().is_empty() {
                     @for line in in_short(answer) { p.value { (line) } }
                 }
-                @let spared = answer.without_effect();
-                @if !spared.is_empty() { p { "The recordings of " (joined(&spared.iter().map(ToString::to_string).collect::<Vec<_>>(), "and")) " alone do not need it." } }
+                @for (effect, objects) in answer.unneeded() {
+                    p { "The recordings of " (joined(&objects.iter().map(ToString::to_string).collect::<Vec<_>>(), "and")) " do not need " (plain(effect)) "; their files leave it out." }
+                }
                 @if let Some(text) = &diagnosis.conclusion.description() { p { (capital(text)) "." } }
                 @if let Some(gap) = gap(answer) { p { (gap) } }
                 @if diagnosis.verdict() == Verdict::Insufficient {

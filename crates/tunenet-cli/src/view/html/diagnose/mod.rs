@@ -10,7 +10,7 @@ mod pairs;
 use std::path::Path;
 
 use maud::{Markup, html};
-use tunenet_core::diagnose::{Diagnosis, Explained, GapOf, Verdict};
+use tunenet_core::diagnose::{Change, Diagnosis, Explained, GapOf, Verdict};
 use tunenet_core::observation::{Kind, with_decimals};
 use tunenet_formats::Result;
 use tunenet_sim::phase;
@@ -169,6 +169,31 @@ fn evidence(answer: &Answer) -> Markup {
                     @if gap.held_out.is_some() && fitted_start { "For held-out recordings only the initial state is fitted; the forecast uses the first 40 % and is compared with the rest. " }
                     @else if gap.held_out.is_some() { "For held-out recordings nothing is fitted; the forecast is compared with what follows the first 40 % of each. " }
                     @else { "No recording was held out, so the result was not validated." }
+                }
+            }
+            (parts(answer))
+        }
+    }
+}
+
+/// The gap of each object, or of each channel, where that says more than the one of all.
+fn parts(answer: &Answer) -> Markup {
+    let parts = answer.gaps();
+    let change = |c: &Change, unit: &str| format!("{} \u{2192} {}", quantity(c.before, unit), quantity(c.after, unit));
+    html! {
+        @if !parts.is_empty() {
+            table {
+                thead { tr { th { "gap of" } th { "before" } th { "after" } th { "noise floor" } th { "held out" } } }
+                tbody {
+                    @for part in &parts {
+                        tr {
+                            th scope="row" { (answer.part_name(part)) }
+                            td.number data-name="before" { (quantity(part.before, &part.unit)) }
+                            td.number data-name="after" { (quantity(part.after, &part.unit)) }
+                            td.number data-name="noise floor" { (quantity(part.noise_floor, &part.unit)) }
+                            td.number data-name="held out" { @if let Some(held_out) = &part.held_out { (change(held_out, &part.unit)) } }
+                        }
+                    }
                 }
             }
         }
