@@ -157,7 +157,7 @@ fn what_tuning_found_is_valid_json_with_readable_keys() {
     let region = found.region95.as_ref().unwrap();
     assert_eq!(at("/region95/covariance/0/1"), region.covariance.as_ref().unwrap()[(0, 1)]);
     assert_eq!(at("/recordings/0/seen/values").as_array().unwrap().len(), found.recordings[0].seen.values().len());
-    assert_eq!(at("/recordings/0/input"), &Value::Null);
+    assert_eq!(at("/recordings/0/memoryless"), false);
     assert_eq!(at("/nuisances/0/0/name"), found.nuisances[0][0].name.as_str());
     assert_eq!(at("/stop"), "converged");
     assert_eq!(at("/rollouts"), found.rollouts);
