@@ -8,8 +8,8 @@ STEP_S, GRAVITY_M_S2, recordings = 1e-3, 9.81, {}
 
 
 def swing(asked):
-    told, p, friction = recordings[asked["recording"]], asked["parameters"], asked["effects"]["dry_friction"]["rad_s2"]
-    torque, now, values = told["inputs"]["torque_nm"], told["start_s"], []
+    known, p, friction = recordings[asked["recording"]], asked["parameters"], asked["effects"]["dry_friction"]["rad_s2"]
+    torque, now, values = known["inputs"]["torque_nm"], known["start_s"], []
     angle, rate = asked["start"]["angle_rad"], 0.0  # at rest at the first stamp of the recording
     for time in asked["times_s"]:
         steps = max(0, math.ceil((time - now) / STEP_S))
@@ -17,7 +17,7 @@ def swing(asked):
             h = (time - now) / steps
             at = max(0, bisect.bisect_right(torque["times_s"], now + i * h + 1e-9) - 1)
             angle += h / 2 * rate
-            driven = torque["values"][at] / (told["settings"]["mass_kg"] * p["length"] ** 2)
+            driven = torque["values"][at] / (known["settings"]["mass_kg"] * p["length"] ** 2)
             rate += h * (driven - GRAVITY_M_S2 / p["length"] * math.sin(angle) - p["damping"] * rate)
             rate -= math.copysign(min(abs(rate), h * friction), rate)  # absent at 0
             angle += h / 2 * rate

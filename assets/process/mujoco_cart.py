@@ -13,11 +13,11 @@ recordings = {}
 
 
 def drive(asked):
-    told, friction = recordings[asked["recording"]], asked["effects"]["dry_friction"]["n"]
-    text = MODEL.format(friction=friction, gear=told["settings"]["gear"], **asked["parameters"])
+    known, friction = recordings[asked["recording"]], asked["effects"]["dry_friction"]["n"]
+    text = MODEL.format(friction=friction, gear=known["settings"]["gear"], **asked["parameters"])
     model = mujoco.MjModel.from_xml_string(text)
-    data, force, values = mujoco.MjData(model), told["inputs"]["force_n"], []
-    data.time, data.qpos[0], step_s = told["start_s"], asked["start"]["x_m"], model.opt.timestep
+    data, force, values = mujoco.MjData(model), known["inputs"]["force_n"], []
+    data.time, data.qpos[0], step_s = known["start_s"], asked["start"]["x_m"], model.opt.timestep
     for time in asked["times_s"]:
         while time - data.time > 1e-9:
             at = bisect.bisect_right(force["times_s"], data.time + 1e-9) - 1

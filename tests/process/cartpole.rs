@@ -17,10 +17,10 @@ const PROGRAM: &str = r#"import json, sys
 import numpy as np
 sys.path.insert(0, sys.argv[1])
 import cart
-told = {}
+known = {}
 def one(asked):
     p = asked["parameters"] | {name: c["k"] for name, c in asked["effects"].items()}
-    force = np.array(told[asked["recording"]]["inputs"]["force_n"]["values"])
+    force = np.array(known[asked["recording"]]["inputs"]["force_n"]["values"])
     start = asked["start"]["x_m"], asked["start"]["theta_rad"]
     return {"values": cart.sim(p, force, start, asked["times_s"]).tolist()}
 for line in sys.stdin:
@@ -31,7 +31,7 @@ for line in sys.stdin:
         answer = {"id": asked["id"], "answers": [one(each) for each in asked["batch"]]}
     else:
         if "inputs" in asked:
-            told[asked["recording"]] = asked
+            known[asked["recording"]] = asked
         answer = {"id": asked["id"]} | (one(asked) if "times_s" in asked else {})
     print(json.dumps(answer), flush=True)
 "#;

@@ -243,8 +243,8 @@ fn a_recording_is_announced_once_to_every_copy_and_equal_requests_are_asked_once
     let lines: Vec<serde_json::Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!((lines[0]["tunenet"].as_u64(), lines[0]["states"][0].as_str()), (Some(2), Some("angle_rad")));
     assert_eq!(lines[0]["inputs"], serde_json::json!([{ "name": "torque_nm", "unit": "N·m", "hold": "previous" }]));
-    let told = lines.iter().filter(|line| line.get("inputs").is_some() && line.get("id").is_some()).count();
-    assert_eq!(told, 3);
+    let announced = lines.iter().filter(|line| line.get("inputs").is_some() && line.get("id").is_some()).count();
+    assert_eq!(announced, 3);
     let batches: Vec<&serde_json::Value> = lines.iter().filter_map(|line| line.get("batch")).collect();
     assert!(!batches.is_empty());
     let single = lines.iter().filter(|line| line.get("times_s").is_some());

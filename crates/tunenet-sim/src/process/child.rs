@@ -20,7 +20,7 @@ use super::version::Version;
 
 /// How long a program may take to end by itself once its input has ended.
 const FAREWELL: Duration = Duration::from_millis(300);
-/// Most recordings that a copy keeps; it is told to forget the one that was asked for the longest ago.
+/// Most recordings that a copy keeps; it has to forget the one that was asked for the longest ago.
 const MOST_RECORDINGS: usize = 128;
 /// How often it is looked at meanwhile.
 const LOOK: Duration = Duration::from_millis(2);
@@ -36,8 +36,8 @@ pub(super) struct Child {
     troubles: Troubles,
     asked: u64,
     version: Version,
-    /// Numbers of the recordings that it was told of, the one that was asked for last at the end.
-    told: Vec<u64>,
+    /// Numbers of the recordings that were announced to it, the one that was asked for last at the end.
+    announced: Vec<u64>,
 }
 
 impl Child {
@@ -123,7 +123,7 @@ impl Child {
                 return Err(failed(&error));
             }
         };
-        Ok(Self { process, input: Some(input), answers, troubles, asked: 0, version, told: Vec::new() })
+        Ok(Self { process, input: Some(input), answers, troubles, asked: 0, version, announced: Vec::new() })
     }
 
     /// One rollout.
@@ -162,18 +162,18 @@ impl Child {
         if self.version < Version::Two {
             return Ok(());
         }
-        if let Some(at) = self.told.iter().position(|number| *number == recording.number) {
-            let number = self.told.remove(at);
-            self.told.push(number);
+        if let Some(at) = self.announced.iter().position(|number| *number == recording.number) {
+            let number = self.announced.remove(at);
+            self.announced.push(number);
             return Ok(());
         }
-        if self.told.len() == MOST_RECORDINGS {
-            let oldest = self.told.remove(0);
+        if self.announced.len() == MOST_RECORDINGS {
+            let oldest = self.announced.remove(0);
             self.say(program, &format!("the line that frees recording {oldest}"), |id| forget(id, oldest))?;
         }
         let what = format!("recording {}", recording.number);
         self.say(program, &what, |id| announcement(program, id, recording))?;
-        self.told.push(recording.number);
+        self.announced.push(recording.number);
         Ok(())
     }
 

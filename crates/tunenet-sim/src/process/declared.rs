@@ -8,7 +8,7 @@ use tunenet_formats::{Error, Result};
 use crate::scene::{Candidate, CandidateCoefficient, First, Hold, Start};
 use crate::{SimulationFile, phase, scene};
 
-/// An input, as the program is told of it.
+/// An input, as it is announced to the program.
 #[derive(Debug, Clone)]
 pub(super) struct ProgramInput {
     pub name: String,

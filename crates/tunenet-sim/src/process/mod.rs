@@ -10,7 +10,7 @@
 //! | `declared` | what a simulation file declares of inputs, states and candidates |
 //! | `greeting` | the first line, and which version of the protocol it speaks |
 //! | `protocol` | what is said to it afterwards, and what may be answered |
-//! | `request` | recordings, which it is told of once, and rollouts of them |
+//! | `request` | recordings, each announced once, and rollouts of them |
 //! | `cache` | what was answered already |
 //! | `pipes` | reading what it prints, within limits |
 //! | `child` | one of it that runs |

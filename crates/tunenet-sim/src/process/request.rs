@@ -1,4 +1,4 @@
-//! What a program is asked: recordings, which it is told of once, and rollouts of them.
+//! What a program is asked: recordings, each announced once, and rollouts of them.
 
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;

@@ -54,8 +54,8 @@ pub fn attach(
     let sources = sources(file);
     let mut found = Vec::with_capacity(sources.len());
     for (source, input) in &sources {
-        let beside = input.file.as_ref().map(|other| path.parent().unwrap_or(Path::new("")).join(other));
-        found.push((source, read_input(beside.as_deref().unwrap_or(path), options, source)?));
+        let named_file = input.file.as_ref().map(|other| path.parent().unwrap_or(Path::new("")).join(other));
+        found.push((source, read_input(named_file.as_deref().unwrap_or(path), options, source)?));
     }
     Ok(under_inputs(path, recording, setup, found)?)
 }
@@ -68,8 +68,8 @@ pub fn defaults(file: &SimulationFile, recording: Recording) -> Result<Recording
     let sources = sources(file);
     let mut found = Vec::with_capacity(sources.len());
     for (source, input) in &sources {
-        let beside = input.file.as_ref().map(|other| file.path().parent().unwrap_or(Path::new("")).join(other));
-        let input = beside.map(|path| read_input(&path, &ReadOptions::default(), source)).transpose()?;
+        let named_file = input.file.as_ref().map(|other| file.path().parent().unwrap_or(Path::new("")).join(other));
+        let input = named_file.map(|path| read_input(&path, &ReadOptions::default(), source)).transpose()?;
         found.push((source, input.flatten()));
     }
     Ok(under_inputs(file.path(), recording, 0, found)?)
