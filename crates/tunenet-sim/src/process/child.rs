@@ -157,7 +157,7 @@ impl Child {
         all_answered(&line, id, &samples, &program.headers).map_err(|wrong| self.misspoke(program, &what, &wrong))
     }
 
-    /// Tells it of a recording, unless it knows it.
+    /// Announces a recording to it, unless it knows it.
     fn announce(&mut self, program: &Program, recording: &Recording) -> Result<(), Failure> {
         if self.version < Version::Two {
             return Ok(());

@@ -74,7 +74,7 @@ pub(super) fn wrong<T>(expected: &str, found: &str, hint: &str) -> Result<T, Wro
     Err(Wrong { message: format!("expected {expected}, found {found}"), hint: hint.to_owned() })
 }
 
-/// The line that tells of a recording.
+/// The line that announces a recording.
 pub(super) fn announcement(program: &Program, id: u64, recording: &Recording) -> Vec<u8> {
     let inputs = program.inputs.iter().zip(&recording.inputs).map(|(declared, input)| {
         let values: Vec<f64> = input.series().column(0).collect();

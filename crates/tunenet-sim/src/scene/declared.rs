@@ -134,7 +134,7 @@ pub struct CandidateCoefficient {
     pub max: f64,
     /// Where fits begin, as a distance from `absent`.
     pub typical: f64,
-    /// Outside it fits, and is not believed.
+    /// Outside it fits, and is not plausible.
     #[serde(default)]
     pub plausible: Option<(f64, f64)>,
 }

@@ -59,7 +59,7 @@ pub const COEFFICIENT_KEYS: &[Key] = &[
     key("min", ANY, true, "least value that is fitted"),
     key("max", ANY, true, "greatest value that is fitted"),
     key("typical", Shape::Number(1e-12, GREATEST), true, "distance from `absent` at which fits begin"),
-    key("plausible", Shape::Numbers(2, -GREATEST, GREATEST), false, "outside it fits, and is not believed"),
+    key("plausible", Shape::Numbers(2, -GREATEST, GREATEST), false, "outside it fits, and is not plausible"),
 ];
 
 const TUNE: Key = key("tune", Shape::Flag, false, "whether `tune` may change these numbers (default: false)");
