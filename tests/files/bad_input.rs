@@ -281,7 +281,7 @@ fn a_manifest_is_no_recording() {
     refused(
         &folder,
         "tune --sim a.toml --observation all.toml",
-        &["found a manifest of 1", "tunenet diagnose --manifest"],
+        &["found a manifest of 1", "give it with `--manifest`"],
     );
 }
 

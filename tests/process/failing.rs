@@ -76,7 +76,7 @@ pub fn misspeaks() -> Vec<Case> {
         (
             "greets another",
             "import time\nprint('{\"tunenet\": 7}', flush=True)\ntime.sleep(9)\n".into(),
-            &["expected protocol 1, found 7"],
+            &["expected protocol 2, found 7"],
             "docs/process.md",
         ),
         (

@@ -1,5 +1,7 @@
 //! Simulators that are programs of their own.
 
+mod cartpole;
+mod driven;
 pub mod failing;
 mod failures;
 mod program;

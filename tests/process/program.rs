@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::common::{Folder, Ran};
-use crate::process::programs::{MUJOCO, MUJOCO_SCENE, PENDULUM, PENDULUM_SCENE, Swing, pendulum, python};
+use crate::process::programs::{DRIVEN, MUJOCO, MUJOCO_CART, MUJOCO_SCENE, PENDULUM_SCENE, Swing, pendulum, python};
 
 #[track_caller]
 fn holds(json: &serde_json::Value, name: &str, truth: f64, near: f64) {
@@ -268,7 +268,7 @@ fn what_init_writes_can_be_tuned_with() {
     let folder = Folder::new();
     let json = folder.run("init process --json").ends(0).json();
     assert_eq!((json["file"].as_str(), json["program"].as_str()), (Some("process.toml"), Some("pendulum.py")));
-    assert_eq!(folder.read("pendulum.py"), PENDULUM.as_bytes());
+    assert_eq!(folder.read("pendulum.py"), DRIVEN.as_bytes());
     folder.run("inspect process.toml").ends(0);
     crate::common::refused(&folder, "init process", &["process.toml: expected a new name"]);
     folder.run("init process --out other.toml").ends(0);
@@ -288,5 +288,8 @@ fn what_init_writes_can_be_tuned_with() {
 fn the_documentation_shows_the_programs_that_are_tested() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/process.md");
     let page = std::fs::read_to_string(page).unwrap();
-    assert!(page.contains(PENDULUM) && page.contains(MUJOCO), "docs/process.md differs from assets/process");
+    for program in [DRIVEN, MUJOCO_CART] {
+        assert!(page.contains(program), "docs/process.md differs from assets/process:\n{program}");
+        assert!(program.lines().count() <= 40);
+    }
 }

@@ -6,6 +6,10 @@ use std::time::{Duration, Instant};
 
 use crate::common::{Folder, Noise};
 
+pub const DRIVEN: &str = include_str!("../../assets/process/driven_pendulum.py");
+pub const DRIVEN_SCENE: &str = include_str!("../../assets/process/driven_pendulum.toml");
+pub const MUJOCO_CART: &str = include_str!("../../assets/process/mujoco_cart.py");
+pub const MUJOCO_CART_SCENE: &str = include_str!("../../assets/process/mujoco_cart.toml");
 pub const PENDULUM: &str = include_str!("../../assets/process/pendulum.py");
 pub const MUJOCO: &str = include_str!("../../assets/process/mujoco_pendulum.py");
 pub const PENDULUM_SCENE: &str = include_str!("../../assets/process/pendulum.toml");

@@ -179,7 +179,10 @@ fn columns(path: &Path, options: &ReadOptions) -> Result<Vec<Column>> {
     let Some(first) = Lines::open(path)?.next()? else { return Ok(Vec::new()) };
     let read_as = |name: &str| match meaning(name) {
         Meaning::Known(Quantity::Time, _) => Some(Quantity::Time.header()),
-        _ if !options.channels.is_empty() => own_columns::header_of(name, &options.channels),
+        _ if !options.channels.is_empty() => {
+            let of_input = || own_columns::input_of(name, &options.inputs);
+            own_columns::header_of(name, &options.channels).or_else(of_input)
+        }
         Meaning::Known(quantity, _) => Some(quantity.header()),
         _ => None,
     };

@@ -66,4 +66,13 @@ finding_kinds! {
     note JOINTS_OTHERS = "joints.others",
         "joints in the messages that the arm does not have between base and payload",
         "none needed";
+    note INPUT_LATE = "inputs.late",
+        "an input begins after the recording; its first value holds before",
+        "record the input from the start";
+    warning INPUT_SHORT = "inputs.short",
+        "the recording goes on after its input; it is used up to the input's last sample",
+        "record the input to the end";
+    note INPUT_DEFAULT = "inputs.default",
+        "the recording does not have an input; its `default` is used",
+        "none needed";
 }

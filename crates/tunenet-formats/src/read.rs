@@ -7,7 +7,7 @@ use tunenet_core::observation::{Kind, Observation};
 use crate::clock_jump::without_jumps;
 use crate::csv::own_columns;
 use crate::format::{Format, format};
-use crate::recording::{LARGEST, ReadOptions, Recording};
+use crate::recording::{LARGEST, ReadOptions, Recording, Role};
 use crate::shown::shown_path;
 use crate::source::unchanged;
 use crate::{Error, Origin, Result, csv, mcap};
@@ -35,21 +35,19 @@ fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
         }
         .into()),
         Format::Csv => csv::series::read(path, options),
-        Format::Mcap if !options.columns.is_empty() => Err(tunenet_core::Error::Setting {
-            origin: Origin::Flag,
-            name: "columns",
-            expected: "a CSV file".into(),
-            found: format!("the MCAP file {}", shown_path(path)),
+        Format::Mcap if !options.columns.is_empty() && options.role == Role::Predicted => {
+            Err(tunenet_core::Error::Setting {
+                origin: Origin::Flag,
+                name: "columns",
+                expected: "a CSV file".into(),
+                found: format!("the MCAP file {}", shown_path(path)),
+            }
+            .into())
         }
-        .into()),
         Format::Mcap => {
             let recording = mcap::series::read(path, options.topic.as_deref(), &options.joints)?;
             refuse_too_large(path, &recording.observation)?;
-            if options.channels.is_empty() {
-                Ok(recording)
-            } else {
-                own_columns::chosen(path, recording, &options.channels)
-            }
+            if options.channels.is_empty() { Ok(recording) } else { own_columns::chosen(path, recording, options) }
         }
     }
 }

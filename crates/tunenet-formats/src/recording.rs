@@ -37,4 +37,18 @@ pub struct ReadOptions {
     /// [headers](Channel::header), and the series becomes one of [`Kind::Other`](tunenet_core::observation::Kind::Other). Empty where the file's
     /// columns or messages decide.
     pub channels: Vec<Channel>,
+    /// What [`channels`](Self::channels) are to the simulator.
+    pub role: Role,
+    /// The inputs of the simulator that stand in the same file: neither looked for here, nor taken for forgotten columns.
+    pub inputs: Vec<Channel>,
+}
+
+/// What the channels of a custom simulator are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Role {
+    /// It predicts them.
+    #[default]
+    Predicted,
+    /// They drive it.
+    Driving,
 }

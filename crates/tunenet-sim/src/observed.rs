@@ -5,10 +5,10 @@ use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
 use tunenet_formats::kind_name;
 use tunenet_formats::{Error, Result};
 
-use crate::process::Session;
+use crate::process::{Session, start_setups};
 use crate::replayed_arm::{replayed, replays};
 use crate::simulation_file::Domain;
-use crate::{ObservedArm, ObservedBall, ProcessSimulator, SimulationFile, VideoBall};
+use crate::{ObservedArm, ObservedBall, SimulationFile, VideoBall};
 
 /// The simulator that `file` describes, observed as `kind`: its physical effects in the world, its effects of the
 /// measurement around it. Those that this kind of observation cannot show are passed over. A program of the user's runs within
@@ -16,12 +16,12 @@ use crate::{ObservedArm, ObservedBall, ProcessSimulator, SimulationFile, VideoBa
 ///
 /// # Errors
 /// [`Error::File`] where what the file describes is not observed so; as [`ObservedBall::new`], [`ObservedArm::new`] and
-/// [`ProcessSimulator::start`].
+/// [`process::start`](crate::process::start).
 pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result<Box<dyn Simulator>> {
     match (file.domain(), kind) {
         (Domain::Arm, Kind::Joints) if replays(file) => return replayed(file),
         (Domain::Arm, Kind::Joints) => return Ok(Box::new(ObservedArm::new(file)?)),
-        (Domain::Process, Kind::Other) => return around_program(file, ProcessSimulator::start(file, session)?),
+        (Domain::Process, Kind::Other) => return program(&[file], session),
         (Domain::Arm | Domain::Process, _) | (Domain::Ball, Kind::Joints | Kind::Other) => {
             let (is, other) = match file.domain() {
                 Domain::Arm => ("joint series of an arm", "give recordings of its joints, or a ball's simulation file"),
@@ -42,15 +42,22 @@ pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result
     around(file, ObservedBall::new(file, kind)?.with_tuned_effects(file)?)
 }
 
-/// As [`simulator`], around a program of `file` that was started before.
+/// The simulator of a program whose recordings have several setups: files that differ in their settings and initial states alone.
+/// Coefficients that the file lets `tune` change are its parameters too.
 ///
 /// # Errors
-/// As [`Measured::fixed`].
-pub fn around_program(file: &SimulationFile, program: ProcessSimulator) -> Result<Box<dyn Simulator>> {
-    if measured(file, Kind::Other).is_empty() {
-        return Ok(Box::new(program));
-    }
-    Ok(Box::new(seen(file, program)?))
+/// As [`process::start_setups`](crate::process::start_setups) and [`Measured::fixed`].
+///
+/// # Panics
+/// Where `files` is empty.
+pub fn program(files: &[&SimulationFile], session: &Session) -> Result<Box<dyn Simulator>> {
+    let (file, started) = (files[0], start_setups(files, session)?);
+    let tuned: Vec<String> =
+        file.effects().into_iter().filter(|effect| effect.tune).map(|effect| effect.name).collect();
+    let tuned: Vec<&str> = tuned.iter().map(String::as_str).collect();
+    let simulator: Box<dyn Simulator> =
+        if tuned.is_empty() { Box::new(started) } else { started.with_effects(&tuned)? };
+    if measured(file, Kind::Other).is_empty() { Ok(simulator) } else { Ok(Box::new(seen(file, simulator)?)) }
 }
 
 /// As [`simulator`], around a ball of `file` that was made before.

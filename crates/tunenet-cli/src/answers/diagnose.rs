@@ -20,8 +20,6 @@ pub struct Object {
     /// In which its program runs, where it has one.
     pub session: Session,
     pub simulator: Box<dyn Simulator>,
-    /// What its manifest entries say of the scene.
-    pub(crate) scene: Vec<(String, String)>,
 }
 
 /// One recording of it.

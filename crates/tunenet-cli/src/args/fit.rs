@@ -16,6 +16,7 @@ Examples:
   tunenet tune --sim ball.toml log.csv --columns t_s=time,z_m=height
   tunenet tune --sim ball.toml drop.mp4
   tunenet tune --sim process.toml --allow-process swing.csv
+  tunenet tune --sim process.toml --allow-process --manifest runs.toml
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 drop.mcap --model model.safetensors";
 
 pub const DIAGNOSE_EXAMPLES: &str = "\
@@ -64,11 +65,14 @@ pub struct Tune {
     #[command(flatten)]
     pub permission: Permission,
     /// Recordings (CSV, MCAP, video); several are fitted jointly
-    #[arg(value_name = "RECORDING", required_unless_present = "observation")]
+    #[arg(value_name = "RECORDING", required_unless_present_any = ["observation", "manifest"], conflicts_with = "manifest")]
     pub recordings: Vec<PathBuf>,
     /// Recordings, as an option instead of arguments
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub observation: Vec<PathBuf>,
+    /// TOML list of recordings that differ in settings and initial states; those held out are not fitted
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
+    pub manifest: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
     /// Log of the same motion without payload (arms only); common errors cancel
@@ -134,7 +138,7 @@ pub struct Diagnose {
     /// Write the URDF with the estimated joint friction
     #[arg(long, value_name = "IMPROVED.urdf")]
     pub out_urdf: Option<PathBuf>,
-    /// TOML list of recordings, for several objects
+    /// TOML list of recordings, for several objects or settings
     #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
     pub manifest: Option<PathBuf>,
     /// Diagnose each recording separately

@@ -141,19 +141,22 @@ const SIMULATE_EXAMPLES: &str = "\
 Examples:
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 -o drop.csv
   tunenet simulate --sim tuned.toml --set release.height_m=1.5 --out drop.mcap
-  tunenet simulate --sim process.toml --allow-process --set parameters.length.value=0.62 --out swing.csv";
+  tunenet simulate --sim process.toml --allow-process --set parameters.length.value=0.62 --out swing.csv
+  tunenet simulate --sim process.toml --allow-process --inputs torque.csv --out swing.csv";
 const INSPECT_EXAMPLES: &str = "\
 Examples:
   tunenet inspect drop.csv
   tunenet inspect throws/*.csv
   tunenet inspect log.mcap --json
-  tunenet inspect swing.csv --sim process.toml";
+  tunenet inspect swing.csv --sim process.toml
+  tunenet inspect --sim process.toml --manifest runs.toml";
 const GEN_EXAMPLES: &str = "\
 Examples:
   tunenet gen ball --preset easy --pairs 800 --seed 0 --out train.mcap
   tunenet gen ball --preset wide --pairs 1000 --seed 1 --out wide.mcap
   tunenet gen arm --sim assets/arm.toml --pairs 1000 --out payloads.mcap
   tunenet gen process --sim process.toml --allow-process --pairs 500 --out swings.mcap
+  tunenet gen process --sim process.toml --allow-process --inputs torque.csv --pairs 500 --out driven.mcap
   # In a Slurm array; `tunenet merge` combines the shards:
   tunenet gen ball --preset easy --pairs 1000000 --out all.mcap --shard auto
 The same command resumes an interrupted run.";
@@ -193,7 +196,7 @@ impl Simulation {
 }
 
 /// How files are read, wherever a command takes observations.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct Reading {
     /// Map CSV columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header, and a minus for an axis
     /// that points the other way: `z_m=-depth`
@@ -266,6 +269,12 @@ pub struct Simulate {
     /// Recording to write: .csv or .mcap
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
+    /// File with the recorded inputs of an external simulator, and the first samples of its states
+    #[arg(long, value_name = "FILE", conflicts_with = "manifest")]
+    pub inputs: Option<PathBuf>,
+    /// TOML list of recordings: each is simulated as it was driven, into the folder `--out`
+    #[arg(long, value_name = "FILE.toml")]
+    pub manifest: Option<PathBuf>,
     /// Write bounce times instead of positions
     #[arg(long)]
     pub bounces: bool,
@@ -282,9 +291,12 @@ pub struct Simulate {
 #[derive(Debug, Args)]
 pub struct Inspect {
     /// Files to describe: CSV, MCAP, video, simulation file, dataset or model; for several recordings, gravity is also estimated jointly
-    #[arg(value_name = "FILE", required = true)]
+    #[arg(value_name = "FILE", required_unless_present = "manifest")]
     pub files: Vec<PathBuf>,
-    /// Simulation file of an external simulator whose channels to look for (its program is not run)
+    /// TOML list of recordings to describe, each with what it says of settings and initial states (requires --sim)
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "files", requires = "sim")]
+    pub manifest: Option<PathBuf>,
+    /// Simulation file of an external simulator whose channels and inputs to look for (its program is not run)
     #[arg(long, value_name = "FILE.toml")]
     pub sim: Option<PathBuf>,
     #[command(flatten)]
@@ -338,6 +350,12 @@ pub struct Gen {
     /// Override a key of the simulation file (may be repeated)
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<String>,
+    /// File with the recorded inputs of an external simulator
+    #[arg(long, value_name = "FILE", conflicts_with = "manifest")]
+    pub inputs: Option<PathBuf>,
+    /// TOML list of recordings; each pair is driven as one of them
+    #[arg(long, value_name = "FILE.toml")]
+    pub manifest: Option<PathBuf>,
     #[command(flatten)]
     pub permission: Permission,
     /// Dataset to write (MCAP)

@@ -15,7 +15,7 @@ use crate::view::answer::Printout;
 use crate::view::text::stage;
 
 /// The program that the simulation file of a program names.
-const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../assets/process/pendulum.py"));
+const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../assets/process/driven_pendulum.py"));
 
 pub fn run(options: &Init) -> Result<Exit> {
     let (domain, name, first) = match options.scene {

@@ -34,6 +34,8 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
     match arguments.command {
         Command::Tune(mut options) => {
             options.observation = recordings(options.recordings.drain(..), &options.observation)?;
+            let entries = tune::entries(&options)?;
+            options.observation.extend(entries.into_iter().map(|entry| entry.path));
             tune::run(&options)
         }
         Command::Diagnose(mut options) => {

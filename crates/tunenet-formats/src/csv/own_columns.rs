@@ -5,18 +5,23 @@ use std::path::Path;
 use super::columns::{Header, Layout, Sign, Source};
 use crate::findings;
 use crate::quantity::{Meaning, Quantity, Scale, kind_name, meaning, plain};
-use crate::recording::Recording;
+use crate::recording::{ReadOptions, Recording, Role};
 use crate::shown::list;
 use crate::{Error, Origin, Result};
 use tunenet_core::observation::{Channel, Kind, Note, Observation};
 
-/// How the columns of a table make a series on `channels`. `mapping` holds pairs (ours, theirs) that stand above the header.
-pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels: &[Channel]) -> Result<Layout> {
+/// How the columns of a table make a series on the channels of `options`, whose mapping stands above the header.
+pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layout> {
+    let ReadOptions { columns: mapping, channels, role, inputs, .. } = options;
+    let of_input = |name: &str| *role == Role::Predicted && is_input(name, inputs);
     let mut clock = None;
     let mut values: Vec<Option<Source>> = vec![None; channels.len()];
     let cells = header.cells();
     for (ours, theirs) in mapping {
         let Some((quantity, scale)) = asked(ours, channels) else {
+            if of_input(ours) {
+                continue;
+            }
             let expected = format!("{} before the `=`", names(channels));
             return Err(tunenet_core::Error::Setting {
                 origin: Origin::Flag,
@@ -26,7 +31,7 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
             }
             .into());
         };
-        let (column, sign) = header.column(theirs, quantity, || remedy(header, channels))?;
+        let (column, sign) = header.column(theirs, quantity, || remedy(header, channels, *role))?;
         if place(quantity, &mut clock, &mut values).replace(Source { column, scale, quantity, sign }).is_some() {
             let (expected, found) = (format!("`{ours}` once"), "it twice".into());
             return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
@@ -48,10 +53,12 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
                         sign: Sign::Kept,
                     });
                 }
+                None if of_input(cell.text) => {}
                 None => ignored.push(cell.text),
             }
         }
-        if !ignored.is_empty() {
+        // Reading what is predicted says so already.
+        if !ignored.is_empty() && *role == Role::Predicted {
             let text = format!("columns that the simulation does not name are ignored: {}", list(ignored, 12));
             notes.push(Note::new(
                 findings::COLUMNS_IGNORED,
@@ -62,10 +69,38 @@ pub(crate) fn layout(header: &Header<'_>, mapping: &[(String, String)], channels
     }
     let absent = values.iter().position(Option::is_none).map(|i| channels[i].header());
     if let Some(absent) = if clock.is_none() { Some("t_s".to_owned()) } else { absent } {
-        let expected = format!("expected a column `{absent}` ({} are what the simulation predicts)", names(channels));
-        return header.refuse(None, format!("{expected}, found {}", header.found()), remedy(header, channels));
+        if let Some((column, message)) = in_another_unit(header, &absent, channels) {
+            let hint =
+                format!("convert the column, or, if that is its unit, `--columns {absent}={}`", cells[column].text);
+            return header.refuse(Some(column), message, hint);
+        }
+        let what = match role {
+            Role::Predicted => "are what the simulation predicts",
+            Role::Driving => "drive the simulation",
+        };
+        let expected = format!("expected a column `{absent}` ({} {what})", names(channels));
+        return header.refuse(None, format!("{expected}, found {}", header.found()), remedy(header, channels, *role));
     }
-    Ok(Layout { kind: Kind::Other, channels: channels.to_vec(), clock, values, notes }.with_conversions(header))
+    Ok(Layout { kind: Kind::Other, channels: channels.clone(), clock, values, notes }.with_conversions(header))
+}
+
+/// Whether a name means one of these inputs.
+fn is_input(name: &str, inputs: &[Channel]) -> bool {
+    inputs.iter().any(|input| input.name == name) || matches!(asked(name, inputs), Some((Quantity::Own(_), _)))
+}
+
+/// The column that has the name of the missing channel in a unit that is not converted, and what is wrong with it.
+fn in_another_unit(header: &Header<'_>, absent: &str, channels: &[Channel]) -> Option<(usize, String)> {
+    let channel = channels.iter().find(|channel| channel.header() == absent)?;
+    let before = format!("{}_", channel.name);
+    let unit = |name: &str| {
+        let plain = plain(name);
+        let unit = plain.strip_prefix(&before)?;
+        (header.named && !unit.contains('_') && unit.len() <= 4).then(|| unit.to_owned())
+    };
+    let (column, unit) = header.cells().iter().enumerate().find_map(|(i, cell)| Some((i, unit(cell.text)?)))?;
+    let unit = Channel::from_header(&format!("x_{unit}")).map_or(unit, |other| other.unit);
+    Some((column, format!("expected `{absent}` in {}, found the column in {unit}", channel.unit)))
 }
 
 /// Where a quantity's source is kept.
@@ -121,6 +156,12 @@ pub(crate) fn header_of(name: &str, channels: &[Channel]) -> Option<String> {
     }
 }
 
+/// The input that a column of this name is, under the name that a simulation file has for it.
+pub(crate) fn input_of(name: &str, inputs: &[Channel]) -> Option<String> {
+    let plain = inputs.iter().find(|input| input.name == name).map(|input| input.name.clone());
+    plain.or_else(|| is_input(name, inputs).then(|| header_of(name, inputs)).flatten())
+}
+
 /// `t_s`, `angle_rad`.
 fn names(channels: &[Channel]) -> String {
     let headers: Vec<String> = std::iter::once("t_s".to_owned()).chain(channels.iter().map(Channel::header)).collect();
@@ -128,7 +169,7 @@ fn names(channels: &[Channel]) -> String {
 }
 
 /// What to type: where as many columns are unknown as channels have none, they are paired in their order.
-fn remedy(header: &Header<'_>, channels: &[Channel]) -> String {
+fn remedy(header: &Header<'_>, channels: &[Channel], role: Role) -> String {
     let cells = header.cells();
     let wanted: Vec<String> = std::iter::once("t_s".to_owned()).chain(channels.iter().map(Channel::header)).collect();
     let pairs: Vec<(String, String)> = if header.named {
@@ -140,7 +181,10 @@ fn remedy(header: &Header<'_>, channels: &[Channel]) -> String {
         wanted.into_iter().zip((1..).map(|n: usize| n.to_string())).collect()
     };
     if pairs.is_empty() {
-        return "add the column, or leave the channel out of `process.channels`".into();
+        return match role {
+            Role::Predicted => "add the column, or leave the channel out of `process.channels`".into(),
+            Role::Driving => "add the column, or say which it is, with `column` in the input's table".into(),
+        };
     }
     let pairs: Vec<String> = pairs.into_iter().map(|(ours, theirs)| format!("{ours}={theirs}")).collect();
     let option = pairs.join(",");
@@ -149,22 +193,28 @@ fn remedy(header: &Header<'_>, channels: &[Channel]) -> String {
 }
 
 /// `recording` with the channels that are asked for, and no others.
-pub(crate) fn chosen(path: &Path, recording: Recording, channels: &[Channel]) -> Result<Recording> {
-    let seen = &recording.observation;
+pub(crate) fn chosen(path: &Path, recording: Recording, options: &ReadOptions) -> Result<Recording> {
+    let (seen, channels) = (&recording.observation, &options.channels);
+    let what = if options.role == Role::Driving { "input" } else { "channels" };
     let refuse = |wanted: &str, found: &str| {
-        let message = format!("expected the channels {wanted} of the simulation, found {found}");
+        let message = format!("expected the {what} {wanted} of the simulation, found {found}");
         Err(Error::file(path, message, "choose another --topic, or convert the log into a CSV file with these columns"))
     };
     if seen.kind() == Kind::EventTimes {
         return refuse(&names(channels), kind_name(seen.kind()));
     }
+    let theirs = |wanted: &Channel| options.columns.iter().find(|(ours, _)| *ours == wanted.header());
+    let is = |channel: &Channel, wanted: &Channel| match theirs(wanted) {
+        Some((_, theirs)) => channel.name == *theirs || channel.header() == *theirs,
+        None => channel == wanted,
+    };
     let columns: Option<Vec<usize>> =
-        channels.iter().map(|wanted| seen.channels().iter().position(|channel| channel == wanted)).collect();
+        channels.iter().map(|wanted| seen.channels().iter().position(|channel| is(channel, wanted))).collect();
     let Some(columns) = columns else {
         return refuse(&names(channels), &names(seen.channels()));
     };
     let values = (0..seen.len()).flat_map(|i| columns.iter().map(move |c| seen.row(i)[*c])).collect();
-    let observation = Observation::new(Kind::Other, channels.to_vec(), seen.clock().to_vec(), values)?;
+    let observation = Observation::new(Kind::Other, channels.clone(), seen.clock().to_vec(), values)?;
     Ok(Recording { observation, notes: recording.notes })
 }
 
@@ -172,7 +222,7 @@ pub(crate) fn chosen(path: &Path, recording: Recording, channels: &[Channel]) ->
 mod tests {
     use super::*;
     use crate::testing::{error_text, file};
-    use crate::{ReadOptions, read, write_csv};
+    use crate::{read, write_csv};
 
     fn options(channels: &[&str], columns: &[(&str, &str)]) -> ReadOptions {
         ReadOptions {

@@ -116,7 +116,7 @@ fn scan_at_most(path: &Path, options: &ReadOptions, most: usize) -> Result<Scan>
     let layout = if options.channels.is_empty() {
         layout(&header, &options.columns)?
     } else {
-        own_columns::layout(&header, &options.columns, &options.channels)?
+        own_columns::layout(&header, options)?
     };
     let mut scan = Scan {
         path: path.into(),

@@ -2,17 +2,26 @@
 
 use std::io::{ErrorKind, Write};
 use std::process::{Child as Process, Command, Stdio};
+use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use super::failure::Failure;
+use super::greeting::{Greeted, greeted, greeting};
 use super::pipes::{Answers, Received, Troubles};
 use super::program::Program;
-use super::protocol::{Answer, LONGEST_GREETING, Wrong, answered, greeted, greeting, longest_answer, request};
+use super::protocol::{
+    Answer, LONGEST_GREETING, Wrong, all_answered, announcement, answered, batch, forget, longest_answer, noted,
+    request,
+};
+use super::request::{Recording, Request};
+use super::version::Version;
 
 /// How long a program may take to end by itself once its input has ended.
 const FAREWELL: Duration = Duration::from_millis(300);
+/// Most recordings that a copy keeps; it has to forget the one that was asked for the longest ago.
+const MOST_RECORDINGS: usize = 128;
 /// How often it is looked at meanwhile.
 const LOOK: Duration = Duration::from_millis(2);
 
@@ -26,11 +35,60 @@ pub(super) struct Child {
     answers: Answers,
     troubles: Troubles,
     asked: u64,
+    version: Version,
+    /// Numbers of the recordings that were announced to it, the one that was asked for last at the end.
+    announced: Vec<u64>,
 }
 
 impl Child {
-    /// Starts a copy and greets it.
+    /// Starts a copy and greets it, in the newest version that it speaks.
     pub fn start(program: &Program) -> Result<Self, Failure> {
+        if let Some(version) = program.speaks.get() {
+            return match Self::greeted(program, *version)? {
+                Ok(child) => Ok(child),
+                Err((mut child, found)) => Err(child.older(program, &found, None)),
+            };
+        }
+        let (child, version) = match Self::greeted(program, Version::Two)? {
+            Ok(child) => (child, Version::Two),
+            Err((mut child, found)) => {
+                if let Some(needs) = program.beyond_one() {
+                    return Err(child.older(program, &found, Some(&needs)));
+                }
+                drop(child);
+                match Self::greeted(program, Version::One)? {
+                    Ok(child) => (child, Version::One),
+                    Err((mut child, found)) => return Err(child.older(program, &found, None)),
+                }
+            }
+        };
+        let _ = program.speaks.set(version);
+        Ok(child)
+    }
+
+    /// A copy that was greeted in `version`; or what it answered, where it may speak an older one.
+    fn greeted(program: &Program, version: Version) -> Result<Result<Self, (Self, String)>, Failure> {
+        let mut child = Self::spawn(program, version)?;
+        let hello = (greeting(program, version), LONGEST_GREETING, program.start_timeout);
+        let line = child.exchange(program, "the first line", hello, "process.start_timeout_s")?;
+        match greeted(&line, version) {
+            Ok(Greeted::Yes) => Ok(Ok(child)),
+            Ok(Greeted::Older(found)) => Ok(Err((child, found))),
+            Err(wrong) => Err(child.misspoke(program, "the first line", &wrong)),
+        }
+    }
+
+    /// It does not speak the version that is needed, for what.
+    fn older(&mut self, program: &Program, found: &str, needs: Option<&str>) -> Failure {
+        let needs = needs.map_or_else(String::new, |needs| format!(" for the {needs}"));
+        let message = format!("expected a program that speaks protocol 2{needs}, found {found}");
+        let hint = "answer the first line with `{\"tunenet\":2}` and read recordings as docs/process.md shows, or leave what it \
+                    does not know out of the simulation file";
+        self.misspoke(program, "the first line", &Wrong { message, hint: hint.into() })
+    }
+
+    /// Starts a copy that was not spoken with.
+    fn spawn(program: &Program, version: Version) -> Result<Self, Failure> {
         let mut command = Command::new(program.executable());
         command.args(&program.command[1..]).current_dir(&program.folder);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -65,23 +123,68 @@ impl Child {
                 return Err(failed(&error));
             }
         };
-        let mut child = Self { process, input: Some(input), answers, troubles, asked: 0 };
-        let hello = (greeting(program), LONGEST_GREETING, program.start_timeout);
-        let line = child.exchange(program, "the first line", hello, "process.start_timeout_s")?;
-        greeted(&line).map_err(|wrong| child.misspoke(program, "the first line", &wrong))?;
-        Ok(child)
+        Ok(Self { process, input: Some(input), answers, troubles, asked: 0, version, announced: Vec::new() })
     }
 
-    /// One rollout with these parameters at these instants.
-    pub fn ask(&mut self, program: &Program, parameters: &[f64], clock: &[f64]) -> Result<Answer, Failure> {
+    /// One rollout.
+    pub fn ask(&mut self, program: &Program, asked: &Request) -> Result<Answer, Failure> {
+        self.announce(program, &asked.recording)?;
         self.asked += 1;
         let id = self.asked;
-        let named = program.parameters.iter().zip(parameters).map(|(p, value)| format!("{}={value}", p.name));
-        let what = format!("request {id} ({})", named.collect::<Vec<_>>().join(" "));
-        let longest = longest_answer(clock.len().saturating_mul(program.headers.len()));
-        let line = (request(program, id, parameters, clock), longest, program.timeout);
+        let what = format!("request {id} ({})", described(program, asked));
+        let longest = longest_answer(asked.times_s.len().saturating_mul(program.headers.len()));
+        let line = (request(program, self.version, id, asked), longest, program.timeout);
         let line = self.exchange(program, &what, line, "process.timeout_s")?;
-        answered(&line, id, clock.len(), &program.headers).map_err(|wrong| self.misspoke(program, &what, &wrong))
+        let answer = answered(&line, id, asked.times_s.len(), &program.headers);
+        answer.map_err(|wrong| self.misspoke(program, &what, &wrong))
+    }
+
+    /// Many rollouts: in one line where the program speaks a version that has such lines.
+    pub fn ask_all(&mut self, program: &Program, asked: &[Arc<Request>]) -> Result<Vec<Answer>, Failure> {
+        if asked.len() == 1 || self.version < Version::Two {
+            return asked.iter().map(|one| self.ask(program, one)).collect();
+        }
+        for one in asked {
+            self.announce(program, &one.recording)?;
+        }
+        self.asked += 1;
+        let id = self.asked;
+        let what = format!("request {id} (a batch of {}, the first {})", asked.len(), described(program, &asked[0]));
+        let samples: Vec<usize> = asked.iter().map(|one| one.times_s.len()).collect();
+        let longest = samples.iter().map(|samples| longest_answer(samples.saturating_mul(program.headers.len()))).sum();
+        let within = program.timeout.saturating_mul(u32::try_from(asked.len()).unwrap_or(u32::MAX));
+        let line = self.exchange(program, &what, (batch(program, id, asked), longest, within), "process.timeout_s")?;
+        all_answered(&line, id, &samples, &program.headers).map_err(|wrong| self.misspoke(program, &what, &wrong))
+    }
+
+    /// Announces a recording to it, unless it knows it.
+    fn announce(&mut self, program: &Program, recording: &Recording) -> Result<(), Failure> {
+        if self.version < Version::Two {
+            return Ok(());
+        }
+        if let Some(at) = self.announced.iter().position(|number| *number == recording.number) {
+            let number = self.announced.remove(at);
+            self.announced.push(number);
+            return Ok(());
+        }
+        if self.announced.len() == MOST_RECORDINGS {
+            let oldest = self.announced.remove(0);
+            self.say(program, &format!("the line that frees recording {oldest}"), |id| forget(id, oldest))?;
+        }
+        let what = format!("recording {}", recording.number);
+        self.say(program, &what, |id| announcement(program, id, recording))?;
+        self.announced.push(recording.number);
+        Ok(())
+    }
+
+    /// Says a line that asks for nothing.
+    fn say(&mut self, program: &Program, what: &str, line: impl Fn(u64) -> Vec<u8>) -> Result<(), Failure> {
+        self.asked += 1;
+        let id = self.asked;
+        let what = format!("request {id} ({what})");
+        let line =
+            self.exchange(program, &what, (line(id), longest_answer(0), program.timeout), "process.timeout_s")?;
+        noted(&line, id).map_err(|wrong| self.misspoke(program, &what, &wrong))
     }
 
     /// Says a line and waits for one, of at most so many bytes, within the time.
@@ -189,6 +292,17 @@ impl Patience for Process {
     }
 }
 
+/// What a rollout is of, for users: its parameters, and the coefficients that are not absent.
+fn described(program: &Program, asked: &Request) -> String {
+    let own = program.parameters.iter().zip(&asked.parameters).map(|(p, value)| format!("{}={value}", p.name));
+    let coefficients = program.candidates.iter().flat_map(|effect| {
+        let names = (0..effect.coefficients.len()).map(|i| (effect.parameter_name(i), effect.coefficients[i].absent));
+        names.collect::<Vec<_>>()
+    });
+    let present = coefficients.zip(&asked.coefficients).filter(|((_, absent), value)| absent != *value);
+    own.chain(present.map(|((name, _), value)| format!("{name}={value}"))).collect::<Vec<_>>().join(" ")
+}
+
 fn unstarted(program: &Program, error: &std::io::Error) -> Failure {
     let message = format!("{} could not be started in {}: {error}", program.shown(), program.folder.display());
     let hint = match error.kind() {
@@ -208,6 +322,7 @@ fn unstarted(program: &Program, error: &std::io::Error) -> Failure {
 mod tests {
     use std::path::Path;
 
+    use super::super::request::tests::request;
     use super::*;
     use crate::SimulationFile;
 
@@ -216,7 +331,7 @@ mod tests {
             "kind = \"process\"\n[process]\ncommand = [\"sh\", \"-c\", '''{script}''']\nchannels = [\"z_m\"]\ntimeout_s = 0.2\n\
              [parameters.k]\nvalue = 1\nmin = 0\nmax = 2\n"
         );
-        Program::of(&SimulationFile::parse(Path::new("a.toml"), &text).unwrap()).unwrap()
+        Program::of(&[&SimulationFile::parse(Path::new("a.toml"), &text).unwrap()]).unwrap()
     }
 
     /// Neither a process nor a zombie stays behind.
@@ -236,7 +351,7 @@ mod tests {
             let mut child = Child::start(&program).unwrap();
             let place = format!("/proc/{}", child.process.id());
             if asked {
-                child.ask(&program, &[1.0], &[0.0, 1.0]).unwrap_err();
+                child.ask(&program, &request(&[1.0], &[0.0, 1.0])).unwrap_err();
                 // A failure ends it at once, before the caller releases it.
                 assert!(!stays(&child), "{rest}");
             }

@@ -1,34 +1,23 @@
-//! What a program answered once, and has to answer again: the same parameters give the same bits.
+//! What a program answered once, and has to answer again: the same request gives the same bits.
+
+use std::sync::Arc;
 
 use super::child::Child;
 use super::failure::Failure;
 use super::program::Program;
 use super::protocol::Answer;
+use super::request::Request;
 
 /// A rollout that was asked for, and what was answered.
 #[derive(Debug, Clone)]
 pub(super) struct Asked {
-    parameters: Vec<f64>,
-    clock: Vec<f64>,
-    answer: Answer,
-}
-
-impl Asked {
-    pub fn new(parameters: &[f64], clock: &[f64], answer: &Answer) -> Self {
-        Self { parameters: parameters.to_vec(), clock: clock.to_vec(), answer: answer.clone() }
-    }
-}
-
-/// What every copy is asked first: the parameters of the file.
-pub(super) fn probe(program: &Program, child: &mut Child) -> Result<Asked, Failure> {
-    let present: Vec<f64> = program.parameters.iter().map(|p| p.value).collect();
-    let answer = child.ask(program, &present, &program.probe)?;
-    Ok(Asked::new(&present, &program.probe, &answer))
+    pub request: Arc<Request>,
+    pub answer: Answer,
 }
 
 /// Refuses a copy that answers otherwise than was answered before.
 pub(super) fn agree(program: &Program, child: &mut Child, known: &Asked, how: &str) -> Result<(), Failure> {
-    let answer = child.ask(program, &known.parameters, &known.clock)?;
+    let answer = child.ask(program, &known.request)?;
     if answer.is(&known.answer) {
         return Ok(());
     }

@@ -1,16 +1,20 @@
 //! What a simulation file says of the program that simulates.
 
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use serde_json::{Map, Value as Json};
 use toml_edit::{Item, TableLike, Value};
 use tunenet_core::observation::Channel;
-use tunenet_core::simulator::Parameter;
+use tunenet_core::simulator::{Effect, Parameter};
 use tunenet_formats::{Error, Result};
 
+use super::declared::{self, ProgramInput};
 use super::failure::printable;
+use super::version::Version;
 use crate::SimulationFile;
+use crate::scene::StartValue;
 
 /// How many instants every copy of the program is asked for first.
 const PROBED: usize = 4096;
@@ -34,15 +38,35 @@ pub(super) struct Program {
     /// The names of the channels with their units, as the file has them.
     pub headers: Vec<String>,
     pub parameters: Vec<Parameter>,
-    pub settings: Json,
-    /// The instants that every copy is asked for first, s.
-    pub probe: Vec<f64>,
+    /// What drives the thing.
+    pub inputs: Vec<ProgramInput>,
+    /// Names of its states.
+    pub states: Vec<String>,
+    /// The effects that it can take on.
+    pub candidates: Vec<Effect>,
+    /// The settings of each setup of its recordings; at least one.
+    pub settings: Vec<Json>,
+    /// What every copy is asked first; `None` where only a recording has what that takes.
+    pub probe: Option<Probe>,
+    /// Which version of the protocol it speaks, once that is known.
+    pub speaks: OnceLock<Version>,
+}
+
+/// A rollout of the file's own values.
+#[derive(Debug, Clone)]
+pub(super) struct Probe {
+    pub coefficients: Vec<f64>,
+    pub start: Vec<f64>,
+    pub times_s: Vec<f64>,
 }
 
 impl Program {
+    /// What the files of all setups of its recordings say, of which there is at least one and which name the same program.
+    ///
     /// # Errors
     /// [`Error::File`] where its folder is none, or a channel cannot be one.
-    pub fn of(file: &SimulationFile) -> Result<Self> {
+    pub fn of(files: &[&SimulationFile]) -> Result<Self> {
+        let file = files[0];
         let folder = file.program_folder();
         let folder = folder.canonicalize().ok().filter(|folder| folder.is_dir()).ok_or_else(|| {
             let message = format!("`process.folder`: expected a folder, found none at {}", folder.display());
@@ -65,9 +89,34 @@ impl Program {
             headers: process.channels.clone(),
             channels,
             parameters: file.parameters()?,
-            settings: file.item("settings").and_then(json).unwrap_or_else(|| Json::Object(Map::new())),
-            probe: file.record().clock().into_iter().take(PROBED).collect(),
+            inputs: declared::inputs(file)?,
+            states: file.starts().map(|(name, _)| name.to_owned()).collect(),
+            candidates: declared::candidates(file),
+            settings: files.iter().map(|file| settings(file)).collect(),
+            probe: probe(file),
+            speaks: OnceLock::new(),
         })
+    }
+
+    /// The settings of a setup.
+    pub fn settings(&self, setup: usize) -> &Json {
+        self.settings.get(setup).unwrap_or(&self.settings[0])
+    }
+
+    /// What it has to speak protocol 2 for, in words; `None` where protocol 1 suffices.
+    pub fn beyond_one(&self) -> Option<String> {
+        let each = |what: &str, names: Vec<&str>| {
+            let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+            let ending = if names.len() == 1 { "" } else { "s" };
+            (!names.is_empty()).then(|| format!("{what}{ending} {}", names.join(", ")))
+        };
+        let all = [
+            each("input", self.inputs.iter().map(|i| i.name.as_str()).collect()),
+            each("state", self.states.iter().map(String::as_str).collect()),
+            each("candidate", self.candidates.iter().map(|effect| &*effect.name).collect()),
+        ];
+        let all: Vec<String> = all.into_iter().flatten().collect();
+        (!all.is_empty()).then(|| all.join(" and "))
     }
 
     /// What is started: a name without a folder is looked for on the path, any other from the program's folder.
@@ -84,6 +133,25 @@ impl Program {
     pub fn shown(&self) -> String {
         shown(&self.command)
     }
+}
+
+fn settings(file: &SimulationFile) -> Json {
+    file.item("settings").and_then(json).unwrap_or_else(|| Json::Object(Map::new()))
+}
+
+/// The first question: the file's own values on the clock of `[record]`, unless a recording has to say what drives the thing or
+/// where it starts.
+fn probe(file: &SimulationFile) -> Option<Probe> {
+    if file.inputs().len() > 0 {
+        return None;
+    }
+    let number = |value: StartValue| if let StartValue::Number(value) = value { Some(value) } else { None };
+    let start: Option<Vec<f64>> = file.starts().map(|(_, start)| number(start.value)).collect();
+    Some(Probe {
+        coefficients: declared::present(file),
+        start: start?,
+        times_s: file.record().clock().into_iter().take(PROBED).collect(),
+    })
 }
 
 /// The program that `file` names and its arguments, word by word; never empty.
@@ -165,14 +233,15 @@ mod tests {
             "{SCENE}[settings]\nstep_s = 0.001\ncount = 3\nname = \"<b>\"\non = true\nlist = [1, 2.5]\nwhen = 2020-01-02\n[settings.deep]\nx = {{ y = 1 }}\n"
         );
         let file = SimulationFile::parse(Path::new("a.toml"), &text).unwrap();
-        let program = Program::of(&file).unwrap();
+        let program = Program::of(&[&file]).unwrap();
         let expected = r#"{"step_s":0.001,"count":3,"name":"<b>","on":true,"list":[1,2.5],"when":"2020-01-02","deep":{"x":{"y":1}}}"#;
-        assert_eq!(program.settings.to_string(), expected);
+        assert_eq!(program.settings[0].to_string(), expected);
         assert_eq!(program.parameters[0].span(), 2.0);
         assert!(program.executable().is_absolute() && program.executable().ends_with("a.py"));
         // The record is shorter than a probe may be.
         assert!(file.record().clock().len() < PROBED);
-        assert_eq!((program.timeout, program.probe), (Duration::from_secs(10), file.record().clock()));
+        assert_eq!(program.probe.unwrap().times_s, file.record().clock());
+        assert_eq!(program.timeout, Duration::from_secs(10));
     }
 
     #[test]
@@ -186,13 +255,13 @@ mod tests {
     fn a_name_alone_is_looked_for_on_the_path() {
         let text = SCENE.replace("./a.py", "python3");
         let file = SimulationFile::parse(Path::new("a.toml"), &text).unwrap();
-        assert_eq!(Program::of(&file).unwrap().executable(), Path::new("python3"));
+        assert_eq!(Program::of(&[&file]).unwrap().executable(), Path::new("python3"));
     }
 
     #[test]
     fn a_scale_of_lengths_needs_a_length() {
         let text = format!("{}[effects.length_scale]\nfactor = 1.1\n", SCENE.replace("z_m", "angle_rad"));
         let file = SimulationFile::parse(Path::new("a.toml"), &text).unwrap();
-        assert!(Program::of(&file).unwrap_err().to_string().contains("a channel in m"));
+        assert!(Program::of(&[&file]).unwrap_err().to_string().contains("a channel in m"));
     }
 }

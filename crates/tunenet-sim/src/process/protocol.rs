@@ -1,22 +1,31 @@
 //! What is said to a program, and what it may answer: one JSON object on a line each.
 //!
 //! ```text
-//! {"tunenet":1,"channels":["angle_rad"],"parameters":[{"name":"length","unit":"m"}],"settings":{}}
-//! {"tunenet":1}
-//! {"id":1,"parameters":{"length":1.0},"times_s":[0.0,0.1],"settings":{}}
-//! {"id":1,"values":[[0.5],[0.47]]}
+//! {"tunenet":2,"channels":["angle_rad"],"parameters":[{"name":"length","unit":"m"}],"effects":[],
+//!  "inputs":[{"name":"torque_nm","unit":"N·m","hold":"previous"}],"states":["angle_rad"],"settings":{}}
+//! {"tunenet":2}
+//! {"id":1,"recording":1,"start_s":0.0,"inputs":{"torque_nm":{"times_s":[0.0,0.1],"values":[1.0,0.0]}},"settings":{}}
+//! {"id":1}
+//! {"id":2,"recording":1,"parameters":{"length":1.0},"effects":{},"start":{"angle_rad":0.5},"times_s":[0.0,0.1]}
+//! {"id":2,"values":[[0.5],[0.47]]}
+//! {"id":3,"batch":[{"recording":1,"parameters":{"length":2.0},"effects":{},"start":{"angle_rad":0.5},"times_s":[0.0]}]}
+//! {"id":3,"answers":[{"values":[[0.5]]}]}
+//! {"id":4,"forget":1}
+//! {"id":4}
 //! ```
 //!
 //! Numbers are written with the fewest digits that give the same bits back, and read to the last bit.
+
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
 
 use super::failure::printable;
 use super::program::Program;
+use super::request::{Recording, Request};
+use super::version::Version;
 
-/// The version of this protocol.
-pub(super) const VERSION: u64 = 1;
 /// Longest answer to a greeting, bytes.
 pub(super) const LONGEST_GREETING: usize = 64 * 1024;
 /// Longest answer besides its numbers, bytes: an error's sentence, say.
@@ -44,6 +53,14 @@ impl Answer {
             _ => false,
         }
     }
+
+    /// How many numbers it holds.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Values(values) => values.len(),
+            Self::Refused(_) => 0,
+        }
+    }
 }
 
 /// What is wrong with an answer: "expected …, found …", and what to try.
@@ -53,33 +70,95 @@ pub(super) struct Wrong {
     pub hint: String,
 }
 
-fn wrong<T>(expected: &str, found: &str, hint: &str) -> Result<T, Wrong> {
+pub(super) fn wrong<T>(expected: &str, found: &str, hint: &str) -> Result<T, Wrong> {
     Err(Wrong { message: format!("expected {expected}, found {found}"), hint: hint.to_owned() })
 }
 
-/// The first line that a program reads.
-pub(super) fn greeting(program: &Program) -> Vec<u8> {
-    let parameters: Vec<Json> = program.parameters.iter().map(|p| json!({ "name": p.name, "unit": p.unit })).collect();
-    let line = json!({
-        "tunenet": VERSION, "channels": program.headers, "parameters": parameters, "settings": program.settings,
+/// The line that announces a recording.
+pub(super) fn announcement(program: &Program, id: u64, recording: &Recording) -> Vec<u8> {
+    let inputs = program.inputs.iter().zip(&recording.inputs).map(|(declared, input)| {
+        let values: Vec<f64> = input.series().column(0).collect();
+        (declared.name.clone(), json!({ "times_s": input.series().clock(), "values": values }))
     });
-    format!("{line}\n").into_bytes()
+    let inputs: Map<String, Json> = inputs.collect();
+    ended(&json!({
+        "id": id, "recording": recording.number, "start_s": recording.start_s, "inputs": inputs,
+        "settings": program.settings(recording.setup),
+    }))
+}
+
+/// The line that lets a program forget a recording.
+pub(super) fn forget(id: u64, recording: u64) -> Vec<u8> {
+    ended(&json!({ "id": id, "forget": recording }))
 }
 
 #[derive(Serialize)]
-struct Request<'a> {
+struct Old<'a> {
     id: u64,
     parameters: Map<String, Json>,
     times_s: &'a [f64],
     settings: &'a Json,
 }
 
+#[derive(Serialize)]
+struct New<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    id: Option<u64>,
+    recording: u64,
+    parameters: Map<String, Json>,
+    effects: Map<String, Json>,
+    start: Map<String, Json>,
+    times_s: &'a [f64],
+}
+
+#[derive(Serialize)]
+struct Batch<'a> {
+    id: u64,
+    batch: Vec<New<'a>>,
+}
+
+fn named<'a>(names: impl Iterator<Item = &'a str>, values: &[f64]) -> Map<String, Json> {
+    names.zip(values).map(|(name, value)| (name.to_owned(), json!(value))).collect()
+}
+
+fn new<'a>(program: &Program, id: Option<u64>, asked: &'a Request) -> New<'a> {
+    let mut rest = asked.coefficients.as_slice();
+    let effects = program.candidates.iter().map(|effect| {
+        let (own, others) = rest.split_at(effect.coefficients.len().min(rest.len()));
+        rest = others;
+        (effect.name.to_string(), Json::Object(named(effect.coefficients.iter().map(|c| &*c.key), own)))
+    });
+    New {
+        id,
+        recording: asked.recording.number,
+        parameters: named(program.parameters.iter().map(|p| p.name.as_str()), &asked.parameters),
+        effects: effects.collect(),
+        start: named(program.states.iter().map(String::as_str), &asked.start),
+        times_s: &asked.times_s,
+    }
+}
+
 /// The line that asks for a rollout.
-pub(super) fn request(program: &Program, id: u64, parameters: &[f64], clock: &[f64]) -> Vec<u8> {
-    let named = program.parameters.iter().zip(parameters).map(|(p, value)| (p.name.clone(), json!(value)));
-    let request = Request { id, parameters: named.collect(), times_s: clock, settings: &program.settings };
+pub(super) fn request(program: &Program, version: Version, id: u64, asked: &Request) -> Vec<u8> {
+    match version {
+        Version::One => ended(&Old {
+            id,
+            parameters: named(program.parameters.iter().map(|p| p.name.as_str()), &asked.parameters),
+            times_s: &asked.times_s,
+            settings: program.settings(asked.recording.setup),
+        }),
+        Version::Two => ended(&new(program, Some(id), asked)),
+    }
+}
+
+/// The line that asks for many rollouts.
+pub(super) fn batch(program: &Program, id: u64, asked: &[Arc<Request>]) -> Vec<u8> {
+    ended(&Batch { id, batch: asked.iter().map(|one| new(program, None, one)).collect() })
+}
+
+fn ended(line: &impl Serialize) -> Vec<u8> {
     // Maps with text keys and numbers always have a text.
-    let mut line = serde_json::to_vec(&request).unwrap_or_default();
+    let mut line = serde_json::to_vec(line).unwrap_or_default();
     line.push(b'\n');
     line
 }
@@ -96,61 +175,86 @@ const NUMBERS: &str = "answer `{\"id\": …, \"error\": \"why\"}` where these pa
 
 /// What may stand in an answer; other keys are passed over. A number that is missing within a row is reported by its place.
 #[derive(Deserialize)]
-struct Said {
-    tunenet: Option<Json>,
+pub(super) struct Said {
+    pub tunenet: Option<Json>,
     id: Option<Json>,
+    values: Option<Vec<Vec<Option<f64>>>>,
+    pub error: Option<Json>,
+    answers: Option<Vec<SaidOne>>,
+}
+
+/// What may stand in one answer of several.
+#[derive(Deserialize)]
+struct SaidOne {
     values: Option<Vec<Vec<Option<f64>>>>,
     error: Option<Json>,
 }
 
-/// What a program answers to the greeting.
-pub(super) fn greeted(line: &[u8]) -> Result<(), Wrong> {
-    let said = said(line)?;
-    if let Some(error) = said.error {
-        return wrong(
-            &format!("`{{\"tunenet\":{VERSION}}}`"),
-            &format!("the error {}", quoted(&error)),
-            "see what it says",
-        );
+impl SaidOne {
+    fn answer(self, samples: usize, headers: &[String]) -> Result<Answer, Wrong> {
+        if let Some(error) = self.error.filter(|error| !error.is_null()) {
+            let text = error.as_str().map_or_else(|| quoted(&error), printable);
+            return Ok(Answer::Refused(if text.is_empty() { "it does not say why".into() } else { text }));
+        }
+        match self.values {
+            Some(rows) => numbers(&rows, samples, headers).map(Answer::Values),
+            None => wrong("`values` or `error`", "neither", NUMBERS),
+        }
     }
-    match said.tunenet {
-        Some(version) if version == VERSION => Ok(()),
-        Some(other) => wrong(&format!("protocol {VERSION}"), &quoted(&other), "see docs/process.md for what is spoken"),
-        None => wrong(
-            &format!("`{{\"tunenet\":{VERSION}}}`"),
-            &format!("`{}`", start(line)),
-            "answer the first line with it, before any rollout",
-        ),
+}
+
+/// Refuses an answer to another request than `id`.
+fn of_request(said: &Said, line: &[u8], id: u64) -> Result<(), Wrong> {
+    match &said.id {
+        Some(found) if *found == id => Ok(()),
+        Some(found) => wrong(&format!("the answer to request {id}"), &format!("`\"id\": {}`", quoted(found)), LINES),
+        None => wrong(&format!("`\"id\": {id}`"), &format!("`{}`", start(line)), "answer with the id of the request"),
     }
 }
 
 /// What a program answers to request `id`, for so many samples of `headers`.
 pub(super) fn answered(line: &[u8], id: u64, samples: usize, headers: &[String]) -> Result<Answer, Wrong> {
     let said = said(line)?;
-    match &said.id {
-        Some(found) if *found == id => {}
-        Some(found) => {
-            return wrong(&format!("the answer to request {id}"), &format!("`\"id\": {}`", quoted(found)), LINES);
-        }
-        None => {
-            return wrong(
-                &format!("`\"id\": {id}`"),
-                &format!("`{}`", start(line)),
-                "answer with the id of the request",
-            );
-        }
+    of_request(&said, line, id)?;
+    if said.values.is_none() && said.error.as_ref().is_none_or(Json::is_null) {
+        return wrong("`values` or `error`", &format!("`{}`", start(line)), NUMBERS);
     }
-    if let Some(error) = said.error.filter(|error| !error.is_null()) {
-        let text = error.as_str().map_or_else(|| quoted(&error), printable);
-        return Ok(Answer::Refused(if text.is_empty() { "it does not say why".into() } else { text }));
+    SaidOne { values: said.values, error: said.error }.answer(samples, headers)
+}
+
+/// What a program answers to batch `id` of rollouts with so many samples of `headers` each.
+pub(super) fn all_answered(line: &[u8], id: u64, samples: &[usize], headers: &[String]) -> Result<Vec<Answer>, Wrong> {
+    const EACH: &str = "answer a `batch` with `answers`, one for each of its rollouts, in their order";
+    let said = said(line)?;
+    of_request(&said, line, id)?;
+    let Some(answers) = said.answers else {
+        return wrong("`answers`", &format!("`{}`", start(line)), EACH);
+    };
+    if answers.len() != samples.len() {
+        return wrong(&format!("{} answers", samples.len()), &answers.len().to_string(), EACH);
     }
-    match said.values {
-        Some(rows) => numbers(&rows, samples, headers).map(Answer::Values),
-        None => wrong("`values` or `error`", &format!("`{}`", start(line)), NUMBERS),
+    let each = answers.into_iter().zip(samples).enumerate();
+    each.map(|(i, (one, samples))| {
+        let place =
+            |wrong: Wrong| Wrong { message: format!("answer {} of the batch: {}", i + 1, wrong.message), ..wrong };
+        one.answer(*samples, headers).map_err(place)
+    })
+    .collect()
+}
+
+/// What a program answers to request `id`, which asks for nothing.
+pub(super) fn noted(line: &[u8], id: u64) -> Result<(), Wrong> {
+    let said = said(line)?;
+    of_request(&said, line, id)?;
+    match said.error.filter(|error| !error.is_null()) {
+        Some(error) => {
+            wrong(&format!("`{{\"id\":{id}}}`"), &format!("the error {}", quoted(&error)), "see what it says")
+        }
+        None => Ok(()),
     }
 }
 
-fn said(line: &[u8]) -> Result<Said, Wrong> {
+pub(super) fn said(line: &[u8]) -> Result<Said, Wrong> {
     let Ok(text) = std::str::from_utf8(line) else {
         return wrong("text in UTF-8", &format!("`{}`", start(line)), LINES);
     };
@@ -203,13 +307,13 @@ fn numbers(rows: &[Vec<Option<f64>>], samples: usize, headers: &[String]) -> Res
 }
 
 /// The beginning of a line for users.
-fn start(line: &[u8]) -> String {
+pub(super) fn start(line: &[u8]) -> String {
     const SHOWN: usize = 200;
     let cut = &line[..line.len().min(4 * SHOWN)];
     printable(&String::from_utf8_lossy(cut).chars().take(SHOWN).collect::<String>())
 }
 
-fn quoted(value: &Json) -> String {
+pub(super) fn quoted(value: &Json) -> String {
     value
         .as_str()
         .map_or_else(|| start(value.to_string().as_bytes()), |text| format!("\u{201c}{}\u{201d}", printable(text)))
@@ -270,17 +374,22 @@ mod tests {
     }
 
     #[test]
-    fn a_greeting_names_the_version() {
-        assert!(greeted(br#"{"tunenet":1,"name":"bouncer"}"#).is_ok());
+    fn a_batch_has_an_answer_for_each_of_its_rollouts() {
+        let headers = ["angle_rad".to_owned()];
+        let all = |line: &str| all_answered(line.as_bytes(), 3, &[1, 2], &headers).map_err(|wrong| wrong.message);
+        let found = all(r#"{"id":3,"answers":[{"error":"short"},{"values":[[1],[2]]}]}"#).unwrap();
+        assert_eq!(found, [Answer::Refused("short".into()), Answer::Values(vec![1.0, 2.0])]);
         for (line, expected) in [
-            (r#"{"tunenet":2}"#, "expected protocol 1, found 2"),
-            (r#"{"hello":1}"#, "found `{\"hello\":1}`"),
-            (r#"{"error":"no mesh"}"#, "the error \u{201c}no mesh\u{201d}"),
-            ("Traceback", "found `Traceback`"),
+            (r#"{"id":3,"answers":[{"values":[[1]]}]}"#, "expected 2 answers, found 1"),
+            (r#"{"id":3,"values":[[1]]}"#, "expected `answers`"),
+            (r#"{"id":3,"answers":[{"values":[[1]]},{}]}"#, "answer 2 of the batch: expected `values` or `error`"),
+            (r#"{"id":3,"answers":[{"values":[[1]]},{"values":[[1]]}]}"#, "answer 2 of the batch: expected 2 rows"),
+            (r#"{"id":2,"answers":[]}"#, "expected the answer to request 3"),
         ] {
-            let message = greeted(line.as_bytes()).unwrap_err().message;
-            assert!(message.contains(expected), "{message}");
+            let message = all(line).unwrap_err();
+            assert!(message.contains(expected), "{line}: {message}");
         }
+        assert!(noted(br#"{"id":3}"#, 3).is_ok() && noted(br#"{"id":3,"error":"full"}"#, 3).is_err());
     }
 
     /// Text that begins as an answer does and then goes anywhere.
@@ -325,7 +434,7 @@ mod tests {
         #[test]
         fn any_line_is_an_answer_or_a_sentence(line in nearly(), width in 1..3_usize) {
             let headers: Vec<String> = ["a_m", "b_m"][..width].iter().map(|h| (*h).to_owned()).collect();
-            for parsed in [answered(&line, 3, 2, &headers), greeted(&line).map(|()| Answer::Values(vec![0.0; 2 * width]))] {
+            for parsed in [answered(&line, 3, 2, &headers), noted(&line, 3).map(|()| Answer::Values(vec![0.0; 2 * width]))] {
                 match parsed {
                     Ok(Answer::Values(values)) => {
                         prop_assert!(values.len() == 2 * width && values.iter().all(|v| v.is_finite()));

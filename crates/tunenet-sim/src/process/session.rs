@@ -3,6 +3,7 @@
 //! A simulation file is a plain value. What happens when its program runs is kept here, by the caller.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use tunenet_core::Origin;
@@ -49,6 +50,7 @@ pub struct Session {
     failure: Arc<Mutex<Option<Failed>>>,
     running: Arc<Mutex<Vec<Weak<Pool>>>>,
     tally: Arc<Tally>,
+    rechecks: Arc<AtomicU64>,
 }
 
 /// Why a program cannot continue.
@@ -128,10 +130,21 @@ impl Session {
     /// counts for all of them.
     #[must_use]
     pub fn counted_separately(&self) -> Self {
-        Self { tally: Arc::default(), ..self.clone() }
+        Self { tally: Arc::default(), rechecks: Arc::default(), ..self.clone() }
     }
 
-    /// Number of rollouts that programs were asked for, without those that only check the programs.
+    /// Number of rollouts that only checked programs: asked for again, or in another copy.
+    #[must_use]
+    pub fn rechecks(&self) -> u64 {
+        self.rechecks.load(Ordering::Relaxed)
+    }
+
+    /// Where these are counted.
+    pub(super) fn rechecked(&self) -> Arc<AtomicU64> {
+        Arc::clone(&self.rechecks)
+    }
+
+    /// Number of rollouts that programs simulated, without those that only check the programs. Equal ones are simulated once.
     #[must_use]
     pub fn rollouts(&self) -> u64 {
         self.tally.rollouts()

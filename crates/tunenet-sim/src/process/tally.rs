@@ -43,7 +43,9 @@ impl Place {
     fn of(parameters: &[Parameter], values: &[f64], what: &str) -> Self {
         let each = || parameters.iter().zip(values);
         let distance = each().map(|(p, v)| ((v - p.value) / p.span()).powi(2)).sum::<f64>().sqrt();
-        let at = each().map(|(p, v)| format!("{}={v}", p.name)).collect::<Vec<_>>().join(" ");
+        // Coefficients have both names, and matter where their effect is there.
+        let shown = each().filter(|(p, v)| !p.name.contains('.') || p.value != **v);
+        let at = shown.map(|(p, v)| format!("{}={v}", p.name)).collect::<Vec<_>>().join(" ");
         Self { distance, values: values.to_vec(), at, what: what.to_owned() }
     }
 

@@ -5,6 +5,7 @@
 
 mod arm;
 mod ball;
+mod declared;
 mod process;
 mod shot;
 
@@ -12,6 +13,9 @@ use serde::Deserialize;
 
 pub use arm::{ArmBody, ArmScene, ArmWorld, Motion, MotionKind};
 pub use ball::{BallBody, BallParameters, BallScene, BallWorld, Medium, Release, Surface};
+pub use declared::{
+    Candidate, CandidateCoefficient, Candidates, First, Hold, Input, Inputs, Start, StartValue, Starts,
+};
 pub use process::{Process, ProcessScene};
 pub use shot::{ArmTask, Plane, Task, TaskHoop, TaskKind, TaskRelease};
 

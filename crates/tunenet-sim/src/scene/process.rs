@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
-use super::Record;
+use super::{Candidates, Inputs, Record, Starts};
 
 /// A program that simulates.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -14,6 +14,15 @@ pub struct ProcessScene {
     /// What is written of it.
     #[serde(default)]
     pub record: Record,
+    /// What drives the thing.
+    #[serde(default)]
+    pub inputs: Inputs,
+    /// Where its states start.
+    #[serde(default)]
+    pub start: Starts,
+    /// Effects that it may lack.
+    #[serde(default)]
+    pub candidates: Candidates,
 }
 
 /// A program, and how to speak with it.

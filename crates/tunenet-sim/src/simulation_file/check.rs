@@ -7,8 +7,8 @@ use toml_edit::{Item, Table, TableLike};
 use tunenet_formats::{Error, Result};
 
 use super::domain::Domain;
-use super::process_schema;
 use super::schema::{Key, PARAMETER_KEYS, item_number, lookup};
+use super::{declared_schema, process_schema};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing. What it describes comes back.
 pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> {
@@ -129,7 +129,8 @@ impl Vocabulary for Domain {
     fn has_table(&self, path: &str) -> bool {
         let inside = format!("{path}.");
         let parameter = path.strip_prefix("parameters.").is_some_and(|name| self.has_parameter(name));
-        path == "parameters" || parameter || self.keys().any(|k| k.path.starts_with(&inside))
+        let declared = self.declares() && declared_schema::has_table(path);
+        path == "parameters" || parameter || declared || self.keys().any(|k| k.path.starts_with(&inside))
     }
 
     fn siblings(&self, path: &str) -> Vec<String> {

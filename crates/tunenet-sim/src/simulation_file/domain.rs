@@ -2,8 +2,9 @@
 
 use super::arm_effects::ARM_EFFECT_KEYS;
 use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
-use super::process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS, SETTING, is_name};
-use super::schema::{BALL_KEYS, Definition, EFFECT_KEYS, Key, PARAMETER_KEYS};
+use super::declared_schema;
+use super::process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS, SETTING};
+use super::schema::{BALL_KEYS, Definition, EFFECT_KEYS, Key, PARAMETER_KEYS, is_name};
 use crate::scene::BallParameters;
 
 /// What a simulation file describes.
@@ -92,6 +93,12 @@ impl Domain {
         self.parameter(name).is_some() || self == Self::Process && is_name(name)
     }
 
+    /// Whether a file declares inputs, starts and candidates itself.
+    #[must_use]
+    pub fn declares(self) -> bool {
+        self == Self::Process
+    }
+
     /// The key at `path`, parameters included.
     #[must_use]
     pub fn find(self, path: &str) -> Option<Key> {
@@ -105,7 +112,8 @@ impl Domain {
         if self == Self::Process && path.starts_with("settings.") {
             return Some(SETTING);
         }
-        self.keys().find(|k| k.path == path).cloned()
+        let known = self.keys().find(|k| k.path == path).cloned();
+        known.or_else(|| self.declares().then(|| declared_schema::find(path))?)
     }
 
     /// The keys that could have been meant instead of `path`: those of its table, or all tables.
@@ -126,6 +134,10 @@ impl Domain {
                 parameters()
             };
         }
+        let declared = if self.declares() { declared_schema::siblings(table) } else { Vec::new() };
+        if !declared.is_empty() {
+            return declared;
+        }
         // Of an effect's table the coefficients; of an unknown effect, the effects.
         let inside = format!("{table}.");
         let within = |k: &&Key| !table.is_empty() && k.path.starts_with(&inside);
@@ -139,6 +151,7 @@ impl Domain {
             self.keys().filter(|k| depth == 1 || k.path.starts_with("effects.")).map(head).collect();
         if depth == 1 {
             near.extend((self == Self::Process).then(|| "settings".to_string()));
+            near.extend(self.declares().then(declared_schema::heads).into_iter().flatten());
             near.extend(["parameters".to_string(), "provenance".to_string()]);
         }
         near.dedup();

@@ -6,7 +6,7 @@ use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Coefficient, measurement_effects};
 use tunenet_formats::Result;
 
-use super::schema::item_number;
+use super::schema::{Shape, item_number};
 use super::{SimulationFile, table};
 use crate::ball::effects::BallEffect;
 
@@ -33,12 +33,25 @@ impl SimulationFile {
     pub fn effects(&self) -> Vec<PresentEffect> {
         let Some(all) = self.item("effects").and_then(Item::as_table_like) else { return Vec::new() };
         let each = all.iter().filter_map(|(name, item)| {
-            let (table, known) = (item.as_table_like()?, coefficients(name)?);
-            let value = |c: &Coefficient| table.get(&c.key).and_then(item_number).unwrap_or(c.absent);
+            let table = item.as_table_like()?;
+            let value = |key: &str, absent: f64| table.get(key).and_then(item_number).unwrap_or(absent);
+            let values = match self.candidate(name) {
+                Some(declared) => declared.coefficients.iter().map(|(key, c)| value(key, c.absent)).collect(),
+                None => coefficients(name)?.iter().map(|c| value(&c.key, c.absent)).collect(),
+            };
             let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(false);
-            Some(PresentEffect { name: name.into(), values: known.iter().map(value).collect(), tune })
+            Some(PresentEffect { name: name.into(), values, tune })
         });
         each.filter(|e| !e.values.is_empty()).collect()
+    }
+
+    /// What a coefficient may be: of a declared candidate as declared, of another effect as the catalogue has it.
+    fn coefficient_shape(&self, effect: &str, key: &str) -> Option<Shape> {
+        if let Some(declared) = self.candidate(effect) {
+            return declared.coefficients.get(key).map(|c| Shape::Number(c.min, c.max));
+        }
+        let path = format!("effects.{effect}.{key}");
+        self.domain().keys().find(|known| known.path == path).map(|known| known.shape)
     }
 
     /// Whether `tune` may change the coefficients of an effect.
@@ -71,11 +84,11 @@ impl SimulationFile {
             let refuse = |expected: String, found: String| {
                 Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "effects", expected, found }.into())
             };
-            let Some(known) = self.domain().find(&path) else {
+            let Some(shape) = self.coefficient_shape(name, key) else {
                 return refuse(format!("one of {}", self.domain().siblings(&path).join(", ")), format!("`{path}`"));
             };
-            if !known.shape.accepts(&(*value).into()) {
-                return refuse(format!("{} for `{path}`", known.shape.expected()), value.to_string());
+            if !shape.accepts(&(*value).into()) {
+                return refuse(format!("{} for `{path}`", shape.expected()), value.to_string());
             }
         }
         let one = table(table(self.document.root_mut(), "effects", true), name, false);

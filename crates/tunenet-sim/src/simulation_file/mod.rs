@@ -3,7 +3,10 @@
 
 mod arm_effects;
 mod arm_schema;
+mod assignment;
 pub(crate) mod check;
+mod declared;
+pub(crate) mod declared_schema;
 mod document;
 mod domain;
 mod effects;
@@ -15,14 +18,14 @@ mod template;
 use std::path::{Path, PathBuf};
 
 use toml_edit::de::from_document;
-use toml_edit::{Item, Table, Value};
-use tunenet_core::Origin;
+use toml_edit::{Item, Value};
 use tunenet_core::simulator::Parameter;
 use tunenet_formats::{Error, Result};
 use tunenet_formats::{read_text, refuse_markup};
 
 pub use arm_effects::{ARM_EFFECT_KEYS, PresentArmEffect};
 pub use arm_schema::ARM_KEYS;
+pub use declared_schema::{CANDIDATE_KEYS, COEFFICIENT_KEYS, INPUT_KEYS, START_KEYS};
 use document::{Document, table};
 pub use domain::Domain;
 pub use effects::PresentEffect;
@@ -91,57 +94,6 @@ impl SimulationFile {
         let scene = scene(domain, &document)
             .map_err(|e| Error::file(path, e.message(), "see docs/files.md for the keys and their values"))?;
         Ok(Self { path: path.to_path_buf(), document, scene })
-    }
-
-    /// Overrides one key, as `--set TABLE.KEY=VALUE` does.
-    ///
-    /// # Errors
-    /// [`Setting`](tunenet_core::Error::Setting) where the text is not of that form, the key is unknown, or the value
-    /// does not fit it.
-    pub fn set(&mut self, assignment: &str) -> Result<()> {
-        let refuse = |expected: String, found: String| {
-            Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "--set", expected, found }.into())
-        };
-        let Some((path, text)) = assignment.split_once('=') else {
-            return refuse("TABLE.KEY=VALUE".into(), format!("`{assignment}`"));
-        };
-        let (path, text) = (path.trim(), text.trim());
-        let Some(key) = self.domain().find(path) else {
-            let known = self.domain().siblings(path).join(", ");
-            return refuse(format!("a key of a simulation file ({known})"), format!("`{path}`"));
-        };
-        let value: Value = text.parse().unwrap_or_else(|_| number(text).map_or_else(|| Value::from(text), Value::from));
-        if !key.shape.accepts(&value) {
-            return refuse(format!("{} for `{path}`", key.shape.expected()), format!("`{text}`"));
-        }
-        if let (Domain::Process, ["parameters", name, ..]) = (self.domain(), &*path.split('.').collect::<Vec<_>>()) {
-            let known = check::names(Domain::Process, self.document.root());
-            if !known.contains(name) {
-                return refuse(format!("a parameter of the file ({})", known.join(", ")), format!("`{name}`"));
-            }
-        }
-        let mut table = self.document.root_mut();
-        let parts: Vec<&str> = path.split('.').collect();
-        for part in &parts[..parts.len() - 1] {
-            let item = table.entry(part).or_insert_with(|| Item::Table(Table::new()));
-            let Some(inner) = item.as_table_mut() else {
-                return refuse(format!("`{part}` as a [table]"), "something else in the file".into());
-            };
-            table = inner;
-        }
-        table[parts[parts.len() - 1]] = Item::Value(value);
-        if let (Domain::Arm, ["parameters", name, "value"]) = (self.domain(), parts.as_slice()) {
-            // Who says a value knows it: what an earlier tuning was sure of it is another value's.
-            self.document.remove(&format!("provenance.interval95.{name}"));
-        }
-        if let Some((path, _, expected, found)) = check::contradiction(self.domain(), self.document.root()) {
-            return refuse(format!("{expected} for `{path}`"), found);
-        }
-        match scene(self.domain(), &self.document) {
-            Ok(scene) => self.scene = scene,
-            Err(e) => return refuse(format!("a value that fits `{path}`"), e.message().to_owned()),
-        }
-        Ok(())
     }
 
     /// Leaves these to the data, as if the file had left them out; of files of other kinds nothing.
@@ -400,7 +352,7 @@ mod tests {
                     Shape::List(..) => "[1.0, 2.0]".into(),
                     Shape::Word(words) => format!("{:?}", words.last().unwrap_or(&"word")),
                     Shape::Texts => "[\"a_m\"]".into(),
-                    Shape::Flag | Shape::Anything => continue,
+                    Shape::Flag | Shape::Anything | Shape::Names | Shape::NumberOrWord(..) => continue,
                 };
                 let before = file.scene().clone();
                 file.set(&format!("{}={value}", key.path)).unwrap();

@@ -8,15 +8,14 @@ use toml_edit::{Item, Table, Value};
 use tunenet_core::observation::{Channel, Kind};
 use tunenet_core::simulator::measurement_effects;
 
-use super::schema::{Definition, Key, Shape, key, lookup};
+use super::declared_schema;
+use super::schema::{Definition, Key, LONGEST_NAME, Shape, key, lookup, texts};
 
 const LONGEST_S: f64 = 86_400.0;
 /// Most programs that run at a time, independent of the file.
 const MOST_WORKERS: i64 = 1024;
 /// Most channels: a line of an answer has as many numbers for every sample.
 const MOST_CHANNELS: usize = 256;
-/// Most characters of a parameter's name or unit.
-const LONGEST_NAME: usize = 64;
 
 /// The keys of a program's file besides its effects, its settings, its parameters and its provenance.
 pub const PROCESS_KEYS: &[Key] = &[
@@ -101,17 +100,6 @@ pub(super) const SAMPLES: &[Definition] = &[
     },
 ];
 
-/// Whether a parameter of a program may be called so: letters, digits and `_`, with no digit in front.
-pub(super) fn is_name(name: &str) -> bool {
-    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    plain && !name.is_empty() && name.len() <= LONGEST_NAME && !name.starts_with(|c: char| c.is_ascii_digit())
-}
-
-/// The texts of a list.
-fn texts(item: &Item) -> Vec<&str> {
-    item.as_array().map_or_else(Vec::new, |all| all.iter().filter_map(Value::as_str).collect())
-}
-
 /// The first thing that no key alone shows to be wrong: its path, its place, what is expected and what is found.
 pub(super) fn contradiction(root: &Table) -> Option<(String, Range<usize>, String, String)> {
     let at = |path: &str| lookup(root, path);
@@ -153,7 +141,8 @@ pub(super) fn contradiction(root: &Table) -> Option<(String, Range<usize>, Strin
         }
     }
     let settings = at("settings").filter(|item| !item.is_none());
-    settings.and_then(unsayable).and_then(|found| wrong("settings", "what JSON can say", found))
+    let unsaid = settings.and_then(unsayable).and_then(|found| wrong("settings", "what JSON can say", found));
+    unsaid.or_else(|| declared_schema::contradiction(root))
 }
 
 /// Text of a stranger's file for a message: no control characters, and no more than a line.

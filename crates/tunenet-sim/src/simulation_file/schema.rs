@@ -22,10 +22,14 @@ pub enum Shape {
     List(f64, f64),
     /// One of these words; any where there are none.
     Word(&'static [&'static str]),
+    /// A number within bounds, both included, or this word.
+    NumberOrWord(f64, f64, &'static str),
     /// `true` or `false`.
     Flag,
     /// Texts in a list, at least one.
     Texts,
+    /// Texts in a list, which may be empty.
+    Names,
     /// Anything that TOML can hold.
     Anything,
 }
@@ -41,8 +45,10 @@ impl Shape {
             Self::List(min, max) => format!("[numbers], each {}", range(min, max)),
             Self::Word([]) => "a text in quotes".into(),
             Self::Word(words) => words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(" or "),
+            Self::NumberOrWord(min, max, word) => format!("a number {} or \"{word}\"", range(min, max)),
             Self::Flag => "true or false".into(),
             Self::Texts => "[\"text\", …], at least one".into(),
+            Self::Names => "[\"text\", …]".into(),
             Self::Anything => "anything".into(),
         }
     }
@@ -61,8 +67,10 @@ impl Shape {
                 value.as_array().is_some_and(|a| !a.is_empty() && a.iter().all(|v| within(v, min, max)))
             }
             Self::Word(words) => value.as_str().is_some_and(|w| words.is_empty() || words.contains(&w)),
+            Self::NumberOrWord(min, max, word) => within(value, min, max) || value.as_str() == Some(word),
             Self::Flag => value.is_bool(),
             Self::Texts => value.as_array().is_some_and(|a| !a.is_empty() && a.iter().all(Value::is_str)),
+            Self::Names => value.as_array().is_some_and(|a| a.iter().all(Value::is_str)),
             Self::Anything => true,
         }
     }
@@ -94,6 +102,17 @@ pub(crate) fn lookup<'a>(root: &'a Table, path: &str) -> Option<&'a Item> {
         item = item.as_table_like()?.get(part)?;
     }
     Some(item)
+}
+
+/// Whether a parameter of a program may be called so: letters, digits and `_`, with no digit in front.
+pub(super) fn is_name(name: &str) -> bool {
+    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    plain && !name.is_empty() && name.len() <= LONGEST_NAME && !name.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// The texts of a list.
+pub(super) fn texts(item: &Item) -> Vec<&str> {
+    item.as_array().map_or_else(Vec::new, |all| all.iter().filter_map(Value::as_str).collect())
 }
 
 /// One key.
@@ -131,6 +150,8 @@ pub struct Definition {
 pub(super) const GREATEST: f64 = 1e9;
 pub(super) const LEAST: f64 = 1e-6;
 const STEEPEST: f64 = 1.5;
+/// Most characters of a parameter's name or unit.
+pub(super) const LONGEST_NAME: usize = 64;
 
 pub(crate) const fn key(path: &'static str, shape: Shape, required: bool, meaning: &'static str) -> Key {
     Key { path: Cow::Borrowed(path), shape, required, meaning: Cow::Borrowed(meaning) }

@@ -37,10 +37,12 @@ const PROCESS_HEAD: &str = "\
 #
 # It reads a line and answers with a line, until its input ends:
 #
-#   {\"tunenet\": 1, \"channels\": [\"angle_rad\"], \"parameters\": [...], \"settings\": {...}}
-#   {\"tunenet\": 1}
-#   {\"id\": 1, \"parameters\": {\"length\": 1.0, \"damping\": 0.1}, \"times_s\": [0.0, 0.01], \"settings\": {...}}
-#   {\"id\": 1, \"values\": [[0.5], [0.4998]]}
+#   {\"tunenet\": 2, \"channels\": [\"angle_rad\"], \"parameters\": [...], \"effects\": [...], \"inputs\": [...], ...}
+#   {\"tunenet\": 2}
+#   {\"id\": 1, \"recording\": 1, \"start_s\": 0.0, \"inputs\": {\"torque_nm\": {...}}, \"settings\": {...}}
+#   {\"id\": 1}
+#   {\"id\": 2, \"recording\": 1, \"parameters\": {\"length\": 1.0, ...}, \"start\": {...}, \"times_s\": [0.0, 0.01], ...}
+#   {\"id\": 2, \"values\": [[0.5], [0.4998]]}
 #
 # A line `# key = value` is optional: remove the `#` to use it, and the one before its [table] if there is one. Above
 # each key are its meaning, unit and range.
@@ -114,9 +116,29 @@ pub fn template(domain: Domain) -> String {
 /// What is shown of the settings of a program, which have no keys of ours.
 const SETTINGS: &str = "
 [settings]
-# Other values for the program. They are passed to it unchanged, with every request.
-gravity_m_s2 = 9.81
-start_rad = 0.5
+# Other values for the program. They are passed to it unchanged, with every recording.
+mass_kg = 0.5
+
+[inputs.torque_nm]
+# What drives it: a column of every recording, by its name with unit. Without `default` every recording has to have it.
+default = 0.0
+
+[start.angle_rad]
+# A state at the first stamp of a recording: a number or \"first\", the first sample of the channel of that name. With a
+# standard deviation or bounds it is estimated.
+value = 0.5
+sd = 0.05
+
+[candidates.dry_friction]
+# An effect that `diagnose` may find missing, and each of its numbers.
+sentence = \"the hinge rubs with a constant torque\"
+acts = \"joint\"
+
+[candidates.dry_friction.coefficients.rad_s2]
+unit = \"rad/s²\"
+min = 0.0
+max = 5.0
+typical = 0.05
 ";
 
 /// The parameters that are written: all that there are, or, where a file names its own, some to start from.
@@ -164,8 +186,10 @@ fn value_of(shape: Shape, path: &str) -> String {
         Shape::Numbers(count, min, max) => format!("[{}]", vec![nearest(min, max); count].join(", ")),
         Shape::List(min, max) => format!("[{}]", nearest(min, max)),
         Shape::Word(words) => format!("\"{}\"", words.first().unwrap_or(&path)),
+        Shape::NumberOrWord(_, _, word) => format!("\"{word}\""),
         Shape::Flag => "false".into(),
         Shape::Texts => format!("[\"{path}\"]"),
+        Shape::Names => "[]".into(),
         Shape::Anything => "0".into(),
     }
 }

@@ -4,13 +4,12 @@ use anyhow::{Context, Result};
 use tunenet_core::observation::{Kind, Note};
 use tunenet_core::simulator::Simulator;
 use tunenet_formats::{Error, kind_name};
+use tunenet_sim::SimulationFile;
 use tunenet_sim::replayed_arm::replays;
-use tunenet_sim::simulator;
 
-use super::scene::{in_scene, same_scene};
 use crate::answers::diagnose::{Loaded, Object, Recorded};
 use crate::args::Diagnose;
-use crate::commands::load;
+use crate::commands::load::{self, Setups};
 use crate::files::manifest::Source;
 use crate::files::{hash, names};
 
@@ -20,37 +19,60 @@ const MOST_SAMPLES: usize = 4_000;
 pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
     let (mut recorded, mut notes): (Vec<Recorded>, Vec<Note>) = (Vec::new(), Vec::new());
     let (file, _) = load::simulation_with(&options.simulation, options.permission)?;
-    for source in sources {
+    let objects = grouped(options, sources, &file)?;
+    for (i, source) in sources.iter().enumerate() {
         let name = names::file_name(&source.path);
+        let (object, place) = place(&objects, i);
+        let setups = &objects[object].setups;
         // A video's scale goes by what its own entry says of the ball.
-        let scene = in_scene(options, source, &file)?;
-        let recording = load::recording_of(&scene, &source.path, &options.reading, MOST_SAMPLES)?;
-        if let (Some(manifest), Some(_), false) = (&options.manifest, &source.reference, replays(&scene)) {
+        let scene = setups.file(place);
+        let recording = load::recording_of(scene, setups.number(place), &source.path, &options.reading, MOST_SAMPLES)?;
+        if let (Some(manifest), Some(_), false) = (&options.manifest, &source.reference, replays(scene)) {
             let message =
                 "expected no `reference`, which only an arm's logs have (`motion.kind = \"replay\"`), found one";
             return Err(Error::file(manifest, message, "leave it out").into());
         }
-        let recording = load::attach_reference(&scene, recording, source.reference.as_deref(), &options.reading)?;
+        let recording = load::attach_reference(scene, recording, source.reference.as_deref(), &options.reading)?;
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
         let (hash, held_out, seen) = (hash::sha256(&source.path)?, source.held_out, recording.observation);
         let reference = source.reference.as_deref().map(hash::fingerprint).transpose()?;
-        recorded.push(Recorded { name, hash, object: 0, held_out, seen, reference });
+        recorded.push(Recorded { name, hash, object, held_out, seen, reference });
     }
     notes.extend(load::lacks(&file)?);
     let kind = one_kind(sources, &recorded)?;
-    let mut objects: Vec<Object> = Vec::new();
-    for (source, recorded) in sources.iter().zip(&mut recorded) {
-        let known = objects.iter().position(|o| o.name == source.object);
-        if let Some(at) = known {
-            same_scene(options, source, &objects[at])?;
-        } else {
-            objects.push(object(options, source, kind)?);
-        }
-        recorded.object = known.unwrap_or(objects.len() - 1);
-    }
+    let objects = objects.iter().map(|group| object(options, sources, group, kind)).collect::<Result<_>>()?;
     Ok(Loaded { objects, recorded, notes })
+}
+
+/// The recordings of one object, by their positions among all, and their setups.
+struct Group {
+    recordings: Vec<usize>,
+    setups: Setups,
+}
+
+/// The objects in the order in which they are met.
+fn grouped(options: &Diagnose, sources: &[Source], file: &SimulationFile) -> Result<Vec<Group>> {
+    let mut all: Vec<Vec<usize>> = Vec::new();
+    for (i, source) in sources.iter().enumerate() {
+        match all.iter_mut().find(|known| sources[known[0]].object == source.object) {
+            Some(known) => known.push(i),
+            None => all.push(vec![i]),
+        }
+    }
+    let one = |recordings: Vec<usize>| {
+        let entries: Vec<&Source> = recordings.iter().map(|i| &sources[*i]).collect();
+        let setups = Setups::of(options.manifest.as_deref(), file, &entries)?;
+        Ok(Group { recordings, setups })
+    };
+    all.into_iter().map(one).collect()
+}
+
+/// The object of a recording, and which of its recordings it is.
+fn place(objects: &[Group], recording: usize) -> (usize, usize) {
+    let within = |group: &Group| group.recordings.iter().position(|i| *i == recording);
+    objects.iter().enumerate().find_map(|(o, group)| Some((o, within(group)?))).unwrap_or((0, 0))
 }
 
 /// All recordings have to be of one kind.
@@ -62,10 +84,11 @@ fn one_kind(sources: &[Source], recorded: &[Recorded]) -> Result<Kind> {
     Err(Error::file(&sources[other].path, message, "diagnose recordings of each kind separately").into())
 }
 
-fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
-    let (file, session) = load::simulation_with(&options.simulation, options.permission)?;
-    let file = in_scene(options, source, &file)?;
-    let mut simulator = simulator(&file, kind, &session).with_context(|| names::file_name(&source.path))?;
+fn object(options: &Diagnose, sources: &[Source], group: &Group, kind: Kind) -> Result<Object> {
+    let first = &sources[group.recordings[0]];
+    let session = load::session(options.permission);
+    let file = group.setups.common().clone();
+    let mut simulator = group.setups.simulator(kind, &session).with_context(|| names::file_name(&first.path))?;
     // A coefficient that stands there may be wrong, and is tuned with the parameters; else it looks like something missing.
     let present = file.effects();
     let names = present.iter().map(|e| e.name.as_str());
@@ -73,5 +96,5 @@ fn object(options: &Diagnose, source: &Source, kind: Kind) -> Result<Object> {
     if !shown.is_empty() {
         simulator = simulator.with_effects(&shown)?;
     }
-    Ok(Object { name: source.object.clone(), file, session, simulator, scene: source.scene.clone() })
+    Ok(Object { name: first.object.clone(), file, session, simulator })
 }

@@ -7,7 +7,6 @@
 mod improve;
 mod load;
 mod outputs;
-mod scene;
 mod sources;
 
 use std::time::Instant;
@@ -18,6 +17,7 @@ use tunenet_ball::diagnose;
 use tunenet_core::diagnose::{Diagnosis, Settings, Subject};
 use tunenet_core::observation::Note;
 use tunenet_sim::SimulationFile;
+use tunenet_sim::simulation_file::Domain;
 
 use super::each::{Answered, Work};
 use super::refusal::{self, Asked};
@@ -108,6 +108,11 @@ fn ask(loaded: &Loaded, seed: u64) -> Result<Diagnosis> {
         let which = if loaded.objects.len() > 1 { format!("{}: ", object.name) } else { String::new() };
         let notes = object.session.notes().into_iter();
         diagnosis.notes.extend(notes.map(|note| Note { text: format!("{which}{}", note.text), ..note }));
+    }
+    if loaded.objects.iter().any(|object| object.file.domain() == Domain::Process) {
+        // Equal requests were simulated once.
+        let all: u64 = loaded.objects.iter().map(|object| object.session.rollouts()).sum();
+        diagnosis.rollouts = usize::try_from(all).unwrap_or(usize::MAX);
     }
     Ok(diagnosis)
 }

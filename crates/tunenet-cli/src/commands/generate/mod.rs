@@ -17,7 +17,8 @@ use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 
 pub fn run(options: &Gen) -> Result<Exit> {
-    let inputs: Vec<&Path> = options.sim.iter().map(AsRef::as_ref).collect();
+    let given = [&options.sim, &options.inputs, &options.manifest];
+    let inputs: Vec<&Path> = given.into_iter().flatten().map(AsRef::as_ref).collect();
     names::require_ending(&options.out, "--out", &["mcap"])?;
     let out = place(options);
     let output = Output::new(&out, "--out", Product::Dataset);
@@ -25,6 +26,11 @@ pub fn run(options: &Gen) -> Result<Exit> {
     if out.exists() && !out.is_file() {
         let message = "expected a file to write to, found a device";
         return Err(Error::file(&out, message, "choose a name that ends in .mcap").into());
+    }
+    if let (true, false) = (options.inputs.is_some() || options.manifest.is_some(), options.domain == Domain::Process) {
+        let name = if options.inputs.is_some() { "--inputs" } else { "--manifest" };
+        let (expected, found) = ("`gen process` for recorded inputs".into(), "another scene".into());
+        return Err(tunenet_core::Error::Setting { origin: tunenet_core::Origin::Flag, name, expected, found }.into());
     }
     match options.domain {
         Domain::Arm => arm::run(options),

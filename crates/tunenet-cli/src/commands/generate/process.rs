@@ -5,12 +5,13 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use tunenet_core::Origin;
 use tunenet_core::network::{CoveredParameter, DatasetHeader, PairDraw};
-use tunenet_core::simulator::{Parameter, Simulator};
+use tunenet_core::observation::{Channel, Circumstances, Kind};
+use tunenet_core::simulator::{Parameter, Prepared, RolloutResult, Simulator};
 use tunenet_formats::Error;
 use tunenet_formats::dataset::{DatasetWriter, generate};
-use tunenet_sim::{SimulationFile, observed, simulation_file};
+use tunenet_sim::{SimulationFile, simulation_file};
 
-use super::super::load;
+use super::super::load::{self, Driven};
 use super::super::refusal::{self, Asked};
 use super::write::{made, place};
 use crate::args::{Gen, Pairs};
@@ -38,7 +39,9 @@ pub fn run(options: &Gen) -> Result<Exit> {
     }
     load::of_kind(&file, simulation_file::Domain::Process)?;
     let session = load::session(options.permission);
-    let program = observed::simulator(&file, tunenet_core::observation::Kind::Other, &session)?;
+    let driven = Driven::of(&file, options.inputs.as_deref(), options.manifest.as_deref())?;
+    let inner = driven.setups.simulator(Kind::Other, &session)?;
+    let program = UnderRecordings { recordings: driven.prepared(&inner)?, inner };
     if !program.parameters().iter().any(|p| p.tune) {
         let message = "expected at least one parameter with `tune = true`, found none";
         return Err(Error::file(path, message, "pairs differ in what is tuned").into());
@@ -57,15 +60,16 @@ pub fn run(options: &Gen) -> Result<Exit> {
         parameters: program.parameters().iter().map(covered).collect(),
         channels: program.channels().to_vec(),
         target_channels: Vec::new(),
-        clock: file.record().clock(),
+        clock: program.recordings[0].seen.clock().to_vec(),
         scene: file.text(),
     };
-    let draw = |_: u64, random: &mut ChaCha8Rng| {
+    let draw = |number: u64, random: &mut ChaCha8Rng| {
         let mut values = || {
             let one = |p: &Parameter| if p.tune { random.random_range(p.min..=p.max) } else { p.value };
             program.parameters().iter().map(one).collect::<Vec<f64>>()
         };
-        PairDraw { proposed: values(), target: values(), own: Vec::new(), scale: None }
+        let own = vec![(number % program.recordings.len() as u64) as f64];
+        PairDraw { proposed: values(), target: values(), own, scale: None }
     };
     let out = place(options);
     made(options, &header, |report| {
@@ -85,4 +89,29 @@ pub fn run(options: &Gen) -> Result<Exit> {
             refused.unwrap_or(error)
         })
     })
+}
+
+/// A program whose rollouts are driven as recordings were: the one nuisance parameter is the number of the recording.
+struct UnderRecordings {
+    inner: Box<dyn Simulator>,
+    recordings: Vec<Prepared>,
+}
+
+impl Simulator for UnderRecordings {
+    fn parameters(&self) -> &[Parameter] {
+        self.inner.parameters()
+    }
+
+    fn channels(&self) -> &[Channel] {
+        self.inner.channels()
+    }
+
+    fn rollout(&self, parameters: &[f64], recording: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
+        let is = |(i, _): &(usize, &Prepared)| Some(&(*i as f64)) == recording.first();
+        let numbered = self.recordings.iter().enumerate().find(is).map(|(_, recording)| recording);
+        let recording = numbered.unwrap_or(&self.recordings[0]);
+        let bare = Circumstances::default();
+        let known = recording.circumstances.as_deref().unwrap_or(&bare);
+        self.inner.rollout_driven(parameters, &recording.nuisance_values(), known, clock, values)
+    }
 }

@@ -3,19 +3,21 @@
 use std::path::Path;
 
 use tunenet_formats::Log;
+use tunenet_sim::SimulationFile;
 
-use super::{Found, Standing, recording};
+use super::reading::recording;
+use super::{Found, Standing};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
 use crate::failure::sentence;
 use crate::view::answer::Printout;
 use crate::view::inspect::{joints, log, motion as render};
 
-pub fn look(found: &Log, path: &Path, options: &Inspect, shown: &mut Printout) -> Found {
+pub fn look(found: &Log, path: &Path, options: &Inspect, sim: Option<&SimulationFile>, shown: &mut Printout) -> Found {
     log::contents(found, shown);
     let usable = found.topics.iter().filter(|t| t.usable.is_ok()).count();
     let chosen = usable == 1 || options.reading.topic.is_some();
-    let read = (chosen && found.ended.is_none()).then(|| recording(path, options));
+    let read = (chosen && found.ended.is_none()).then(|| recording(path, options, sim));
     let refused = read.as_ref().and_then(|read| read.as_ref().err()).map(refusal);
     let read = read.and_then(Result::ok);
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());

@@ -1,6 +1,8 @@
 //! `tunenet inspect`.
 
 mod log;
+mod manifest;
+mod reading;
 mod settings;
 mod several;
 mod table;
@@ -12,20 +14,21 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_formats::dataset::DatasetReader;
 use tunenet_formats::load_model;
-use tunenet_formats::{Contents, ReadOptions, Recording, contents_with};
-use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{SimulationFile, process};
+use tunenet_formats::{Contents, contents_with};
+use tunenet_sim::SimulationFile;
 
-use super::load;
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
 use crate::failure::Exit;
 use crate::files::names;
 use crate::files::videos::is_video;
 use crate::view::answer::Printout;
-use crate::view::inspect::learned;
+use crate::view::inspect::{declared, learned};
 
 pub fn run(options: &Inspect) -> Result<Exit> {
+    if let Some(manifest) = &options.manifest {
+        return manifest::run(options, manifest);
+    }
     if let [path] = options.files.as_slice() {
         let mut shown = Printout::default();
         let found = look(path, options, &mut shown)?;
@@ -63,6 +66,12 @@ impl Standing {
 }
 
 fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
+    let sim = options.sim.as_deref().map(SimulationFile::read).transpose()?;
+    look_in(path, options, sim.as_ref(), shown)
+}
+
+/// The same, with the channels and inputs of a simulation file.
+fn look_in(path: &Path, options: &Inspect, sim: Option<&SimulationFile>, shown: &mut Printout) -> Result<Found> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     let plain = |object: Value, standing: Standing| Found { object, standing, motion: None };
     let mut found = match extension.as_str() {
@@ -72,8 +81,8 @@ fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
             let (object, standing) = video::look(path, options.reading.camera_rate, shown)?;
             plain(object, standing)
         }
-        _ => match contents_with(path, &reading(options)?)? {
-            Contents::Table(found) => table::look(&found, path, options, shown),
+        _ => match contents_with(path, &reading::options(options, sim)?)? {
+            Contents::Table(found) => table::look(&found, path, options, sim, shown),
             // What `gen` writes is a log too, though none of measurements.
             Contents::Log(found) => match DatasetReader::open(path).or_else(|_| DatasetReader::open_shard(path)) {
                 Ok(reader) => {
@@ -84,31 +93,16 @@ fn look(path: &Path, options: &Inspect, shown: &mut Printout) -> Result<Found> {
                     let standing = if whole { Standing::Usable } else { Standing::Refused };
                     plain(learned::dataset(&header, shard, broken.as_ref(), shown), standing)
                 }
-                Err(_) => log::look(&found, path, options, shown),
+                Err(_) => log::look(&found, path, options, sim, shown),
             },
         },
     };
+    if let Some(sim) = sim {
+        declared::show(sim, shown);
+        declared::add_to(sim, &mut found.object)?;
+    }
     found.object["schema"] = json!("tunenet.inspect/1");
     found.object["file"] = json!(names::file_name(path));
     found.object["usable"] = json!(found.standing == Standing::Usable);
     Ok(found)
-}
-
-/// How files are read; where a program simulates, by its channels.
-fn reading(options: &Inspect) -> Result<ReadOptions> {
-    let mut reading = load::reading(&options.reading);
-    if let Some(sim) = &options.sim {
-        let file = SimulationFile::read(sim)?;
-        load::of_kind(&file, Domain::Process)?;
-        reading.channels = process::channels(&file)?;
-    }
-    Ok(reading)
-}
-
-/// The recording in a file, as `tune` looks at it.
-fn recording(path: &Path, options: &Inspect) -> Result<Recording> {
-    match &options.sim {
-        Some(sim) => load::of_channels(&SimulationFile::read(sim)?, path, &options.reading, load::MOST_SAMPLES),
-        None => load::recording(path, &options.reading),
-    }
 }

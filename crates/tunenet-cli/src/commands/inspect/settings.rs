@@ -5,13 +5,13 @@ use std::path::Path;
 use anyhow::Result;
 use serde_json::{Value, json};
 use toml_edit::DocumentMut;
-use tunenet_core::observation::Channel;
 use tunenet_formats::read_text;
 use tunenet_sim::shot::Task;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
 use crate::view::answer::Printout;
+use crate::view::inspect::declared;
 
 /// Looks into it; what is none of these is refused as a simulation file.
 pub fn look(path: &Path, shown: &mut Printout) -> Result<Value> {
@@ -63,7 +63,8 @@ fn simulation(file: &SimulationFile, shown: &mut Printout) -> Result<Value> {
     });
     if program.is_some() {
         object["command"] = process::words(file).into();
-        object["channels"] = process::channels(file)?.iter().map(Channel::header).collect();
+        declared::show(file, shown);
+        declared::add_to(file, &mut object)?;
     }
     Ok(object)
 }

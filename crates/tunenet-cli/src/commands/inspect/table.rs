@@ -4,19 +4,27 @@ use std::path::Path;
 
 use tunenet_core::observation::Channel;
 use tunenet_formats::Table;
+use tunenet_sim::SimulationFile;
 
-use super::{Found, Standing, recording};
+use super::reading::recording;
+use super::{Found, Standing};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
 use crate::failure::sentence;
 use crate::view::answer::Printout;
 use crate::view::inspect::{joints, motion as render, table};
 
-pub fn look(found: &Table, path: &Path, options: &Inspect, shown: &mut Printout) -> Found {
+pub fn look(
+    found: &Table,
+    path: &Path,
+    options: &Inspect,
+    sim: Option<&SimulationFile>,
+    shown: &mut Printout,
+) -> Found {
     // With `--columns` the file is what the mapping makes of it.
     let mapped = !options.reading.columns.is_empty();
     let readable = if mapped { Ok(()) } else { found.usable.clone().map(|_| ()) };
-    let read = readable.and_then(|()| recording(path, options).map_err(|e| sentence(&e)));
+    let read = readable.and_then(|()| recording(path, options, sim).map_err(|e| sentence(&e)));
     // What reading it as a recording says goes further than what the table alone shows.
     let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
     let motion = read.as_ref().ok().and_then(|r| Motion::of(&r.observation));

@@ -1,8 +1,12 @@
 //! Loading what several commands need.
 
+mod driven;
+pub mod inputs;
 mod joints;
 mod options;
 mod recording;
+mod scene;
+mod setups;
 mod thinned;
 mod video;
 
@@ -15,9 +19,11 @@ use tunenet_sim::{Session, SimulationFile};
 use crate::args::{self, Simulation};
 use crate::files::destination::neighbouring_urdf;
 use crate::files::hash;
+pub use driven::Driven;
 pub use joints::{attach_reference, lacks};
 pub use options::reading;
 pub use recording::{of_channels, recording, recording_of};
+pub use setups::Setups;
 pub use thinned::MOST_SAMPLES;
 
 /// A simulation file with its overrides.

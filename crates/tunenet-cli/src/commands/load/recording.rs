@@ -10,6 +10,7 @@ use tunenet_sim::replayed_arm::replays;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
 
+use super::inputs;
 use super::joints::log;
 use super::options::reading as read_options;
 use super::thinned::{MOST_SAMPLES, at_most};
@@ -23,14 +24,20 @@ pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
     at_most(MOST_SAMPLES, read(path, &read_options(reading))?)
 }
 
-/// A recording of what `file` simulates, from a file of numbers or a video, with at most so many samples.
-pub fn recording_of(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+/// A recording of what `file` simulates in this setup, from a file of numbers or a video, with at most so many samples.
+pub fn recording_of(
+    file: &SimulationFile,
+    setup: usize,
+    path: &Path,
+    reading: &Reading,
+    most: usize,
+) -> Result<Recording> {
     no_manifest(path)?;
     if replays(file) {
         return log(file, path, reading);
     }
     if file.domain() == Domain::Process {
-        return of_channels(file, path, reading, most);
+        return of_channels(file, setup, path, reading, most);
     }
     if !is_video(path) {
         return at_most(most, read(path, &read_options(reading))?);
@@ -54,18 +61,26 @@ fn no_manifest(path: &Path) -> Result<()> {
     let document = read_text(path)?.parse::<DocumentMut>().unwrap_or_default();
     let Some(all) = document.get("observation").and_then(|all| all.as_array_of_tables()) else { return Ok(()) };
     let message = format!("expected a recording, found a manifest of {}", all.len());
-    let hint =
-        "`tunenet diagnose --manifest` takes it; give `tune` its recordings one by one, each with `--observation`";
+    let hint = "give it with `--manifest`";
     Err(Error::file(path, message, hint).into())
 }
 
-/// A series on the channels that the program of `file` predicts; it is not run for that.
-pub fn of_channels(file: &SimulationFile, path: &Path, reading: &Reading, most: usize) -> Result<Recording> {
+/// A series on the channels that the program of `file` predicts, with its inputs and in this setup; the program is not run for that.
+pub fn of_channels(
+    file: &SimulationFile,
+    setup: usize,
+    path: &Path,
+    reading: &Reading,
+    most: usize,
+) -> Result<Recording> {
     if is_video(path) {
         let message = "expected a series on the channels of the simulation, found a video";
         let hint = "`tunenet track` makes a CSV file of a ball's positions in it";
         return Err(Error::file(path, message, hint).into());
     }
-    let options = ReadOptions { channels: process::channels(file)?, ..read_options(reading) };
-    at_most(most, read(path, &options)?)
+    let inputs = inputs::in_recording(file);
+    let options = ReadOptions { channels: process::channels(file)?, inputs, ..read_options(reading) };
+    let recording = read(path, &options)?;
+    // What drives it is kept whole: only what is fitted is thinned.
+    at_most(most, inputs::attach(file, path, recording, setup, &read_options(reading))?)
 }

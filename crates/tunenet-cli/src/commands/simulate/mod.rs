@@ -2,38 +2,53 @@
 
 mod arm;
 mod process;
+mod write;
 
 use std::path::Path;
 
 use anyhow::Result;
-use serde_json::json;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Measured, Simulator, rollout};
-use tunenet_formats::{Error, kind_name, write_csv, write_mcap};
+use tunenet_formats::Error;
 use tunenet_sim::scene::BallScene;
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed};
 
+use self::write::{described, write, write_all};
 use super::load;
 use crate::args::Simulate;
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
-use crate::files::{hash, names};
+use crate::files::names;
 use crate::view::answer::Printout;
-use crate::view::text::stage;
 
 pub fn run(options: &Simulate) -> Result<Exit> {
-    names::require_ending(&options.out, "--out", &["csv", "mcap"])?;
-    let output = Output::new(&options.out, "--out", Product::Unmarked);
-    // What stands there may be the very same; that shows only when it is made.
-    destination::check(std::slice::from_ref(&output), &[&options.simulation.sim], true)?;
+    let inputs = || [Some(options.simulation.sim.as_path()), options.inputs.as_deref(), options.manifest.as_deref()];
+    let inputs: Vec<&Path> = inputs().into_iter().flatten().collect();
+    let output = |path: &Path| Output::new(path, "--out", Product::Unmarked);
+    if options.manifest.is_none() {
+        names::require_ending(&options.out, "--out", &["csv", "mcap"])?;
+        // What stands there may be the very same; that shows only when it is made.
+        destination::check(&[output(&options.out)], &inputs, true)?;
+    }
     let (mut file, session) = load::simulation_with(&options.simulation, options.permission)?;
+    if file.domain() != Domain::Process && inputs.len() > 1 {
+        load::of_kind(&file, Domain::Process)?;
+    }
     let observation = match file.domain() {
         Domain::Arm => arm::simulated(options, &file)?,
-        Domain::Process => process::simulated(options, &file, &session)?,
         Domain::Ball => ball(options, &mut file)?,
+        Domain::Process => {
+            let mut all = process::simulated(options, &file, &session)?;
+            if options.manifest.is_some() {
+                return write_all(options, &inputs, &all);
+            }
+            all.remove(0).1
+        }
     };
-    write(options, &output, &observation)
+    write(options, &options.out, &observation)?;
+    Printout::default().show(options.common.json, || described(&options.out, &observation))?;
+    Ok(Exit::Done)
 }
 
 /// What a ball's recording would hold.
@@ -69,27 +84,4 @@ fn ball(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
         let values = rollout(&seen, &parameters, &nuisances, &clock)?;
         Observation::new(kind, ball.channels().to_vec(), clock, values)?
     })
-}
-
-/// Writes what was simulated, and says so.
-fn write(options: &Simulate, output: &Output, observation: &Observation) -> Result<Exit> {
-    let csv = options.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
-    let write = |to: &Path| if csv { write_csv(observation, to) } else { write_mcap(observation, to) };
-    if options.writing.overwrite || !destination::holds_something(&options.out) {
-        write(&options.out)?;
-    } else {
-        let again = tempfile::NamedTempFile::new()?;
-        write(again.path())?;
-        if hash::sha256(again.path())? != hash::sha256(&options.out)? {
-            return Err(destination::taken(output).into());
-        }
-    }
-    stage("wrote", &format!("{}, {} samples", options.out.display(), observation.len()));
-    Printout::default().show(options.common.json, || {
-        json!({
-            "schema": "tunenet.simulate/1", "file": names::file_name(&options.out), "kind": kind_name(observation.kind()),
-            "samples": observation.len(), "warnings": [],
-        })
-    })?;
-    Ok(Exit::Done)
 }

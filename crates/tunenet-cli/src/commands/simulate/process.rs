@@ -2,28 +2,43 @@
 
 use anyhow::Result;
 use tunenet_core::observation::{Kind, Observation};
-use tunenet_core::simulator::{Measured, Simulator, rollout};
+use tunenet_core::simulator::{Measured, Simulator, predict};
 use tunenet_core::{Error, Origin};
-use tunenet_sim::{ProcessSimulator, Session, SimulationFile, observed};
+use tunenet_sim::{Session, SimulationFile, process};
 
 use super::super::refusal::{self, Asked};
 use crate::args::Simulate;
+use crate::commands::load::{Driven, inputs};
 use crate::files::names;
+use crate::view::text::warn;
 
-/// What a recording of it would hold.
-pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -> Result<Observation> {
+/// What recordings of it would hold, each under the name of the recording that it is driven as.
+pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -> Result<Vec<(String, Observation)>> {
     if options.bounces {
         let (expected, found) = ("`--bounces` with a ball's file only".into(), "a program's".into());
         return Err(Error::Setting { origin: Origin::Flag, name: "--bounces", expected, found }.into());
     }
-    names::require_ending(&options.out, "--out", &["csv"])?;
-    let program = ProcessSimulator::start(file, session)?;
-    let seen = if options.truth { Measured::new(program, &[])? } else { observed::seen(file, program)? };
-    let parameters: Vec<f64> = seen.parameters().iter().map(|p| p.value).collect();
-    let clock = file.record().clock();
-    let values = rollout(&seen, &parameters, &[], &clock);
+    if options.manifest.is_none() {
+        names::require_ending(&options.out, "--out", &["csv"])?;
+    }
+    let driven = Driven::of(file, options.inputs.as_deref(), options.manifest.as_deref())?;
+    driven.recordings.iter().flat_map(|(_, recording)| &recording.notes).for_each(warn);
+    let simulator: Box<dyn Simulator> = if options.truth {
+        Box::new(Measured::new(process::start(file, session)?, &[])?)
+    } else {
+        driven.setups.simulator(Kind::Other, session)?
+    };
+    let parameters: Vec<f64> = simulator.parameters().iter().map(|p| p.value).collect();
+    let prepared = driven.prepared(&simulator)?;
+    let one = |prepared: &tunenet_core::simulator::Prepared| {
+        predict(&simulator, prepared, &parameters, &prepared.nuisance_values(), prepared.seen.clock())
+    };
+    let values: tunenet_core::Result<Vec<Vec<f64>>> = prepared.iter().map(one).collect();
     session.settle()?;
     let values =
         values.map_err(|error| refusal::of_program(file, Asked::Present, &error).unwrap_or_else(|| error.into()))?;
-    Ok(Observation::new(Kind::Other, seen.channels().to_vec(), clock, values)?)
+    let names = driven.recordings.iter().map(|(name, _)| name.clone());
+    let each = names.zip(prepared.iter().zip(values));
+    each.map(|(name, (prepared, values))| Ok((name, inputs::with_columns(file, &prepared.seen.with_values(values)?)?)))
+        .collect()
 }

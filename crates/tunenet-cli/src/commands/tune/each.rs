@@ -14,8 +14,9 @@ use super::read::read;
 use super::{answer, fit};
 use crate::args::Tune;
 use crate::commands::each::{Answered, Work};
-use crate::commands::load;
+use crate::commands::load::{self, Setups};
 use crate::failure::Exit;
+use crate::files::manifest::Source;
 use crate::files::{hash, names};
 use crate::view::html;
 use crate::view::json::tune as tune_json;
@@ -23,7 +24,13 @@ use crate::view::text::stage;
 use crate::view::text::tune::sentence;
 
 /// Fits each recording separately.
-pub fn run(options: &Tune, file: &SimulationFile, session: &Session, model: Option<&Model>) -> Result<Exit> {
+pub fn run(
+    options: &Tune,
+    file: &SimulationFile,
+    session: &Session,
+    model: Option<&Model>,
+    entries: &[Source],
+) -> Result<Exit> {
     if options.out.is_some() {
         let (expected, found) = ("no `--out` with `--each`, which has several results".into(), "both".into());
         return Err(Error::Setting { origin: Origin::Flag, name: "--out", expected, found }.into());
@@ -44,12 +51,18 @@ pub fn run(options: &Tune, file: &SimulationFile, session: &Session, model: Opti
     };
     let (exit, cases) = work.run(&|path, name| {
         let began = Instant::now();
-        let recording = read(path, options, file)?;
+        let entry: Vec<&Source> = entries.iter().filter(|entry| entry.path == path).take(1).collect();
+        let setups = if entry.is_empty() {
+            Setups::alike(file, 1)
+        } else {
+            Setups::of(options.manifest.as_deref(), file, &entry)?
+        };
+        let recording = read(path, options, &setups, 0)?;
         let (outcome, chosen) =
-            fit::tune_to(options, file, session, model, std::slice::from_ref(&recording), &[path.into()])?;
+            fit::tune_to(options, &setups, session, model, std::slice::from_ref(&recording), &[path.into()])?;
         let object = tune_json::object(&outcome, &[names::file_name(path)], &chosen, began.elapsed().as_secs_f64());
         let line = sentence(&outcome);
-        let drawn = || answer(file, session, vec![name.to_owned()], vec![recording], outcome);
+        let drawn = || answer(&setups, session, vec![name.to_owned()], vec![recording], outcome);
         let case = options.report.is_some().then(drawn).transpose()?;
         Ok(Answered { object, line, case })
     })?;
@@ -64,7 +77,7 @@ pub fn run(options: &Tune, file: &SimulationFile, session: &Session, model: Opti
 fn decides(options: &Tune, file: &SimulationFile) -> Result<Value> {
     let hash = |path: &Option<PathBuf>| path.as_deref().map(hash::sha256).transpose();
     Ok(json!({
-        "simulation": file.text(), "urdf": load::urdf_hash(&options.simulation)?,
+        "simulation": file.text(), "manifest": hash(&options.manifest)?, "urdf": load::urdf_hash(&options.simulation)?,
         "reading": format!("{:?}", options.reading), "reference": hash(&options.reference)?,
         "model": hash(&options.model)?, "initial": options.initial, "iterations": options.iterations,
         "clamp": options.clamp, "force": options.force, "seed": options.common.seed,

@@ -10,10 +10,11 @@ use tunenet_core::observation::Kind;
 use tunenet_core::tune::{Outcome, Settings, tune};
 use tunenet_formats::{Error, Recording, kind_name};
 use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{ChosenNetwork, ObservedBall, Session, SimulationFile, observed, simulator};
+use tunenet_sim::{ChosenNetwork, ObservedBall, Session, SimulationFile, observed};
 
 use super::{network, notes};
 use crate::args::Tune;
+use crate::commands::load::Setups;
 use crate::commands::refusal::{self, Asked};
 use crate::files::names;
 use crate::view::text::{self, rolling};
@@ -21,12 +22,13 @@ use crate::view::text::{self, rolling};
 /// Tunes to recordings together.
 pub fn tune_to(
     options: &Tune,
-    file: &SimulationFile,
+    setups: &Setups,
     session: &Session,
     model: Option<&Model>,
     recordings: &[Recording],
     paths: &[PathBuf],
 ) -> Result<(Outcome, ChosenNetwork)> {
+    let file = setups.common();
     // With `--each` several fits may run at a time.
     let session = &session.counted_separately();
     let kind = one_kind(recordings, paths)?;
@@ -37,8 +39,8 @@ pub fn tune_to(
     let simulator = match &bare {
         Some(bare) => observed::around(file, bare.clone())?,
         // What it refuses is the simulation file's or the URDF's, and says so.
-        None if file.domain() != Domain::Ball => simulator(file, kind, session)?,
-        None => simulator(file, kind, session).with_context(|| names(paths))?,
+        None if file.domain() != Domain::Ball => setups.simulator(kind, session)?,
+        None => setups.simulator(kind, session).with_context(|| names(paths))?,
     };
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     let settings = Settings {
@@ -68,6 +70,10 @@ pub fn tune_to(
     notes::add(options, file, recordings, paths, &mut outcome)?;
     outcome.notes.extend(chosen.notes.iter().cloned());
     outcome.notes.extend(session.notes());
+    if file.domain() == Domain::Process {
+        // Equal requests were simulated once.
+        outcome.rollouts = usize::try_from(session.rollouts()).unwrap_or(usize::MAX);
+    }
     Ok((outcome, chosen))
 }
 

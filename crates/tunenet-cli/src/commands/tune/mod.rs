@@ -3,6 +3,7 @@
 //! | file | subject |
 //! |---|---|
 //! | `fit` | one fit: which simulator, which network, and what to say of it |
+//! | `manifest` | what a manifest says of the recordings |
 //! | `network` | which network it starts with |
 //! | `notes` | what it says besides its numbers |
 //! | `paths` | what is read and written |
@@ -12,6 +13,7 @@
 
 mod each;
 mod fit;
+mod manifest;
 mod network;
 mod notes;
 mod paths;
@@ -26,13 +28,15 @@ use tunenet_core::observation::Observation;
 use tunenet_core::tune::Outcome;
 use tunenet_formats::Recording;
 use tunenet_formats::load_model;
-use tunenet_sim::{Session, SimulationFile, simulator};
+use tunenet_sim::Session;
 
+pub use self::manifest::entries;
 use self::paths::{inputs, outputs, provenance};
 use self::read::read;
 use self::written::write_tuned;
+use super::load::{self, Setups};
+use super::start;
 use super::video::TrackFailure;
-use super::{load, start};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
 use crate::files::destination;
@@ -51,22 +55,25 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let (file, session) = load::simulation_with(&options.simulation, options.permission)?;
     start::check(options, &file)?;
     let model = options.model.as_ref().map(load_model).transpose()?;
+    let entries = entries(options)?;
     if options.each {
-        return each::run(options, &file, &session, model.as_ref());
+        return each::run(options, &file, &session, model.as_ref(), &entries);
     }
+    let setups = manifest::setups(options, &file, &entries)?;
     let began = Instant::now();
     hash::refuse_copies(options.observation.iter().map(AsRef::as_ref))?;
     let threads = pool(options.jobs)?;
-    let all = || options.observation.iter().map(|path| read(path, options, &file)).collect::<Result<Vec<_>>>();
+    let each = || options.observation.iter().enumerate();
+    let all = || each().map(|(i, path)| read(path, options, &setups, i)).collect::<Result<Vec<_>>>();
     let recordings = threads.install(all);
     let recordings = match recordings {
         Ok(recordings) => recordings,
         Err(error) => return rejected_video(error, options.common.json),
     };
     let (outcome, chosen) = threads
-        .install(|| fit::tune_to(options, &file, &session, model.as_ref(), &recordings, &options.observation))?;
+        .install(|| fit::tune_to(options, &setups, &session, model.as_ref(), &recordings, &options.observation))?;
     if let Some(out) = &options.out {
-        write_tuned(options, &file, &recordings, &outcome, out)?;
+        write_tuned(options, setups.common(), &recordings, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     render_start(&options.observation, &outcome, &chosen);
@@ -76,7 +83,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let exit = Exit::from(outcome.verdict);
     if let Some(report) = &options.report {
         let working = fit::working(&file, &session, "drawing");
-        let answer = answer(&file, &session, names, recordings, outcome)?;
+        let answer = answer(&setups, &session, names, recordings, outcome)?;
         working.finish_and_clear();
         html::tune::together(report, &answer, &provenance(options))?;
         stage("report", &report.display().to_string());
@@ -86,15 +93,15 @@ pub fn run(options: &Tune) -> Result<Exit> {
 
 /// An outcome with what a report draws of it.
 fn answer(
-    file: &SimulationFile,
+    setups: &Setups,
     session: &Session,
     names: Vec<String>,
     recordings: Vec<Recording>,
     outcome: Outcome,
 ) -> Result<Answer> {
     let seen: Vec<Observation> = recordings.into_iter().map(|r| r.observation).collect();
-    let ball = simulator(file, seen[0].kind(), session)?;
-    Ok(Answer::new(&ball, names, seen, outcome)?)
+    let simulator = setups.simulator(seen[0].kind(), session)?;
+    Ok(Answer::new(&simulator, names, seen, outcome)?)
 }
 
 /// A video that shows no ball to tune to is an answer; every other error stays one.

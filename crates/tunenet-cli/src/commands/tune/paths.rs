@@ -11,6 +11,7 @@ pub fn inputs(options: &Tune) -> impl Iterator<Item = &Path> {
     let scene = std::iter::once(options.simulation.sim.as_path());
     scene
         .chain(options.observation.iter().map(AsRef::as_ref))
+        .chain(options.manifest.as_deref())
         .chain(options.model.as_deref())
         .chain(options.reference.as_deref())
 }

@@ -5,7 +5,6 @@ use std::path::Path;
 use anyhow::Result;
 use tunenet_core::observation::Kind;
 use tunenet_formats::Recording;
-use tunenet_sim::SimulationFile;
 
 use crate::args::Tune;
 use crate::commands::load;
@@ -13,8 +12,9 @@ use crate::files::names;
 use crate::view::text::stage;
 
 /// Reads it, with its reference run next to it.
-pub fn read(path: &Path, options: &Tune, file: &SimulationFile) -> Result<Recording> {
-    let recording = load::recording_of(file, path, &options.reading, load::MOST_SAMPLES)?;
+pub fn read(path: &Path, options: &Tune, setups: &load::Setups, number: usize) -> Result<Recording> {
+    let (file, setup) = (setups.file(number), setups.number(number));
+    let recording = load::recording_of(file, setup, path, &options.reading, load::MOST_SAMPLES)?;
     let recording = load::attach_reference(file, recording, options.reference.as_deref(), &options.reading)?;
     let seen = &recording.observation;
     let clock = seen.clock();

@@ -1,5 +1,6 @@
 //! What `inspect` says of each kind of file, in words and as JSON.
 
+pub mod declared;
 pub mod joints;
 pub mod learned;
 pub mod log;

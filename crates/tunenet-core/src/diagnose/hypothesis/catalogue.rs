@@ -64,7 +64,10 @@ pub(in crate::diagnose) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {
 /// `subject` with these effects added.
 pub(in crate::diagnose) fn carrier<'a>(subject: &Subject<'a>, effects: &[&Entry]) -> Result<Carrier<'a>> {
     let names: Vec<&str> = effects.iter().map(|e| e.name.as_ref()).collect();
-    let (seen, physical): (Vec<&Entry>, Vec<&Entry>) = effects.iter().partition(|e| e.shared());
+    // A simulator may have effects of the measurement of its own.
+    let own = subject.simulator.effects();
+    let around = |e: &&&Entry| e.shared() && !own.iter().any(|effect| effect.name == e.name);
+    let (seen, physical): (Vec<&Entry>, Vec<&Entry>) = effects.iter().partition(around);
     if names.is_empty() {
         return Ok(Carrier::Plain(subject.simulator));
     }

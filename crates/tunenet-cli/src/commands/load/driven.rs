@@ -1,0 +1,97 @@
+//! What a program is simulated under: recorded inputs and initial states, without or with a recording.
+
+use std::path::Path;
+
+use anyhow::Result;
+use tunenet_core::observation::{Channel, Kind, Observation};
+use tunenet_core::simulator::{Preparation, Prepared, Simulator};
+use tunenet_formats::{Error, ReadOptions, Recording, read};
+use tunenet_sim::scene::{First, StartValue};
+use tunenet_sim::{SimulationFile, process};
+
+use super::inputs;
+use super::setups::Setups;
+use crate::args::Reading;
+use crate::files::manifest::{Source, read as entries};
+
+/// What is simulated: instants with their circumstances, by the name of the recording that they are taken from.
+pub struct Driven {
+    pub setups: Setups,
+    pub recordings: Vec<(String, Recording)>,
+}
+
+impl Driven {
+    /// The clock of `[record]`, driven by what stands in the file `given`; or, with a manifest, every recording that it lists.
+    ///
+    /// # Errors
+    /// Where an input or an initial state is missing, or a file cannot be read.
+    pub fn of(file: &SimulationFile, given: Option<&Path>, manifest: Option<&Path>) -> Result<Self> {
+        let Some(manifest) = manifest else {
+            return Ok(Self {
+                setups: Setups::alike(file, 1),
+                recordings: vec![(String::new(), record(file, given)?)],
+            });
+        };
+        let entries = entries(manifest)?;
+        if let Some(other) = entries.iter().find(|entry| entry.object != entries[0].object) {
+            let found = format!("`{}` and `{}`", entries[0].object, other.object);
+            let message = format!("expected recordings of one object, found {found}");
+            return Err(Error::file(manifest, message, "write a manifest for each object").into());
+        }
+        let setups = Setups::of(Some(manifest), file, &entries.iter().collect::<Vec<_>>())?;
+        let one = |(i, entry): (usize, &Source)| {
+            let name = entry.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+            let reading = Reading::default();
+            let most = super::MOST_SAMPLES;
+            let recording = super::of_channels(setups.file(i), setups.number(i), &entry.path, &reading, most)?;
+            Ok((name, recording))
+        };
+        let recordings = entries.iter().enumerate().map(one).collect::<Result<_>>()?;
+        Ok(Self { setups, recordings })
+    }
+
+    /// All recordings as the simulator prepares them.
+    ///
+    /// # Errors
+    /// As [`Simulator::prepare`].
+    pub fn prepared(&self, simulator: &dyn Simulator) -> Result<Vec<Prepared>> {
+        let mut all = Vec::new();
+        for (_, recording) in &self.recordings {
+            if let Preparation::Usable(prepared) = simulator.prepare(&recording.observation)? {
+                all.push(*prepared);
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// The clock of `[record]` with the inputs that the file `given` holds, and the first samples that states start at.
+fn record(file: &SimulationFile, given: Option<&Path>) -> Result<Recording> {
+    let channels = process::channels(file)?;
+    let headers = file.process()?.channels.clone();
+    let clock = file.record().clock();
+    let mut values = vec![0.0; clock.len() * channels.len()];
+    let first = StartValue::Word(First::First);
+    for (name, _) in file.starts().filter(|(_, start)| start.value == first) {
+        let at = headers.iter().position(|header| header == name).unwrap_or(0);
+        let channel: Vec<Channel> = vec![channels[at].clone()];
+        let Some(path) = given else {
+            let message = format!("expected a number to start `{name}` at, found \"first\" and no recording");
+            let hint = format!("try `--set start.{name}=0.1`, or `--inputs FILE` with a column `{name}`");
+            return Err(Error::file(file.path(), message, hint).into());
+        };
+        values[at] = read(path, &ReadOptions { channels: channel, ..ReadOptions::default() })?.observation.row(0)[0];
+    }
+    let observation = Observation::new(Kind::Other, channels, clock, values)?;
+    let recording = Recording { observation, notes: Vec::new() };
+    let missing = file.inputs().find(|(_, input)| input.default.is_none() && input.file.is_none());
+    if let (Some((name, _)), None) = (missing, given) {
+        let message = format!("expected a file that holds the input `{name}`, found none");
+        let hint = format!("give one with `--inputs FILE`, or a `default` under [inputs.{name}]");
+        return Err(Error::file(file.path(), message, hint).into());
+    }
+    match given {
+        Some(path) => inputs::attach(file, path, recording, 0, &ReadOptions::default()),
+        None => inputs::defaults(file, recording),
+    }
+}

@@ -1,0 +1,234 @@
+//! What drove the thing: a column of the recording, or another file with a clock of its own.
+
+use std::path::Path;
+
+use tunenet_core::observation::{Channel, Circumstances, FEWEST_SAMPLES, Hold, Input, Kind, Note, Observation};
+
+use crate::contents::{Contents, contents_with};
+use crate::findings;
+use crate::quantity::{Meaning, Quantity, meaning};
+use crate::recording::{ReadOptions, Recording, Role};
+use crate::{Error, Result, read};
+
+/// Where an input stands, and what it is between its samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputSource {
+    /// Its name in the simulation file: `force_n`.
+    pub name: String,
+    /// Its name without unit, and its unit.
+    pub channel: Channel,
+    /// What the file calls it, where that is not its name.
+    pub column: Option<String>,
+    /// The topic of an MCAP log that holds it.
+    pub topic: Option<String>,
+    /// The column of its own clock.
+    pub time_column: Option<String>,
+    /// Its value where a file does not have it.
+    pub default: Option<f64>,
+    /// What it is between its samples.
+    pub hold: Hold,
+}
+
+impl InputSource {
+    /// What the file at hand calls it; what `options` map stands above `column`.
+    fn column<'a>(&'a self, options: &'a ReadOptions) -> Option<&'a str> {
+        let mapped = options.columns.iter().find(|(ours, _)| *ours == self.name || *ours == self.channel.header());
+        let bare = (self.name == self.channel.name).then_some(self.name.as_str());
+        mapped.map(|(_, theirs)| theirs.as_str()).or(self.column.as_deref()).or(bare)
+    }
+
+    /// How the file that holds it is read.
+    fn reading(&self, options: &ReadOptions) -> ReadOptions {
+        let is_time = |name: &str| matches!(meaning(name), Meaning::Known(Quantity::Time, _));
+        let mut columns: Vec<(String, String)> = match &self.time_column {
+            // A unit in the name of the column counts.
+            Some(column) if is_time(column) => vec![(column.clone(), column.clone())],
+            Some(column) => vec![("t_s".into(), column.clone())],
+            None => options.columns.iter().filter(|(ours, _)| is_time(ours)).cloned().collect(),
+        };
+        columns.extend(self.column(options).map(|theirs| (self.channel.header(), theirs.to_owned())));
+        let topic = self.topic.clone().or_else(|| options.topic.clone());
+        let (skip_broken, channels) = (options.skip_broken, vec![self.channel.clone()]);
+        ReadOptions { columns, topic, skip_broken, channels, role: Role::Driving, ..ReadOptions::default() }
+    }
+
+    /// Whether the file at `path` has no such column.
+    fn lacks(&self, path: &Path, options: &ReadOptions) -> Result<bool> {
+        let Contents::Table(table) = contents_with(path, &ReadOptions::default())? else { return Ok(false) };
+        let wanted = self.column(options).unwrap_or(&self.name);
+        let number = wanted.trim_start_matches('-').parse::<usize>().is_ok();
+        Ok(!number && !table.columns.iter().any(|column| column.name == wanted))
+    }
+}
+
+/// An input, and what was noticed while it was read.
+pub type NotedInput = (Input, Vec<Note>);
+
+/// The input `source` from the CSV or MCAP file at `path`, with `options` for what the command line says of columns; what was
+/// noticed. `None` where the file does not have it and a [default](InputSource::default) stands in for it.
+///
+/// # Errors
+/// As [`read`](crate::read()).
+pub fn read_input(path: &Path, options: &ReadOptions, source: &InputSource) -> Result<Option<NotedInput>> {
+    if source.default.is_some() && source.lacks(path, options)? {
+        return Ok(None);
+    }
+    let Recording { observation, notes } = read(path, &source.reading(options))?;
+    Ok(Some((Input::new(observation, source.hold), notes)))
+}
+
+/// `recording` with its inputs, each under its name in the simulation file; cut where one of them ends. An input that is `None` has
+/// this value throughout.
+///
+/// # Errors
+/// [`Error::File`] where an input and the recording have no three samples in common.
+pub fn under_inputs(
+    path: &Path,
+    recording: Recording,
+    setup: usize,
+    inputs: Vec<(&InputSource, Option<NotedInput>)>,
+) -> Result<Recording> {
+    let Recording { mut observation, mut notes } = recording;
+    let mut found = Vec::with_capacity(inputs.len());
+    for (source, input) in inputs {
+        let name = &source.name;
+        let Some((input, noticed)) = input else {
+            let value = source.default.unwrap_or(0.0);
+            let text = format!("the recording has no `{name}`: its default {value} is used");
+            notes.push(Note::new(findings::INPUT_DEFAULT, text, ""));
+            found.push(constant(source, &observation, value)?);
+            continue;
+        };
+        notes.extend(noticed.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
+        let (clock, given) = (observation.clock(), input.series().clock());
+        let (first, last) = (given[0], given[given.len() - 1]);
+        let within = clock.partition_point(|t| *t <= last);
+        if within < FEWEST_SAMPLES || first > clock[clock.len() - 1] {
+            let message = format!(
+                "expected an input `{name}` that overlaps the recording ({} to {} s), found one from {first} to {last} s",
+                clock[0],
+                clock[clock.len() - 1]
+            );
+            let hint = "give both the same clock, or the file that was recorded with it";
+            return Err(Error::file(path, message, hint));
+        }
+        if first > clock[0] {
+            let text =
+                format!("`{name}` begins {:.3} s after the recording: its first value holds before", first - clock[0]);
+            notes.push(Note::new(findings::INPUT_LATE, text, "record the input from the start"));
+        }
+        if within < clock.len() {
+            let text = format!(
+                "`{name}` ends {:.3} s before the recording: {} of {} samples are used",
+                clock[clock.len() - 1] - last,
+                within,
+                clock.len()
+            );
+            notes.push(Note::new(findings::INPUT_SHORT, text, "record the input to the end"));
+            observation = observation.slice(0..within)?;
+        }
+        found.push(input);
+    }
+    let known = Circumstances { setup, ..Circumstances::driven_by(found) };
+    Ok(Recording { observation: observation.under(known), notes })
+}
+
+/// An input of one value for as long as `seen` lasts.
+///
+/// # Errors
+/// As [`Observation::new`].
+fn constant(source: &InputSource, seen: &Observation, value: f64) -> Result<Input> {
+    let clock = seen.clock();
+    let times: Vec<f64> = [0, clock.len() / 2, clock.len() - 1].map(|i| clock[i]).to_vec();
+    let series = Observation::new(Kind::Other, vec![source.channel.clone()], times, vec![value; FEWEST_SAMPLES])?;
+    Ok(Input::new(series, source.hold))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{error_text, file};
+
+    fn source(name: &str) -> InputSource {
+        let channel = Channel::from_header(name).unwrap_or_else(|| Channel::new(name, "V"));
+        InputSource {
+            name: name.into(),
+            channel,
+            column: None,
+            topic: None,
+            time_column: None,
+            default: None,
+            hold: Hold::Previous,
+        }
+    }
+
+    fn recording(path: &Path) -> Recording {
+        let channels = vec![Channel::new("x", "m")];
+        let inputs = vec![Channel::new("force", "N")];
+        read(path, &ReadOptions { channels, inputs, ..ReadOptions::default() }).unwrap()
+    }
+
+    const TABLE: &str = "t_s,x_m,force_n,u\n0,1,5,9\n1,2,6,8\n2,3,7,7\n3,4,8,6\n";
+
+    #[test]
+    fn an_input_is_a_column_by_its_name_or_by_the_name_that_the_file_has() {
+        let (_folder, path) = file("a.csv", TABLE);
+        let values = |source: &InputSource, columns: &[(&str, &str)]| {
+            let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+            let (input, _) =
+                read_input(&path, &ReadOptions { columns, ..ReadOptions::default() }, source).unwrap().unwrap();
+            input.series().column(0).collect::<Vec<_>>()
+        };
+        assert_eq!(values(&source("force_n"), &[]), [5.0, 6.0, 7.0, 8.0]);
+        assert_eq!(values(&source("u"), &[]), [9.0, 8.0, 7.0, 6.0]);
+        assert_eq!(values(&InputSource { column: Some("u".into()), ..source("force_n") }, &[]), [9.0, 8.0, 7.0, 6.0]);
+        assert_eq!(values(&source("force_n"), &[("force_n", "-u")]), [-9.0, -8.0, -7.0, -6.0]);
+        assert_eq!(values(&InputSource { time_column: Some("x_m".into()), ..source("u") }, &[]).len(), 4);
+        // An input is no forgotten column.
+        let notes = recording(&path).notes;
+        assert!(notes[0].text.ends_with("are ignored: `u`"), "{notes:?}");
+    }
+
+    #[test]
+    fn a_missing_input_is_refused_or_takes_its_default() {
+        let (_folder, path) = file("a.csv", "t_s,x_m,force_kn,u_mv\n0,1,5,2\n1,2,6,2\n2,3,7,2\n");
+        let refused =
+            |source: &InputSource| error_text(&read_input(&path, &ReadOptions::default(), source).unwrap_err());
+        let (message, hint) = refused(&source("force_n"));
+        assert!(message.ends_with("expected `force_n` in N, found the column in kn"), "{message}");
+        assert!(hint.contains("--columns force_n=force_kn"), "{hint}");
+        let (message, hint) = refused(&source("torque_nm"));
+        assert!(
+            message.contains("expected a column `torque_nm` (`t_s`, `torque_nm` drive the simulation), found"),
+            "{message}"
+        );
+        assert!(hint.contains("`column`") || hint.contains("--columns"), "{hint}");
+        let absent = InputSource { default: Some(2.5), ..source("torque_nm") };
+        assert_eq!(read_input(&path, &ReadOptions::default(), &absent).unwrap(), None);
+        let whole = under_inputs(&path, recording(&path), 3, vec![(&absent, None)]).unwrap();
+        let known = whole.observation.circumstances().unwrap();
+        assert_eq!((known.setup, known.inputs[0].at(0, 1.7)), (3, 2.5));
+        assert!(whole.notes.iter().any(|note| note.kind == findings::INPUT_DEFAULT));
+    }
+
+    #[test]
+    fn a_recording_is_cut_where_its_input_ends() {
+        let (_folder, path) = file("a.csv", TABLE);
+        let given = |times: &[f64]| {
+            let series =
+                Observation::new(Kind::Other, vec![Channel::new("force", "N")], times.to_vec(), vec![1.0; times.len()]);
+            Some((Input::new(series.unwrap(), Hold::Previous), Vec::new()))
+        };
+        let source = source("force_n");
+        let cut = under_inputs(&path, recording(&path), 0, vec![(&source, given(&[0.5, 1.0, 2.5]))]).unwrap();
+        assert_eq!(cut.observation.clock(), [0.0, 1.0, 2.0]);
+        let texts: Vec<&str> = cut.notes.iter().map(|note| note.text.as_str()).collect();
+        assert!(
+            texts.contains(&"`force_n` begins 0.500 s after the recording: its first value holds before"),
+            "{texts:?}"
+        );
+        assert!(texts.contains(&"`force_n` ends 0.500 s before the recording: 3 of 4 samples are used"), "{texts:?}");
+        let refused = under_inputs(&path, recording(&path), 0, vec![(&source, given(&[5.0, 6.0, 7.0]))]).unwrap_err();
+        assert!(error_text(&refused).0.contains("that overlaps the recording (0 to 3 s), found one from 5 to 7 s"));
+    }
+}

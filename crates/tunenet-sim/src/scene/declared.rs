@@ -1,0 +1,144 @@
+//! What a file declares of a simulator that is not ours: inputs, initial states and candidate effects.
+
+use std::path::PathBuf;
+
+use indexmap::IndexMap;
+use serde::Deserialize;
+use tunenet_core::observation::Channel;
+
+/// `[inputs.NAME]`, in the order of the file.
+pub type Inputs = IndexMap<String, Input>;
+/// `[start.NAME]`, in the order of the file.
+pub type Starts = IndexMap<String, Start>;
+/// `[candidates.NAME]`, in the order of the file.
+pub type Candidates = IndexMap<String, Candidate>;
+
+/// What drives the thing: a column of every recording, or a file with a clock of its own.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Input {
+    /// What it is between its samples.
+    pub hold: Hold,
+    /// What the file calls it, where that is not its name.
+    pub column: Option<String>,
+    /// The file in which it stands, from the folder of the recording; the recording itself where it is `None`.
+    pub file: Option<PathBuf>,
+    /// The topic of an MCAP log in which it stands.
+    pub topic: Option<String>,
+    /// The column of its own clock, s.
+    pub time_column: Option<String>,
+    /// Its unit, where its name does not end in one.
+    pub unit: Option<String>,
+    /// Its value where a recording does not have it.
+    pub default: Option<f64>,
+}
+
+impl Input {
+    /// The channel of an input of this name; `None` where neither its name nor `unit` says its unit.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<Channel> {
+        let of_name = Channel::from_header(name);
+        match (&self.unit, of_name) {
+            (Some(unit), Some(channel)) if channel.unit == *unit => Some(channel),
+            (Some(unit), _) => Some(Channel::new(name, unit.clone())),
+            (None, of_name) => of_name,
+        }
+    }
+}
+
+/// What an input is between its samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hold {
+    /// The value of the sample before (zero-order hold).
+    #[default]
+    Previous,
+    /// On the straight line between two samples.
+    Linear,
+}
+
+impl Hold {
+    /// As the file has it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Previous => "previous",
+            Self::Linear => "linear",
+        }
+    }
+}
+
+/// One state at the first stamp of a recording. With neither `sd` nor bounds it is fixed.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Start {
+    /// Where it starts.
+    pub value: StartValue,
+    /// Standard deviation of the prior around `value`: it is estimated then.
+    #[serde(default)]
+    pub sd: Option<f64>,
+    /// Least value.
+    #[serde(default)]
+    pub min: Option<f64>,
+    /// Greatest value.
+    #[serde(default)]
+    pub max: Option<f64>,
+}
+
+/// Where a state starts.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum StartValue {
+    /// At this number.
+    Number(f64),
+    /// At the first sample of the channel of its name.
+    Word(First),
+}
+
+/// The one word that a start may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum First {
+    /// The first sample.
+    First,
+}
+
+/// An effect that `diagnose` may find missing; absent until `[effects.NAME]` has it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Candidate {
+    /// One sentence for users.
+    pub sentence: String,
+    /// Where it acts: any word.
+    pub acts: String,
+    /// Names of effects that some recordings cannot distinguish from it.
+    #[serde(default)]
+    pub mistaken_for: Vec<String>,
+    /// Its numbers, in order.
+    pub coefficients: IndexMap<String, CandidateCoefficient>,
+}
+
+/// One number of a candidate.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CandidateCoefficient {
+    /// Its unit.
+    #[serde(default = "one")]
+    pub unit: String,
+    /// The value that means "absent".
+    #[serde(default)]
+    pub absent: f64,
+    /// The least value that is fitted.
+    pub min: f64,
+    /// The greatest value that is fitted.
+    pub max: f64,
+    /// Where fits begin, as a distance from `absent`.
+    pub typical: f64,
+    /// Outside it fits, and is not plausible.
+    #[serde(default)]
+    pub plausible: Option<(f64, f64)>,
+}
+
+fn one() -> String {
+    "1".into()
+}

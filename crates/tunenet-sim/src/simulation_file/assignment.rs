@@ -1,0 +1,82 @@
+//! Overrides of single keys: `--set TABLE.KEY=VALUE`, and what a manifest says of a recording.
+
+use toml_edit::{Item, Table, TableLike, Value};
+use tunenet_core::Origin;
+use tunenet_formats::Result;
+
+use super::domain::Domain;
+use super::{SimulationFile, check, number, scene};
+
+impl SimulationFile {
+    /// Overrides one key, as `--set TABLE.KEY=VALUE` does. `start.NAME=VALUE` sets `start.NAME.value`.
+    ///
+    /// # Errors
+    /// [`Setting`](tunenet_core::Error::Setting) where the text is not of that form, the key is unknown, or the value
+    /// does not fit it.
+    pub fn set(&mut self, assignment: &str) -> Result<()> {
+        let Some((path, text)) = assignment.split_once('=') else {
+            return refuse("TABLE.KEY=VALUE".into(), format!("`{assignment}`"));
+        };
+        self.set_all(&[(path.trim(), text.trim())])
+    }
+
+    /// Overrides several keys, which have to fit together only in the end; the file is as before where they do not.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set).
+    pub fn set_all(&mut self, assignments: &[(&str, &str)]) -> Result<()> {
+        let mut changed = self.clone();
+        for (path, text) in assignments {
+            changed.assign(path, text)?;
+        }
+        if let Some((path, _, expected, found)) = check::contradiction(changed.domain(), changed.document.root()) {
+            return refuse(format!("{expected} for `{path}`"), found);
+        }
+        let paths = || assignments.iter().map(|(path, _)| format!("`{path}`")).collect::<Vec<_>>().join(", ");
+        match scene(changed.domain(), &changed.document) {
+            Ok(scene) => changed.scene = scene,
+            Err(e) => return refuse(format!("a value that fits {}", paths()), e.message().to_owned()),
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    fn assign(&mut self, path: &str, text: &str) -> Result<()> {
+        let longer = format!("{path}.value");
+        let state = self.domain().declares() && path.starts_with("start.") && path.matches('.').count() == 1;
+        let path = if state { longer.as_str() } else { path };
+        let Some(key) = self.domain().find(path) else {
+            let known = self.domain().siblings(path).join(", ");
+            return refuse(format!("a key of a simulation file ({known})"), format!("`{path}`"));
+        };
+        let value: Value = text.parse().unwrap_or_else(|_| number(text).map_or_else(|| Value::from(text), Value::from));
+        if !key.shape.accepts(&value) {
+            return refuse(format!("{} for `{path}`", key.shape.expected()), format!("`{text}`"));
+        }
+        let parts: Vec<&str> = path.split('.').collect();
+        if let (Domain::Process, ["parameters", name, ..]) = (self.domain(), parts.as_slice()) {
+            let known = check::names(Domain::Process, self.document.root());
+            if !known.contains(name) {
+                return refuse(format!("a parameter of the file ({})", known.join(", ")), format!("`{name}`"));
+            }
+        }
+        let mut table: &mut dyn TableLike = self.document.root_mut();
+        for part in &parts[..parts.len() - 1] {
+            let item = table.entry(part).or_insert(Item::Table(Table::new()));
+            let Some(inner) = item.as_table_like_mut() else {
+                return refuse(format!("`{part}` as a [table]"), "something else in the file".into());
+            };
+            table = inner;
+        }
+        table.insert(parts[parts.len() - 1], Item::Value(value));
+        if let (Domain::Arm, ["parameters", name, "value"]) = (self.domain(), parts.as_slice()) {
+            // Who says a value knows it: what an earlier tuning was sure of it is another value's.
+            self.document.remove(&format!("provenance.interval95.{name}"));
+        }
+        Ok(())
+    }
+}
+
+fn refuse<T>(expected: String, found: String) -> Result<T> {
+    Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "--set", expected, found }.into())
+}
