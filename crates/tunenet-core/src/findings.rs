@@ -24,6 +24,12 @@ finding_kinds! {
     warning FIT_LOCAL = "fit.local",
         "a parameter was estimated from the contacts only, because the full fit is poor; all figures are of that value, and the result of the full fit is reported",
         "resolve `fit.poor`";
+    warning ROLLOUTS_LIMIT = "rollouts.limit",
+        "the limit on rollouts ended the fit, or the searches and checks after it",
+        "allow more rollouts";
+    note FIT_QUICK = "fit.quick",
+        "only the first fit was made, and intervals are those of the curvature",
+        "none needed; without it, intervals are checked";
     warning PARAMETER_NOT_IDENTIFIABLE = "parameter.not_identifiable",
         "the data do not determine a parameter",
         "use a recording that depends on it";

@@ -104,6 +104,12 @@ pub struct Tune {
     /// Clamp values to their bounds in every iteration (only `--model` with preset `paper`)
     #[arg(long)]
     pub clamp: bool,
+    /// Most rollouts; the result is then what was found so far
+    #[arg(long, value_name = "N", value_parser = rollouts)]
+    pub max_rollouts: Option<usize>,
+    /// Only the first fit, with unchecked intervals
+    #[arg(long)]
+    pub quick: bool,
     /// Write the simulation file with the tuned values
     #[arg(short, long, value_name = "TUNED.toml")]
     pub out: Option<PathBuf>,
@@ -161,6 +167,11 @@ pub struct Diagnose {
     pub writing: Writing,
     #[command(flatten)]
     pub common: Common,
+}
+
+fn rollouts(text: &str) -> Result<usize, String> {
+    let count: Option<usize> = text.parse().ok().filter(|count| *count > 0);
+    count.ok_or_else(|| format!("expected a whole number of rollouts, 1 or more, found `{text}`"))
 }
 
 fn start(text: &str) -> Result<(String, f64), String> {

@@ -5,6 +5,7 @@ use super::misfit_grid::GridPoint;
 use super::output_error::{Fit, Linearisation, Problem};
 use super::problem::{Point, robust_scale};
 use crate::Result;
+use crate::simulator::{Parameter, Prepared};
 use crate::statistics::{UPPER_95, fisher_quantile, student_quantile};
 
 /// The level of every interval that is stated.
@@ -29,8 +30,10 @@ const LEAST_STEP_SPAN: f64 = 1e-7;
 const SMALL_RISE: f64 = 0.25;
 /// A fit along a profile may leave this much of the misfit, in squares of standard deviations.
 const MISFIT_TOLERANCE: f64 = 1e-4;
-/// The misfit at the ends of an interval from the curvature may stray from its quantile by this share.
+/// The misfit at the ends of an interval from the curvature may stray from what the curvature says by this share of its quantile ...
 const QUADRATIC: f64 = 0.2;
+/// ... and to compare the two, a fit of everything else may leave this share of it.
+pub(super) const COARSE: f64 = 0.02;
 /// A bound farther from the estimate than this share of the bounds, and as good, leaves the estimate open.
 const OPEN_SHARE: f64 = 0.25;
 
@@ -116,7 +119,12 @@ impl ScaleEstimate {
 
     /// The cost that makes no difference to an [`excess`](ScaleEstimate::excess).
     pub(crate) fn negligible(&self) -> f64 {
-        0.5 * MISFIT_TOLERANCE * self.variance * self.inflation
+        self.cost(MISFIT_TOLERANCE)
+    }
+
+    /// The cost above the least one of this [`excess`](ScaleEstimate::excess).
+    pub(super) fn cost(&self, excess: f64) -> f64 {
+        0.5 * excess * self.variance * self.inflation
     }
 
     /// The greatest [`excess`](ScaleEstimate::excess) within a joint region of this level for `count` parameters: `count` times the
@@ -190,6 +198,16 @@ pub fn ends(problem: &Problem, fit: &Fit, scale: &ScaleEstimate) -> (Vec<Interva
     ends_with(problem, fit, scale, &[])
 }
 
+/// The 95 % interval of each free parameter from the curvature alone, as far as the bounds reach.
+pub(crate) fn curved(problem: &Problem, fit: &Fit, scale: &ScaleEstimate) -> Vec<Interval> {
+    let of = |(i, &position): (usize, &usize)| {
+        let p = &problem.simulator.parameters()[position];
+        let sd = scale.sd(fit.covariance[(i, i)]).min(p.span());
+        Profile { problem, fit, i, scale, sd }.within(p)
+    };
+    problem.free.iter().enumerate().map(of).collect()
+}
+
 /// As [`ends`]; an interval also includes those points of `grid` (for each free parameter) whose misfit is within the quantile.
 pub(crate) fn ends_with(
     problem: &Problem,
@@ -204,23 +222,23 @@ pub(crate) fn ends_with(
         // Where the slope vanishes (impacts that return next to nothing) the curvature says nothing, but the profile still does.
         let sd = scale.sd(fit.covariance[(i, i)]).min(p.span());
         let value = fit.point.parameters[position];
-        let near = value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max;
-        let half_width = scale.quantile() * sd;
         let profile = Profile { problem, fit, i, scale, sd };
-        let curved = || {
-            let end = |value| End { value, bound: false, misfit: scale.quantile() };
-            Interval { low: end(value - half_width), high: end(value + half_width) }
-        };
         let places = grid.get(i).map_or(&[][..], Vec::as_slice);
         let alone = places.iter().all(|p| scale.excess(p.cost - fit.cost) > scale.quantile().powi(2));
         // For driven recordings the scale estimate is cluster-robust; a profile of the squares does not contain it.
         if problem.recordings.iter().all(|recording| recording.memoryless) && sd < p.span() {
-            all.push(curved());
+            all.push(profile.curved());
             continue;
         }
+        // Events are seen or not as a parameter nears its bound, so that the misfit may bend there beyond the interval.
+        let near = if problem.recordings.iter().any(Prepared::has_events) {
+            value - 3.0 * sd < p.min + 0.1 * p.span() || value + 3.0 * sd > p.max
+        } else {
+            sd >= p.span() || value <= p.min || value >= p.max
+        };
         // Values that the simulator refuses cannot be compared with the curvature.
-        if !near && alone && profile.is_quadratic(half_width, &mut rollouts).unwrap_or(true) {
-            all.push(curved());
+        if !near && alone && profile.is_quadratic(p, &mut rollouts).unwrap_or(true) {
+            all.push(profile.within(p));
             continue;
         }
         all.push(profile.interval(places, &mut rollouts));
@@ -244,7 +262,23 @@ pub(crate) fn fit_with_fixed(
         start.parameters[position] = start.parameters[position].clamp(p.min, p.max);
     }
     let others: Vec<usize> = problem.free.iter().copied().filter(|f| !positions.contains(f)).collect();
-    Problem { free: &others, ..*problem }.fit_until(start, 1.0, scale.negligible())
+    Problem { free: &others, ..*problem }.fit_until(start, None, scale.negligible())
+}
+
+/// As [`fit_with_fixed`] with these `values` at `positions`, from where the derivatives at `fit` lead to and by these derivatives:
+/// where the misfit is quadratic, one rollout of each recording.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub(super) fn fit_along(
+    problem: &Problem,
+    fit: &Fit,
+    (positions, values): (&[usize], &[f64]),
+    enough: f64,
+) -> Result<Fit> {
+    let others: Vec<usize> = problem.free.iter().copied().filter(|f| !positions.contains(f)).collect();
+    let start = problem.led_to(fit, positions, values)?;
+    Problem { free: &others, ..*problem }.fit_until(start, Some(&problem.linearise(fit)?), enough)
 }
 
 /// The misfit over one parameter, all else fitted.
@@ -257,15 +291,49 @@ struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// Whether the misfit at both ends of the interval of the curvature is the quantile. At a kink it is not.
-    fn is_quadratic(&self, half_width: f64, rollouts: &mut usize) -> Result<bool> {
+    /// The interval of the curvature.
+    fn curved(&self) -> Interval {
+        let value = self.fit.point.parameters[self.problem.free[self.i]];
+        let end = |side: f64| {
+            let value = value + side * self.scale.quantile() * self.sd;
+            End { value, bound: false, misfit: self.scale.quantile() }
+        };
+        Interval { low: end(-1.0), high: end(1.0) }
+    }
+
+    /// The interval of the curvature as far as the bounds reach.
+    fn within(&self, p: &Parameter) -> Interval {
+        let value = self.fit.point.parameters[self.problem.free[self.i]];
+        let cut = |end: End, bound: f64, beyond: bool| {
+            if !beyond {
+                return end;
+            }
+            End { value: bound, bound: true, misfit: (bound - value).abs() / self.sd }
+        };
+        let Interval { low, high } = self.curved();
+        Interval { low: cut(low, p.min, low.value < p.min), high: cut(high, p.max, high.value > p.max) }
+    }
+
+    /// Whether the misfit at both ends of the interval of the curvature is what the curvature says. At a kink it is not.
+    fn is_quadratic(&self, p: &Parameter, rollouts: &mut usize) -> Result<bool> {
         let position = self.problem.free[self.i];
-        for side in [-half_width, half_width] {
-            let start = self.fit.point.with(&[position], &[self.fit.point.parameters[position] + side]);
+        let Interval { low, high } = self.within(p);
+        let square = self.scale.quantile().powi(2);
+        let is = |there: &Fit, end: End| {
+            (self.scale.excess(there.cost - self.fit.cost) - end.misfit.powi(2)).abs() <= QUADRATIC * square
+        };
+        for end in [low, high] {
+            let enough = self.scale.cost(COARSE * square);
+            let there = fit_along(self.problem, self.fit, (&[position], &[end.value]), enough)?;
+            *rollouts += there.rollouts;
+            if is(&there, end) {
+                continue;
+            }
+            // By derivatives at the end itself, in case those of the estimate mislead.
+            let start = self.fit.point.with(&[position], &[end.value]);
             let there = fit_with_fixed(self.problem, start, &[position], self.scale)?;
             *rollouts += there.rollouts;
-            let excess = self.scale.excess(there.cost - self.fit.cost);
-            if (excess / self.scale.quantile().powi(2) - 1.0).abs() > QUADRATIC {
+            if !is(&there, end) {
                 return Ok(false);
             }
         }
@@ -368,7 +436,7 @@ mod tests {
         let seen = simulator.observe(&[("slope", 2.0)], &[0.5], sd, 11).unwrap();
         let Preparation::Usable(prepared) = simulator.prepare(&seen).unwrap() else { panic!("refused") };
         let (recordings, noise) = ([*prepared], [vec![sd]]);
-        let problem = Problem { simulator: &simulator, recordings: &recordings, noise: &noise, free: &[0] };
+        let problem = Problem { simulator: &simulator, recordings: &recordings, noise: &noise, free: &[0], log: None };
         let fit = problem.fit(Point::start(&simulator, &recordings), 1.0).unwrap();
         let scale = ScaleEstimate::of(&problem, &fit, &problem.linearise(&fit).unwrap());
         let (found, _) = ends(&problem, &fit, &scale);

@@ -12,6 +12,12 @@ use crate::{Error, Result};
 
 /// A step that gains this share of gradient times step, of which a quadratic gains 0.5, leaves derivatives that are worth following.
 const TRUSTED: f64 = 0.3;
+/// Derivatives are those of a point that is within this many standard deviations of the one where they were measured.
+const NEAR_SDS: f64 = 0.5;
+/// The step that is still to go is computed with no more damping than this: a strong one would hide it.
+const LIGHT_DAMPING: f64 = 1e-6;
+/// Mean squares of residuals below this share of the noise are rounding.
+const LEAST_SQUARE: f64 = 1e-8;
 
 /// How far a fit goes. What callers set differently stands here by name.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +44,10 @@ pub(crate) struct Settings {
     pub predicts: bool,
     /// Whether the last step has to be one by derivatives that were measured, as its normal equations then are.
     pub ends_measured: bool,
+    /// A step of fewer standard deviations of the estimate than this is not taken, and ends the fit; 0 takes every step.
+    pub resolution: f64,
+    /// Whether derivatives that are given are those at the start, instead of those of a point not far from it.
+    pub first_measured: bool,
 }
 
 impl Settings {
@@ -54,7 +64,12 @@ impl Settings {
         small_steps: 2,
         predicts: false,
         ends_measured: true,
+        resolution: 0.0,
+        first_measured: true,
     };
+
+    /// To a hundredth of a standard deviation, which costs no more steps than the answer can show.
+    pub const RESOLVED: Self = Self { resolution: 0.01, ..Self::EXACT };
 }
 
 /// What a fit ended with.
@@ -64,6 +79,10 @@ pub(crate) struct Minimum {
     pub residuals: Vec<Vec<f64>>,
     /// The normal equations of the last step, those at the start where none was taken.
     pub equations: Arrow,
+    /// The derivatives that were measured last, where that was near enough to `point`.
+    pub derivatives: Option<Vec<Columns>>,
+    /// Whether it ended because no more rollouts are allowed.
+    pub cut_short: bool,
     /// Rollouts that were asked for.
     pub rollouts: usize,
 }
@@ -84,8 +103,14 @@ pub(crate) fn minimise(
 ) -> Result<Minimum> {
     let mut point = start;
     let (mut damping, mut small_steps, mut rollouts, mut steps) = (settings.damping, 0, 0, 0);
+    let resolves = settings.resolution > 0.0;
+    let mut exact = Exact::none();
+    if settings.first_measured && resolves {
+        exact.columns.clone_from(&first);
+        exact.moved_sds = 0.0;
+    }
     let mut columns = first;
-    let (mut measured, mut derived) = (true, 0);
+    let (mut measured, mut derived, mut cut_short) = (settings.first_measured, 0, false);
     let mut equations = None;
     while steps < settings.steps {
         let scale = problem.scale(&residuals);
@@ -93,14 +118,35 @@ pub(crate) fn minimise(
         let known = match columns.take() {
             Some(known) => known,
             None if derived == settings.derivatives => break,
+            None if !problem.affords(column_count(problem)) => {
+                cut_short = true;
+                break;
+            }
             None => {
                 (measured, derived) = (true, derived + 1);
-                derivatives(problem, &point, &residuals, &mut rollouts)?
+                let known = derivatives(problem, &point, &residuals, &mut rollouts)?;
+                if resolves {
+                    exact = Exact { columns: Some(known.clone()), moved_sds: 0.0 };
+                }
+                known
             }
         };
         let linear = linearised(problem, &point, &residuals, &known, scale);
-        let mut improved = None;
+        let square = mean_square(&residuals, cost);
+        let negligible = (settings.resolution.powi(2) * square).max(2.0 * settings.tolerance);
+        if resolves && Step::damped(&linear, damping.min(LIGHT_DAMPING)).promised <= negligible {
+            equations = Some(linear);
+            if measured || !settings.ends_measured || exact.moved_sds < NEAR_SDS {
+                break;
+            }
+            continue;
+        }
+        let (mut improved, mut growth) = (None, 10.0);
         while damping < settings.greatest_damping {
+            if !problem.affords(problem.recordings().len()) {
+                cut_short = true;
+                break;
+            }
             let step = Step::damped(&linear, damping);
             let candidate = step.from(problem, &point);
             rollouts += problem.recordings().len();
@@ -116,18 +162,21 @@ pub(crate) fn minimise(
                     break;
                 }
                 // Nothing worth having is left in this direction.
-                if settings.predicts && step.promised < settings.tolerance {
+                if settings.predicts && step.promised < settings.tolerance || resolves && step.promised <= negligible {
                     break;
                 }
             }
             if !measured {
                 break;
             }
-            damping *= 10.0;
+            damping *= growth;
+            if resolves {
+                growth *= 10.0;
+            }
         }
         equations = Some(linear);
         let Some((candidate, new, gain, promised)) = improved else {
-            if measured {
+            if measured || cut_short {
                 break;
             }
             continue;
@@ -139,6 +188,7 @@ pub(crate) fn minimise(
         if !arrived && trusted {
             columns = Some(secant(problem, known, (&point, &candidate), (&residuals, &new)));
         }
+        exact.moved_sds += (promised / square).sqrt();
         (point, residuals) = (candidate, new);
         seen(&point, &residuals);
         steps += 1;
@@ -151,12 +201,38 @@ pub(crate) fn minimise(
     let equations = match (equations, columns) {
         (Some(known), _) => known,
         (None, Some(known)) => linearised(problem, &point, &residuals, &known, problem.scale(&residuals)),
+        (None, None) if cut_short => return Err(problem.unaffordable()),
         (None, None) => {
             let known = derivatives(problem, &point, &residuals, &mut rollouts)?;
             linearised(problem, &point, &residuals, &known, problem.scale(&residuals))
         }
     };
-    Ok(Minimum { point, residuals, equations, rollouts })
+    let derivatives = exact.columns.filter(|_| cut_short || exact.moved_sds < NEAR_SDS);
+    Ok(Minimum { point, residuals, equations, derivatives, cut_short, rollouts })
+}
+
+/// Derivatives as they were measured, and how far the fit has gone since, in standard deviations of the estimate.
+struct Exact {
+    columns: Option<Vec<Columns>>,
+    moved_sds: f64,
+}
+
+impl Exact {
+    fn none() -> Self {
+        Self { columns: None, moved_sds: f64::INFINITY }
+    }
+}
+
+/// The mean square of the residuals at this cost.
+fn mean_square(residuals: &[Vec<f64>], cost: f64) -> f64 {
+    let count: usize = residuals.iter().map(Vec::len).sum();
+    (2.0 * cost / count.max(1) as f64).max(LEAST_SQUARE)
+}
+
+/// How many rollouts the derivatives take.
+fn column_count(problem: &dyn LeastSquares) -> usize {
+    let count = |&d: &usize| problem.touched(d).len() + problem.nuisances(d).len();
+    problem.recordings().iter().map(count).sum()
 }
 
 /// The derivatives at a point by as many rollouts as there are columns.
@@ -210,6 +286,18 @@ fn linearised(
     let mut equations = normal_equations(problem, columns, residuals, point, scale);
     hold_at_bounds(problem, point, &mut equations);
     equations
+}
+
+/// Where a step without damping leads.
+pub(super) fn full_step(
+    problem: &dyn LeastSquares,
+    point: &Point,
+    residuals: &[Vec<f64>],
+    columns: &[Columns],
+    scale: f64,
+) -> Point {
+    Step::damped(&linearised(problem, point, residuals, columns, scale), Settings::EXACT.least_damping)
+        .from(problem, point)
 }
 
 /// A damped step.

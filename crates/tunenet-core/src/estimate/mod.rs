@@ -9,6 +9,7 @@
 //! | `normal_equations`, `block_arrow` | Gauss–Newton equations; bordered block-diagonal solve |
 //! | `levenberg_marquardt` | Levenberg–Marquardt |
 //! | `output_error` | output-error method: one simulator fitted to recordings |
+//! | `rollout_log` | memoisation of rollouts |
 //! | `noise_model` | noise of each channel |
 //! | `interval`, `profile`, `region`, `contour` | profile likelihood |
 //! | `contour_ray` | regula falsi with bisection |
@@ -41,13 +42,14 @@ pub(crate) mod problem;
 mod profile;
 pub(crate) mod projection;
 mod region;
+mod rollout_log;
 mod variance_components;
 
 pub use adequacy::Adequacy;
 pub use contour::{Contour, contour};
 pub use information::{Direction, Information};
 pub use interval::{End, Interval, LEVEL, ScaleEstimate, ends};
-pub(crate) use interval::{ends_with, fit_with_fixed};
+pub(crate) use interval::{curved, ends_with, fit_with_fixed};
 pub(crate) use misfit_grid::{GridPoint, MisfitGrid};
 pub use noise_model::channel_noise;
 pub(crate) use noise_model::{floor, weights};
@@ -56,3 +58,4 @@ pub use output_error::{Fit, Linearisation, Problem, free};
 pub use problem::Point;
 pub use profile::{Profile, profile};
 pub use region::Region;
+pub use rollout_log::{Phase, Request, RolloutLog, RolloutStore, Watch};

@@ -5,9 +5,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::huber::huber_cost;
 use super::jacobian::{Columns, jacobian};
-use super::levenberg_marquardt::{Settings, minimise};
+use super::levenberg_marquardt::{Settings, full_step, minimise};
 use super::normal_equations::normal_equations;
 use super::problem::{LeastSquares, Point, leading_samples, prior_cost, residuals, robust_scale};
+use super::rollout_log::RolloutLog;
 use crate::Result;
 use crate::simulator::{Parameter, Prepared, Simulator, predict};
 
@@ -26,6 +27,10 @@ pub struct Fit {
     pub rollouts: usize,
     /// The free parameters after every accepted step with [`Problem::rmse`] there, the start first.
     pub trace: Vec<(Vec<f64>, f64)>,
+    /// Whether it ended before it had arrived, because no more rollouts were allowed.
+    pub cut_short: bool,
+    /// Derivatives that were measured within half a standard deviation of the point.
+    pub(super) linear: Option<Linearisation>,
 }
 
 /// What is fitted to what.
@@ -38,6 +43,8 @@ pub struct Problem<'a> {
     pub noise: &'a [Vec<f64>],
     /// Positions of the free parameters.
     pub free: &'a [usize],
+    /// What was simulated already, and how much more may be; without one, every rollout is simulated.
+    pub log: Option<&'a RolloutLog>,
 }
 
 /// A problem over the first share of each recording.
@@ -72,7 +79,15 @@ impl LeastSquares for Window<'_> {
         let prepared = &self.problem.recordings[recording];
         let samples = leading_samples(prepared.seen.len(), self.horizon);
         let noise = &self.problem.noise[recording];
-        weighted(self.problem.simulator, prepared, noise, parameters, nuisances, samples)
+        let Some(log) = self.problem.log else {
+            return weighted(self.problem.simulator, prepared, noise, parameters, nuisances, samples);
+        };
+        let predicted = log.predict(self.problem.simulator, (recording, prepared), parameters, nuisances, samples)?;
+        Ok(in_noise(predicted, prepared, noise))
+    }
+
+    fn affords(&self, rollouts: usize) -> bool {
+        self.problem.log.is_none_or(|log| log.affords(rollouts))
     }
 }
 
@@ -80,13 +95,28 @@ impl LeastSquares for Window<'_> {
 #[derive(Debug, Clone)]
 pub struct Linearisation {
     pub(super) columns: Vec<Columns>,
+    /// Whether it took rollouts of its own, besides those of the fit.
+    rollouts: bool,
 }
 
 impl Linearisation {
-    /// How many rollouts it took: one for each column of each recording.
+    /// How many rollouts it took besides those of the fit: one for each column of each recording, or none.
     #[must_use]
     pub fn rollouts(&self) -> usize {
-        self.columns.iter().map(Columns::count).sum()
+        if self.rollouts { self.columns.iter().map(Columns::count).sum() } else { 0 }
+    }
+
+    /// The columns of these shared parameters, and of all nuisance parameters.
+    fn of(&self, free: &[usize]) -> Vec<Columns> {
+        let kept = |one: &Columns| {
+            let both = || one.places.iter().zip(&one.shared).filter(|(place, _)| free.contains(place));
+            Columns {
+                places: both().map(|(place, _)| *place).collect(),
+                shared: both().map(|(_, column)| column.clone()).collect(),
+                nuisances: one.nuisances.clone(),
+            }
+        };
+        self.columns.iter().map(kept).collect()
     }
 }
 
@@ -100,7 +130,11 @@ impl Problem<'_> {
     /// # Errors
     /// Where the simulator refuses.
     pub fn residuals(&self, point: &Point, horizon: f64) -> Result<Vec<Vec<f64>>> {
-        residuals(&self.window(horizon), point)
+        let window = self.window(horizon);
+        if !window.affords(self.recordings.len()) {
+            return Err(window.unaffordable());
+        }
+        residuals(&window, point)
     }
 
     /// Root mean square of measured − predicted in the channels' own unit, a sample of several channels counted once.
@@ -114,12 +148,25 @@ impl Problem<'_> {
         (squares / samples as f64).sqrt()
     }
 
-    /// Derivatives of the residuals at `fit`.
+    /// Derivatives of the residuals at `fit`: those that its last step measured, where it has them.
     ///
     /// # Errors
     /// Where the simulator refuses both sides of a direction.
     pub fn linearise(&self, fit: &Fit) -> Result<Linearisation> {
-        Ok(Linearisation { columns: jacobian(&self.window(1.0), &fit.point, &fit.residuals)? })
+        match &fit.linear {
+            Some(known) => Ok(known.clone()),
+            None => Ok(Linearisation { columns: jacobian(&self.window(1.0), &fit.point, &fit.residuals)?, rollouts: true }),
+        }
+    }
+
+    /// As [`linearise`](Problem::linearise); `fit` keeps them.
+    ///
+    /// # Errors
+    /// Where the simulator refuses both sides of a direction.
+    pub(crate) fn settle(&self, fit: &mut Fit) -> Result<Linearisation> {
+        let linear = self.linearise(fit)?;
+        fit.linear = Some(linear.clone());
+        Ok(linear)
     }
 
     /// Fits from `start` over the first share `horizon` of each recording.
@@ -127,26 +174,50 @@ impl Problem<'_> {
     /// # Errors
     /// Where the simulator refuses the start; a refused step is only shortened.
     pub fn fit(&self, start: Point, horizon: f64) -> Result<Fit> {
-        self.fit_until(start, horizon, 0.0)
+        self.fit_with(start, horizon, None, &Settings::RESOLVED)
     }
 
-    /// As [`fit`](Problem::fit), but ends as well after two steps in a row that each gain no more than `enough` of the cost:
-    /// a profile needs its cost, not the place in full precision.
-    pub(crate) fn fit_until(&self, start: Point, horizon: f64, enough: f64) -> Result<Fit> {
-        self.fit_with(start, horizon, &Settings { tolerance: enough, ends_measured: enough <= 0.0, ..Settings::EXACT })
+    /// Two steps from `start`, which are enough to see a local minimum; `near` are derivatives of a point not far from it.
+    pub(crate) fn fit_briefly(&self, start: Point, near: Option<&Linearisation>) -> Result<Fit> {
+        let settings = Settings { steps: 2, ends_measured: false, ..Settings::RESOLVED };
+        self.fit_with(start, 1.0, near, &settings)
     }
 
-    fn fit_with(&self, start: Point, horizon: f64, settings: &Settings) -> Result<Fit> {
+    /// As [`fit`](Problem::fit), but ends as well where no more than `enough` of the cost is left to gain: a profile needs its
+    /// cost, not the place in full precision. `near` are derivatives of a point not far from the start.
+    pub(crate) fn fit_until(&self, start: Point, near: Option<&Linearisation>, enough: f64) -> Result<Fit> {
+        let settings = Settings { tolerance: enough, ends_measured: false, ..Settings::RESOLVED };
+        self.fit_with(start, 1.0, near, &settings)
+    }
+
+    fn fit_with(
+        &self,
+        start: Point,
+        horizon: f64,
+        near: Option<&Linearisation>,
+        settings: &Settings,
+    ) -> Result<Fit> {
+        if let Some(log) = self.log {
+            log.trim();
+        }
         let window = self.window(horizon);
-        let first = residuals(&window, &start)?;
+        let first = self.residuals(&start, horizon)?;
         let mut trace = vec![(start.at(self.free), self.rmse(&first))];
-        let found = minimise(&window, start, first, None, settings, &mut |point, residuals| {
-            trace.push((point.at(self.free), self.rmse(residuals)));
+        let settings = Settings { first_measured: near.is_none(), ..*settings };
+        let near = near.map(|near| near.of(self.free));
+        let found = minimise(&window, start, first, near, &settings, &mut |point, residuals| {
+            let gap = self.rmse(residuals);
+            if let Some(log) = self.log {
+                log.gap(gap);
+            }
+            trace.push((point.at(self.free), gap));
         })?;
         let (point, residuals) = (found.point, found.residuals);
         let cost = huber_cost(&residuals, robust_scale(&residuals)) + prior_cost(&window, &point);
         let rollouts = self.recordings.len() + found.rollouts;
-        Ok(Fit { point, residuals, cost, covariance: found.equations.covariance(), rollouts, trace })
+        let linear = found.derivatives.map(|columns| Linearisation { columns, rollouts: false });
+        let (covariance, cut_short) = (found.equations.covariance(), found.cut_short);
+        Ok(Fit { point, residuals, cost, covariance, rollouts, trace, cut_short, linear })
     }
 
     /// `point` as it stands, judged and linearised but not moved.
@@ -154,7 +225,31 @@ impl Problem<'_> {
     /// # Errors
     /// Where the simulator refuses it.
     pub fn evaluate(&self, point: Point) -> Result<Fit> {
-        self.fit_with(point, 1.0, &Settings { steps: 0, ..Settings::EXACT })
+        self.fit_with(point, 1.0, None, &Settings { steps: 0, ..Settings::EXACT })
+    }
+
+    /// Where the derivatives at `fit` lead to with these `values` of the parameters at `positions`: the least squares of everything
+    /// else.
+    ///
+    /// # Errors
+    /// Where derivatives that are not known yet are refused.
+    pub(super) fn led_to(&self, fit: &Fit, positions: &[usize], values: &[f64]) -> Result<Point> {
+        let linear = self.linearise(fit)?;
+        let mut point = fit.point.clone();
+        let mut residuals = fit.residuals.clone();
+        for (&position, value) in positions.iter().zip(values) {
+            let p = &self.simulator.parameters()[position];
+            let moved = value.clamp(p.min, p.max);
+            let step = moved - point.parameters[position];
+            point.parameters[position] = moved;
+            for (residual, one) in residuals.iter_mut().zip(&linear.columns) {
+                let Some(place) = one.places.iter().position(|&place| place == position) else { continue };
+                residual.iter_mut().zip(&one.shared[place]).for_each(|(r, slope)| *r += slope * step);
+            }
+        }
+        let others: Vec<usize> = self.free.iter().copied().filter(|f| !positions.contains(f)).collect();
+        let problem = Problem { free: &others, ..*self };
+        Ok(full_step(&problem.window(1.0), &point, &residuals, &linear.of(&others), robust_scale(&fit.residuals)))
     }
 
     /// What the data say of the free parameters at `fit`, each recording's nuisance parameters fitted: the Schur complement of the
@@ -180,11 +275,16 @@ pub(crate) fn weighted(
     nuisances: &[f64],
     samples: usize,
 ) -> Result<Vec<f64>> {
-    let mut predicted = predict(simulator, recording, parameters, nuisances, &recording.seen.clock()[..samples])?;
+    let predicted = predict(simulator, recording, parameters, nuisances, &recording.seen.clock()[..samples])?;
+    Ok(in_noise(predicted, recording, noise))
+}
+
+/// Predicted values as residuals.
+fn in_noise(mut predicted: Vec<f64>, recording: &Prepared, noise: &[f64]) -> Vec<f64> {
     for (i, (value, seen)) in predicted.iter_mut().zip(recording.seen.values()).enumerate() {
         *value = (seen - *value) / noise[i % noise.len()];
     }
-    Ok(predicted)
+    predicted
 }
 
 /// The positions of the parameters that may be tuned and about which at least one recording says something.
@@ -210,7 +310,7 @@ mod tests {
         let Preparation::Usable(prepared) = simulator.prepare(&seen).unwrap() else { panic!("refused") };
         let (recordings, noise) = ([*prepared], [vec![sd]]);
         let free = free(simulator.parameters(), &recordings);
-        let problem = Problem { simulator: &simulator, recordings: &recordings, noise: &noise, free: &free };
+        let problem = Problem { simulator: &simulator, recordings: &recordings, noise: &noise, free: &free, log: None };
         let fit = problem.fit(Point::start(&simulator, &recordings), 1.0).unwrap();
         let (mut kk, mut ks, mut ss) = (0.0, 0.0, 0.0);
         for t in seen.clock() {

@@ -4,10 +4,10 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::Result;
 use crate::observation::FEWEST_SAMPLES;
 use crate::simulator::{Parameter, Prepared, Simulator, every};
 use crate::statistics::mad_sd;
+use crate::{Error, Origin, Result};
 
 /// Forward-difference step, as a share of a parameter's bounds: far above rounding (1e-14 of a trajectory), far below
 /// anything that bends.
@@ -99,6 +99,19 @@ pub(crate) trait LeastSquares: Sync {
     fn stepped(&self, position: usize, value: f64, step: f64) -> f64 {
         let p = self.parameter(position);
         (value + step).clamp(p.min, p.max)
+    }
+
+    /// Whether so many more rollouts are allowed.
+    fn affords(&self, _rollouts: usize) -> bool {
+        true
+    }
+
+    /// What is wrong where a first step takes more rollouts than are allowed.
+    fn unaffordable(&self) -> Error {
+        let columns: usize = self.recordings().iter().map(|&d| self.touched(d).len() + self.nuisances(d).len()).sum();
+        let least = 2 * (self.recordings().len() + columns);
+        let expected = format!("enough for a first step, which is {least} or more here");
+        Error::Setting { origin: Origin::Flag, name: "max_rollouts", expected, found: "fewer".into() }
     }
 
     /// Whether a direction that the simulator refuses on both sides is taken for one without slope, instead of an error.

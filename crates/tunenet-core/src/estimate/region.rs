@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, Vector2};
 use serde::Serialize;
 
 use super::contour_ray::Ray;
-use super::interval::{Interval, LEVEL, ScaleEstimate, fit_with_fixed};
+use super::interval::{COARSE, Interval, LEVEL, ScaleEstimate, fit_along, fit_with_fixed};
 use super::matrix_rows::rows_of_some;
 use super::noise_model::weights;
 use super::output_error::{Fit, Problem};
@@ -64,11 +64,26 @@ impl Region {
         intervals: &[Interval],
         joint: &[usize],
     ) -> (Self, usize) {
+        let mut region = Self::from_curvature(problem, fit, scale, joint);
+        let mut rollouts = 0;
+        let driven = problem.recordings.iter().all(|recording| recording.memoryless);
+        if joint.len() == 2 && !driven {
+            match region.shape(problem, fit, &mut rollouts) {
+                Shape::Ellipse => {}
+                Shape::CutEllipse => region.cut(problem),
+                Shape::Other => region.walk(problem, [intervals[joint[0]], intervals[joint[1]]], &mut rollouts),
+            }
+        }
+        (region, rollouts)
+    }
+
+    /// As [`of`](Region::of), from the curvature alone: an ellipse.
+    pub(crate) fn from_curvature(problem: &Problem, fit: &Fit, scale: &ScaleEstimate, joint: &[usize]) -> Self {
         let covariance = DMatrix::from_fn(joint.len(), joint.len(), |a, b| {
             fit.covariance[(joint[a], joint[b])] * scale.variance * scale.inflation
         });
         let positions: Vec<usize> = joint.iter().map(|&j| problem.free[j]).collect();
-        let mut region = Self {
+        Self {
             parameters: positions.iter().map(|&i| problem.simulator.parameters()[i].name.clone()).collect(),
             centre: fit.point.at(&positions),
             covariance: covariance.iter().all(|v| v.is_finite()).then_some(covariance),
@@ -79,13 +94,7 @@ impl Region {
             cost: fit.cost,
             free: problem.free.to_vec(),
             joint: positions,
-        };
-        let mut rollouts = 0;
-        let driven = problem.recordings.iter().all(|recording| recording.memoryless);
-        if joint.len() == 2 && !driven && !region.is_elliptic(problem, &mut rollouts) {
-            region.walk(problem, [intervals[joint[0]], intervals[joint[1]]], &mut rollouts);
         }
-        (region, rollouts)
     }
 
     /// Whether the region holds `values`, in the order of [`parameters`](Region::parameters): everything else is fitted
@@ -101,7 +110,7 @@ impl Region {
             }
         }
         let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
-        let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &self.free };
+        let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &self.free, log: None };
         Ok(self.excess(&problem, values, &mut 0)? <= self.quantile)
     }
 
@@ -124,10 +133,12 @@ impl Region {
         Ok(self.scale.excess(fit.cost - self.cost))
     }
 
-    /// Whether the ends of the ellipse's axes lie within the bounds and on the quantile.
-    fn is_elliptic(&self, problem: &Problem, rollouts: &mut usize) -> bool {
-        let Some(covariance) = &self.covariance else { return false };
+    /// What the misfit at the ends of the ellipse's axes says of the region.
+    fn shape(&self, problem: &Problem, fit: &Fit, rollouts: &mut usize) -> Shape {
+        let Some(covariance) = &self.covariance else { return Shape::Other };
+        let events = problem.recordings.iter().any(Prepared::has_events);
         let eigen = covariance.clone().symmetric_eigen();
+        let mut cut = false;
         for (k, variance) in eigen.eigenvalues.iter().enumerate() {
             for side in [-1.0, 1.0] {
                 let offset = side * (self.quantile * variance.max(0.0)).sqrt();
@@ -137,14 +148,54 @@ impl Region {
                     let p = &problem.simulator.parameters()[i];
                     (p.min..=p.max).contains(v)
                 });
+                if !within {
+                    if events {
+                        return Shape::Other;
+                    }
+                    cut = true;
+                    continue;
+                }
                 // What the simulator refuses bounds the region as well.
                 let on = |excess: f64| (excess / self.quantile - 1.0).abs() <= ELLIPTIC;
-                if !within || !self.excess(problem, &values, rollouts).is_ok_and(on) {
-                    return false;
+                let along = fit_along(problem, fit, (&self.joint, &values), self.scale.cost(COARSE * self.quantile));
+                let along = along.map(|there| {
+                    *rollouts += there.rollouts;
+                    self.scale.excess(there.cost - self.cost)
+                });
+                if !along.is_ok_and(on) && !self.excess(problem, &values, rollouts).is_ok_and(on) {
+                    return Shape::Other;
                 }
             }
         }
-        true
+        let inside = self.joint.iter().zip(&self.centre).all(|(&i, value)| {
+            let p = &problem.simulator.parameters()[i];
+            p.min < *value && *value < p.max
+        });
+        match (cut, inside) {
+            (false, _) => Shape::Ellipse,
+            (true, true) => Shape::CutEllipse,
+            (true, false) => Shape::Other,
+        }
+    }
+
+    /// The boundary of an ellipse that the bounds cut, along rays from the estimate.
+    fn cut(&mut self, problem: &Problem) {
+        let Some(root) = self.covariance.clone().and_then(nalgebra::DMatrix::cholesky) else { return };
+        let root = root.l() * self.quantile.sqrt();
+        let bounds = [0, 1].map(|k| {
+            let p = &problem.simulator.parameters()[self.joint[k]];
+            (p.min - self.centre[k], p.max - self.centre[k])
+        });
+        for corner in 0..CORNERS {
+            let (sin, cos) = (std::f64::consts::TAU * corner as f64 / CORNERS as f64).sin_cos();
+            let direction = [root[(0, 0)] * cos, root[(1, 0)] * cos + root[(1, 1)] * sin];
+            let room = |k: usize| {
+                let bound = if direction[k] < 0.0 { bounds[k].0 } else { bounds[k].1 };
+                if direction[k] == 0.0 { 1.0 } else { bound / direction[k] }
+            };
+            let length = 1f64.min(room(0)).min(room(1));
+            self.boundary.push([0, 1].map(|k| self.centre[k] + length * direction[k]));
+        }
     }
 
     /// Walks the boundary of a pair: along rays from the middle, the last place that the region holds.
@@ -180,6 +231,17 @@ impl Region {
             self.boundary.push(corner);
         }
     }
+}
+
+/// What a region of two parameters looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shape {
+    /// An ellipse within the bounds.
+    Ellipse,
+    /// An ellipse that the bounds cut.
+    CutEllipse,
+    /// The misfit is not quadratic.
+    Other,
 }
 
 /// Whether a polygon holds a place: a ray from it crosses the polygon's sides an odd number of times.

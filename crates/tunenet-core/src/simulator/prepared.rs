@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::{Parameter, Scale, Segmentation};
-use crate::observation::{Check, Circumstances, LocalEstimate, Note, Observation};
+use crate::observation::{Check, Circumstances, Kind, LocalEstimate, Note, Observation};
 
 /// The usable part of a recording, with its nuisance parameters.
 #[derive(Debug, Clone, Serialize)]
@@ -81,6 +81,12 @@ impl Prepared {
             checks: Vec::new(),
             notes: Vec::new(),
         }
+    }
+
+    /// Whether something sudden happens in it, so that the misfit has kinks and may have several local minima.
+    #[must_use]
+    pub fn has_events(&self) -> bool {
+        !self.events.is_empty() || self.seen.kind() == Kind::EventTimes || self.local.iter().any(Option::is_some)
     }
 
     /// The first guesses of the nuisance parameters.

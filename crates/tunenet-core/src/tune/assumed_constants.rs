@@ -13,15 +13,16 @@ use crate::simulator::Assumed;
 /// A constant that moves no estimate by more than this share of its half-width is not asked for.
 const MATTERS: f64 = 0.5;
 
-/// A note for each constant that matters, and the rollouts that it took.
+/// A note for each constant that matters.
 ///
 /// # Errors
 /// Where the simulator refuses the end of the range.
-pub(super) fn ask(problem: &Problem, fit: &Fit, intervals: &[Interval]) -> Result<(Vec<Note>, usize)> {
-    let (mut notes, mut rollouts) = (Vec::new(), 0);
-    for assumed in problem.simulator.assumed() {
-        let there = Problem { simulator: assumed.at_upper.as_ref(), ..*problem }.fit(fit.point.clone(), 1.0)?;
-        rollouts += there.rollouts;
+pub(super) fn ask(problem: &Problem, fit: &Fit, intervals: &[Interval]) -> Result<Vec<Note>> {
+    let mut notes = Vec::new();
+    for (number, assumed) in problem.simulator.assumed().into_iter().enumerate() {
+        let log = problem.log.map(|log| log.variant(number + 1));
+        let there = Problem { simulator: assumed.at_upper.as_ref(), log: log.as_ref(), ..*problem };
+        let there = there.fit(fit.point.clone(), 1.0)?;
         let moved = problem.free.iter().zip(intervals).map(|(&free, interval)| {
             let half_width = 0.5 * (interval.high.value - interval.low.value);
             (free, (there.point.parameters[free] - fit.point.parameters[free]).abs(), half_width)
@@ -30,7 +31,7 @@ pub(super) fn ask(problem: &Problem, fit: &Fit, intervals: &[Interval]) -> Resul
         let most = moved.filter(|one| share(one) > MATTERS).max_by(|a, b| share(a).total_cmp(&share(b)));
         notes.extend(most.map(|most| note(problem, &assumed, most)));
     }
-    Ok((notes, rollouts))
+    Ok(notes)
 }
 
 fn note(problem: &Problem, assumed: &Assumed, (parameter, moved, half_width): (usize, f64, f64)) -> Note {

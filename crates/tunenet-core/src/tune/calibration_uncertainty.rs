@@ -19,8 +19,6 @@ pub(super) struct CalibrationUncertainty {
     moves: Vec<Vec<f64>>,
     /// Messages for the user.
     pub notes: Vec<Note>,
-    /// Number of rollouts used.
-    pub rollouts: usize,
 }
 
 impl CalibrationUncertainty {
@@ -30,7 +28,7 @@ impl CalibrationUncertainty {
     /// # Errors
     /// Where the simulator refuses an end of such a value's interval.
     pub fn of(problem: &Problem, fit: &Fit, intervals: &mut [Interval]) -> Result<Self> {
-        let mut all = Self { moves: Vec::new(), notes: Vec::new(), rollouts: 0 };
+        let mut all = Self { moves: Vec::new(), notes: Vec::new() };
         for (i, parameter) in problem.simulator.parameters().iter().enumerate().filter(|(_, p)| !p.tune) {
             let Some((low, high)) = parameter.known95 else { continue };
             let mut ends = Vec::with_capacity(2);
@@ -38,7 +36,6 @@ impl CalibrationUncertainty {
                 let mut start = fit.point.clone();
                 start.parameters[i] = end.clamp(parameter.min, parameter.max);
                 let there = problem.fit(start, 1.0)?;
-                all.rollouts += there.rollouts;
                 ends.push(there.point);
             }
             // Where the answer bends with the value, the farther side counts, with the direction of a rising value.

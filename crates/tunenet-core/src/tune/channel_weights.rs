@@ -1,7 +1,7 @@
 //! Iteratively reweighted least squares over channels: weights from the residuals of the fit before.
 
 use crate::Result;
-use crate::estimate::{Point, Problem, floor, weights};
+use crate::estimate::{Point, Problem, RolloutLog, floor, weights};
 use crate::simulator::{Prepared, Simulator};
 
 /// Fits by which the spreads of the channels settle.
@@ -12,14 +12,19 @@ const WEIGHINGS: usize = 3;
 ///
 /// # Errors
 /// Where the simulator refuses.
-pub(super) fn weigh(simulator: &dyn Simulator, recordings: &mut [Prepared], free: &[usize]) -> Result<()> {
+pub(super) fn weigh(
+    simulator: &dyn Simulator,
+    recordings: &mut [Prepared],
+    free: &[usize],
+    log: &RolloutLog,
+) -> Result<()> {
     if recordings.iter().any(|r| !r.memoryless || r.noise.is_none()) {
         return Ok(());
     }
     let mut point = Point::start(simulator, recordings);
     for _ in 0..WEIGHINGS {
         let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
-        let fit = Problem { simulator, recordings, noise: &noise, free }.fit(point, 1.0)?;
+        let fit = Problem { simulator, recordings, noise: &noise, free, log: Some(log) }.fit(point, 1.0)?;
         let width = simulator.channels().len();
         let scale = |channel: usize| {
             let of = |(r, n): (&Vec<f64>, &Vec<f64>)| {

@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use super::Outcome;
 use crate::Result;
-use crate::estimate::{Adequacy, Contour, Fit, LEVEL, Point, Problem, Profile, ScaleEstimate, contour, profile};
+use crate::estimate::{
+    Adequacy, Contour, Fit, LEVEL, Point, Problem, Profile, RolloutLog, ScaleEstimate, contour, profile,
+};
 use crate::estimate::{floor, free, weighted, weights};
 use crate::observation::{Kind, Observation};
 use crate::simulator::{Prepared, Simulator, every, predict};
@@ -89,16 +91,14 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
     if free.is_empty() {
         return Ok(found);
     }
-    let problem = Problem { simulator, recordings, noise: &noise, free: &free };
+    let log = RolloutLog::default();
+    let problem = Problem { simulator, recordings, noise: &noise, free: &free, log: Some(&log) };
     // The record's own best; the estimate from the contacts only and the paper's last iterate differ from it.
     let fit = problem.fit(after.clone(), 1.0)?;
-    found.rollouts += fit.rollouts;
     let linear = problem.linearise(&fit)?;
-    found.rollouts += linear.rollouts();
     let scale = ScaleEstimate::of(&problem, &fit, &linear);
     for i in 0..free.len() {
-        let (curve, rollouts) = profile(&problem, &fit, &scale, i, range(&problem, &fit, &scale, i, outcome, after));
-        found.rollouts += rollouts;
+        let (curve, _) = profile(&problem, &fit, &scale, i, range(&problem, &fit, &scale, i, outcome, after));
         found.profiles.push(curve);
     }
     let mut pairs: Vec<(usize, usize)> = (0..free.len()).flat_map(|j| (0..j).map(move |i| (i, j))).collect();
@@ -106,12 +106,12 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
     pairs.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     for pair in pairs.into_iter().take(MOST_PAIRS) {
         for level in LEVELS {
-            if let Some((region, rollouts)) = contour(&problem, &fit, &scale, pair, level) {
-                found.rollouts += rollouts;
+            if let Some((region, _)) = contour(&problem, &fit, &scale, pair, level) {
                 found.contours.push(region);
             }
         }
     }
+    found.rollouts += log.count();
     Ok(found)
 }
 

@@ -2,7 +2,7 @@
 //! that the recordings do not determine.
 
 use super::channel_weights;
-use crate::estimate::{self, Fit, Point, Problem, ScaleEstimate, free, weights};
+use crate::estimate::{self, Fit, Point, Problem, RolloutLog, ScaleEstimate, free, weights};
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};
 use crate::{Error, Origin, Result};
@@ -48,9 +48,10 @@ pub fn fit_at_fixed_values(
     }
     let mut others = free(parameters, &recordings);
     others.retain(|i| *i != position);
-    channel_weights::weigh(simulator, &mut recordings, &others)?;
+    let log = RolloutLog::default();
+    channel_weights::weigh(simulator, &mut recordings, &others, &log)?;
     let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
-    let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &others };
+    let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &others, log: Some(&log) };
     let mut point = Point::start(simulator, &recordings);
     let mut fits: Vec<Fit> = Vec::with_capacity(values.len());
     let mut scale = None;

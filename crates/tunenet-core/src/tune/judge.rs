@@ -74,6 +74,22 @@ impl Tuning<'_> {
         }
     }
 
+    /// Reports where fewer rollouts were allowed, or asked for, than the answer takes.
+    pub(super) fn report_limits(&self, fit: &Fit, notes: &mut Vec<Note>) {
+        if self.settings.quick {
+            let text = "only the first fit was made; intervals are those of the curvature, and were not checked";
+            notes.push(Note::new(findings::FIT_QUICK, text, "leave out the option for checked intervals"));
+        }
+        let Some(most) = self.settings.max_rollouts.filter(|_| self.log.was_short()) else { return };
+        let what = if fit.cut_short {
+            "ended the fit before it had converged"
+        } else {
+            "ended searches and checks after the fit; intervals that were not checked are those of the curvature"
+        };
+        let text = format!("the limit of {most} rollouts {what}");
+        notes.push(Note::new(findings::ROLLOUTS_LIMIT, text, "allow more rollouts"));
+    }
+
     /// There are no more numbers than parameters: such a fit is always exact, so there is no estimate of its uncertainty.
     fn too_short(&self) -> Option<Note> {
         let values: usize = self.recordings.iter().map(|r| r.seen.values().len()).sum();

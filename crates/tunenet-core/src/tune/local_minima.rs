@@ -5,7 +5,7 @@
 
 use super::Tuning;
 use super::starts::local_estimate;
-use crate::estimate::{Fit, GridPoint, MisfitGrid, Problem, ScaleEstimate};
+use crate::estimate::{Fit, GridPoint, MisfitGrid, Phase, Problem, ScaleEstimate};
 
 /// Grid over a parameter, as multiples of its distance from its lower bound.
 const BELOW: [f64; 5] = [0.85, 0.7, 0.5, 0.35, 0.2];
@@ -23,10 +23,11 @@ const WORTH_A_FIT: f64 = 100.0;
 const SAME_COST: f64 = 1e-9;
 
 impl Tuning<'_> {
-    /// The best local minimum near `found`, the grid around it, and the number of rollouts used.
-    pub(super) fn search_local_minima(&self, mut found: Fit) -> (Fit, MisfitGrid, usize) {
+    /// The best local minimum near `found`, and the grid around it.
+    pub(super) fn search_local_minima(&self, mut found: Fit) -> (Fit, MisfitGrid) {
         let problem = self.problem();
-        let (mut rollouts, mut all) = (0, vec![Vec::new(); self.free.len()]);
+        self.log.phase(Phase::Search);
+        let mut all = vec![Vec::new(); self.free.len()];
         for (k, kept) in all.iter_mut().enumerate() {
             let p = &self.simulator.parameters()[self.free[k]];
             let share = (found.point.parameters[self.free[k]] - p.min) / p.span();
@@ -35,8 +36,7 @@ impl Tuning<'_> {
                 continue;
             }
             let shares = if local { even(share) } else { around(share) };
-            let (mut places, used) = places(&problem, &found, k, shares);
-            rollouts += used;
+            let mut places = places(&problem, &found, k, shares);
             let scale = ScaleEstimate::of_residuals(&problem, &found);
             let mut bottoms = Vec::new();
             for place in local_minima(&places, &found, self.free[k]) {
@@ -44,7 +44,6 @@ impl Tuning<'_> {
                     continue;
                 }
                 let Ok(again) = problem.fit(place.point.clone(), 1.0) else { continue };
-                rollouts += again.rollouts;
                 // The bottom of the other local minimum is a place as well.
                 let (best, other) = if again.cost < found.cost { (again, found) } else { (found, again) };
                 found = best;
@@ -54,7 +53,7 @@ impl Tuning<'_> {
             places.extend(bottoms);
             *kept = places;
         }
-        (found, all, rollouts)
+        (found, all)
     }
 }
 
@@ -74,12 +73,12 @@ fn even(share: f64) -> [Vec<f64>; 2] {
 
 /// The misfit over free parameter number `k` at these shares of its bounds, outwards from `fit` on either side, each place
 /// fitted from the one before.
-fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec<GridPoint>, usize) {
+fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> Vec<GridPoint> {
     let position = problem.free[k];
     let p = &problem.simulator.parameters()[position];
     let others: Vec<usize> = problem.free.iter().copied().filter(|&f| f != position).collect();
     let problem = Problem { free: &others, ..*problem };
-    let (mut found, mut rollouts) = (Vec::new(), 0);
+    let mut found = Vec::new();
     for side in shares {
         let (mut point, mut cost) = (fit.point.clone(), fit.cost);
         for share in side {
@@ -89,8 +88,7 @@ fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec
             }
             // Two steps are enough to see a local minimum. What the simulator refuses has none.
             let start = point.with(&[position], &[value]);
-            let Ok(there) = problem.fit_until(start, 1.0, f64::INFINITY) else { break };
-            rollouts += there.rollouts;
+            let Ok(there) = problem.fit_briefly(start, None) else { break };
             let flat = (there.cost - cost).abs() <= SAME_COST * cost;
             (point, cost) = (there.point, there.cost);
             if flat {
@@ -100,7 +98,7 @@ fn places(problem: &Problem, fit: &Fit, k: usize, shares: [Vec<f64>; 2]) -> (Vec
         }
     }
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
-    (found, rollouts)
+    found
 }
 
 /// The places that are deeper than both their neighbours, the fit itself among the neighbours, and those deeper than the fit.

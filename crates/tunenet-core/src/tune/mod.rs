@@ -27,15 +27,17 @@ pub use fixed_parameter::{FixedValueFit, fit_at_fixed_values};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
 
 pub use crate::estimate::{
-    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Linearisation, Point, Problem, Profile,
-    Region, ScaleEstimate, channel_noise, contour, ends, free, profile,
+    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Linearisation, Phase, Point, Problem, Profile,
+    Region, Request, RolloutLog, RolloutStore, ScaleEstimate, Watch, channel_noise, contour, ends, free, profile,
 };
 
 use calibration_uncertainty::CalibrationUncertainty;
 use judge::Standing;
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 
-use crate::estimate::{GridPoint, ends_with, weights};
+use crate::estimate::{GridPoint, curved, ends_with, weights};
 use crate::network::Model;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Prepared, Simulator};
@@ -53,6 +55,14 @@ pub struct Settings {
     /// Finish with a fit through rollouts and return the best iterate; off, the last iterate of Algorithm 1 stands, as in
     /// the paper.
     pub finish: bool,
+    /// Stop after the first fit, with the intervals of the curvature.
+    pub quick: bool,
+    /// Most rollouts; the answer is then what was found so far.
+    pub max_rollouts: Option<usize>,
+    /// Where answered rollouts are kept, so that an interrupted tuning can go on.
+    pub store: Option<Arc<dyn RolloutStore>>,
+    /// What is notified of the progress.
+    pub watch: Option<Arc<dyn Watch>>,
     /// What each observation is called in sentences for users, such as a file's name; numbered from 1 where left empty.
     pub names: Vec<String>,
 }
@@ -66,7 +76,17 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { iterations: 5, initial: Vec::new(), clamp: true, finish: true, names: Vec::new() }
+        Self {
+            iterations: 5,
+            initial: Vec::new(),
+            clamp: true,
+            finish: true,
+            quick: false,
+            max_rollouts: None,
+            store: None,
+            watch: None,
+            names: Vec::new(),
+        }
     }
 }
 
@@ -135,24 +155,25 @@ pub fn tune(
         agrees(model, simulator)?;
     }
     let free = free(simulator.parameters(), &recordings);
-    channel_weights::weigh(simulator, &mut recordings, &free)?;
+    let log = RolloutLog::new(settings.max_rollouts, settings.store.clone(), settings.watch.clone());
+    channel_weights::weigh(simulator, &mut recordings, &free, &log)?;
     let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
     // Numbers as a user counts the recordings, those set aside included.
     let numbers: Vec<usize> = used.iter().enumerate().filter(|(_, used)| **used).map(|(i, _)| i + 1).collect();
-    let tuning = Tuning { simulator, recordings: &recordings, numbers: &numbers, noise: &noise, free: &free, settings };
+    let tuning =
+        Tuning { simulator, recordings: &recordings, numbers: &numbers, noise: &noise, free: &free, settings, log: &log };
     let mut outcome = tuning.run(model)?;
     outcome.notes.splice(0..0, notes);
     (outcome.used, outcome.preflight) = (used, preflight);
     if let Some(point) = &outcome.point {
         let mut all = Vec::new();
-        for ((recording, noise), nuisances) in recordings.iter().zip(&noise).zip(&point.nuisances) {
-            let (shown, rollouts) =
-                observable_nuisances::observable_nuisances(simulator, recording, noise, &point.parameters, nuisances)?;
-            all.push(shown);
-            outcome.rollouts += rollouts;
+        for (d, (recording, nuisances)) in recordings.iter().zip(&point.nuisances).enumerate() {
+            let at = (point.parameters.as_slice(), nuisances.as_slice());
+            all.push(observable_nuisances::observable_nuisances(simulator, (d, recording), &noise[d], at, &log)?);
         }
         outcome.nuisances = all;
     }
+    outcome.rollouts = log.count();
     outcome.recordings = recordings;
     Ok(outcome)
 }
@@ -199,18 +220,19 @@ pub(crate) fn estimates_near(
     near: &Point,
 ) -> Result<(Option<Vec<Estimate>>, usize)> {
     let free = free(simulator.parameters(), &recordings);
-    channel_weights::weigh(simulator, &mut recordings, &free)?;
+    let log = RolloutLog::default();
+    channel_weights::weigh(simulator, &mut recordings, &free, &log)?;
     let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
     let settings = &Settings::default();
-    let tuning = Tuning { simulator, recordings: &recordings, numbers: &[], noise: &noise, free: &free, settings };
+    let tuning =
+        Tuning { simulator, recordings: &recordings, numbers: &[], noise: &noise, free: &free, settings, log: &log };
     let mut fit = tuning.problem().fit(near.clone(), 1.0)?;
-    let Uncertainty { scale, known, interval95, rollouts, .. } = tuning.uncertainty(&mut fit, &[])?;
-    let rollouts = fit.rollouts + rollouts;
+    let Uncertainty { scale, known, interval95, .. } = tuning.uncertainty(&mut fit, &[])?;
     if tuning.poor(&fit) {
-        return Ok((None, rollouts));
+        return Ok((None, log.count()));
     }
     let found = tuning.standings(&fit, &known, &scale, &interval95);
-    Ok((Some(tuning.estimates(near, &mut fit, &found, &mut Vec::new())), rollouts))
+    Ok((Some(tuning.estimates(near, &mut fit, &found, &mut Vec::new())), log.count()))
 }
 
 /// How well the free parameters of a fit are known.
@@ -219,7 +241,6 @@ struct Uncertainty {
     known: Information,
     interval95: Vec<Interval>,
     calibration: CalibrationUncertainty,
-    rollouts: usize,
 }
 
 /// One call of [`tune`] with everything prepared.
@@ -230,11 +251,18 @@ struct Tuning<'a> {
     noise: &'a [Vec<f64>],
     free: &'a [usize],
     settings: &'a Settings,
+    log: &'a RolloutLog,
 }
 
 impl Tuning<'_> {
     fn problem(&self) -> Problem<'_> {
-        Problem { simulator: self.simulator, recordings: self.recordings, noise: self.noise, free: self.free }
+        Problem {
+            simulator: self.simulator,
+            recordings: self.recordings,
+            noise: self.noise,
+            free: self.free,
+            log: Some(self.log),
+        }
     }
 
     fn start(&self) -> Result<Point> {
@@ -264,15 +292,15 @@ impl Tuning<'_> {
     }
 
     /// Takes the answer from the contacts only where they say something; the recordings' nuisance parameters follow the parameters
-    /// that now stand, and so does all that is said of the answer. Returns the rollouts that it took.
-    fn settle_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> Result<usize> {
+    /// that now stand, and so does all that is said of the answer.
+    fn settle_on_local(&self, fit: &mut Fit, found: &mut [Standing], notes: &mut Vec<Note>) -> Result<()> {
         let whole = self.problem().rmse(&fit.residuals);
         if !self.fall_back_on_local(fit, found, whole, notes) {
-            return Ok(0);
+            return Ok(());
         }
         let nuisances = Problem { free: &[], ..self.problem() }.fit(fit.point.clone(), 1.0)?;
         (fit.point, fit.residuals) = (nuisances.point, nuisances.residuals);
-        Ok(nuisances.rollouts)
+        Ok(())
     }
 
     /// The 95 % interval of each free parameter, and the calibration uncertainty of fixed ones.
@@ -283,26 +311,26 @@ impl Tuning<'_> {
         grid: &[Vec<GridPoint>],
     ) -> Result<(Vec<Interval>, CalibrationUncertainty)> {
         let problem = self.problem();
-        let (mut interval95, used) = ends_with(&problem, fit, scale, grid);
-        let mut calibration = CalibrationUncertainty::of(&problem, fit, &mut interval95)?;
-        calibration.rollouts += used;
+        self.log.phase(Phase::Intervals);
+        let (mut interval95, _) =
+            if self.settings.quick { (curved(&problem, fit, scale), 0) } else { ends_with(&problem, fit, scale, grid) };
+        let calibration = CalibrationUncertainty::of(&problem, fit, &mut interval95)?;
         Ok((interval95, calibration))
     }
 
     /// How well the free parameters are known at `fit`, whose covariance is stated by the way.
     fn uncertainty(&self, fit: &mut Fit, grid: &[Vec<GridPoint>]) -> Result<Uncertainty> {
         let problem = self.problem();
-        let linear = problem.linearise(fit)?;
+        let linear = problem.settle(fit)?;
         let scale = ScaleEstimate::of(&problem, fit, &linear);
         let known = Information::of(&problem, fit, &linear, &scale);
         fit.covariance = known.covariance.clone();
         let (interval95, calibration) = self.intervals(fit, &scale, grid)?;
-        let rollouts = linear.rollouts() + calibration.rollouts;
-        Ok(Uncertainty { scale, known, interval95, calibration, rollouts })
+        Ok(Uncertainty { scale, known, interval95, calibration })
     }
 
-    /// The network's iterations from `start`, where they end, and the rollouts that they took.
-    fn residual_tuning(&self, model: &Model, start: &Point) -> Result<(Vec<Iteration>, Point, usize)> {
+    /// The network's iterations from `start`, and where they end.
+    fn residual_tuning(&self, model: &Model, start: &Point) -> Result<(Vec<Iteration>, Point)> {
         let secant = self.settings.finish && self.free.len() == 1;
         let how = Loop {
             iterations: self.settings.iterations,
@@ -312,12 +340,13 @@ impl Tuning<'_> {
             library: self.settings.finish && self.settings.initial.is_empty(),
         };
         let walk = walk(self.simulator, &self.recordings[0], model, start, how)?;
+        self.log.add(walk.rollouts);
         if !self.settings.finish {
-            return Ok((walk.iterations, walk.point, walk.rollouts));
+            return Ok((walk.iterations, walk.point));
         }
         // The recordings' nuisance parameters are fitted first, so that they do not bias the parameters.
         let nuisances = Problem { free: &[], ..self.problem() }.fit(walk.point, 1.0)?;
-        Ok((walk.iterations, nuisances.point, walk.rollouts + nuisances.rollouts))
+        Ok((walk.iterations, nuisances.point))
     }
 
     fn run(&self, model: Option<&Model>) -> Result<Outcome> {
@@ -325,22 +354,19 @@ impl Tuning<'_> {
         let start = self.start()?;
         // The gap before is the old parameters' best: only the recordings' nuisance parameters are fitted.
         let before = Problem { free: &[], ..self.problem() }.fit(start.clone(), 1.0)?;
-        let mut rollouts = before.rollouts;
         let gap_before = problem.rmse(&before.residuals);
         let (mut iterations, mut stop, mut notes) = (Vec::new(), Stop::Converged, Vec::new());
         let mut near = Point { parameters: start.parameters.clone(), nuisances: before.point.nuisances.clone() };
         if let Some(model) = model.filter(|_| !self.free.is_empty()) {
-            let used;
-            (iterations, near, used) = self.residual_tuning(model, &start)?;
-            rollouts += used;
+            (iterations, near) = self.residual_tuning(model, &start)?;
             stop = Stop::Iterations;
         }
         let mut grid = Vec::new();
         let mut fit = if self.settings.finish || iterations.is_empty() {
             // The start without a network stays among the starts: with one, the answer is never worse.
             let plain = Point { parameters: start.parameters.clone(), nuisances: before.point.nuisances.clone() };
-            let (fit, places, used) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
-            (grid, rollouts) = (places, rollouts + used);
+            let (fit, places) = self.best_fit(&near, (!iterations.is_empty()).then_some(plain))?;
+            grid = places;
             if iterations.is_empty() {
                 iterations.push(Iteration { k: 0, parameters: near.at(self.free), rmse: gap_before });
             }
@@ -353,31 +379,32 @@ impl Tuning<'_> {
             }));
             fit
         } else {
-            let fit = problem.evaluate(near)?;
-            rollouts += fit.rollouts;
-            fit
+            problem.evaluate(near)?
         };
-        let Uncertainty { scale, known, interval95, calibration, rollouts: used } =
-            self.uncertainty(&mut fit, &grid)?;
-        rollouts += used;
+        let cut_short = fit.cut_short;
+        if cut_short {
+            stop = Stop::Limit;
+        }
+        let Uncertainty { scale, known, interval95, calibration } = self.uncertainty(&mut fit, &grid)?;
         let mut poor = self.poor(&fit);
-        if self.settings.finish && !poor {
-            let (disagree, used) = self.disagreement(&fit)?;
-            rollouts += used;
+        self.report_limits(&fit, &mut notes);
+        if self.settings.finish && !poor && !self.settings.quick {
+            let disagree = self.disagreement(&fit)?;
             poor = disagree.is_some();
             notes.extend(disagree);
         }
-        if self.settings.finish && !poor {
-            let (asked, used) = assumed_constants::ask(&problem, &fit, &interval95)?;
-            notes.extend(asked);
-            rollouts += used;
+        if self.settings.finish && !poor && !self.settings.quick {
+            notes.extend(assumed_constants::ask(&problem, &fit, &interval95)?);
         }
         let mut found = self.standings(&fit, &known, &scale, &interval95);
         let short = judge::leave_open_where_short(self, &mut found, &mut notes);
         let joint = judge::joint(&found);
         let region95 = if self.settings.finish && !poor && !short && joint.len() > 1 {
-            let (mut region, used) = Region::of(&problem, &fit, &scale, &interval95, &joint);
-            rollouts += used;
+            let mut region = if self.settings.quick {
+                Region::from_curvature(&problem, &fit, &scale, &joint)
+            } else {
+                Region::of(&problem, &fit, &scale, &interval95, &joint).0
+            };
             calibration.widen_region(&mut region, &joint);
             Some(region)
         } else {
@@ -385,7 +412,7 @@ impl Tuning<'_> {
         };
         // The paper's last iterate stands as it is; anything else would not be the paper's.
         if poor && self.settings.finish {
-            rollouts += self.settle_on_local(&mut fit, &mut found, &mut notes)?;
+            self.settle_on_local(&mut fit, &mut found, &mut notes)?;
         }
         self.report_misfit(&fit, poor, &mut notes);
         let gap = Gap {
@@ -397,7 +424,7 @@ impl Tuning<'_> {
         let parameters = self.estimates(&start, &mut fit, &found, &mut notes);
         notes.extend(calibration.notes);
         judge::name_directions(self, &known, &mut notes);
-        let verdict = judge::verdict(&parameters, poor);
+        let verdict = judge::verdict(&parameters, poor || cut_short);
         let correlation = judge::correlation(&fit.covariance);
         let free = self.free.iter().map(|&i| self.simulator.parameters()[i].name.clone()).collect();
         Ok(Outcome {
@@ -407,7 +434,7 @@ impl Tuning<'_> {
             region95,
             iterations,
             gap: Some(gap),
-            rollouts,
+            rollouts: self.log.count(),
             stop,
             notes,
             before: Some(before.point),

@@ -2,7 +2,8 @@
 //! surface that is never touched does not, nor a position along an axis that was not measured.
 
 use crate::Result;
-use crate::simulator::{Parameter, Prepared, Simulator, predict};
+use crate::estimate::RolloutLog;
+use crate::simulator::{Parameter, Prepared, Simulator};
 
 /// Step of the finite difference, as a share of the bounds.
 const NUDGE: f64 = 1e-6;
@@ -15,22 +16,27 @@ const LEAST: f64 = 1e-5;
 /// Where the simulator refuses the values themselves.
 pub(super) fn observable_nuisances(
     simulator: &dyn Simulator,
-    recording: &Prepared,
+    (d, recording): (usize, &Prepared),
     noise: &[f64],
-    parameters: &[f64],
-    nuisances: &[f64],
-) -> Result<(Vec<Parameter>, usize)> {
-    let clock = recording.seen.clock();
+    (parameters, nuisances): (&[f64], &[f64]),
+    log: &RolloutLog,
+) -> Result<Vec<Parameter>> {
+    if nuisances.is_empty() {
+        return Ok(Vec::new());
+    }
+    let predict = |nuisances: &[f64]| {
+        log.predict(simulator, (d, recording), parameters, nuisances, recording.seen.len())
+    };
     let width = noise.len();
     // A channel that never varies, not even by noise, was not measured.
     let measured: Vec<bool> =
         (0..width).map(|c| recording.seen.column(c).any(|v| v != recording.seen.row(0)[c])).collect();
-    let here = predict(simulator, recording, parameters, nuisances, clock)?;
+    let here = predict(nuisances)?;
     let moves = |i: usize, step: f64| {
         let mut moved = nuisances.to_vec();
         moved[i] += step;
         // A step that cannot be simulated makes a difference.
-        predict(simulator, recording, parameters, &moved, clock).map_or(true, |there| {
+        predict(&moved).map_or(true, |there| {
             let differs =
                 |(k, (a, b)): (usize, (&f64, &f64))| measured[k % width] && (a - b).abs() > LEAST * noise[k % width];
             there.iter().zip(&here).enumerate().any(differs)
@@ -42,6 +48,5 @@ pub(super) fn observable_nuisances(
         moves(*i, step) && moves(*i, -step)
     };
     let kept = recording.nuisances.iter().enumerate().filter(seen);
-    let kept = kept.map(|(i, p)| Parameter { value: nuisances[i], ..p.clone() }).collect();
-    Ok((kept, 1 + 2 * recording.nuisances.len()))
+    Ok(kept.map(|(i, p)| Parameter { value: nuisances[i], ..p.clone() }).collect())
 }

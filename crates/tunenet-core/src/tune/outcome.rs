@@ -100,6 +100,8 @@ pub enum Stop {
     Iterations,
     /// No step improves any more.
     Converged,
+    /// No more rollouts were allowed.
+    Limit,
     /// There was nothing to iterate on.
     Nothing,
 }

@@ -26,21 +26,16 @@ struct Alone {
 }
 
 impl Tuning<'_> {
-    /// Whether lists of events fitted together leave more than each by itself; what is to be said then, and the rollouts that it took.
+    /// Whether lists of events fitted together leave more than each by itself; what is to be said then.
     ///
     /// # Errors
     /// Where the simulator refuses.
-    pub(super) fn disagreement(&self, fit: &Fit) -> Result<(Option<Note>, usize)> {
+    pub(super) fn disagreement(&self, fit: &Fit) -> Result<Option<Note>> {
         let lists = self.recordings.iter().all(|r| r.seen.kind() == Kind::EventTimes);
         if !lists || self.recordings.len() < 2 || self.free.is_empty() {
-            return Ok((None, 0));
+            return Ok(None);
         }
-        let (mut all, mut rollouts) = (Vec::new(), 0);
-        for d in 0..self.recordings.len() {
-            let (one, used) = self.alone(fit, d)?;
-            all.push(one);
-            rollouts += used;
-        }
+        let all = (0..self.recordings.len()).map(|d| self.alone(fit, d)).collect::<Result<Vec<_>>>()?;
         let together: f64 = fit.residuals.iter().map(|r| dot(r, r)).sum();
         let longest = self.recordings.iter().map(|r| r.seen.values()).filter_map(|v| Some(v.last()? - v.first()?));
         let exact = self.problem().rmse(&fit.residuals) <= ROUNDING * longest.fold(0.0, f64::max);
@@ -58,13 +53,14 @@ impl Tuning<'_> {
                 "tune each by itself, and look for what differs between them",
             )
         });
-        Ok((found, rollouts))
+        Ok(found)
     }
 
     /// Recording `d` fitted by itself from where all together stand.
-    fn alone(&self, fit: &Fit, d: usize) -> Result<(Alone, usize)> {
+    fn alone(&self, fit: &Fit, d: usize) -> Result<Alone> {
         let (recordings, noise) = (&self.recordings[d..=d], &self.noise[d..=d]);
-        let problem = Problem { recordings, noise, ..self.problem() };
+        // The log knows recordings by their number among all.
+        let problem = Problem { recordings, noise, log: None, ..self.problem() };
         let start = Point { parameters: fit.point.parameters.clone(), nuisances: vec![fit.point.nuisances[d].clone()] };
         let own = problem.fit(start, 1.0)?;
         let linear = problem.linearise(&own)?;
@@ -74,7 +70,8 @@ impl Tuning<'_> {
             degrees_of_freedom: (recordings[0].seen.len() as f64 - fitted as f64).max(0.0),
             inflation: ScaleEstimate::of(&problem, &own, &linear).inflation,
         };
-        Ok((alone, own.rollouts + linear.rollouts()))
+        self.log.add(own.rollouts + linear.rollouts());
+        Ok(alone)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Tuning;
 use crate::estimate::problem::robust_scale;
-use crate::estimate::{Fit, MisfitGrid, Point};
+use crate::estimate::{Fit, MisfitGrid, Phase, Point};
 use crate::observation::LocalEstimate;
 use crate::simulator::Prepared;
 use crate::{Error, Result};
@@ -14,6 +14,8 @@ const SUSPICIOUS_SCALE: f64 = 3.0;
 const SUSPICIOUS_SQUARE: f64 = 2.0;
 /// A fit that ends within this share of the bounds from one of them is looked at again ...
 const NEAR_BOUND: f64 = 0.1;
+/// ... or within this share where the misfit is smooth and nothing but noise is left ...
+const ON_BOUND: f64 = 1e-4;
 /// ... from these shares away from it.
 const BOUND_STARTS: [f64; 10] = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1];
 /// Starts across the bounds, for the case that neither the file nor the data suggest a good one. Small ones lie closer: where
@@ -30,73 +32,105 @@ const SAME_MISFIT: f64 = 1e-9;
 const FLAT_STARTS: u32 = 40;
 
 impl Tuning<'_> {
-    /// The best of several starts, `near` and `also` among them, more of them where the first leaves too much; the places
-    /// that were looked at around it; and the rollouts it took.
-    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, MisfitGrid, usize)> {
+    /// The best fit, and the places that were looked at around it.
+    ///
+    /// Where the misfit is smooth, a fit that leaves no more than noise and lies within the bounds is the answer. Otherwise the best
+    /// of several starts, `near` and `also` among them, more of them where the first leaves too much; then what lies along
+    /// bounds, past flats and in neighbouring local minima.
+    pub(super) fn best_fit(&self, near: &Point, also: Option<Point>) -> Result<(Fit, MisfitGrid)> {
         let problem = self.problem();
+        self.log.phase(Phase::Fit);
         // A driven thing does not go its own way after a bad start: what it shows is nearly linear in its parameters.
-        if self.free.is_empty() || self.recordings.iter().all(|recording| recording.memoryless) {
+        if self.free.is_empty() || self.settings.quick || self.recordings.iter().all(|recording| recording.memoryless) {
+            return Ok((problem.fit(near.clone(), 1.0)?, Vec::new()));
+        }
+        if self.has_events() {
+            let found = self.best_of_starts(near, also, None)?;
+            let found = self.look_past_flats(self.look_along_bounds(found, NEAR_BOUND));
+            return Ok(self.search_local_minima(found));
+        }
+        let first = match problem.fit(near.clone(), 1.0) {
+            Err(refused) if self.log.was_short() => return Err(refused),
+            first => first.ok(),
+        };
+        let found = match first {
+            Some(first) if self.settled(&first) => first,
+            first => self.best_of_starts(near, also, first)?,
+        };
+        let settled = self.settled(&found);
+        let found = self.look_past_flats(self.look_along_bounds(found, if settled { ON_BOUND } else { NEAR_BOUND }));
+        // Over a lone parameter the grid takes a rollout for each place.
+        let alone = self.free.len() == 1 && self.recordings.iter().all(|r| r.nuisances.is_empty());
+        if settled && !alone {
+            return Ok((found, Vec::new()));
+        }
+        Ok(self.search_local_minima(found))
+    }
+
+    fn has_events(&self) -> bool {
+        self.recordings.iter().any(Prepared::has_events)
+    }
+
+    /// Whether a fit leaves no more than noise.
+    fn settled(&self, fit: &Fit) -> bool {
+        let count = fit.residuals.iter().map(Vec::len).sum::<usize>() as f64;
+        robust_scale(&fit.residuals) < SUSPICIOUS_SCALE && 2.0 * fit.cost < SUSPICIOUS_SQUARE * count
+    }
+
+    /// The best of several starts, and of the fit `first`.
+    fn best_of_starts(&self, near: &Point, also: Option<Point>, first: Option<Fit>) -> Result<Fit> {
+        let problem = self.problem();
+        self.log.phase(Phase::Search);
+        let mut best = first;
+        let networked = also.is_some();
+        // A network's start is always fitted, even if others lie nearer by rollouts alone: short records have several local minima.
+        if networked {
             let fit = problem.fit(near.clone(), 1.0)?;
-            let rollouts = fit.rollouts;
-            return Ok((fit, Vec::new(), rollouts));
+            best = best.filter(|best| best.cost <= fit.cost).or(Some(fit));
+        }
+        // What the events suggest comes before what lies nearer by rollouts alone: where they are right, release and surface
+        // are right too, and what is left (friction) can be a long way off and still lie in the same local minimum.
+        let locals: Vec<Point> = self.local_start(near).iter().flat_map(|l| self.around_local(l)).collect();
+        let mut first = self.ranked(locals.clone());
+        first.truncate(LOCAL_FITS);
+        for (_, start) in first {
+            self.try_start(start, &[1.0], &mut best);
+            if best.as_ref().is_some_and(|best| self.settled(best)) {
+                return best.ok_or_else(nowhere);
+            }
         }
         let mut starts = vec![near.clone()];
         // One parameter at a time across its bounds, the others where the file, a network or the events have them.
         starts.extend(self.across_bounds(near));
-        let locals: Vec<Point> = self.local_start(near).iter().flat_map(|l| self.around_local(l)).collect();
-        starts.extend(locals.iter().cloned());
-        let networked = also.is_some();
+        starts.extend(locals);
         starts.extend(also);
         for start in starts.clone() {
             // The recordings' first guesses as well, where the start carries nuisance parameters fitted to other parameters.
             starts.push(Point { nuisances: self.recordings.iter().map(Prepared::nuisance_values).collect(), ..start });
         }
-        let mut rollouts = starts.len() * self.recordings.len();
-        // A network's start is always fitted, even if others lie nearer by rollouts alone: short records have several local minima.
-        let mut best: Option<Fit> = None;
-        if networked {
-            let fit = problem.fit(near.clone(), 1.0)?;
-            rollouts += fit.rollouts;
-            best = Some(fit);
-        }
-        let mut ranked = self.ranked(starts);
-        // What the events suggest comes before what lies nearer by rollouts alone: where they are right, release and surface
-        // are right too, and what is left (friction) can be a long way off and still lie in the same local minimum.
-        let mut locals = self.ranked(locals);
-        locals.truncate(LOCAL_FITS);
-        let first = locals.len();
-        ranked.splice(0..0, locals);
-        for (tried, (_, start)) in ranked.into_iter().enumerate() {
-            let horizons: &[f64] = if tried >= first + 2 { &[0.45, 0.7, 1.0] } else { &[1.0] };
-            let mut fitted = None;
-            let mut point = start;
-            for horizon in horizons {
-                // What suits the beginning of a record may be refused for the whole of it: that start leads nowhere.
-                fitted = problem.fit(point.clone(), *horizon).ok();
-                let Some(fit) = &fitted else { break };
-                rollouts += fit.rollouts;
-                point.clone_from(&fit.point);
-            }
-            let Some(fit) = fitted else { continue };
-            if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
-                best = Some(fit);
-            }
-            let settled = best.as_ref().is_some_and(|b| {
-                let count = b.residuals.iter().map(Vec::len).sum::<usize>() as f64;
-                robust_scale(&b.residuals) < SUSPICIOUS_SCALE && 2.0 * b.cost < SUSPICIOUS_SQUARE * count
-            });
-            if settled || tried >= first + 5 {
+        for (tried, (_, start)) in self.ranked(starts).into_iter().enumerate() {
+            self.try_start(start, if tried >= 2 { &[0.45, 0.7, 1.0] } else { &[1.0] }, &mut best);
+            if best.as_ref().is_some_and(|best| self.settled(best)) || tried >= 5 {
                 break;
             }
         }
-        let found = best.ok_or_else(|| Error::Simulator {
-            at: "every start".into(),
-            message: "no start within the bounds could be simulated".into(),
-        })?;
-        let (found, along) = self.look_along_bounds(found);
-        let (found, past) = self.look_past_flats(found);
-        let (found, grid, across) = self.search_local_minima(found);
-        Ok((found, grid, rollouts + along + past + across))
+        best.ok_or_else(nowhere)
+    }
+
+    /// Fits from `start` over growing shares of the record, and keeps the result where it is better.
+    fn try_start(&self, start: Point, horizons: &[f64], best: &mut Option<Fit>) {
+        let problem = self.problem();
+        let (mut point, mut fitted) = (start, None);
+        for horizon in horizons {
+            // What suits the beginning of a record may be refused for the whole of it: that start leads nowhere.
+            fitted = problem.fit(point.clone(), *horizon).ok();
+            let Some(fit) = &fitted else { break };
+            point.clone_from(&fit.point);
+        }
+        let Some(fit) = fitted else { return };
+        if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
+            *best = Some(fit);
+        }
     }
 
     /// `base` with one free parameter at a time across its bounds.
@@ -132,41 +166,38 @@ impl Tuning<'_> {
     }
 
     /// Near a bound the slope may vanish (impacts that return a few hundredths leave next to no rebound), so that a step which
-    /// overshoots never comes back: tries the neighbourhood of the bound by plain rollouts, and fits again from the best.
-    fn look_along_bounds(&self, found: Fit) -> (Fit, usize) {
+    /// overshoots never comes back: tries the neighbourhood of a bound that is within this share of the bounds by plain
+    /// rollouts, and fits again from the best.
+    fn look_along_bounds(&self, found: Fit, near: f64) -> Fit {
         let problem = self.problem();
-        let mut rollouts = 0;
         let mut best: Option<(f64, Point)> = None;
         let level = problem.rmse(&found.residuals);
         for &i in self.free {
             let p = &self.simulator.parameters()[i];
             let value = found.point.parameters[i];
-            let (bound, inward) = if value - p.min < NEAR_BOUND * p.span() {
+            let (bound, inward) = if value - p.min <= near * p.span() {
                 (p.min, 1.0)
-            } else if p.max - value < NEAR_BOUND * p.span() {
+            } else if p.max - value <= near * p.span() {
                 (p.max, -1.0)
             } else {
                 continue;
             };
             for share in BOUND_STARTS {
                 let point = found.point.with(&[i], &[bound + inward * share * p.span()]);
-                rollouts += self.recordings.len();
                 let rmse = problem.residuals(&point, 1.0).map_or(f64::INFINITY, |r| problem.rmse(&r));
                 if rmse < best.as_ref().map_or(level, |b| b.0) {
                     best = Some((rmse, point));
                 }
             }
         }
-        let Some(Ok(again)) = best.map(|(_, start)| problem.fit(start, 1.0)) else { return (found, rollouts) };
-        rollouts += again.rollouts;
-        (if again.cost < found.cost { again } else { found }, rollouts)
+        let Some(Ok(again)) = best.map(|(_, start)| problem.fit(start, 1.0)) else { return found };
+        if again.cost < found.cost { again } else { found }
     }
 
     /// Where a parameter has no influence at all, no step leaves the place (friction that grips, however great): looks for
     /// values that do matter by plain rollouts, and fits again from the best of them.
-    fn look_past_flats(&self, found: Fit) -> (Fit, usize) {
+    fn look_past_flats(&self, mut found: Fit) -> Fit {
         let problem = self.problem();
-        let (mut rollouts, mut found) = (0, found);
         for (k, &i) in self.free.iter().enumerate() {
             if found.covariance.get((k, k)).is_none_or(|v| v.is_finite()) {
                 continue;
@@ -177,7 +208,6 @@ impl Tuning<'_> {
             let mut other: Option<(f64, Point)> = None;
             for value in places {
                 let point = found.point.with(&[i], &[value]);
-                rollouts += self.recordings.len();
                 let Ok(residuals) = problem.residuals(&point, 1.0) else { continue };
                 let rmse = problem.rmse(&residuals);
                 if (rmse - level).abs() > SAME_MISFIT * level && other.as_ref().is_none_or(|o| rmse < o.0) {
@@ -185,12 +215,11 @@ impl Tuning<'_> {
                 }
             }
             let Some(Ok(again)) = other.map(|(_, start)| problem.fit(start, 1.0)) else { continue };
-            rollouts += again.rollouts;
             if again.cost < found.cost {
                 found = again;
             }
         }
-        (found, rollouts)
+        found
     }
 
     /// The parameters that the recordings' events suggest.
@@ -206,6 +235,10 @@ impl Tuning<'_> {
             .any(|&i| local_estimate(self.recordings, i).is_some())
             .then(|| Point { nuisances, ..near.with(self.free, &values) })
     }
+}
+
+fn nowhere() -> Error {
+    Error::Simulator { at: "every start".into(), message: "no start within the bounds could be simulated".into() }
 }
 
 /// What the events of all recordings together say of parameter `i`: the mean weighted by certainty, and its standard

@@ -49,7 +49,10 @@ pub fn tune_to(
         // A payload below 0 cannot be simulated.
         clamp: options.clamp || !paper || file.domain() == Domain::Arm,
         finish: !paper,
+        quick: options.quick,
+        max_rollouts: options.max_rollouts,
         names: if options.each { Vec::new() } else { paths.iter().map(|p| names::file_name(p)).collect() },
+        ..Settings::default()
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let chosen = network::choose(options, file, model, bare.as_ref(), &seen);

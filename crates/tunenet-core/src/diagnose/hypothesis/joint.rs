@@ -33,6 +33,7 @@ const SETTINGS: Settings = Settings {
     small_steps: 1,
     predicts: true,
     ends_measured: false,
+    ..Settings::EXACT
 };
 /// How far a refused start is moved, as shares of the bounds.
 const MOVES: [f64; 4] = [1e-4, 1e-3, 1e-2, 0.1];
