@@ -2,12 +2,13 @@
 
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use tunenet_core::network::Model;
 use tunenet_core::observation::Kind;
-use tunenet_core::tune::{Outcome, Settings, tune};
+use tunenet_core::tune::{Outcome, Settings, Watch, tune};
 use tunenet_formats::{Error, Recording, kind_name};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ChosenNetwork, ObservedBall, Session, SimulationFile, observed};
@@ -17,7 +18,7 @@ use crate::args::Tune;
 use crate::commands::load::Setups;
 use crate::commands::refusal::{self, Asked};
 use crate::files::names;
-use crate::view::text::{self, rolling};
+use crate::view::text::{self, FitProgress, rolling};
 
 /// Tunes to recordings together.
 pub fn tune_to(
@@ -43,6 +44,9 @@ pub fn tune_to(
         None => setups.simulator(kind, session).with_context(|| names(paths))?,
     };
     let paper = model.is_some_and(|m| m.preset().name == "paper");
+    // On a terminal the object and a bar would stand in each other's way.
+    let silent = options.each || options.common.json && std::io::stderr().is_terminal();
+    let working = (!silent).then(|| working(file, session, "tuning"));
     let settings = Settings {
         iterations: usize::from(options.iterations),
         initial: options.initial.clone(),
@@ -51,14 +55,12 @@ pub fn tune_to(
         finish: !paper,
         quick: options.quick,
         max_rollouts: options.max_rollouts,
+        watch: working.as_ref().map(|bar| Arc::new(FitProgress::on(bar)) as Arc<dyn Watch>),
         names: if options.each { Vec::new() } else { paths.iter().map(|p| names::file_name(p)).collect() },
         ..Settings::default()
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let chosen = network::choose(options, file, model, bare.as_ref(), &seen);
-    // On a terminal the object and a bar would stand in each other's way.
-    let silent = options.each || options.common.json && std::io::stderr().is_terminal();
-    let working = (!silent).then(|| working(file, session, "tuning"));
     let tuned = tune(&simulator, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.is_own_choice();

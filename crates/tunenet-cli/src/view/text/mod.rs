@@ -1,10 +1,13 @@
 //! Standard error: progress, notes and warnings; and how numbers, lists and tables read.
 
 pub(crate) mod diagnose;
+mod fit;
 mod plain;
 pub(crate) mod plan;
 pub(crate) mod track;
 pub(crate) mod tune;
+
+pub use fit::FitProgress;
 
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::atomic::{AtomicU8, Ordering};
