@@ -13,7 +13,7 @@ PACKAGES := libopencv-dev clang libclang-dev pkg-config
 MDBOOK := 0.5.4
 CARGO_DENY := 0.20.2
 
-.PHONY: help test test-mcap test-slurm build demo book licences model fmt packages mcap-packages cargo
+.PHONY: help test test-mcap test-slurm build demo book licences model fmt packages mcap-packages judges cargo
 
 help: ## list these targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
@@ -101,6 +101,14 @@ target/mcap-venv/ready: tests/mcap/requirements.txt
 target/cluster-venv/ready: tests/cluster/requirements.txt
 	@python3 -m venv target/cluster-venv || { echo 'Python cannot make a virtual environment: install python3-venv' >&2; exit 1; }
 	@target/cluster-venv/bin/pip install --quiet --disable-pip-version-check --retries 1 --timeout 20 -r $<
+	@touch $@
+
+# Python with MuJoCo, which judges driven simulators in the tests; its folder bin has to come first in PATH.
+judges: target/judges-venv/ready
+
+target/judges-venv/ready: tests/process/requirements.txt
+	@python3 -m venv target/judges-venv || { echo 'Python cannot make a virtual environment: install python3-venv' >&2; exit 1; }
+	@target/judges-venv/bin/pip install --quiet --disable-pip-version-check --retries 1 --timeout 20 -r $<
 	@touch $@
 
 # Tools are compiled once, about a minute each, and kept where the build is.
