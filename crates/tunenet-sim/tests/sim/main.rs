@@ -10,6 +10,7 @@ mod ball_limits;
 mod built_in;
 mod closed_form;
 mod effects;
+mod examples;
 mod independent;
 mod late_contacts;
 mod shot;
