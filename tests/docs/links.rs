@@ -60,4 +60,6 @@ fn the_page_on_embedding_shows_the_example_that_is_tested() {
     let page = text("docs/embedding.md");
     let example = text("crates/tunenet-core/examples/pendulum.rs");
     assert!(page.contains(&format!("```rust\n{example}```\n")), "docs/embedding.md shows another pendulum.rs");
+    let cart = text("crates/tunenet-core/examples/driven_cart.rs");
+    assert!(page.contains(&format!("```rust\n{cart}```\n")), "docs/embedding.md shows another driven_cart.rs");
 }
