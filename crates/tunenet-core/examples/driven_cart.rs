@@ -26,7 +26,7 @@ pub(crate) fn diagnosed(recordings: &[Observation]) -> Result<Diagnosis> {
         Ok(())
     })
     .start(StartState::new("x", "m", StartValue::Number(0.0)))
-    .candidate(effect("motor_delay", Phase::Actuator, "the motor acts later than it is told", "s", "s", 0.1, 0.01))
+    .candidate(effect("motor_delay", Phase::Actuator, "the motor acts later than commanded", "s", "s", 0.1, 0.01))
     .candidate(effect("cable_spring", Phase::Joint, "a cable pulls the cart back", "n_m", "N/m", 50.0, 0.1));
     let one = |(i, seen)| Recording { name: format!("push {i}"), object: 0, held_out: i + 1 == recordings.len(), seen };
     let all: Vec<Recording> = recordings.iter().enumerate().map(one).collect();

@@ -19,7 +19,8 @@ const ROBOT: &str = r#"<robot name="two"><link name="base"/><link name="upper"><
 
 fn robot() -> std::result::Result<impl Simulator, Box<dyn std::error::Error>> {
     let arm = urdf::parse(Path::new("two.urdf"), ROBOT)?.chain_to("tip")?.weighed()?;
-    let known = vec![Parameter::new("payload", "kg", 0.2, 0.0, 2.0)?, Parameter::new("damping", "N·m·s", 0.1, 0.0, 2.0)?];
+    let known =
+        vec![Parameter::new("payload", "kg", 0.2, 0.0, 2.0)?, Parameter::new("damping", "N·m·s", 0.1, 0.0, 2.0)?];
     let channels = vec![Channel::new("shoulder", "rad"), Channel::new("elbow", "rad")];
     let robot = FnSimulator::new(known, channels, move |p, run, clock, out| {
         let [payload_kg, damping, gain] = *p else { return Err("expected three numbers".into()) };
@@ -36,7 +37,9 @@ fn robot() -> std::result::Result<impl Simulator, Box<dyn std::error::Error>> {
                 t += STEP_S;
             }
             let share = ((time - t) / STEP_S + 1.0).clamp(0.0, 1.0); // between the last two steps
-            (0..2).for_each(|j| row[j] = if t > run.recording.start_s { before[j] + share * (q[j] - before[j]) } else { q[j] });
+            (0..2).for_each(|j| {
+                row[j] = if t > run.recording.start_s { before[j] + share * (q[j] - before[j]) } else { q[j] }
+            });
         }
         Ok(())
     });
@@ -44,7 +47,12 @@ fn robot() -> std::result::Result<impl Simulator, Box<dyn std::error::Error>> {
     Ok(robot
         .start(StartState::new("shoulder", "rad", StartValue::Number(0.3)))
         .start(StartState::new("elbow", "rad", StartValue::Number(-0.2)))
-        .candidate(Effect::new("motor_gain", Phase::Actuator, "the motors are weaker or stronger than stated", vec![gain])))
+        .candidate(Effect::new(
+            "motor_gain",
+            Phase::Actuator,
+            "the motors are weaker or stronger than stated",
+            vec![gain],
+        )))
 }
 
 /// Recordings of a robot with 0.5 kg in its hand and this gain of its motors; a sensor's quantum stands in for its noise.

@@ -155,7 +155,9 @@ impl Problem<'_> {
     pub fn linearise(&self, fit: &Fit) -> Result<Linearisation> {
         match &fit.linear {
             Some(known) => Ok(known.clone()),
-            None => Ok(Linearisation { columns: jacobian(&self.window(1.0), &fit.point, &fit.residuals)?, rollouts: true }),
+            None => {
+                Ok(Linearisation { columns: jacobian(&self.window(1.0), &fit.point, &fit.residuals)?, rollouts: true })
+            }
         }
     }
 
@@ -190,13 +192,7 @@ impl Problem<'_> {
         self.fit_with(start, 1.0, near, &settings)
     }
 
-    fn fit_with(
-        &self,
-        start: Point,
-        horizon: f64,
-        near: Option<&Linearisation>,
-        settings: &Settings,
-    ) -> Result<Fit> {
+    fn fit_with(&self, start: Point, horizon: f64, near: Option<&Linearisation>, settings: &Settings) -> Result<Fit> {
         if let Some(log) = self.log {
             log.trim();
         }

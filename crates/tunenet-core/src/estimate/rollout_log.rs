@@ -80,11 +80,7 @@ struct Shared {
 impl RolloutLog {
     /// An empty log: at most `allowance` rollouts, answers kept in `store`, and `watch` notified, where there are any.
     #[must_use]
-    pub fn new(
-        allowance: Option<usize>,
-        store: Option<Arc<dyn RolloutStore>>,
-        watch: Option<Arc<dyn Watch>>,
-    ) -> Self {
+    pub fn new(allowance: Option<usize>, store: Option<Arc<dyn RolloutStore>>, watch: Option<Arc<dyn Watch>>) -> Self {
         Self { shared: Arc::new(Shared { allowance, store, watch, ..Shared::default() }), variant: 0 }
     }
 

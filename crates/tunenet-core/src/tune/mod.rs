@@ -27,8 +27,9 @@ pub use fixed_parameter::{FixedValueFit, fit_at_fixed_values};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
 
 pub use crate::estimate::{
-    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Linearisation, Phase, Point, Problem, Profile,
-    Region, Request, RolloutLog, RolloutStore, ScaleEstimate, Watch, channel_noise, contour, ends, free, profile,
+    Adequacy, Contour, Direction, End, Fit, Information, Interval, LEVEL, Linearisation, Phase, Point, Problem,
+    Profile, Region, Request, RolloutLog, RolloutStore, ScaleEstimate, Watch, channel_noise, contour, ends, free,
+    profile,
 };
 
 use calibration_uncertainty::CalibrationUncertainty;
@@ -160,8 +161,15 @@ pub fn tune(
     let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
     // Numbers as a user counts the recordings, those set aside included.
     let numbers: Vec<usize> = used.iter().enumerate().filter(|(_, used)| **used).map(|(i, _)| i + 1).collect();
-    let tuning =
-        Tuning { simulator, recordings: &recordings, numbers: &numbers, noise: &noise, free: &free, settings, log: &log };
+    let tuning = Tuning {
+        simulator,
+        recordings: &recordings,
+        numbers: &numbers,
+        noise: &noise,
+        free: &free,
+        settings,
+        log: &log,
+    };
     let mut outcome = tuning.run(model)?;
     outcome.notes.splice(0..0, notes);
     (outcome.used, outcome.preflight) = (used, preflight);

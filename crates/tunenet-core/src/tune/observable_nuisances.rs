@@ -24,9 +24,8 @@ pub(super) fn observable_nuisances(
     if nuisances.is_empty() {
         return Ok(Vec::new());
     }
-    let predict = |nuisances: &[f64]| {
-        log.predict(simulator, (d, recording), parameters, nuisances, recording.seen.len())
-    };
+    let predict =
+        |nuisances: &[f64]| log.predict(simulator, (d, recording), parameters, nuisances, recording.seen.len());
     let width = noise.len();
     // A channel that never varies, not even by noise, was not measured.
     let measured: Vec<bool> =

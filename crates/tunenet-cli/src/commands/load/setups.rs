@@ -42,9 +42,7 @@ impl Setups {
             entries.first().map_or_else(Vec::new, |first| first.scene.iter().filter(|k| in_all(k)).cloned().collect());
         let own = |entry: &Source| entry.scene.iter().filter(|key| !common.contains(key)).cloned().collect::<Vec<_>>();
         if let Some(entry) = entries.iter().find(|entry| refused(file, &own(entry))) {
-            return Err(
-                Error::file(manifest.unwrap_or(Path::new("")), differing(entry, entries[0], file), ANOTHER).into()
-            );
+            return Err(Error::file(manifest.unwrap_or(Path::new("")), differing(entry, entries), ANOTHER).into());
         }
         let mut setups: Vec<(Vec<(String, String)>, SimulationFile)> = Vec::new();
         let mut of = Vec::with_capacity(entries.len());
@@ -98,21 +96,20 @@ fn refused(file: &SimulationFile, scene: &[(String, String)]) -> bool {
     scene.iter().any(|(key, _)| file.domain() != Domain::Process || shared(key))
 }
 
-/// What an entry has to have as the others of its object, and what it has.
-fn differing(entry: &Source, first: &Source, file: &SimulationFile) -> String {
+/// What an entry has to have as the first of its object, and what it has; of the first itself, the next that differs from it.
+fn differing(entry: &Source, entries: &[&Source]) -> String {
     let listed = |scene: &[(String, String)]| {
         let each: Vec<String> = scene.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         if each.is_empty() { "no keys of the scene".into() } else { each.join(", ") }
     };
-    let (entry, other) = if entry.path == first.path { (first, None) } else { (entry, Some(first)) };
-    let expected = match other {
-        Some(first) => listed(&first.scene),
-        None if file.domain() == Domain::Process => "the same parameters".into(),
-        None => "the same keys of the scene".into(),
-    };
+    let first = entries[0];
+    let next = || entries.iter().copied().find(|other| other.scene != first.scene).unwrap_or(first);
+    let entry = if entry.path == first.path { next() } else { entry };
     format!(
-        "{}: expected {expected} as for the other recordings of `{}`, found {}",
+        "{}: expected {} as for `{}`, another recording of `{}`, found {}",
         entry.path.display(),
+        listed(&first.scene),
+        first.path.display(),
         entry.object,
         listed(&entry.scene)
     )

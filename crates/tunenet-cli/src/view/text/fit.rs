@@ -1,4 +1,4 @@
-//! How far a fit is, on the line of progress: `tuning, first fit, gap 0.0123`.
+//! How far a fit is, on the line of progress: `tuning, 40 rollouts, first fit, gap 0.0123, 3s`.
 
 use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use tunenet_core::observation::three_digits;
 use tunenet_core::tune::{Phase, Watch};
 
-/// Writes phase and gap into the message of a bar, whose own style shows rollouts and time.
+/// Writes phase and gap into the prefix of a bar, whose style shows it between rollouts and time.
 pub struct FitProgress {
     bar: ProgressBar,
     state: Mutex<State>,
@@ -29,7 +29,7 @@ impl FitProgress {
     }
 
     fn show(&self, state: &State) {
-        self.bar.set_message(line(state));
+        self.bar.set_prefix(line(state));
     }
 }
 
@@ -40,7 +40,7 @@ fn line(state: &State) -> String {
         Phase::Intervals => "intervals",
     };
     let gap = state.gap.map_or_else(String::new, |gap| format!(", gap {}", three_digits(gap)));
-    format!("tuning, {phase}{gap}")
+    format!("{phase}{gap}, ")
 }
 
 impl Watch for FitProgress {
@@ -73,15 +73,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_message_holds_the_phase_and_the_least_gap() {
+    fn the_prefix_holds_the_phase_and_the_least_gap() {
         let bar = ProgressBar::hidden();
         let fit = FitProgress::on(&bar);
         fit.phase(Phase::Fit);
-        assert_eq!(bar.message(), "tuning, first fit");
+        assert_eq!(bar.prefix(), "first fit, ");
         fit.gap(0.5);
         fit.gap(0.012_345);
         fit.phase(Phase::Intervals);
         fit.gap(0.02);
-        assert_eq!(bar.message(), "tuning, intervals, gap 0.0123");
+        assert_eq!(bar.prefix(), "intervals, gap 0.0123, ");
     }
 }

@@ -70,7 +70,7 @@ pub fn progress(total: u64, what: &'static str) -> ProgressBar {
 /// Shows that work goes on where its end is not known; where standard error is no terminal, by a line now and then.
 pub fn working(what: &'static str) -> ProgressBar {
     let bar = shown(ProgressBar::new_spinner().with_message(what), plain::elapsed);
-    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+    let style = ProgressStyle::with_template("{spinner} {msg}, {prefix}{elapsed}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
@@ -81,7 +81,7 @@ pub fn rolling(what: &'static str, session: &Session) -> ProgressBar {
     let asked = session.clone();
     let state = move |bar: &ProgressBar| plain::rolled(bar, asked.rollouts());
     let (bar, session) = (shown(ProgressBar::new_spinner().with_message(what), state), session.clone());
-    let style = ProgressStyle::with_template("{spinner} {msg}, {rollouts} rollouts, {elapsed}");
+    let style = ProgressStyle::with_template("{spinner} {msg}, {rollouts} rollouts, {prefix}{elapsed}");
     let count = move |_: &ProgressState, to: &mut dyn std::fmt::Write| {
         let _ = write!(to, "{}", session.rollouts());
     };

@@ -31,12 +31,12 @@ pub fn counted(bar: &ProgressBar) -> String {
 
 /// `tuning: 1200 rollouts, 20 s`.
 pub fn rolled(bar: &ProgressBar, rollouts: u64) -> String {
-    format!("{}: {rollouts} rollouts, {}", bar.message(), seconds(bar))
+    format!("{}: {rollouts} rollouts, {}{}", bar.message(), bar.prefix(), seconds(bar))
 }
 
 /// `tuning: 20 s`.
 pub fn elapsed(bar: &ProgressBar) -> String {
-    format!("{}: {}", bar.message(), seconds(bar))
+    format!("{}: {}{}", bar.message(), bar.prefix(), seconds(bar))
 }
 
 fn seconds(bar: &ProgressBar) -> String {
