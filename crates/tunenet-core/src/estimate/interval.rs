@@ -250,7 +250,7 @@ pub(crate) fn ends_with(
 ///
 /// # Errors
 /// Where the simulator refuses.
-pub(crate) fn fit_with_fixed(
+pub(super) fn fit_with_fixed(
     problem: &Problem,
     mut start: Point,
     positions: &[usize],

@@ -68,8 +68,8 @@ impl Settings {
         first_measured: true,
     };
 
-    /// To a hundredth of a standard deviation, which costs no more steps than the answer can show.
-    pub const RESOLVED: Self = Self { resolution: 0.01, ..Self::EXACT };
+    /// To a thousandth of a standard deviation, which is more than an answer shows.
+    pub const RESOLVED: Self = Self { resolution: 1e-3, ..Self::EXACT };
 }
 
 /// What a fit ended with.
@@ -136,7 +136,7 @@ pub(crate) fn minimise(
         let negligible = (settings.resolution.powi(2) * square).max(2.0 * settings.tolerance);
         if resolves && Step::damped(&linear, damping.min(LIGHT_DAMPING)).promised <= negligible {
             equations = Some(linear);
-            if measured || !settings.ends_measured || exact.moved_sds < NEAR_SDS {
+            if measured || !settings.ends_measured {
                 break;
             }
             continue;
@@ -185,10 +185,14 @@ pub(crate) fn minimise(
         small_steps = if gain <= settings.tolerance { small_steps + 1 } else { 0 };
         let arrived = still || gain <= settings.tolerance_share * cost || small_steps >= settings.small_steps;
         let trusted = gain >= TRUSTED * promised;
-        if !arrived && trusted {
+        exact.moved_sds += (promised / square).sqrt();
+        // So near, derivatives that were measured are better than those that follow the noise of a step.
+        let holds = resolves && exact.moved_sds < NEAR_SDS;
+        if holds {
+            columns.clone_from(&exact.columns);
+        } else if !arrived && trusted {
             columns = Some(secant(problem, known, (&point, &candidate), (&residuals, &new)));
         }
-        exact.moved_sds += (promised / square).sqrt();
         (point, residuals) = (candidate, new);
         seen(&point, &residuals);
         steps += 1;
@@ -196,7 +200,7 @@ pub(crate) fn minimise(
         if arrived && (measured || trusted && !settings.ends_measured) {
             break;
         }
-        measured = false;
+        measured = holds;
     }
     let equations = match (equations, columns) {
         (Some(known), _) => known,

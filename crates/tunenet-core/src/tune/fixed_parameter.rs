@@ -2,7 +2,7 @@
 //! that the recordings do not determine.
 
 use super::channel_weights;
-use crate::estimate::{self, Fit, Point, Problem, RolloutLog, ScaleEstimate, free, weights};
+use crate::estimate::{Fit, Point, Problem, RolloutLog, ScaleEstimate, free, weights};
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Simulator};
 use crate::{Error, Origin, Result};
@@ -54,14 +54,9 @@ pub fn fit_at_fixed_values(
     let problem = Problem { simulator, recordings: &recordings, noise: &noise, free: &others, log: Some(&log) };
     let mut point = Point::start(simulator, &recordings);
     let mut fits: Vec<Fit> = Vec::with_capacity(values.len());
-    let mut scale = None;
     for &value in values {
         point.parameters[position] = value;
-        let fit = match &scale {
-            None => problem.fit(point, 1.0)?,
-            Some(scale) => estimate::fit_with_fixed(&problem, point, &[position], scale)?,
-        };
-        scale.get_or_insert_with(|| ScaleEstimate::of_residuals(&problem, &fit));
+        let fit = problem.fit(point, 1.0)?;
         point = fit.point.clone();
         fits.push(fit);
     }
