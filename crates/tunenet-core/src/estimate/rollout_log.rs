@@ -96,7 +96,7 @@ impl RolloutLog {
         self.shared.count.load(Ordering::Relaxed)
     }
 
-    /// Counts rollouts that were made elsewhere.
+    /// Counts rollouts that were made without this log.
     pub(crate) fn add(&self, rollouts: usize) {
         self.shared.count.fetch_add(rollouts, Ordering::Relaxed);
     }

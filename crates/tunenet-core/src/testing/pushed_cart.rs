@@ -30,7 +30,7 @@ pub struct PushedCart {
     pub damping_ns_m: f64,
     /// How much later the force acts than it is recorded, s.
     pub delay_s: f64,
-    /// Stiffness of a spring that pulls it to x = 0 m, N/m.
+    /// Stiffness of a spring whose rest position is x = 0 m, N/m.
     pub stiffness_n_m: f64,
 }
 
