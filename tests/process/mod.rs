@@ -1,6 +1,7 @@
 //! Simulators that are programs of their own.
 
 mod cartpole;
+mod checkpoint;
 mod driven;
 pub mod failing;
 mod failures;

@@ -12,6 +12,9 @@ finding_kinds! {
     warning CACHE_UNUSABLE = "cache.unusable",
         "the cache could not be read or written",
         "make the folder writable, set `TUNENET_CACHE`, or use `--no-cache`";
+    warning CHECKPOINT_INCOMPLETE = "checkpoint.incomplete",
+        "the checkpoint does not hold all rollouts; the answer is not affected",
+        "free some space, or name a file on another disk, before a long tuning";
     warning PLAN_ARM_REACH = "plan.arm_reach",
         "the arm does not reach all of the heights",
         "move its base in the task file, or narrow `release.heights_m`";

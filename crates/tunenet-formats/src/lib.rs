@@ -12,6 +12,7 @@
 //! | `mcap` | records and chunks, topics, ROS 2 and JSON messages, joints, pictures, writing |
 //! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
 //! | `model` | trained networks and checkpoints in safetensors |
+//! | `rollout_file` | answered rollouts of a tuning, from which it goes on |
 //! | `atomic` | replacing a file in one step |
 //! | `clock_jump` | a pause that is nearly all of a record |
 //! | `contents` | the listing |
@@ -34,6 +35,7 @@ mod quantity;
 mod ranges;
 mod read;
 mod recording;
+mod rollout_file;
 mod shown;
 mod source;
 #[cfg(test)]
@@ -56,6 +58,7 @@ pub use model::{load_model, model_from_bytes, model_to_bytes, save_model, train_
 pub use quantity::kind_name;
 pub use read::read;
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording, Role};
+pub use rollout_file::{RolloutFile, RolloutFileUse};
 pub use shown::{shell_word, shown_path};
 pub use source::{open, read_bytes};
 pub use tunenet_core::Action;

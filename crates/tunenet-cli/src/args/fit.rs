@@ -17,6 +17,7 @@ Examples:
   tunenet tune --sim ball.toml drop.mp4
   tunenet tune --sim process.toml --allow-process swing.csv
   tunenet tune --sim process.toml --allow-process --manifest runs.toml
+  tunenet tune --sim process.toml --allow-process swing.csv --checkpoint swing.rollouts
   tunenet tune --sim ball_easy.toml --set release.height_m=3.9 drop.mcap --model model.safetensors";
 
 pub const DIAGNOSE_EXAMPLES: &str = "\
@@ -107,6 +108,9 @@ pub struct Tune {
     /// Most rollouts; the result is then what was found so far
     #[arg(long, value_name = "N", value_parser = rollouts)]
     pub max_rollouts: Option<usize>,
+    /// File that keeps answered rollouts; the same command goes on from it after an interruption
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["each", "shard"])]
+    pub checkpoint: Option<PathBuf>,
     /// Only the first fit, with unchecked intervals
     #[arg(long)]
     pub quick: bool,

@@ -7,6 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::Result;
 use toml_edit::DocumentMut;
 use tunenet_core::Origin;
+use tunenet_formats::RolloutFile;
 use tunenet_formats::dataset::DatasetReader;
 use tunenet_formats::load_model;
 use tunenet_formats::read_text;
@@ -29,6 +30,8 @@ pub enum Product {
     Model,
     /// An answer, or several, as JSON.
     Answer,
+    /// Answered rollouts of a tuning.
+    Rollouts,
     /// Something that cannot be distinguished from a user's own file, such as a recording.
     Unmarked,
 }
@@ -42,6 +45,7 @@ impl Product {
             Self::Dataset => "a new name, or a data set that tunenet wrote",
             Self::Model => "a new name, or a model that tunenet wrote",
             Self::Answer => "a new name, or an answer that tunenet wrote",
+            Self::Rollouts => "a new name, or rollouts that `tunenet tune` kept",
             Self::Unmarked => "a new name",
         }
     }
@@ -54,7 +58,7 @@ impl Product {
             Self::Dataset => &["mcap"],
             Self::Model => &["safetensors"],
             Self::Answer => &["json"],
-            Self::Unmarked => &[],
+            Self::Rollouts | Self::Unmarked => &[],
         }
     }
 
@@ -76,6 +80,7 @@ impl Product {
                 .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok())
                 .and_then(|answer| Some(answer.get("schema")?.as_str()?.starts_with("tunenet.")))
                 .unwrap_or(false),
+            Self::Rollouts => RolloutFile::is_one(path),
             Self::Unmarked => false,
         }
     }
@@ -122,11 +127,16 @@ fn neighbouring_programs(input: &Path) -> Vec<PathBuf> {
         return Vec::new();
     }
     let Ok(file) = SimulationFile::read(input) else { return Vec::new() };
+    programs(&file)
+}
+
+/// The files among the words of the command of a simulation file.
+pub fn programs(file: &SimulationFile) -> Vec<PathBuf> {
     if file.domain() != Domain::Process {
         return Vec::new();
     }
     let folder = file.program_folder();
-    process::words(&file).into_iter().map(|word| folder.join(word)).filter(|path| path.is_file()).collect()
+    process::words(file).into_iter().map(|word| folder.join(word)).filter(|path| path.is_file()).collect()
 }
 
 /// Refuses, before any work is done, outputs that are one of the `inputs` or a URDF or a program that one of them names, that

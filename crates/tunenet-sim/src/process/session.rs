@@ -150,6 +150,11 @@ impl Session {
         self.tally.rollouts()
     }
 
+    /// Counts rollouts that an earlier run simulated and that were not simulated again: reports are those of an uninterrupted run.
+    pub fn recalled(&self, rollouts: u64) {
+        self.tally.recalled(rollouts);
+    }
+
     /// Warnings about rollouts that programs refused, or answered with numbers that cannot be used: how many, and which of them
     /// is nearest to the values of the file. It is the same for any number of threads.
     #[must_use]

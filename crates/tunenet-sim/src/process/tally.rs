@@ -75,6 +75,11 @@ impl Tally {
         self.counted(|counted| counted.asked += 1);
     }
 
+    /// So many that an earlier run asked for.
+    pub fn recalled(&self, rollouts: u64) {
+        self.counted(|counted| counted.asked += rollouts);
+    }
+
     /// That one cannot be used, and `what` was said or answered.
     pub fn lacks(&self, why: Why, parameters: &[Parameter], values: &[f64], what: &str) {
         let place = Place::of(parameters, values, what);

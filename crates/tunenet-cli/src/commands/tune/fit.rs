@@ -8,12 +8,12 @@ use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use tunenet_core::network::Model;
 use tunenet_core::observation::Kind;
-use tunenet_core::tune::{Outcome, Settings, Watch, tune};
+use tunenet_core::tune::{Outcome, RolloutStore, Settings, Watch, tune};
 use tunenet_formats::{Error, Recording, kind_name};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ChosenNetwork, ObservedBall, Session, SimulationFile, observed};
 
-use super::{network, notes};
+use super::{checkpoint, network, notes};
 use crate::args::Tune;
 use crate::commands::load::Setups;
 use crate::commands::refusal::{self, Asked};
@@ -43,6 +43,7 @@ pub fn tune_to(
         None if file.domain() != Domain::Ball => setups.simulator(kind, session)?,
         None => setups.simulator(kind, session).with_context(|| names(paths))?,
     };
+    let kept = checkpoint::open(options, setups, recordings, simulator.channels().len())?.map(Arc::new);
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     // On a terminal the object and a bar would stand in each other's way.
     let silent = options.each || options.common.json && std::io::stderr().is_terminal();
@@ -55,6 +56,7 @@ pub fn tune_to(
         finish: !paper,
         quick: options.quick,
         max_rollouts: options.max_rollouts,
+        store: kept.clone().map(|kept| kept as Arc<dyn RolloutStore>),
         watch: working.as_ref().map(|bar| Arc::new(FitProgress::on(bar)) as Arc<dyn Watch>),
         names: if options.each { Vec::new() } else { paths.iter().map(|p| names::file_name(p)).collect() },
         ..Settings::default()
@@ -67,7 +69,9 @@ pub fn tune_to(
     let tuned = if again { tune(&simulator, &seen, None, &settings) } else { tuned };
     working.inspect(ProgressBar::finish_and_clear);
     // A fit takes a rollout that fails for bad values; a program that is gone is none of that.
-    session.settle()?;
+    let settled = session.settle();
+    let incomplete = kept.and_then(|kept| checkpoint::close(&kept, session).transpose()).transpose()?;
+    settled?;
     if let Some(refusal) = tuned.as_ref().err().and_then(|error| refusal::of_program(file, Asked::Present, error)) {
         return Err(refusal.into());
     }
@@ -75,6 +79,7 @@ pub fn tune_to(
     notes::add(options, file, recordings, paths, &mut outcome)?;
     outcome.notes.extend(chosen.notes.iter().cloned());
     outcome.notes.extend(session.notes());
+    outcome.notes.extend(incomplete);
     if file.domain() == Domain::Process {
         // Equal requests were simulated once.
         outcome.rollouts = usize::try_from(session.rollouts()).unwrap_or(usize::MAX);

@@ -2,6 +2,7 @@
 //!
 //! | file | subject |
 //! |---|---|
+//! | `checkpoint` | where answered rollouts are kept |
 //! | `fit` | one fit: which simulator, which network, and what to say of it |
 //! | `manifest` | what a manifest says of the recordings |
 //! | `network` | which network it starts with |
@@ -11,6 +12,7 @@
 //! | `each` | every recording separately |
 //! | `written` | the simulation file with the answer in it |
 
+mod checkpoint;
 mod each;
 mod fit;
 mod manifest;

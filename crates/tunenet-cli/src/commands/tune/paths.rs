@@ -20,7 +20,8 @@ pub fn inputs(options: &Tune) -> impl Iterator<Item = &Path> {
 pub fn outputs(options: &Tune) -> Vec<Output> {
     let out = options.out.iter().map(|out| Output::new(out, "--out", Product::Simulation));
     let report = options.report.iter().map(|report| Output::new(report, "--report", Product::Page));
-    out.chain(report).collect()
+    let kept = options.checkpoint.iter().map(|kept| Output::new(kept, "--checkpoint", Product::Rollouts));
+    out.chain(report).chain(kept).collect()
 }
 
 /// What a report says of its origin.
