@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures again what this folder holds, and pastes it into the pages that show it:
-#     results/make.sh [paper|shot|diagnose|arm|intervals|regions|preflight|grow|speed]…
-# Each takes minutes; all but `speed` and `grow` resume where they were stopped. Nothing else should run at the same time as these two.
+#     results/make.sh [paper|shot|diagnose|arm|intervals|regions|rollouts|preflight|grow|speed]…
+# Each takes minutes; all but `speed`, `rollouts` and `grow` resume where they were stopped. Nothing else should run at the same time as these two.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export PATH="$PATH:$HOME/.cargo/bin"
@@ -95,6 +95,10 @@ for what in "${@:-paper}"; do
         regions)
             measure regions bench regions --draws 400 --seed "$seed"
             paste regions docs/evidence.md <(body results/regions/regions.md)
+            ;;
+        rollouts)
+            measure rollouts bench rollouts --seed "$seed"
+            paste rollouts docs/evidence.md <(body results/rollouts/rollouts.md)
             ;;
         preflight)
             listen preflight bench preflight --seed "$seed"

@@ -14,7 +14,7 @@ Examples:
   tunenet bench tuning --quick --only easy-0 easy-2cm
   tunenet bench diagnose --quick --only clean ratio-10
   tunenet bench diagnose --shard 0/8        one of eight shards; `tunenet merge` combines them
-All but `speed` and `grow` resume an interrupted run when the same command is given again.";
+All but `speed`, `rollouts` and `grow` resume an interrupted run when the same command is given again.";
 
 /// Run the benchmarks
 #[derive(Debug, Parser)]
@@ -66,6 +66,8 @@ pub enum Measured {
     Intervals(BenchIntervals),
     /// Coverage of intervals and joint regions of several parameters
     Regions(BenchRegions),
+    /// Rollouts of `tune`, compared with scipy's least squares
+    Rollouts(BenchRollouts),
     /// Detection and false-alarm rate of the recording checks
     Preflight(BenchPreflight),
     /// Reproduce the tables and figures of the paper
@@ -207,6 +209,17 @@ pub struct BenchRegions {
     #[serde(skip)]
     #[command(flatten)]
     pub sharing: Sharing,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench rollouts`.
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
+pub struct BenchRollouts {
+    /// Folder for results
+    #[serde(skip)]
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-rollouts")]
+    pub out: PathBuf,
     #[command(flatten)]
     pub common: Common,
 }

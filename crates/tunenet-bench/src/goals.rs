@@ -68,6 +68,14 @@ pub const ARM_EXACT: f64 = 0.95;
 pub const ARM_UNKNOWN: f64 = 0.95;
 pub const ARM_FALSE_NAMES: f64 = 0.01;
 
+/// `bench rollouts`, most rollouts: a cart with one recording and with six, a two-link arm, 20 parameters with 10 recordings, and a
+/// ball without noise.
+pub const CART_ROLLOUTS: usize = 80;
+pub const CARTS_ROLLOUTS: usize = 300;
+pub const TWO_LINK_ROLLOUTS: usize = 100;
+pub const COSINES_ROLLOUTS: usize = 2500;
+pub const BALL_ROLLOUTS: usize = 500;
+
 /// How a goal's outcome is written.
 pub fn met(is: bool) -> &'static str {
     if is { "met" } else { "**missed**" }

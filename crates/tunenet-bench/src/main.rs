@@ -13,6 +13,7 @@ mod preflight;
 mod process;
 mod regions;
 mod resume;
+mod rollouts;
 mod scene;
 mod search;
 mod shot;
@@ -64,7 +65,7 @@ fn merged(mut bench: Measured, out: &Path, as_json: bool) -> Result<Exit> {
         Measured::Preflight(options) => (&mut options.out, &mut options.common),
         Measured::Paper(options) => (&mut options.out, &mut options.common),
         Measured::Shot(options) => (&mut options.out, &mut options.common),
-        Measured::Speed(_) | Measured::Grow(_) => anyhow::bail!("this bench has no shards"),
+        Measured::Speed(_) | Measured::Rollouts(_) | Measured::Grow(_) => anyhow::bail!("this bench has no shards"),
     };
     *folder = out.into();
     common.json = as_json;
@@ -78,6 +79,7 @@ fn measure(bench: &Measured) -> Result<Exit> {
         Measured::Diagnose(options) => diagnose::run(options),
         Measured::Intervals(options) => intervals::run(options),
         Measured::Regions(options) => regions::run(options),
+        Measured::Rollouts(options) => rollouts::run(options),
         Measured::Preflight(options) => preflight::run(options),
         Measured::Paper(options) => paper::run(options),
         Measured::Shot(options) => shot::run(options),

@@ -27,4 +27,5 @@ pub mod seeds {
     pub const TABLE3_DROPS: u64 = 0x3c95_1f0d_b2e8_6a47;
     pub const INTERVALS: u64 = 0x1A7E_54A1;
     pub const REGIONS: u64 = 0x7_0113_4715;
+    pub const ROLLOUTS: u64 = 0x4_90c7_28b3;
 }
