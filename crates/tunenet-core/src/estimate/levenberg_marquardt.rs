@@ -141,41 +141,11 @@ pub(crate) fn minimise(
             }
             continue;
         }
-        let (mut improved, mut growth) = (None, 10.0);
-        while damping < settings.greatest_damping {
-            if !problem.affords(problem.recordings().len()) {
-                cut_short = true;
-                break;
-            }
-            let step = Step::damped(&linear, damping);
-            let candidate = step.from(problem, &point);
-            rollouts += problem.recordings().len();
-            // A refused or worse step is a step too long; or the derivatives mislead.
-            let moved = residuals_at(problem, &candidate);
-            if let Err(broken @ Error::SimulatorBroken { .. }) = moved {
-                return Err(broken);
-            }
-            if let Ok(new) = moved {
-                let new_cost = huber_cost(&new, scale) + prior_cost(problem, &candidate);
-                if new_cost <= cost {
-                    improved = Some((candidate, new, cost - new_cost, step.promised));
-                    break;
-                }
-                // Nothing worth having is left in this direction.
-                if settings.predicts && step.promised < settings.tolerance || resolves && step.promised <= negligible {
-                    break;
-                }
-            }
-            if !measured {
-                break;
-            }
-            damping *= growth;
-            if resolves {
-                growth *= 10.0;
-            }
-        }
+        let trial = Trial { problem, point: &point, linear: &linear, cost, scale, negligible, settings, measured };
+        let (improved, short) = trial.improved(&mut damping, &mut rollouts)?;
+        cut_short |= short;
         equations = Some(linear);
-        let Some((candidate, new, gain, promised)) = improved else {
+        let Some(Improved { point: candidate, residuals: new, gain, promised }) = improved else {
             if measured || cut_short {
                 break;
             }
@@ -213,6 +183,74 @@ pub(crate) fn minimise(
     };
     let derivatives = exact.columns.filter(|_| cut_short || exact.moved_sds < NEAR_SDS);
     Ok(Minimum { point, residuals, equations, derivatives, cut_short, rollouts })
+}
+
+/// One linearisation from which damped steps are tried.
+struct Trial<'a> {
+    problem: &'a dyn LeastSquares,
+    point: &'a Point,
+    linear: &'a Arrow,
+    cost: f64,
+    scale: f64,
+    /// A promise of no more than this is not worth a rollout.
+    negligible: f64,
+    settings: &'a Settings,
+    /// Whether the derivatives were measured at the point.
+    measured: bool,
+}
+
+/// A step that did not make the cost worse.
+struct Improved {
+    point: Point,
+    residuals: Vec<Vec<f64>>,
+    gain: f64,
+    promised: f64,
+}
+
+impl Trial<'_> {
+    /// The first step of rising damping that improves the cost, where there is any; and whether the allowance of rollouts ended the
+    /// search.
+    ///
+    /// # Errors
+    /// Where the simulator failed.
+    fn improved(&self, damping: &mut f64, rollouts: &mut usize) -> Result<(Option<Improved>, bool)> {
+        let Self { problem, settings, .. } = *self;
+        let resolves = settings.resolution > 0.0;
+        let mut growth = 10.0;
+        while *damping < settings.greatest_damping {
+            if !problem.affords(problem.recordings().len()) {
+                return Ok((None, true));
+            }
+            let step = Step::damped(self.linear, *damping);
+            let candidate = step.from(problem, self.point);
+            *rollouts += problem.recordings().len();
+            // A refused or worse step is a step too long; or the derivatives mislead.
+            let moved = residuals_at(problem, &candidate);
+            if let Err(broken @ Error::SimulatorBroken { .. }) = moved {
+                return Err(broken);
+            }
+            if let Ok(residuals) = moved {
+                let cost = huber_cost(&residuals, self.scale) + prior_cost(problem, &candidate);
+                if cost <= self.cost {
+                    let (gain, promised) = (self.cost - cost, step.promised);
+                    return Ok((Some(Improved { point: candidate, residuals, gain, promised }), false));
+                }
+                // Nothing worth having is left in this direction.
+                let little = settings.predicts && step.promised < settings.tolerance;
+                if little || resolves && step.promised <= self.negligible {
+                    break;
+                }
+            }
+            if !self.measured {
+                break;
+            }
+            *damping *= growth;
+            if resolves {
+                growth *= 10.0;
+            }
+        }
+        Ok((None, false))
+    }
 }
 
 /// Derivatives as they were measured, and how far the fit has gone since, in standard deviations of the estimate.

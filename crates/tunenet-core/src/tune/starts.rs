@@ -54,10 +54,10 @@ impl Tuning<'_> {
             first => first.ok(),
         };
         let found = match first {
-            Some(first) if self.settled(&first) => first,
+            Some(first) if Self::settled(&first) => first,
             first => self.best_of_starts(near, also, first)?,
         };
-        let settled = self.settled(&found);
+        let settled = Self::settled(&found);
         let found = self.look_past_flats(self.look_along_bounds(found, if settled { ON_BOUND } else { NEAR_BOUND }));
         // Over a lone parameter the grid takes a rollout for each place.
         let alone = self.free.len() == 1 && self.recordings.iter().all(|r| r.nuisances.is_empty());
@@ -72,7 +72,7 @@ impl Tuning<'_> {
     }
 
     /// Whether a fit leaves no more than noise.
-    fn settled(&self, fit: &Fit) -> bool {
+    fn settled(fit: &Fit) -> bool {
         let count = fit.residuals.iter().map(Vec::len).sum::<usize>() as f64;
         robust_scale(&fit.residuals) < SUSPICIOUS_SCALE && 2.0 * fit.cost < SUSPICIOUS_SQUARE * count
     }
@@ -95,7 +95,7 @@ impl Tuning<'_> {
         first.truncate(LOCAL_FITS);
         for (_, start) in first {
             self.try_start(start, &[1.0], &mut best);
-            if best.as_ref().is_some_and(|best| self.settled(best)) {
+            if best.as_ref().is_some_and(Self::settled) {
                 return best.ok_or_else(nowhere);
             }
         }
@@ -110,7 +110,7 @@ impl Tuning<'_> {
         }
         for (tried, (_, start)) in self.ranked(starts).into_iter().enumerate() {
             self.try_start(start, if tried >= 2 { &[0.45, 0.7, 1.0] } else { &[1.0] }, &mut best);
-            if best.as_ref().is_some_and(|best| self.settled(best)) || tried >= 5 {
+            if best.as_ref().is_some_and(Self::settled) || tried >= 5 {
                 break;
             }
         }

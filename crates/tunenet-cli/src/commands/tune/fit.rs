@@ -59,7 +59,6 @@ pub fn tune_to(
         store: kept.clone().map(|kept| kept as Arc<dyn RolloutStore>),
         watch: working.as_ref().map(|bar| Arc::new(FitProgress::on(bar)) as Arc<dyn Watch>),
         names: if options.each { Vec::new() } else { paths.iter().map(|p| names::file_name(p)).collect() },
-        ..Settings::default()
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
     let chosen = network::choose(options, file, model, bare.as_ref(), &seen);
