@@ -32,7 +32,7 @@ pub fn code(phase: &Phase) -> &str {
     }
 }
 
-/// The place that has this [code](code); any other word is a place of its own.
+/// The place that has this [code]; any other word is a place of its own.
 #[must_use]
 pub fn parse(word: &str) -> Phase {
     match word {
