@@ -83,7 +83,7 @@ pub enum Error {
         /// What it said.
         message: String,
     },
-    /// A simulator failed, whatever the values: no other values help.
+    /// A simulator itself failed, so that no other values help.
     #[error("the simulator failed: {message}")]
     SimulatorBroken {
         /// What it said.
