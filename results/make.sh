@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Measures again what this folder holds, and pastes it into the pages that show it:
-#     results/make.sh [paper|shot|diagnose|arm|intervals|regions|rollouts|preflight|grow|speed]…
+#     results/make.sh [paper|shot|diagnose|arm|driven|intervals|regions|rollouts|preflight|grow|speed]…
 # Each takes minutes; all but `speed`, `rollouts` and `grow` resume where they were stopped. Nothing else should run at the same time as these two.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -87,6 +87,10 @@ for what in "${@:-paper}"; do
         arm)
             listen arm bench diagnose --arm --seed "$seed"
             paste arm docs/evidence.md <(fenced results/arm/printed.md)
+            ;;
+        driven)
+            measure driven bench diagnose --driven --seed "$seed"
+            paste driven docs/evidence.md <(body results/driven/driven.md)
             ;;
         intervals)
             listen intervals bench intervals --seed "$seed"

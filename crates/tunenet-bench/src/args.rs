@@ -301,6 +301,9 @@ pub struct BenchDiagnose {
     /// Use logs of an arm instead of drops of a ball
     #[arg(long, conflicts_with = "only")]
     pub arm: bool,
+    /// Use recordings of driven mechanisms (cart-pole, DC motor, two-link arm) with candidates of their own
+    #[arg(long, conflicts_with_all = ["only", "arm"])]
+    pub driven: bool,
     /// Quick run with few recordings of each kind
     #[arg(long)]
     pub quick: bool,

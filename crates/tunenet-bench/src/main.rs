@@ -14,12 +14,14 @@ mod process;
 mod regions;
 mod resume;
 mod rollouts;
+mod runge_kutta;
 mod scene;
 mod search;
 mod shot;
 mod speed;
 mod synthetic_video;
 mod tuning;
+mod two_link;
 mod video_speed;
 
 use std::path::Path;

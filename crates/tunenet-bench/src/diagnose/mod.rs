@@ -11,6 +11,7 @@ mod agreement;
 mod arm;
 mod ask;
 mod blind;
+mod driven;
 #[cfg(test)]
 mod fixed;
 mod results;
@@ -42,6 +43,9 @@ const TIMED_THREADS: usize = 2;
 pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     if options.arm {
         return arm::run(options);
+    }
+    if options.driven {
+        return driven::run(options);
     }
     let rows: Vec<DiagnoseRow> =
         DiagnoseRow::ALL.into_iter().filter(|r| options.only.is_empty() || options.only.contains(r)).collect();

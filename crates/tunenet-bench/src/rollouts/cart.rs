@@ -9,7 +9,7 @@ use tunenet_core::simulator::{FnSimulator, Parameter, Simulator};
 use tunenet_core::testing::PushedCart;
 
 use super::problem::{Problem, noisy};
-use super::runge_kutta::follow;
+use crate::runge_kutta::follow;
 use crate::scene::GRAVITY_M_S2;
 
 const NOISE_M: f64 = 1e-3;

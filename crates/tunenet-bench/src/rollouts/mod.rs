@@ -10,7 +10,6 @@ mod cosines;
 mod drop;
 mod problem;
 mod results;
-mod runge_kutta;
 mod scipy;
 
 use anyhow::Result;

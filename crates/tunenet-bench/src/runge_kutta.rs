@@ -1,6 +1,7 @@
 //! The classical method of Runge and Kutta of fourth order (Kutta 1901), with equal steps between the instants asked for.
 
-/// Follows `slope(time, state)` from `start` at 0 s; `seen` is given each instant of `clock`, its number and the state there.
+/// Follows `slope(time, state)` from `start` at 0 s; `seen` is given each instant of `clock`, its number and the state there. Before
+/// 0 s that is `start`.
 pub fn follow<const N: usize>(
     start: [f64; N],
     clock: &[f64],
@@ -22,7 +23,7 @@ pub fn follow<const N: usize>(
             now += h;
             left -= 1.0;
         }
-        now = time;
+        now = time.max(now);
         seen(number, time, state);
     }
 }
@@ -38,5 +39,12 @@ mod tests {
         let error = |_, t: f64, [x, v]: [f64; 2]| worst = worst.max((x - t.cos()).abs()).max((v + t.sin()).abs());
         follow([1.0, 0.0], &clock, 0.01, |_, [x, v]| [v, -x], error);
         assert!(worst < 1e-9, "{worst}");
+    }
+
+    #[test]
+    fn the_motion_begins_at_0_s() {
+        let mut seen = Vec::new();
+        follow([2.0], &[-0.5, -0.1, 0.3], 0.01, |_, _| [1.0], |_, _, [x]| seen.push(x));
+        assert!(seen[..2] == [2.0, 2.0] && (seen[2] - 2.3).abs() < 1e-12, "{seen:?}");
     }
 }
