@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::diagnose::answer::verdict::unique;
 use crate::diagnose::answer::{NextExperiment, driven_experiment};
-use crate::diagnose::evidence::ar1_prewhitening::Filter;
+use crate::diagnose::evidence::proposed::{Proposed, RELEASE, proposed};
 use crate::diagnose::evidence::recording::Set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
@@ -11,27 +11,11 @@ use crate::diagnose::hypothesis::joint::{Joint, Point, Which};
 use crate::diagnose::hypothesis::wording::{is_segmented, words};
 use crate::estimate::jacobian::Columns;
 use crate::estimate::projection::{Projector, orthonormal, stack};
-use crate::simulator::{Parameter, Prepared, predict};
 use crate::statistics::dot;
 
-/// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
-const HEIGHTS_M: [f64; 3] = [0.5, 1.0, 2.0];
-const SPEEDS_M_S: [[f64; 3]; 9] = [
-    [0.0, 0.0, 0.0],
-    [2.0, 0.0, 0.0],
-    [0.0, 2.0, 0.0],
-    [4.0, 0.0, 0.0],
-    [0.0, 4.0, 0.0],
-    [3.0, 3.0, 2.0],
-    [2.0, -2.0, 4.0],
-    [2.0, 0.0, 4.0],
-    [0.0, 2.0, 4.0],
-];
 /// Two explanations whose expected logarithmic likelihoods differ by less than this stay together: the usual margin of 6
 /// in the information criterion.
 const SEPARATED: f64 = 3.0;
-/// Names of nuisance parameters that a person can choose.
-const START: &str = "release.";
 
 /// The experiment that separates what is left together: for each effect of the best structure, `alternatives` are what
 /// could be in its place.
@@ -71,11 +55,8 @@ pub(in crate::diagnose) fn next(
     let mut text = String::new();
     let mut settings = Vec::new();
     if let (Some(chosen), false) = (chosen, separable.is_empty()) {
-        let nuisances = &designs[chosen].prepared.nuisances;
-        settings = nuisances.iter().filter(|p| p.name.starts_with(START)).map(|p| (p.name.clone(), p.value)).collect();
-        let value = |key: &str| settings.iter().find(|(name, _)| name.ends_with(key)).map_or(0.0, |(_, v)| *v);
-        let (x, y, z) = (value("velocity_x"), value("velocity_y"), value("velocity_z"));
-        let how = (words(context).start)(value("release.z"), [x, y, z]);
+        let how;
+        (how, settings) = described(context, &designs[chosen]);
         let apart: Vec<&str> = separable.iter().map(|&b| name(others[b])).collect();
         text = format!(
             "{how} and add that recording: it distinguishes {} from {} (expected gain {})",
@@ -89,9 +70,10 @@ pub(in crate::diagnose) fn next(
         let known: Vec<&str> =
             std::iter::once(name(place.entry)).chain(twins.iter().copied()).filter_map(words.knowledge).collect();
         let unique = unique(known);
-        // Of anything that has no start like a body's nobody here knows what could be recorded.
+        // Of anything else, what no proposal separates may come apart in recordings that nobody here thinks of.
         if !is_segmented(context) {
-            let text = std::iter::once(words.add).chain(unique).collect::<Vec<_>>().join("; or ");
+            let first = if text.is_empty() { words.add } else { &text };
+            let text = std::iter::once(first).chain(unique).collect::<Vec<_>>().join("; or ");
             return Ok(Some(NextExperiment { text, settings }));
         }
         let also = if text.is_empty() { "" } else { "; " };
@@ -101,71 +83,32 @@ pub(in crate::diagnose) fn next(
     Ok((!text.is_empty()).then_some(NextExperiment { text, settings }))
 }
 
+/// How to make a proposed recording, in words and in numbers.
+fn described(context: &Context, design: &Proposed) -> (String, Vec<(String, f64)>) {
+    if let Some(words) = design.change.words() {
+        return (words, design.change.settings());
+    }
+    let nuisances = design.set.prepared.nuisances.iter().filter(|p| p.name.starts_with(RELEASE));
+    let settings: Vec<(String, f64)> = nuisances.map(|p| (p.name.clone(), p.value)).collect();
+    let value = |key: &str| settings.iter().find(|(name, _)| name.ends_with(key)).map_or(0.0, |(_, v)| *v);
+    let (x, y, z) = (value("velocity_x"), value("velocity_y"), value("velocity_z"));
+    ((words(context).start)(value("release.z"), [x, y, z]), settings)
+}
+
 /// The speed along the surface with which a design starts, in units in which 1 m/s separates.
-fn across(design: &Set) -> f64 {
+fn across(design: &Proposed) -> f64 {
     let speed = |axis: &str| {
-        let nuisances = design.prepared.nuisances.iter().find(|p| p.name == format!("{START}velocity_{axis}"));
+        let nuisances = design.set.prepared.nuisances.iter().find(|p| p.name == format!("{RELEASE}velocity_{axis}"));
         nuisances.map_or(0.0, |p| p.value)
     };
     SEPARATED * speed("x").hypot(speed("y"))
 }
 
 /// Recordings that could be made, as the best model predicts them; the first recording lends clock and noise.
-fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Set>> {
+fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Proposed>> {
     let set = &context.sets()[0];
-    let nuisances = &best.fit.point.nuisances[0];
-    let place = |key: &str| set.prepared.nuisances.iter().position(|p| p.name == format!("{START}{key}"));
-    let [Some(_), Some(_), Some(_)] = ["velocity_x", "velocity_y", "velocity_z"].map(place) else {
-        return Ok(Vec::new());
-    };
-    let (simulator, parameters) =
-        (best.structure.simulator(set.object), best.structure.parameters(set.object, &best.fit.point.parameters));
-    let mut all = Vec::new();
-    // An axis that was not measured will not be next time either.
-    let unmeasured = set.unmeasured();
-    let across = |velocity: &[f64; 3]| unmeasured.iter().any(|&axis| velocity[axis] != 0.0);
-    for height in HEIGHTS_M {
-        for velocity in SPEEDS_M_S.into_iter().filter(|velocity| !across(velocity)) {
-            let mut start = nuisances.clone();
-            let wanted =
-                [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", velocity[0]), ("velocity_y", velocity[1])];
-            for (key, value) in wanted.into_iter().chain([("velocity_z", velocity[2])]) {
-                if let Some(i) = place(key) {
-                    start[i] = value;
-                }
-            }
-            let Ok(values) = predict(simulator, &set.prepared, &parameters, &start, set.clock()) else { continue };
-            let seen = &set.prepared.seen;
-            let seen = seen.with_values(values)?;
-            let free = |(p, value): (&Parameter, &f64)| {
-                let reach = p.span().max(2.0 * (value - p.value).abs());
-                Parameter { value: *value, min: value - reach, max: value + reach, ..p.clone() }
-            };
-            let nuisances: Vec<Parameter> = set.prepared.nuisances.iter().zip(&start).map(free).collect();
-            let keep: Vec<bool> = (0..seen.values().len()).map(|i| !unmeasured.contains(&(i % set.width()))).collect();
-            let filter = Filter::new(seen.clock(), &set.noise, &keep, 0.0);
-            let mut prepared = Prepared::whole(seen, parameters.len());
-            prepared.nuisances = nuisances;
-            all.push(Set {
-                recording: 0,
-                object: set.object,
-                motion: 0,
-                held_out: false,
-                prior_sd: set.prior_sd.clone(),
-                prepared,
-                noise: set.noise.clone(),
-                measured_noise: set.measured_noise.clone(),
-                keep,
-                resting: 0,
-                filter,
-                events: Vec::new(),
-                held_still: false,
-                random_draws: 0,
-                random_parameter: None,
-            });
-        }
-    }
-    Ok(all)
+    let parameters = best.structure.parameters(set.object, &best.fit.point.parameters);
+    proposed(set, best.structure.simulator(set.object), &parameters, &best.fit.point.nuisances[0])
 }
 
 /// For each design and each other explanation: the expected difference of logarithmic likelihood, half the square of what
@@ -176,7 +119,7 @@ fn gaps(
     best: &Hypothesis,
     entry: usize,
     others: &[usize],
-    designs: &[Set],
+    designs: &[Proposed],
 ) -> Result<Vec<Vec<f64>>> {
     let effects: Vec<usize> = best.structure.effects.iter().copied().chain(others.iter().copied()).collect();
     let structure = context.structure(&effects)?;
@@ -207,8 +150,8 @@ fn gaps(
     };
     let mut all = Vec::new();
     for design in designs {
-        let start = design.prepared.nuisance_values();
-        let Ok((new, new_lengths)) = columns(std::slice::from_ref(design), vec![start]) else {
+        let start = design.set.prepared.nuisance_values();
+        let Ok((new, new_lengths)) = columns(std::slice::from_ref(&design.set), vec![start]) else {
             all.push(vec![0.0; others.len()]);
             continue;
         };

@@ -4,6 +4,7 @@ pub(in crate::diagnose) mod ar1_correlation;
 pub(in crate::diagnose) mod ar1_prewhitening;
 pub(in crate::diagnose) mod copies;
 pub(in crate::diagnose) mod outliers;
+pub(in crate::diagnose) mod proposed;
 pub(in crate::diagnose) mod recording;
 pub(in crate::diagnose) mod segment_noise;
 pub(in crate::diagnose) mod segments;

@@ -1,5 +1,6 @@
 //! Verdicts on a simulator of the tests' own, judged by truth in closed form.
 
+mod constant_input;
 mod glider;
 pub(in crate::diagnose) mod zoo;
 

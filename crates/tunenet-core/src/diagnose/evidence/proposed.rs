@@ -1,0 +1,248 @@
+//! Recordings that could be made next: other releases of what flies, other inputs and initial states of what is driven.
+
+use std::sync::Arc;
+
+use crate::Result;
+use crate::diagnose::evidence::ar1_prewhitening::Filter;
+use crate::diagnose::evidence::recording::Set;
+use crate::observation::{Circumstances, Input, Observation};
+use crate::simulator::{Parameter, Prepared, Simulator, predict};
+
+/// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
+const HEIGHTS_M: [f64; 3] = [0.5, 1.0, 2.0];
+const SPEEDS_M_S: [[f64; 3]; 9] = [
+    [0.0, 0.0, 0.0],
+    [2.0, 0.0, 0.0],
+    [0.0, 2.0, 0.0],
+    [4.0, 0.0, 0.0],
+    [0.0, 4.0, 0.0],
+    [3.0, 3.0, 2.0],
+    [2.0, -2.0, 4.0],
+    [2.0, 0.0, 4.0],
+    [0.0, 2.0, 4.0],
+];
+/// Factors of an input's values, and of the speed at which all inputs are played.
+const SCALES: [f64; 3] = [-1.0, 0.3, 2.0];
+const SPEEDS: [f64; 2] = [0.3, 2.0];
+/// Distances of an initial state from its value, as shares of how far it may start from it.
+const SHIFTS: [f64; 2] = [-0.8, 0.8];
+/// Names of nuisance parameters that a person can choose: of what is released, and of what starts in a state.
+pub(in crate::diagnose) const RELEASE: &str = "release.";
+const STATE: &str = "start.";
+
+/// What differs from the recording that is repeated.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::diagnose) enum Change {
+    /// The release, as the nuisance parameters say.
+    Release,
+    /// All values of one input, by a factor.
+    Scaled { input: String, factor: f64 },
+    /// One input, which keeps this value.
+    Constant { input: String, value: f64, unit: String },
+    /// The speed at which all inputs are played, by a factor.
+    Speed(f64),
+    /// The initial value of a state.
+    Start { state: String, value: f64, unit: String },
+}
+
+impl Change {
+    /// What to do, in words; nothing of a release, whose words depend on the thing.
+    pub fn words(&self) -> Option<String> {
+        Some(match self {
+            Self::Release => return None,
+            Self::Scaled { input, factor } if *factor == -1.0 => format!("repeat a recording with {input} reversed"),
+            Self::Scaled { input, factor } => format!("repeat a recording with {factor} times the values of {input}"),
+            Self::Constant { input, value, unit } => {
+                format!("repeat a recording with {input} constant at {value:.3} {unit}")
+            }
+            Self::Speed(factor) => format!("repeat a recording with its inputs played at {factor} times the speed"),
+            Self::Start { state, value, unit } => format!("repeat a recording from {state} = {value:.3} {unit}"),
+        })
+    }
+
+    /// Its numbers by name, for scripts; none of a release, whose nuisance parameters are the numbers.
+    pub fn settings(&self) -> Vec<(String, f64)> {
+        match self {
+            Self::Release => Vec::new(),
+            Self::Scaled { input, factor } => vec![(format!("inputs.{input}.scale"), *factor)],
+            Self::Constant { input, value, .. } => vec![(format!("inputs.{input}.value"), *value)],
+            Self::Speed(factor) => vec![("inputs.speed".into(), *factor)],
+            Self::Start { state, value, .. } => vec![(format!("{STATE}{state}"), *value)],
+        }
+    }
+}
+
+/// A recording that could be made, as a model predicts it.
+pub(in crate::diagnose) struct Proposed {
+    pub set: Set,
+    pub change: Change,
+}
+
+/// Recordings that could be made after `set`, as `simulator` predicts them with these values; `set` lends clock and noise. None where
+/// there is neither a release nor an input nor an initial state to choose.
+pub(in crate::diagnose) fn proposed(
+    set: &Set,
+    simulator: &dyn Simulator,
+    parameters: &[f64],
+    nuisances: &[f64],
+) -> Result<Vec<Proposed>> {
+    let mut all = Vec::new();
+    for (change, circumstances, start) in releases(set, nuisances).into_iter().chain(circumstances(set, nuisances)?) {
+        let prepared = Prepared { circumstances, ..set.prepared.clone() };
+        // What cannot be simulated is no proposal.
+        let Ok(values) = predict(simulator, &prepared, parameters, &start, set.clock()) else { continue };
+        let mut whole = Prepared::whole(set.prepared.seen.with_values(values)?, parameters.len());
+        whole.circumstances = prepared.circumstances;
+        let free = |(p, value): (&Parameter, &f64)| {
+            let reach = p.span().max(2.0 * (value - p.value).abs());
+            Parameter { value: *value, min: value - reach, max: value + reach, ..p.clone() }
+        };
+        whole.nuisances = set.prepared.nuisances.iter().zip(&start).map(free).collect();
+        all.push(Proposed { set: alike(set, whole), change });
+    }
+    Ok(all)
+}
+
+/// A proposed recording with clock, noise and unmeasured axes of `set`.
+fn alike(set: &Set, prepared: Prepared) -> Set {
+    let unmeasured = set.unmeasured();
+    let values = prepared.seen.values().len();
+    let keep: Vec<bool> = (0..values).map(|i| !unmeasured.contains(&(i % set.width()))).collect();
+    let filter = Filter::new(prepared.seen.clock(), &set.noise, &keep, 0.0);
+    Set {
+        recording: 0,
+        object: set.object,
+        motion: 0,
+        held_out: false,
+        prior_sd: set.prior_sd.clone(),
+        prepared,
+        noise: set.noise.clone(),
+        measured_noise: set.measured_noise.clone(),
+        keep,
+        resting: 0,
+        filter,
+        events: Vec::new(),
+        held_still: false,
+        random_draws: 0,
+        random_parameter: None,
+    }
+}
+
+type Start = (Change, Option<Arc<Circumstances>>, Vec<f64>);
+
+/// Other releases, where the nuisance parameters say one. An axis that was not measured will not be next time either.
+fn releases(set: &Set, nuisances: &[f64]) -> Vec<Start> {
+    let place = |key: &str| set.prepared.nuisances.iter().position(|p| p.name == format!("{RELEASE}{key}"));
+    let [Some(_), Some(_), Some(_)] = ["velocity_x", "velocity_y", "velocity_z"].map(place) else {
+        return Vec::new();
+    };
+    let unmeasured = set.unmeasured();
+    let seen = |velocity: &[f64; 3]| unmeasured.iter().all(|&axis| velocity[axis] == 0.0);
+    let mut all = Vec::new();
+    for height in HEIGHTS_M {
+        for [x, y, z] in SPEEDS_M_S.into_iter().filter(seen) {
+            let mut start = nuisances.to_vec();
+            let wanted =
+                [("x", 0.0), ("y", 0.0), ("z", height), ("velocity_x", x), ("velocity_y", y), ("velocity_z", z)];
+            for (key, value) in wanted {
+                if let Some(i) = place(key) {
+                    start[i] = value;
+                }
+            }
+            all.push((Change::Release, set.prepared.circumstances.clone(), start));
+        }
+    }
+    all
+}
+
+/// Other inputs, and other values of initial states that are estimated.
+fn circumstances(set: &Set, nuisances: &[f64]) -> Result<Vec<Start>> {
+    let Some(known) = &set.prepared.circumstances else { return Ok(Vec::new()) };
+    let mut all = Vec::new();
+    let same = || nuisances.to_vec();
+    for (number, input) in known.inputs.iter().enumerate() {
+        let [channel] = input.series().channels() else { continue };
+        let with = |values: Vec<f64>| -> Result<Option<Arc<Circumstances>>> {
+            let mut made = Circumstances::clone(known);
+            made.inputs[number] = Input::new(input.series().with_values(values)?, input.hold());
+            Ok(Some(Arc::new(made)))
+        };
+        let values = input.series().values();
+        for factor in SCALES {
+            let change = Change::Scaled { input: channel.name.clone(), factor };
+            all.push((change, with(values.iter().map(|v| factor * v).collect())?, same()));
+        }
+        let greatest = values.iter().fold(0.0_f64, |most, v| if v.abs() > most.abs() { *v } else { most });
+        for value in [0.0, 0.5 * greatest] {
+            let change = Change::Constant { input: channel.name.clone(), value, unit: channel.unit.clone() };
+            all.push((change, with(vec![value; values.len()])?, same()));
+        }
+    }
+    for factor in if known.inputs.is_empty() { &[][..] } else { &SPEEDS } {
+        let played = known.inputs.iter().map(|input| {
+            let series = input.series();
+            let clock = series.clock().iter().map(|t| known.start_s + (t - known.start_s) / factor).collect();
+            let (channels, values) = (series.channels().to_vec(), series.values().to_vec());
+            Ok(Input::new(Observation::new(series.kind(), channels, clock, values)?, input.hold()))
+        });
+        let made = Circumstances { inputs: played.collect::<Result<_>>()?, ..Circumstances::clone(known) };
+        all.push((Change::Speed(*factor), Some(Arc::new(made)), same()));
+    }
+    for (i, state) in set.prepared.nuisances.iter().enumerate() {
+        let Some(name) = state.name.strip_prefix(STATE) else { continue };
+        for shift in SHIFTS {
+            let mut start = same();
+            start[i] = state.value + shift * reach(set, name, state);
+            let change = Change::Start { state: name.into(), value: start[i], unit: state.unit.clone() };
+            all.push((change, Some(Arc::clone(known)), start));
+        }
+    }
+    Ok(all)
+}
+
+/// How far a state may start from its value: half the range of the channel that shows it, or half of its bounds.
+fn reach(set: &Set, name: &str, state: &Parameter) -> f64 {
+    let seen = &set.prepared.seen;
+    let shown = seen.channels().iter().position(|channel| channel.name == name);
+    shown.map_or(0.5 * state.span(), |channel| {
+        let (low, high) =
+            seen.column(channel).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        0.5 * (high - low)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::{Channel, Hold, Kind};
+    use crate::simulator::{FnSimulator, Preparation, StartState, StartValue};
+
+    /// x(t) = start + u(t): what is proposed shows the changed input or the changed start.
+    #[test]
+    fn inputs_and_initial_states_are_varied() {
+        let follower = FnSimulator::new(Vec::new(), vec![Channel::new("x", "m")], |_, run, clock, out| {
+            clock.iter().zip(out).for_each(|(&t, x)| *x = run.start[0] + run.input(0, t));
+            Ok(())
+        })
+        .start(StartState::new("x", "m", StartValue::Number(1.0)).within(-4.0, 4.0));
+        let times = vec![0.0, 1.0, 2.0, 3.0];
+        let input = Input::sampled(Channel::new("u", "V"), Hold::Linear, times.clone(), vec![0.0, 2.0, -4.0, 1.0]);
+        let seen = Observation::new(Kind::Other, vec![Channel::new("x", "m")], times, vec![1.0, 3.0, -3.0, 2.0]);
+        let seen = seen.unwrap().under(Arc::new(Circumstances::driven_by(vec![input.unwrap()])));
+        let Preparation::Usable(prepared) = follower.prepare(&seen).unwrap() else { panic!("usable") };
+        let set = Set::new(0, 0, false, *prepared);
+        let all = proposed(&set, &follower, &[], &[1.0]).unwrap();
+        let of = |text: &str| {
+            let found = all.iter().find(|one| one.change.words().is_some_and(|words| words.ends_with(text)));
+            found.unwrap_or_else(|| panic!("{text}")).set.prepared.seen.values().to_vec()
+        };
+        assert_eq!(of("2 times the values of u"), [1.0, 5.0, -7.0, 3.0]);
+        assert_eq!(of("u reversed"), [1.0, -1.0, 5.0, 0.0]);
+        assert_eq!(of("u constant at -2.000 V"), [-1.0; 4]);
+        assert_eq!(of("played at 2 times the speed"), [1.0, -3.0, 2.0, 2.0]);
+        // Half the range of x is 3 m.
+        let moved = of("from x = 3.400 m");
+        assert!(moved.iter().zip([3.4, 5.4, -0.6, 4.4]).all(|(a, b)| (a - b).abs() < 1e-12), "{moved:?}");
+        assert!(all.iter().any(|one| one.change.settings() == [("inputs.u.scale".to_owned(), 2.0)]));
+    }
+}
