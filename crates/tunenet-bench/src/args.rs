@@ -66,7 +66,7 @@ pub enum Measured {
     Intervals(BenchIntervals),
     /// Coverage of intervals and joint regions of several parameters
     Regions(BenchRegions),
-    /// Rollouts of `tune`, compared with scipy's least squares
+    /// Rollouts of `tune`, compared with scipy and mujoco.sysid
     Rollouts(BenchRollouts),
     /// Detection and false-alarm rate of the recording checks
     Preflight(BenchPreflight),

@@ -1,7 +1,7 @@
-//! `tunenet bench rollouts`: how many rollouts a tuning takes, and how many scipy's least squares takes for the same.
+//! `tunenet bench rollouts`: how many rollouts a tuning takes, and how many scipy and `mujoco.sysid` take for the same.
 //!
 //! ```text
-//! runge_kutta → cart, arm; cosines; drop → problem (tune, scipy) → results (table)
+//! runge_kutta → cart, arm; cosines; drop → problem (tune, python) → results (table)
 //! ```
 
 mod arm;
@@ -9,8 +9,8 @@ mod cart;
 mod cosines;
 mod drop;
 mod problem;
+mod python;
 mod results;
-mod scipy;
 
 use anyhow::Result;
 use rand::SeedableRng;

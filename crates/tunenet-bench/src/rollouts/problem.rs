@@ -8,8 +8,8 @@ use tunenet_core::observation::Observation;
 use tunenet_core::simulator::{Preparation, Prepared, Simulator, predict};
 use tunenet_core::tune::{Outcome, Settings, tune};
 
+use super::python::{Bounded, Package, least_squares};
 use super::results::Comparison;
-use super::scipy::{Bounded, trf};
 
 /// What is tuned.
 pub struct Problem {
@@ -23,10 +23,11 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Tunes by both methods.
+    /// Tunes by every method.
     pub fn compare(&self) -> Result<Comparison> {
         let ours = tune(&*self.simulator, &self.recordings, None, &Settings::default())?;
-        let theirs = self.by_scipy()?;
+        let theirs = self.by(Package::Scipy)?;
+        let of_mujoco = self.by(Package::Mujoco)?;
         let count = self.recordings.len();
         let difference = theirs.as_ref().map(|(values, _)| self.difference(&ours, values));
         Ok(Comparison {
@@ -36,6 +37,7 @@ impl Problem {
             verdict: ours.verdict,
             rollouts: ours.rollouts,
             scipy_rollouts: theirs.map(|(_, calls)| calls * count),
+            mujoco_rollouts: of_mujoco.map(|(_, calls)| calls * count),
             most_rollouts: self.most_rollouts,
             largest_difference: difference,
         })
@@ -52,9 +54,9 @@ impl Problem {
         each.fold(0.0, f64::max)
     }
 
-    /// The tuned parameters by scipy, and its calls; `None` where scipy is not there. It fits the same nuisance parameters, those of
+    /// The tuned parameters by another package, and its calls; `None` where the package is not there. It fits the same nuisance parameters, those of
     /// each recording after the parameters.
-    fn by_scipy(&self) -> Result<Option<(Vec<f64>, usize)>> {
+    fn by(&self, package: Package) -> Result<Option<(Vec<f64>, usize)>> {
         let prepared = self.recordings.iter().map(|seen| match self.simulator.prepare(seen)? {
             Preparation::Usable(prepared) => Ok(*prepared),
             Preparation::Rejected(rejected) => bail!("{}: {}", self.name, rejected.note.text),
@@ -87,7 +89,7 @@ impl Problem {
             }
             Some(out)
         };
-        let found = trf(&bounded, residuals)?;
+        let found = least_squares(package, &bounded, residuals)?;
         Ok(found.map(|mut values| {
             values.truncate(free.len());
             (values, calls)
