@@ -7,7 +7,7 @@
 //! | file | what |
 //! |---|---|
 //! | `page` | the frame of every page: style, head, foot; writing |
-//! | `svg`, `axis`, `panel`, `label` | drawing: shapes, round ticks, a frame with scales, labels on lines |
+//! | `svg`, `axis`, `panel`, `label`, `points` | drawing: shapes, round ticks, a frame with scales, labels on lines, fewer points |
 //! | `series`, `figures` | what is drawn: a record with its residual below; ladders, bars, profiles, regions |
 //! | `verdict`, `parameters`, `checks`, `provenance` | sections |
 //! | `tune` | the page of `tunenet tune` |
@@ -24,6 +24,7 @@ mod label;
 mod page;
 mod panel;
 mod parameters;
+mod points;
 mod provenance;
 mod series;
 pub(crate) mod shot;

@@ -8,6 +8,7 @@ use tunenet_core::tune::Comparison;
 use super::axis::Axis;
 use super::label::Labels;
 use super::panel::{ABOVE, BELOW, Panel, left_edge};
+use super::points::{Points, thinned};
 use super::svg::{Anchor, Svg};
 
 /// Most dots of one drawing; beyond, an even choice is drawn.
@@ -16,8 +17,6 @@ const MOST_DOTS: usize = 2000;
 const FEW_DOTS: usize = 60;
 /// Noise stays within this many standard deviations in 95 of 100 samples.
 const BAND: f64 = 2.0;
-
-type Points = Vec<(f64, f64)>;
 
 /// One channel of one recording, ready to be drawn.
 pub struct Series {
@@ -242,25 +241,9 @@ pub fn intervals(kind: Kind, all: Points) -> Points {
     all.windows(2).filter_map(next).collect()
 }
 
-/// An even choice of at most about `most` points, the last one among them.
-pub fn thinned(points: &[(f64, f64)], most: usize) -> Points {
-    let every = points.len().div_ceil(most).max(1);
-    let last = points.last().filter(|_| !(points.len().max(1) - 1).is_multiple_of(every));
-    points.iter().step_by(every).chain(last).copied().collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_even_choice_keeps_both_ends() {
-        let points: Points = (0..10).map(|i| (f64::from(i), 0.0)).collect();
-        let chosen: Vec<f64> = thinned(&points, 4).iter().map(|p| p.0).collect();
-        assert_eq!(chosen, [0.0, 3.0, 6.0, 9.0]);
-        assert_eq!(thinned(&points, 5).last(), Some(&(9.0, 0.0)));
-        assert!(thinned(&[], 4).is_empty());
-    }
 
     #[test]
     fn a_missed_bounce_leaves_its_intervals_out() {

@@ -6,7 +6,8 @@ use tunenet_core::observation::Kind;
 
 use crate::view::html::axis::Axis;
 use crate::view::html::panel::{ABOVE, BELOW, Panel, left_edge};
-use crate::view::html::series::{Series, Size, thinned};
+use crate::view::html::points::thinned;
+use crate::view::html::series::{Series, Size};
 use crate::view::html::svg::{Anchor, Svg};
 
 /// Height of the strip of one channel.
