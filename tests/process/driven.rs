@@ -107,6 +107,33 @@ fn a_driven_program_is_tuned_and_its_missing_effect_is_named_and_written() {
     assert_eq!(none["verdict"], "none");
 }
 
+/// What drove a recording is drawn below its channels, on the same axis.
+#[test]
+fn reports_draw_the_inputs_of_a_recording() {
+    if !python("json") {
+        return;
+    }
+    let folder = recorded(0.0);
+    let command = |line: &str| format!("{line} --sim scene.toml --allow-process --report page.html");
+    folder.run(&command("tune rec1.csv")).ends(0);
+    let page = folder.text("page.html");
+    // Once for wide pages and once for narrow ones.
+    assert_eq!(page.matches(">torque, N\u{b7}m</text>").count(), 2);
+    assert!(page.contains("with residuals and inputs below") && page.contains("in steps where a value holds"));
+    assert!(page.len() < 100_000, "{} bytes", page.len());
+    folder.run(&command("diagnose --manifest runs.toml")).ends(0);
+    let page = folder.text("page.html");
+    assert_eq!(page.matches(">torque, N\u{b7}m</text>").count(), 4);
+    assert!(page.contains("with inputs below") && page.contains("in steps where a value holds"));
+    // A log of the input at 100 kHz makes no long page.
+    let mut log = String::from("t_s,torque_nm\n");
+    (0..300_000).for_each(|i| writeln!(log, "{},{}", f64::from(i) * 1e-5, i % 7).unwrap());
+    folder.write("log.csv", log);
+    folder.run(&command("tune rec1.csv --set inputs.torque_nm.file=log.csv --force"));
+    let page = folder.text("page.html");
+    assert!(page.contains("at most 600 samples") && page.len() < 150_000, "{} bytes", page.len());
+}
+
 #[test]
 fn what_is_simulated_with_inputs_can_be_tuned_to() {
     if !python("json") {

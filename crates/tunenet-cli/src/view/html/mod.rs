@@ -9,6 +9,7 @@
 //! | `page` | the frame of every page: style, head, foot; writing |
 //! | `svg`, `axis`, `panel`, `label`, `points` | drawing: shapes, round ticks, a frame with scales, labels on lines, fewer points |
 //! | `series`, `figures` | what is drawn: a record with its residual below; ladders, bars, profiles, regions |
+//! | `driving` | the inputs of a record, below its channels |
 //! | `verdict`, `parameters`, `checks`, `provenance` | sections |
 //! | `tune` | the page of `tunenet tune` |
 //! | `track` | the page of `tunenet track` |
@@ -19,6 +20,7 @@ mod axis;
 mod checks;
 pub(crate) mod diagnose;
 pub mod drawing;
+mod driving;
 mod figures;
 mod label;
 mod page;

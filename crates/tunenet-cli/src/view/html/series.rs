@@ -6,6 +6,7 @@ use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::tune::Comparison;
 
 use super::axis::Axis;
+use super::driving::{self, Driving, MOST_INPUTS, MOST_SAMPLES};
 use super::label::Labels;
 use super::panel::{ABOVE, BELOW, Panel, left_edge};
 use super::points::{Points, thinned};
@@ -32,6 +33,10 @@ pub struct Series {
     after_name: &'static str,
     residual: Points,
     events: Vec<f64>,
+    /// What drove the recording, at most [`MOST_INPUTS`] of it.
+    inputs: Vec<Driving>,
+    /// How many inputs there are beyond these.
+    undrawn: usize,
 }
 
 /// How large to draw.
@@ -99,6 +104,9 @@ impl Series {
         } else {
             ("time, s".into(), about.name.clone())
         };
+        let mut inputs = Driving::of(seen);
+        let undrawn = inputs.len().saturating_sub(MOST_INPUTS);
+        inputs.truncate(MOST_INPUTS);
         let title = if seen.channels().len() > 1 { format!("{name}, {}", about.name) } else { name.to_string() };
         Self {
             title,
@@ -111,6 +119,8 @@ impl Series {
             after_name: "tuned",
             residual: Vec::new(),
             events: Vec::new(),
+            inputs,
+            undrawn,
         }
     }
 
@@ -135,13 +145,17 @@ impl Series {
         let (tall, low) = if size == Size::Wide { (270.0, 110.0) } else { (200.0, 96.0) };
         let curves = || self.measured.iter().chain(&self.before).chain(&self.after);
         let y = Axis::around(curves().map(|p| p.1), (ABOVE + tall, ABOVE), 0.05);
-        let left = left_edge(&[(y.low(), y.high()), (-limit, limit)]);
+        let ranges = [(y.low(), y.high()), (-limit, limit)].into_iter().chain(self.inputs.iter().map(Driving::range));
+        let left = left_edge(&ranges.collect::<Vec<_>>());
         let x = Axis::around(curves().chain(&self.residual).map(|p| p.0), (left, width - 10.0), 0.0);
         let top = Panel { x: x.clone(), y };
-        let height = ABOVE + tall + if self.residual.is_empty() { BELOW } else { ABOVE + low + BELOW + 6.0 };
-        let mut svg = Svg::new(width, height);
+        let (with_residual, driven) = (!self.residual.is_empty(), !self.inputs.is_empty());
+        // Where the panels of the channel end, and those of the inputs begin.
+        let end = ABOVE + tall + if with_residual { ABOVE + low + 6.0 } else { 0.0 };
+        let mut svg = Svg::new(width, end + driving::height(&self.inputs) + BELOW);
         let y_name = top.y.title(&self.y_name, &self.y_unit);
-        top.frame(&mut svg, self.residual.is_empty().then_some(&self.x_name), &y_name);
+        let named = |last: bool| last.then_some(self.x_name.as_str());
+        top.frame(&mut svg, named(!with_residual && !driven), &y_name);
         let dots = top.spots(&thinned(&self.measured, MOST_DOTS));
         let curve = |points: &Points| top.spots(&thinned(points, if size == Size::Wide { 1200 } else { 600 }));
         let (before, after) = (curve(&self.before), curve(&self.after));
@@ -154,21 +168,27 @@ impl Series {
             labels.on(&mut svg, "after", self.after_name, &after, &before);
         }
         labels.on(&mut svg, "", "\u{2022} measured", &dots, &before);
-        if !self.residual.is_empty() {
+        if with_residual {
             let begin = 2.0 * ABOVE + tall + 6.0;
-            let bottom = Panel { x, y: Axis::new((-limit, limit), (begin + low, begin)) };
-            self.draw_residual(&mut svg, &top, &bottom);
+            let bottom = Panel { x: x.clone(), y: Axis::new((-limit, limit), (begin + low, begin)) };
+            self.draw_residual(&mut svg, &top, &bottom, named(!driven));
         }
+        driving::draw(&self.inputs, &mut svg, &x, end, &self.x_name);
         let class = if size == Size::Wide { "wide" } else { "narrow" };
-        let below = if self.residual.is_empty() { "" } else { ", with residuals below" };
+        let below = match (with_residual, driven) {
+            (false, false) => "",
+            (true, false) => ", with residuals below",
+            (false, true) => ", with inputs below",
+            (true, true) => ", with residuals and inputs below",
+        };
         let label = format!("{}: measured, simulated before and {}{below}", self.title, self.after_name);
         svg.finish(class, &label)
     }
 
-    fn draw_residual(&self, svg: &mut Svg, top: &Panel, bottom: &Panel) {
+    fn draw_residual(&self, svg: &mut Svg, top: &Panel, bottom: &Panel, x_name: Option<&str>) {
         let (left, right) = bottom.x.places();
         svg.area("band", (left, bottom.y.at(BAND)), (right, bottom.y.at(-BAND)));
-        bottom.frame(svg, Some(&self.x_name), "residual / \u{3c3}");
+        bottom.frame(svg, x_name, "residual / \u{3c3}");
         for edge in [-BAND, BAND] {
             bottom.level(svg, "limit", edge);
         }
@@ -207,6 +227,7 @@ pub fn drawings(series: &[Series], own_start: bool) -> Markup {
                 "The recording; nothing was simulated."
             }
             @if thinned { " Of long recordings an even choice of at most " (MOST_DOTS) " samples is drawn." }
+            (about_inputs(series))
         }
     };
     html! {
@@ -220,6 +241,22 @@ pub fn drawings(series: &[Series], own_start: bool) -> Markup {
                 }
                 (how)
             }
+        }
+    }
+}
+
+/// What the panels of inputs below `series` show; nothing where there are none.
+pub fn about_inputs(series: &[Series]) -> Markup {
+    let inputs = || series.iter().flat_map(|one| &one.inputs);
+    let undrawn = series.iter().map(|one| one.undrawn).max().unwrap_or(0);
+    html! {
+        @if inputs().next().is_some() {
+            " The lowest panels show what drove the recording: in steps where a value holds until the next sample, otherwise as \
+             straight lines."
+            @if inputs().any(Driving::is_thinned) {
+                " Of a long input an even choice of at most " (MOST_SAMPLES) " samples is drawn."
+            }
+            @if undrawn > 0 { " Of " (MOST_INPUTS + undrawn) " inputs the first " (MOST_INPUTS) " are drawn." }
         }
     }
 }

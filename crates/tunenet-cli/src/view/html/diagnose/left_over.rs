@@ -7,7 +7,7 @@ use tunenet_core::observation::Kind;
 use crate::view::html::axis::Axis;
 use crate::view::html::panel::{ABOVE, BELOW, Panel, left_edge};
 use crate::view::html::points::thinned;
-use crate::view::html::series::{Series, Size};
+use crate::view::html::series::{Series, Size, about_inputs};
 use crate::view::html::svg::{Anchor, Svg};
 
 /// Height of the strip of one channel.
@@ -61,15 +61,20 @@ fn drawn(one: &Explained) -> Vec<usize> {
 
 /// Each recording with the simulation, in the channel where they disagree most, or every joint of an arm; `both` where before differs from after.
 pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
+    let of = |one: &Explained| {
+        let before = both.then_some(&one.before[..]);
+        drawn(one)
+            .into_iter()
+            .map(|channel| (Series::explained(one, channel, before), one.held_out))
+            .collect::<Vec<_>>()
+    };
+    let (series, held_out): (Vec<Series>, Vec<bool>) = shown.iter().flat_map(|one| of(one)).unzip();
     html! {
         div.grid {
-            @for one in shown {
-                @for channel in drawn(one) {
-                    @let series = Series::explained(one, channel, both.then_some(&one.before[..]));
-                    figure {
-                        figcaption.above { (series.title) @if one.held_out { ", held out" } }
-                        (series.draw(Size::Narrow, 1.0))
-                    }
+            @for (series, held_out) in series.iter().zip(held_out) {
+                figure {
+                    figcaption.above { (series.title) @if held_out { ", held out" } }
+                    (series.draw(Size::Narrow, 1.0))
                 }
             }
             p.how {
@@ -80,6 +85,7 @@ pub fn overlays(shown: &[&Explained], both: bool) -> Markup {
                     "The line is the tuned simulation."
                 }
                 @if shown.iter().any(|one| !one.nuisances.is_empty()) { " The start of each recording is fitted." }
+                (about_inputs(&series))
             }
         }
     }
