@@ -6,40 +6,24 @@ use anyhow::Result;
 use serde_json::json;
 use tunenet_sim::SimulationFile;
 
-use super::{Standing, look_in};
+use super::listing::Listing;
+use super::look_in;
 use crate::args::Inspect;
 use crate::commands::load::Setups;
-use crate::failure::{Exit, sentence};
-use crate::files::{manifest, names};
-use crate::view::answer::Printout;
+use crate::failure::Exit;
+use crate::files::manifest;
 
 /// Describes them one after the other.
 pub fn run(options: &Inspect, manifest: &Path) -> Result<Exit> {
     // Clap asks for one with a manifest.
     let sim = SimulationFile::read(options.sim.as_deref().unwrap_or(Path::new("")))?;
     let entries = manifest::read(manifest)?;
-    let mut shown = Printout::default();
-    let (mut objects, mut worst) = (Vec::new(), Exit::Done);
+    let mut listing = Listing::new();
     for entry in &entries {
-        let name = names::file_name(&entry.path);
-        shown.row("file", &name);
-        let setups = Setups::of(Some(manifest), &sim, &[entry]);
-        match setups.and_then(|setups| look_in(&entry.path, options, Some(setups.file(0)), &mut shown)) {
-            Ok(found) => {
-                if found.standing != Standing::Usable && worst != Exit::Refused {
-                    worst = found.standing.exit();
-                }
-                objects.push(found.object);
-            }
-            Err(error) => {
-                worst = Exit::Refused;
-                let text = sentence(&error);
-                shown.row("refused", &text);
-                objects.push(json!({ "schema": "tunenet.inspect/1", "file": name, "usable": false, "error": text }));
-            }
-        }
-        shown.line("");
+        let setups = || Setups::of(Some(manifest), &sim, &[entry]);
+        listing.add(&entry.path, |shown| look_in(&entry.path, options, Some(setups()?.file(0)), shown));
     }
+    let Listing { shown, objects, worst } = listing;
     shown.show(
         options.common.json,
         || json!({ "schema": "tunenet.inspect.files/1", "files": objects, "warnings": [] }),

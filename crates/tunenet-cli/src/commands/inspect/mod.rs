@@ -1,5 +1,6 @@
 //! `tunenet inspect`.
 
+mod listing;
 mod log;
 mod manifest;
 mod reading;

@@ -4,46 +4,26 @@ use anyhow::Result;
 use serde_json::json;
 use tunenet_ball::preflight::{ApparentGravity, Expected};
 
-use super::{Standing, look};
+use super::listing::Listing;
+use super::look;
 use crate::args::Inspect;
-use crate::failure::{Exit, sentence};
+use crate::failure::Exit;
 use crate::files::{hash, names};
-use crate::view::answer::Printout;
 use crate::view::inspect::motion::{gravity_json, render_gravity, row};
 
 /// Several files: each on its own, then what all of them say of gravity.
 pub fn run(options: &Inspect) -> Result<Exit> {
     hash::refuse_copies(options.files.iter().map(AsRef::as_ref))?;
-    let (mut objects, mut gravities, mut worst, mut rate_hz) = (Vec::new(), Vec::new(), Exit::Done, 0.0);
+    let (mut listing, mut gravities, mut rate_hz) = (Listing::new(), Vec::new(), 0.0);
     let head = ["file", "bounces", "gravity", "noticed"];
     let mut rows: Vec<Vec<String>> = vec![head.map(String::from).to_vec()];
-    let mut shown = Printout::default();
     for path in &options.files {
-        let name = names::file_name(path);
-        shown.row("file", &name);
-        match look(path, options, &mut shown) {
-            Ok(found) => {
-                worst = match (worst, found.standing) {
-                    (Exit::Refused, _) | (_, Standing::Refused) => Exit::Refused,
-                    (Exit::Done, standing) => standing.exit(),
-                    (worst, _) => worst,
-                };
-                if let Some(motion) = &found.motion {
-                    gravities.extend(motion.gravity());
-                    rate_hz = motion.rate_hz;
-                    rows.push([vec![name], row(motion)].concat());
-                }
-                objects.push(found.object);
-            }
-            Err(error) => {
-                worst = Exit::Refused;
-                let text = sentence(&error);
-                shown.row("refused", &text);
-                objects.push(json!({ "schema": "tunenet.inspect/1", "file": name, "usable": false, "error": text }));
-            }
-        }
-        shown.line("");
+        let Some(motion) = listing.add(path, |shown| look(path, options, shown)) else { continue };
+        gravities.extend(motion.gravity());
+        rate_hz = motion.rate_hz;
+        rows.push([vec![names::file_name(path)], row(&motion)].concat());
     }
+    let Listing { mut shown, objects, worst } = listing;
     shown.table(&rows);
     let pooled = ApparentGravity::pooled(&gravities);
     let mut causes = Vec::new();
