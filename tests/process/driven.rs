@@ -6,12 +6,12 @@ use crate::common::{Folder, Noise, codes};
 use crate::process::programs::{DRIVEN, DRIVEN_SCENE, MUJOCO_CART, MUJOCO_CART_SCENE, python};
 
 /// The driven pendulum by the classical Runge–Kutta method, which its program does not use.
-struct Driven {
-    length_m: f64,
-    damping_1_s: f64,
-    friction_rad_s2: f64,
-    start_rad: f64,
-    seed: u64,
+pub struct Driven {
+    pub length_m: f64,
+    pub damping_1_s: f64,
+    pub friction_rad_s2: f64,
+    pub start_rad: f64,
+    pub seed: u64,
 }
 
 const RATE_HZ: f64 = 72.0;
@@ -33,7 +33,7 @@ impl Driven {
     }
 
     /// Columns `t_s`, `angle_rad` and the torque under this name.
-    fn csv(&self, header: &str) -> String {
+    pub fn csv(&self, header: &str) -> String {
         const STEPS: u32 = 400;
         let mut noise = Noise(self.seed);
         let mut text = format!("{header}\n");

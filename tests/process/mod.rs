@@ -2,9 +2,10 @@
 
 mod cartpole;
 mod checkpoint;
-mod driven;
+pub mod driven;
 pub mod failing;
 mod failures;
+mod input_files;
 mod program;
 pub mod programs;
 mod ray_script;

@@ -1,6 +1,6 @@
 //! The answer of `tunenet diagnose`: what was read, what was found, and what changes in the simulation file.
 
-use toml_edit::InlineTable;
+use toml_edit::{Array, InlineTable};
 use tunenet_core::diagnose::{self, Diagnosis, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Value, Verdict};
 use tunenet_core::findings;
 use tunenet_core::observation::{Note, Observation};
@@ -31,6 +31,8 @@ pub struct Recorded {
     pub seen: Observation,
     /// The run without payload that was aligned with it, as the provenance names it.
     pub reference: Option<InlineTable>,
+    /// The files of their own in which its inputs stand, likewise.
+    pub inputs: Array,
 }
 
 /// Everything that was read.

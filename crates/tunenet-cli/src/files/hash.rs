@@ -1,11 +1,11 @@
 //! SHA-256 of files, and what is identified by it.
 
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use sha2::{Digest, Sha256};
-use toml_edit::InlineTable;
+use toml_edit::{Array, InlineTable};
 use tunenet_formats::{Action, Error, open};
 
 use super::names::{file_name, pictures};
@@ -29,6 +29,11 @@ pub fn fingerprint(path: &Path) -> Result<InlineTable> {
     one.insert("file", file_name(path).into());
     one.insert("sha256", sha256(path)?.into());
     Ok(one)
+}
+
+/// The same of several files.
+pub fn fingerprints(paths: &[PathBuf]) -> Result<Array> {
+    paths.iter().map(|path| fingerprint(path)).collect()
 }
 
 fn digest(path: &Path, hasher: &mut Sha256) -> Result<()> {

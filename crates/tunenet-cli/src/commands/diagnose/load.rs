@@ -38,7 +38,8 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
         notes.extend(recording.notes.into_iter().map(named));
         let (hash, held_out, seen) = (hash::sha256(&source.path)?, source.held_out, recording.observation);
         let reference = source.reference.as_deref().map(hash::fingerprint).transpose()?;
-        recorded.push(Recorded { name, hash, object, held_out, seen, reference });
+        let inputs = hash::fingerprints(&load::own_files(scene, &source.path))?;
+        recorded.push(Recorded { name, hash, object, held_out, seen, reference, inputs });
     }
     notes.extend(load::lacks(&file)?);
     let kind = one_kind(sources, &recorded)?;

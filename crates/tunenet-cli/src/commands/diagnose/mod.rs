@@ -9,6 +9,7 @@ mod load;
 mod outputs;
 mod sources;
 
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -52,7 +53,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     text::end(options.out.as_deref(), options.common.seed, &answer, &wrote);
     if let Some(path) = &options.report {
         let edits = edits(&SimulationFile::read(&options.simulation.sim)?, &answer)?;
-        html::diagnose::write(path, &answer, &edits, &provenance(options, &sources))?;
+        html::diagnose::write(path, &answer, &edits, &outputs::provenance(options, &sources))?;
         stage("report", &path.display().to_string());
     }
     Ok(diagnosis.verdict().into())
@@ -69,9 +70,11 @@ fn each(options: &Diagnose) -> Result<Exit> {
     });
     let (observation, jobs, json) = (&options.observation, options.jobs, options.common.json);
     let (apart, overwrite) = (&options.apart, options.writing.overwrite);
-    let work = Work { tool: "diagnose", observation, apart, jobs, json, overwrite, run };
+    let alone = |path: &Path| [Source::alone(path, file.domain().name(), options.reference.clone())];
+    let inputs = observation.iter().map(|path| outputs::input_files(options, &alone(path))).collect();
+    let work = Work { tool: "diagnose", observation, inputs, apart, jobs, json, overwrite, run };
     let (exit, _) = work.run::<()>(&|path, _| {
-        let sources = [Source::alone(path, file.domain().name(), options.reference.clone())];
+        let sources = alone(path);
         let loaded = load::load(options, &sources)?;
         let began = Instant::now();
         let diagnosis = ask(&loaded, options.common.seed)?;
@@ -79,13 +82,6 @@ fn each(options: &Diagnose) -> Result<Exit> {
         Ok(Answered { object: json::object(&answer), line: text::sentence(&answer), case: None })
     })?;
     Ok(exit)
-}
-
-fn provenance(options: &Diagnose, sources: &[Source]) -> html::Provenance {
-    let scene = [options.simulation.sim.as_path()].into_iter().chain(options.manifest.as_deref());
-    let sources = sources.iter().flat_map(|s| [s.path.as_path()].into_iter().chain(s.reference.as_deref()));
-    let read: Vec<&std::path::Path> = scene.chain(sources).collect();
-    html::Provenance::new(options.common.seed, &read)
 }
 
 /// Asks the library, showing what it does.

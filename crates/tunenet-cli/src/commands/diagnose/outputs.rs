@@ -1,16 +1,18 @@
 //! What `diagnose` is asked to write, refused before anything is spent on it where it cannot be written.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tunenet_core::Origin;
 use tunenet_formats::{Action, Error};
 
 use crate::args::Diagnose;
+use crate::commands::load;
 use crate::files::destination::{self, Output, Product};
 use crate::files::manifest::Source;
 use crate::files::names;
+use crate::view::html;
 
 /// Refuses outputs that cannot be written, or would replace what is read, before anything is spent on them. For several
 /// objects `--out` is a folder, which is made.
@@ -28,8 +30,9 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
     let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
     let references = sources.iter().filter_map(|s| s.reference.as_deref());
     let urdf = options.simulation.urdf_set();
-    let inputs: Vec<&Path> =
-        inputs.chain(options.manifest.as_deref()).chain(references).chain(urdf.as_deref()).collect();
+    let own = input_files(options, sources);
+    let named = inputs.chain(options.manifest.as_deref()).chain(references);
+    let inputs: Vec<&Path> = named.chain(own.iter().map(PathBuf::as_path)).chain(urdf.as_deref()).collect();
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     if let (Some(out), true) = (&options.out, several) {
         // The page may not be the folder itself either.
@@ -40,6 +43,21 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
         std::fs::create_dir_all(out).map_err(|e| Error::io(out, Action::Creating, e))?;
     }
     Ok(())
+}
+
+/// The files of their own in which inputs of `sources` stand, each once.
+pub fn input_files(options: &Diagnose, sources: &[Source]) -> Vec<PathBuf> {
+    let all = load::own_files_of(&options.simulation, options.manifest.as_deref(), sources).concat();
+    all.into_iter().collect::<BTreeSet<PathBuf>>().into_iter().collect()
+}
+
+/// What a report says of its origin.
+pub fn provenance(options: &Diagnose, sources: &[Source]) -> html::Provenance {
+    let scene = [options.simulation.sim.as_path()].into_iter().chain(options.manifest.as_deref());
+    let own = input_files(options, sources);
+    let named = sources.iter().flat_map(|s| [s.path.as_path()].into_iter().chain(s.reference.as_deref()));
+    let read: Vec<&Path> = scene.chain(named).chain(own.iter().map(PathBuf::as_path)).collect();
+    html::Provenance::new(options.common.seed, &read)
 }
 
 /// A file for each object in the folder `out`.

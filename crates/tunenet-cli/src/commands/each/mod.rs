@@ -30,6 +30,8 @@ pub struct Work<'a> {
     pub tool: &'static str,
     /// All recordings, of every shard.
     pub observation: &'a [PathBuf],
+    /// The files of their own in which the inputs of each recording stand.
+    pub inputs: Vec<Vec<PathBuf>>,
     pub apart: &'a Apart,
     pub jobs: Option<usize>,
     pub json: bool,
@@ -77,10 +79,11 @@ impl Work<'_> {
             let files = mine.iter().filter_map(|i| place(*i)).chain([folder.join(ALL)]);
             let answer =
                 |path: PathBuf| Output { makes_folder: true, ..Output::new(&path, "--out-dir", Product::Answer) };
-            let inputs: Vec<&Path> = self.observation.iter().map(AsRef::as_ref).collect();
+            let inputs: Vec<&Path> =
+                self.observation.iter().chain(self.inputs.iter().flatten()).map(AsRef::as_ref).collect();
             destination::check(&files.map(answer).collect::<Vec<_>>(), &inputs, self.overwrite)?;
         }
-        let treat = |i: usize| self.treat(&self.observation[i], &shown[i], place(i).as_deref(), one);
+        let treat = |i: usize| self.treat(i, &shown[i], place(i).as_deref(), one);
         let treated = spread(self.jobs, self.json, &mine, &treat)?;
         let (mut objects, mut cases) = (Vec::with_capacity(treated.len()), Vec::new());
         for (i, (object, case)) in mine.iter().zip(treated) {

@@ -12,17 +12,20 @@ use crate::failure::sentence;
 use crate::files::hash;
 
 impl Work<'_> {
-    /// One recording's answer and its line: from its file where it is there, otherwise made, and written there.
+    /// The answer to recording `number` and its line: from its file where it is there, otherwise made, and written there.
     pub(super) fn treat<C>(
         &self,
-        path: &Path,
+        number: usize,
         name: &str,
         place: Option<&Path>,
         one: &dyn Fn(&Path, &str) -> Result<Answered<C>>,
     ) -> Result<((Value, Option<C>), String)> {
+        let (path, inputs) = (&self.observation[number], self.inputs.get(number));
+        let read = || std::iter::once(path).chain(inputs.into_iter().flatten());
         // What cannot be read has no digest, and is refused by whoever reads it.
-        let run = place.and_then(|_| hash::sha256(path).ok()).map(|hash| {
-            let all = json!([env!("CARGO_PKG_VERSION"), self.tool, self.run, name, hash]);
+        let hashes = place.and_then(|_| read().map(|file| hash::sha256(file).ok()).collect::<Option<Vec<String>>>());
+        let run = hashes.map(|hashes| {
+            let all = json!([env!("CARGO_PKG_VERSION"), self.tool, self.run, name, hashes]);
             hex::encode(Sha256::digest(all.to_string()))
         });
         if let (Some(place), Some(run)) = (place, &run)

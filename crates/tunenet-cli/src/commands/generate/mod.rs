@@ -5,20 +5,22 @@ mod ball;
 mod process;
 mod write;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tunenet_formats::Error;
 
 use self::write::place;
-use crate::args::{Domain, Gen};
+use super::load::Driven;
+use crate::args::{Domain, Gen, Simulation};
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 
 pub fn run(options: &Gen) -> Result<Exit> {
     let given = [&options.sim, &options.inputs, &options.manifest];
-    let inputs: Vec<&Path> = given.into_iter().flatten().map(AsRef::as_ref).collect();
+    let own = input_files(options);
+    let inputs: Vec<&Path> = given.into_iter().flatten().chain(&own).map(AsRef::as_ref).collect();
     names::require_ending(&options.out, "--out", &["mcap"])?;
     let out = place(options);
     let output = Output::new(&out, "--out", Product::Dataset);
@@ -37,4 +39,11 @@ pub fn run(options: &Gen) -> Result<Exit> {
         Domain::Process => process::run(options),
         Domain::Ball | Domain::BallVideo => ball::run(options, &out),
     }
+}
+
+/// The files of their own in which the inputs of a program stand.
+fn input_files(options: &Gen) -> Vec<PathBuf> {
+    let Some(sim) = options.sim.clone() else { return Vec::new() };
+    let simulation = Simulation { sim, set: options.set.clone() };
+    Driven::input_files(&simulation, options.inputs.as_deref(), options.manifest.as_deref())
 }

@@ -1,6 +1,6 @@
 //! What a program is simulated under: recorded inputs and initial states, without or with a recording.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tunenet_core::observation::{Channel, Kind, Observation};
@@ -9,9 +9,10 @@ use tunenet_formats::{Error, ReadOptions, Recording, read};
 use tunenet_sim::scene::{First, StartValue};
 use tunenet_sim::{SimulationFile, process};
 
+use super::input_files::own_files_of;
 use super::inputs;
 use super::setups::Setups;
-use crate::args::Reading;
+use crate::args::{Reading, Simulation};
 use crate::files::manifest::{Source, read as entries};
 
 /// What is simulated: instants with their circumstances, by the name of the recording that they are taken from.
@@ -48,6 +49,13 @@ impl Driven {
         };
         let recordings = entries.iter().enumerate().map(one).collect::<Result<_>>()?;
         Ok(Self { setups, recordings })
+    }
+
+    /// The files of their own in which inputs stand, where [`Self::of`] reads them.
+    pub fn input_files(simulation: &Simulation, given: Option<&Path>, manifest: Option<&Path>) -> Vec<PathBuf> {
+        let alone = || vec![Source::alone(given.unwrap_or(&simulation.sim), "", None)];
+        let sources = manifest.map_or_else(alone, |path| entries(path).unwrap_or_default());
+        own_files_of(simulation, manifest, &sources).concat()
     }
 
     /// All recordings as the simulator prepares them.

@@ -7,6 +7,8 @@ use tunenet_core::observation::{Channel, Hold, Observation};
 use tunenet_formats::{InputSource, ReadOptions, Recording, read_input, under_inputs};
 use tunenet_sim::{SimulationFile, scene};
 
+use super::input_files::own_file;
+
 /// Where the inputs of `file` stand, in its order.
 pub fn sources(file: &SimulationFile) -> Vec<(InputSource, &scene::Input)> {
     let one = |(name, input): (&str, &scene::Input)| {
@@ -54,8 +56,8 @@ pub fn attach(
     let sources = sources(file);
     let mut found = Vec::with_capacity(sources.len());
     for (source, input) in &sources {
-        let named_file = input.file.as_ref().map(|other| path.parent().unwrap_or(Path::new("")).join(other));
-        found.push((source, read_input(named_file.as_deref().unwrap_or(path), options, source)?));
+        let own = own_file(input, path);
+        found.push((source, read_input(own.as_deref().unwrap_or(path), options, source)?));
     }
     Ok(under_inputs(path, recording, setup, found)?)
 }
@@ -68,8 +70,8 @@ pub fn defaults(file: &SimulationFile, recording: Recording) -> Result<Recording
     let sources = sources(file);
     let mut found = Vec::with_capacity(sources.len());
     for (source, input) in &sources {
-        let named_file = input.file.as_ref().map(|other| file.path().parent().unwrap_or(Path::new("")).join(other));
-        let input = named_file.map(|path| read_input(&path, &ReadOptions::default(), source)).transpose()?;
+        let own = own_file(input, file.path());
+        let input = own.map(|path| read_input(&path, &ReadOptions::default(), source)).transpose()?;
         found.push((source, input.flatten()));
     }
     Ok(under_inputs(file.path(), recording, 0, found)?)

@@ -1,6 +1,7 @@
 //! Loading what several commands need.
 
 mod driven;
+mod input_files;
 pub mod inputs;
 mod joints;
 mod options;
@@ -20,6 +21,7 @@ use crate::args::{self, Simulation};
 use crate::files::destination::neighbouring_urdf;
 use crate::files::hash;
 pub use driven::Driven;
+pub use input_files::{own_files, own_files_of};
 pub use joints::{attach_reference, lacks};
 pub use options::reading;
 pub use recording::{of_channels, recording, recording_of};

@@ -4,7 +4,7 @@ mod arm;
 mod process;
 mod write;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tunenet_core::observation::{Kind, Observation};
@@ -15,7 +15,7 @@ use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{ObservedBall, SimulationFile, observed};
 
 use self::write::{described, write, write_all};
-use super::load;
+use super::load::{self, Driven};
 use crate::args::Simulate;
 use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
@@ -24,7 +24,8 @@ use crate::view::answer::Printout;
 
 pub fn run(options: &Simulate) -> Result<Exit> {
     let inputs = || [Some(options.simulation.sim.as_path()), options.inputs.as_deref(), options.manifest.as_deref()];
-    let inputs: Vec<&Path> = inputs().into_iter().flatten().collect();
+    let own = Driven::input_files(&options.simulation, options.inputs.as_deref(), options.manifest.as_deref());
+    let inputs: Vec<&Path> = inputs().into_iter().flatten().chain(own.iter().map(PathBuf::as_path)).collect();
     let output = |path: &Path| Output::new(path, "--out", Product::Unmarked);
     if options.manifest.is_none() {
         names::require_ending(&options.out, "--out", &["csv", "mcap"])?;
@@ -32,7 +33,7 @@ pub fn run(options: &Simulate) -> Result<Exit> {
         destination::check(&[output(&options.out)], &inputs, true)?;
     }
     let (mut file, session) = load::simulation_with(&options.simulation, options.permission)?;
-    if file.domain() != Domain::Process && inputs.len() > 1 {
+    if file.domain() != Domain::Process && (options.inputs.is_some() || options.manifest.is_some()) {
         load::of_kind(&file, Domain::Process)?;
     }
     let observation = match file.domain() {

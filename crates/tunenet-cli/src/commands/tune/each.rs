@@ -9,7 +9,7 @@ use tunenet_core::network::Model;
 use tunenet_core::{Error, Origin};
 use tunenet_sim::{Session, SimulationFile};
 
-use super::paths::provenance;
+use super::paths::{input_files, provenance};
 use super::read::read;
 use super::{answer, fit};
 use crate::args::Tune;
@@ -43,6 +43,7 @@ pub fn run(
     let work = Work {
         tool: "tune",
         observation: &options.observation,
+        inputs: input_files(options),
         apart: &options.apart,
         jobs: options.jobs,
         json: options.common.json,

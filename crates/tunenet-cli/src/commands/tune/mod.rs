@@ -22,7 +22,7 @@ mod paths;
 mod read;
 mod written;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Result;
@@ -52,7 +52,8 @@ use crate::view::text::tune::{printout, render_end, render_start};
 pub fn run(options: &Tune) -> Result<Exit> {
     options.apart.check(options.each)?;
     let urdf = options.simulation.urdf_set();
-    let inputs: Vec<&Path> = inputs(options).chain(urdf.as_deref()).collect();
+    let named = inputs(options);
+    let inputs: Vec<&Path> = named.iter().map(PathBuf::as_path).chain(urdf.as_deref()).collect();
     destination::check(&outputs(options), &inputs, options.writing.overwrite)?;
     let (file, session) = load::simulation_with(&options.simulation, options.permission)?;
     start::check(options, &file)?;
@@ -75,7 +76,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let (outcome, chosen) = threads
         .install(|| fit::tune_to(options, &setups, &session, model.as_ref(), &recordings, &options.observation))?;
     if let Some(out) = &options.out {
-        write_tuned(options, setups.common(), &recordings, &outcome, out)?;
+        write_tuned(options, &setups, &recordings, &outcome, out)?;
     }
     let seconds = began.elapsed().as_secs_f64();
     render_start(&options.observation, &outcome, &chosen);

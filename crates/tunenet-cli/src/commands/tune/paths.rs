@@ -1,19 +1,36 @@
 //! What a `tune` reads and writes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::manifest::entries;
 use crate::args::Tune;
+use crate::commands::load;
 use crate::files::destination::{Output, Product};
+use crate::files::manifest::Source;
 use crate::view::html;
 
 /// What is read, and must not be lost.
-pub fn inputs(options: &Tune) -> impl Iterator<Item = &Path> {
-    let scene = std::iter::once(options.simulation.sim.as_path());
-    scene
-        .chain(options.observation.iter().map(AsRef::as_ref))
-        .chain(options.manifest.as_deref())
-        .chain(options.model.as_deref())
-        .chain(options.reference.as_deref())
+pub fn inputs(options: &Tune) -> Vec<PathBuf> {
+    let scene = std::iter::once(&options.simulation.sim).chain(&options.observation);
+    let named = scene.chain(&options.manifest).chain(&options.model).chain(&options.reference);
+    let mut read: Vec<PathBuf> = named.cloned().collect();
+    for own in input_files(options).concat() {
+        if !read.contains(&own) {
+            read.push(own);
+        }
+    }
+    read
+}
+
+/// The files of their own in which the inputs of each recording stand.
+pub fn input_files(options: &Tune) -> Vec<Vec<PathBuf>> {
+    let sources: Vec<Source> = if options.manifest.is_some() {
+        // What is wrong with it is said where it is read.
+        entries(options).unwrap_or_default()
+    } else {
+        options.observation.iter().map(|path| Source::alone(path, "", None)).collect()
+    };
+    load::own_files_of(&options.simulation, options.manifest.as_deref(), &sources)
 }
 
 /// What is written.
@@ -26,5 +43,6 @@ pub fn outputs(options: &Tune) -> Vec<Output> {
 
 /// What a report says of its origin.
 pub fn provenance(options: &Tune) -> html::Provenance {
-    html::Provenance::new(options.common.seed, &inputs(options).collect::<Vec<_>>())
+    let read = inputs(options);
+    html::Provenance::new(options.common.seed, &read.iter().map(PathBuf::as_path).collect::<Vec<&Path>>())
 }

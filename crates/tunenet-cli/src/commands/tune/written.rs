@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use toml_edit::Array;
+use toml_edit::{Array, InlineTable};
 use tunenet_core::tune::Outcome;
 use tunenet_formats::{Recording, write_atomically};
 use tunenet_sim::SimulationFile;
@@ -11,18 +11,20 @@ use tunenet_sim::simulation_file::Domain;
 
 use crate::answers::tune::is_written;
 use crate::args::Tune;
+use crate::commands::load::{self, Setups};
 use crate::files::hash;
 use crate::view::toml::tune::{Inputs, provenance};
 
 /// Writes the tuned file; `out` never holds half of one.
 pub fn write_tuned(
     options: &Tune,
-    file: &SimulationFile,
+    setups: &Setups,
     recordings: &[Recording],
     outcome: &Outcome,
     out: &Path,
 ) -> Result<()> {
     let (Some(gap), true) = (&outcome.gap, is_written(outcome)) else { return Ok(()) };
+    let file = setups.common();
     let mut tuned = file.clone();
     let joints = outcome.recordings.first().map_or(0, |r| r.seen.channels().len());
     for p in &outcome.parameters {
@@ -32,7 +34,8 @@ pub fn write_tuned(
             _ => tuned.set_value(&p.name, p.value),
         }
     }
-    let observations = options.observation.iter().map(|path| hash::fingerprint(path)).collect::<Result<Array>>()?;
+    let observations = options.observation.iter().enumerate().map(|(i, path)| observation(path, setups.file(i)));
+    let observations = observations.collect::<Result<Array>>()?;
     let reference = options.reference.as_deref().map(hash::fingerprint).transpose()?;
     let inputs = Inputs { seed: options.common.seed, observations, reference };
     let made = provenance(inputs, (file, &tuned), (recordings, outcome), gap)?;
@@ -40,4 +43,14 @@ pub fn write_tuned(
     tuned.move_program(out);
     write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
     Ok(())
+}
+
+/// A recording and the files of their own in which its inputs stand.
+fn observation(path: &Path, file: &SimulationFile) -> Result<InlineTable> {
+    let mut one = hash::fingerprint(path)?;
+    let own = load::own_files(file, path);
+    if !own.is_empty() {
+        one.insert("inputs", hash::fingerprints(&own)?.into());
+    }
+    Ok(one)
 }

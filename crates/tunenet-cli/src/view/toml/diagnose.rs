@@ -67,6 +67,9 @@ fn observations(answer: &Answer, object: usize) -> Array {
         if let Some(reference) = &recorded.reference {
             one.insert("reference", reference.clone().into());
         }
+        if !recorded.inputs.is_empty() {
+            one.insert("inputs", recorded.inputs.clone().into());
+        }
         one
     };
     answer.loaded.recorded.iter().filter(|r| r.object == object).map(one).collect()
