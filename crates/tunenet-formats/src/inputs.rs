@@ -4,8 +4,10 @@ use std::path::Path;
 
 use tunenet_core::observation::{Channel, Circumstances, FEWEST_SAMPLES, Hold, Input, Kind, Note, Observation};
 
-use crate::contents::{Contents, contents_with};
+use crate::contents::{Contents, Log, contents_with};
+use crate::csv::own_columns;
 use crate::findings;
+use crate::format::{Format, format};
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Recording, Role};
 use crate::{Error, Result, read};
@@ -52,12 +54,27 @@ impl InputSource {
         ReadOptions { columns, topic, skip_broken, channels, role: Role::Driving, ..ReadOptions::default() }
     }
 
-    /// Whether the file at `path` has no such column.
+    /// Whether the file at `path` has no such column, or no such topic or channel of it.
     fn lacks(&self, path: &Path, options: &ReadOptions) -> Result<bool> {
-        let Contents::Table(table) = contents_with(path, &ReadOptions::default())? else { return Ok(false) };
+        let table = match contents_with(path, &ReadOptions::default())? {
+            Contents::Table(table) => table,
+            Contents::Log(log) => return self.is_not_in(&log, path, options),
+        };
         let wanted = self.column(options).unwrap_or(&self.name);
         let number = wanted.trim_start_matches('-').parse::<usize>().is_ok();
         Ok(!number && !table.columns.iter().any(|column| column.name == wanted))
+    }
+
+    /// Whether a log has no such topic, or none of its channels is the input.
+    fn is_not_in(&self, log: &Log, path: &Path, options: &ReadOptions) -> Result<bool> {
+        let reading = self.reading(options);
+        if let Some(topic) = &reading.topic
+            && !log.topics.iter().any(|known| known.name == *topic)
+        {
+            return Ok(true);
+        }
+        let whole = read(path, &ReadOptions { topic: reading.topic.clone(), ..ReadOptions::default() })?;
+        Ok(own_columns::column_of(&whole.observation, &self.channel, &reading).is_none())
     }
 }
 
@@ -70,6 +87,9 @@ pub type NotedInput = (Input, Vec<Note>);
 /// # Errors
 /// As [`read`](crate::read()).
 pub fn read_input(path: &Path, options: &ReadOptions, source: &InputSource) -> Result<Option<NotedInput>> {
+    // The topic on the command line is that of a log; this may be a table next to it.
+    let table = format(path)? == Format::Csv;
+    let options = &ReadOptions { topic: options.topic.clone().filter(|_| !table), ..options.clone() };
     if source.default.is_some() && source.lacks(path, options)? {
         return Ok(None);
     }

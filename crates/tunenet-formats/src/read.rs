@@ -45,7 +45,7 @@ fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
             .into())
         }
         Format::Mcap => {
-            let recording = mcap::series::read(path, options.topic.as_deref(), &options.joints)?;
+            let recording = mcap::series::read(path, options)?;
             refuse_too_large(path, &recording.observation)?;
             if options.channels.is_empty() { Ok(recording) } else { own_columns::chosen(path, recording, options) }
         }

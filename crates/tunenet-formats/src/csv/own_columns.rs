@@ -192,30 +192,41 @@ fn remedy(header: &Header<'_>, channels: &[Channel], role: Role) -> String {
     format!("say which column is which, for example `--columns {quote}{option}{quote}`")
 }
 
+/// Which channel of `seen` is the one that is `wanted`, by its name and unit or by the name that `options` have for it.
+pub(crate) fn column_of(seen: &Observation, wanted: &Channel, options: &ReadOptions) -> Option<usize> {
+    let theirs = options.columns.iter().find(|(ours, _)| *ours == wanted.header());
+    let is = |channel: &Channel| match theirs {
+        Some((_, theirs)) => channel.name == *theirs || channel.header() == *theirs,
+        None => channel == wanted,
+    };
+    seen.channels().iter().position(is)
+}
+
 /// `recording` with the channels that are asked for, and no others.
 pub(crate) fn chosen(path: &Path, recording: Recording, options: &ReadOptions) -> Result<Recording> {
     let (seen, channels) = (&recording.observation, &options.channels);
-    let what = if options.role == Role::Driving { "input" } else { "channels" };
+    let (what, hint) = match options.role {
+        Role::Driving => ("input", "say which topic and channel it is, with `topic` and `column` in the input's table"),
+        Role::Predicted => {
+            ("channels", "choose another --topic, or convert the log into a CSV file with these columns")
+        }
+    };
     let refuse = |wanted: &str, found: &str| {
         let message = format!("expected the {what} {wanted} of the simulation, found {found}");
-        Err(Error::file(path, message, "choose another --topic, or convert the log into a CSV file with these columns"))
+        Err(Error::file(path, message, hint))
     };
     if seen.kind() == Kind::EventTimes {
         return refuse(&names(channels), kind_name(seen.kind()));
     }
-    let theirs = |wanted: &Channel| options.columns.iter().find(|(ours, _)| *ours == wanted.header());
-    let is = |channel: &Channel, wanted: &Channel| match theirs(wanted) {
-        Some((_, theirs)) => channel.name == *theirs || channel.header() == *theirs,
-        None => channel == wanted,
-    };
-    let columns: Option<Vec<usize>> =
-        channels.iter().map(|wanted| seen.channels().iter().position(|channel| is(channel, wanted))).collect();
+    let columns: Option<Vec<usize>> = channels.iter().map(|wanted| column_of(seen, wanted, options)).collect();
     let Some(columns) = columns else {
         return refuse(&names(channels), &names(seen.channels()));
     };
     let values = (0..seen.len()).flat_map(|i| columns.iter().map(move |c| seen.row(i)[*c])).collect();
     let observation = Observation::new(Kind::Other, channels.clone(), seen.clock().to_vec(), values)?;
-    Ok(Recording { observation, notes: recording.notes })
+    // What the messages do not carry was not asked for.
+    let notes = recording.notes.into_iter().filter(|note| note.kind != findings::JOINTS_ABSENT).collect();
+    Ok(Recording { observation, notes })
 }
 
 #[cfg(test)]

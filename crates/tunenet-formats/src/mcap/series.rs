@@ -10,7 +10,7 @@ use super::message::{Decoded, Sample};
 use super::records::messages;
 use super::stamps::to_s;
 use super::topics::{Topic, choose, survey};
-use crate::recording::{MOST_NUMBERS, Recording};
+use crate::recording::{MOST_NUMBERS, ReadOptions, Recording};
 use crate::shown::counted;
 use crate::{Error, Result};
 use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Note, Observation};
@@ -19,13 +19,13 @@ use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Note, Observation
 /// stays far below, a wrong clock far above.
 const FEW: f64 = 0.01;
 
-pub(crate) fn read(path: &Path, asked: Option<&str>, joints: &[String]) -> Result<Recording> {
+pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
     let survey = survey(path)?;
     if let Some(error) = survey.ended {
         return Err(error);
     }
-    let topic = choose(path, &survey.topics, asked)?;
-    let mut series = Series::new(path, topic, joints);
+    let topic = choose(path, &survey.topics, options.topic.as_deref(), options.role)?;
+    let mut series = Series::new(path, topic, &options.joints);
     let mut number = 0u64;
     for message in messages(path)? {
         let message = message?;

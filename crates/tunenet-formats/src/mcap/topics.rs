@@ -8,6 +8,7 @@ use super::decoder::Decoder;
 use super::joints::Joints;
 use super::message::{NOTHING, Sample};
 use super::records::{ChannelInfo, RawMessage, messages};
+use crate::recording::Role;
 use crate::shown::{counted, shell_word};
 use crate::{Error, Result};
 use tunenet_core::observation::Kind;
@@ -128,11 +129,15 @@ impl Indices {
     }
 }
 
-/// The topic to read: the one asked for, or the only one that can be used.
-pub(crate) fn choose<'a>(path: &Path, topics: &'a [Topic], asked: Option<&str>) -> Result<&'a Topic> {
+/// The topic to read: the one asked for, or the only one that can be used. What to try depends on the `role` of its channels.
+pub(crate) fn choose<'a>(path: &Path, topics: &'a [Topic], asked: Option<&str>, role: Role) -> Result<&'a Topic> {
     let usable: Vec<&Topic> = topics.iter().filter(|topic| topic.usable.is_ok()).collect();
     let refuse = |message: String, hint: String| Err(Error::file(path, message, hint));
-    let try_one = || usable.first().map_or(String::new(), |topic| format!("try `--topic {}`", shell_word(&topic.name)));
+    let how = |topic: &&Topic| match role {
+        Role::Predicted => format!("try `--topic {}`", shell_word(&topic.name)),
+        Role::Driving => format!("write `topic = {:?}` into the input's table", topic.name),
+    };
+    let try_one = || usable.first().map_or(String::new(), how);
     if let Some(asked) = asked {
         if let Some(topic) = usable.iter().find(|topic| topic.name == asked) {
             return Ok(topic);
