@@ -292,6 +292,46 @@ fn a_recording_is_announced_once_to_every_copy_and_equal_requests_are_asked_once
     assert!(all > rollouts && all < rollouts + rollouts / 10, "{all} of {rollouts}");
 }
 
+/// A copy keeps 128 recordings: it is asked to forget one before it gets another, and gets a forgotten one anew.
+#[test]
+fn a_program_forgets_recordings_beyond_128_and_gets_them_anew() {
+    const KEPT: usize = 128;
+    if !python("json") {
+        return;
+    }
+    let folder = Folder::new();
+    let noted = DRIVEN
+        .replace("    asked = json.loads(line)\n", "    asked = json.loads(line)\n    open('log', 'a').write(line)\n");
+    folder.write("driven_pendulum.py", noted);
+    folder.write("scene.toml", DRIVEN_SCENE.replace("[process]\n", "[process]\nworkers = 1\n"));
+    let mut manifest = String::new();
+    for number in 0..=KEPT {
+        let rows = format!("0,0,{number}\n0.01,0,0\n0.02,0,0\n");
+        folder.write(&format!("rec{number}.csv"), format!("{HEADER}\n{rows}"));
+        writeln!(manifest, "[[observation]]\nfile = \"rec{number}.csv\"").unwrap();
+    }
+    folder.write("runs.toml", manifest);
+    // Pairs go through all recordings and begin again with the first one.
+    folder.run("gen process --sim scene.toml --allow-process --manifest runs.toml --pairs 160 --out a.mcap").ends(0);
+    let (mut known, mut forgotten, mut anew) = (Vec::new(), Vec::new(), 0);
+    for line in folder.text("log").lines().skip(1) {
+        let line: serde_json::Value = serde_json::from_str(line).unwrap();
+        if let Some(number) = line["forget"].as_u64() {
+            known.retain(|other| *other != number);
+            forgotten.push(number);
+        } else if line.get("inputs").is_some() {
+            let number = line["recording"].as_u64().unwrap();
+            anew += usize::from(forgotten.contains(&number));
+            known.push(number);
+            assert!(known.len() <= KEPT, "{}", known.len());
+        } else {
+            let asked = line["batch"].as_array().map_or_else(|| vec![&line], |batch| batch.iter().collect());
+            assert!(asked.iter().all(|one| known.contains(&one["recording"].as_u64().unwrap())), "{line}");
+        }
+    }
+    assert!(known.len() == KEPT && forgotten.len() > 1 && anew > 0, "{anew} of {forgotten:?}");
+}
+
 /// A candidate that changes nothing is said to, and is not fitted; two that are the same are reported together.
 #[test]
 fn a_candidate_without_influence_is_said_and_twins_are_named_together() {
