@@ -286,10 +286,15 @@ fn a_recording_is_announced_once_to_every_copy_and_equal_requests_are_asked_once
     let all = asked.len() as u64;
     asked.sort();
     asked.dedup();
-    // What is asked again only holds the program against itself.
+    // What is asked again only holds the program against itself, and is counted apart.
     let rollouts = json["rollouts"].as_u64().unwrap();
     assert_eq!(asked.len() as u64, rollouts);
+    assert_eq!(json["re_asks"].as_u64(), Some(all - rollouts));
     assert!(all > rollouts && all < rollouts + rollouts / 10, "{all} of {rollouts}");
+    let shown = folder.run(&line.replace(" --json", "")).ends(0);
+    assert!(shown.stderr.contains(&format!("{rollouts} rollouts, {} re-asked, ", all - rollouts)), "{}", shown.stderr);
+    let json = folder.run("diagnose --sim scene.toml --allow-process --manifest runs.toml --json").json();
+    assert!(json["re_asks"].as_u64().is_some_and(|count| count > 0), "{json}");
 }
 
 /// A copy keeps 128 recordings: it is asked to forget one before it gets another, and gets a forgotten one anew.

@@ -53,6 +53,11 @@ impl Loaded {
         };
         self.recorded.iter().map(one).collect()
     }
+
+    /// Rollouts that programs were asked for again up to now, to test that they are deterministic.
+    pub fn re_asks(&self) -> u64 {
+        self.objects.iter().map(|object| object.session.rechecks()).sum()
+    }
 }
 
 /// A simulation file as it was given and as it would be, both without provenance.
@@ -67,6 +72,8 @@ pub struct Answer<'a> {
     pub loaded: &'a Loaded,
     pub diagnosis: &'a Diagnosis,
     pub seconds: f64,
+    /// Rollouts that programs were asked for again, to test that they are deterministic.
+    pub re_asks: u64,
 }
 
 impl Answer<'_> {

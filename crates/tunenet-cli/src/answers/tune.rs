@@ -5,7 +5,25 @@ use tunenet_core::finding::FindingKind;
 use tunenet_core::findings as core_findings;
 use tunenet_core::observation::{Check, Note, State};
 use tunenet_core::tune::{Outcome, Verdict};
-use tunenet_sim::findings as sim_findings;
+use tunenet_sim::{ChosenNetwork, findings as sim_findings};
+
+/// What a tuning cost in addition to its rollouts. It differs from run to run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spent {
+    /// How long it took.
+    pub seconds: f64,
+    /// Rollouts that a program was asked for again, to test that it is deterministic.
+    pub re_asks: u64,
+}
+
+/// A finished fit.
+pub struct Fitted {
+    pub outcome: Outcome,
+    /// The network that it started with.
+    pub chosen: ChosenNetwork,
+    /// Rollouts that a program was asked for again, to test that it is deterministic.
+    pub re_asks: u64,
+}
 
 /// The one note that says why there is no answer, or none about a contact.
 pub fn reason(outcome: &Outcome) -> Option<&Note> {

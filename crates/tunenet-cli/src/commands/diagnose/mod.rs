@@ -44,7 +44,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     text::read(&loaded);
     let began = Instant::now();
     let diagnosis = pool(options.jobs)?.install(|| ask(&loaded, options.common.seed))?;
-    let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
+    let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
+    let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks };
     let wrote = improve::write(options, &answer)?;
     if let Some(path) = improve::write_urdf(options, &answer)? {
         stage("urdf", &path.display().to_string());
@@ -78,7 +79,8 @@ fn each(options: &Diagnose) -> Result<Exit> {
         let loaded = load::load(options, &sources)?;
         let began = Instant::now();
         let diagnosis = ask(&loaded, options.common.seed)?;
-        let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds: began.elapsed().as_secs_f64() };
+        let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
+        let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks };
         Ok(Answered { object: json::object(&answer), line: text::sentence(&answer), case: None })
     })?;
     Ok(exit)

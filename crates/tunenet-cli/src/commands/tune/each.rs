@@ -12,6 +12,7 @@ use tunenet_sim::{Session, SimulationFile};
 use super::paths::{input_files, provenance};
 use super::read::read;
 use super::{answer, fit};
+use crate::answers::tune::{Fitted, Spent};
 use crate::args::Tune;
 use crate::commands::each::{Answered, Work};
 use crate::commands::load::{self, Setups};
@@ -59,9 +60,10 @@ pub fn run(
             Setups::of(options.manifest.as_deref(), file, &entry)?
         };
         let recording = read(path, options, &setups, 0)?;
-        let (outcome, chosen) =
+        let Fitted { outcome, chosen, re_asks } =
             fit::tune_to(options, &setups, session, model, std::slice::from_ref(&recording), &[path.into()])?;
-        let object = tune_json::object(&outcome, &[names::file_name(path)], &chosen, began.elapsed().as_secs_f64());
+        let spent = Spent { seconds: began.elapsed().as_secs_f64(), re_asks };
+        let object = tune_json::object(&outcome, &[names::file_name(path)], &chosen, spent);
         let line = sentence(&outcome);
         let drawn = || answer(&setups, session, vec![name.to_owned()], vec![recording], outcome);
         let case = options.report.is_some().then(drawn).transpose()?;

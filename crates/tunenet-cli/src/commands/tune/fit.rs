@@ -8,12 +8,13 @@ use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use tunenet_core::network::Model;
 use tunenet_core::observation::Kind;
-use tunenet_core::tune::{Outcome, RolloutStore, Settings, Watch, tune};
+use tunenet_core::tune::{RolloutStore, Settings, Watch, tune};
 use tunenet_formats::{Error, Recording, kind_name};
 use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{ChosenNetwork, ObservedBall, Session, SimulationFile, observed};
+use tunenet_sim::{ObservedBall, Session, SimulationFile, observed};
 
 use super::{checkpoint, network, notes};
+use crate::answers::tune::Fitted;
 use crate::args::Tune;
 use crate::commands::load::Setups;
 use crate::commands::refusal::{self, Asked};
@@ -28,7 +29,7 @@ pub fn tune_to(
     model: Option<&Model>,
     recordings: &[Recording],
     paths: &[PathBuf],
-) -> Result<(Outcome, ChosenNetwork)> {
+) -> Result<Fitted> {
     let file = setups.common();
     // With `--each` several fits may run at a time.
     let session = &session.counted_separately();
@@ -83,7 +84,7 @@ pub fn tune_to(
         // Equal requests were simulated once.
         outcome.rollouts = usize::try_from(session.rollouts()).unwrap_or(usize::MAX);
     }
-    Ok((outcome, chosen))
+    Ok(Fitted { outcome, chosen, re_asks: session.rechecks() })
 }
 
 /// All recordings have to be of one kind.

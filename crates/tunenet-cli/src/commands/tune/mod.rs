@@ -39,6 +39,7 @@ use self::written::write_tuned;
 use super::load::{self, Setups};
 use super::start;
 use super::video::TrackFailure;
+use crate::answers::tune::{Fitted, Spent};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
 use crate::files::destination;
@@ -73,16 +74,16 @@ pub fn run(options: &Tune) -> Result<Exit> {
         Ok(recordings) => recordings,
         Err(error) => return rejected_video(error, options.common.json),
     };
-    let (outcome, chosen) = threads
+    let Fitted { outcome, chosen, re_asks } = threads
         .install(|| fit::tune_to(options, &setups, &session, model.as_ref(), &recordings, &options.observation))?;
     if let Some(out) = &options.out {
         write_tuned(options, &setups, &recordings, &outcome, out)?;
     }
-    let seconds = began.elapsed().as_secs_f64();
+    let spent = Spent { seconds: began.elapsed().as_secs_f64(), re_asks };
     render_start(&options.observation, &outcome, &chosen);
     let names: Vec<String> = options.observation.iter().map(|path| names::file_name(path)).collect();
-    printout(&outcome, &names).show(options.common.json, || json::object(&outcome, &names, &chosen, seconds))?;
-    render_end(options.out.as_deref(), options.common.seed, &outcome, seconds);
+    printout(&outcome, &names).show(options.common.json, || json::object(&outcome, &names, &chosen, spent))?;
+    render_end(options.out.as_deref(), options.common.seed, &outcome, spent);
     let exit = Exit::from(outcome.verdict);
     if let Some(report) = &options.report {
         let working = fit::working(&file, &session, "drawing");

@@ -12,7 +12,7 @@ use crate::answers::diagnose::{Answer, gap_of, is_per_joint};
 pub fn object(answer: &Answer) -> Json {
     let diagnosis = answer.diagnosis;
     let warnings: Vec<Json> = answer.notes().iter().map(warning).collect();
-    json!({
+    let mut object = json!({
         "schema": "tunenet.diagnose/1",
         "verdict": diagnosis.verdict(),
         "objects": answer.objects().map(of_object).collect::<Vec<_>>(),
@@ -35,7 +35,11 @@ pub fn object(answer: &Answer) -> Json {
         "rollouts": diagnosis.rollouts,
         "seconds": answer.seconds,
         "warnings": warnings,
-    })
+    });
+    if answer.re_asks > 0 {
+        object["re_asks"] = json!(answer.re_asks);
+    }
+    object
 }
 
 fn of_object((name, one): (&str, &OfObject)) -> Json {

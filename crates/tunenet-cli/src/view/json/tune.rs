@@ -6,12 +6,12 @@ use tunenet_core::tune::{Outcome, Region};
 use tunenet_sim::ChosenNetwork;
 
 use super::warning;
-use crate::answers::tune::forced;
+use crate::answers::tune::{Spent, forced};
 
 const SCHEMA: &str = "tunenet.tune/1";
 
 /// The object of `--json`; `names` are those of all recordings that were given.
-pub fn object(outcome: &Outcome, names: &[String], chosen: &ChosenNetwork, seconds: f64) -> Value {
+pub fn object(outcome: &Outcome, names: &[String], chosen: &ChosenNetwork, spent: Spent) -> Value {
     let parameters: Map<String, Value> = outcome
         .parameters
         .iter()
@@ -53,9 +53,12 @@ pub fn object(outcome: &Outcome, names: &[String], chosen: &ChosenNetwork, secon
         "forced": forced(outcome),
         "recordings": names.iter().zip(&outcome.used).map(|(name, used)| json!({ "file": name, "used": used })).collect::<Vec<_>>(),
         "rollouts": outcome.rollouts,
-        "seconds": seconds,
+        "seconds": spent.seconds,
         "warnings": outcome.notes.iter().map(warning).collect::<Vec<_>>(),
     });
+    if spent.re_asks > 0 {
+        object["re_asks"] = json!(spent.re_asks);
+    }
     if outcome.correlation.nrows() > 1 {
         let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
         object["correlation"] = json!({ "parameters": outcome.free, "matrix": rows });

@@ -8,7 +8,7 @@ use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, P
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
-use super::{four_digits, in_words, list, note, rounded, stage, verbose};
+use super::{four_digits, in_words, list, note, rolled_out, rounded, stage, verbose};
 use crate::answers::diagnose::{Answer, Loaded, NOT_IN_CATALOGUE, is_per_joint};
 use crate::answers::improved::Written;
 use crate::view::answer::Printout;
@@ -114,8 +114,8 @@ pub fn end(out: Option<&Path>, seed: u64, answer: &Answer, written: &Written) {
             format!("{out} not written: {why}; ")
         }
     };
-    let rollouts = diagnosis.rollouts;
-    note(&format!("{wrote}{rollouts} rollouts, {:.1} s, seed {seed}", answer.seconds));
+    let rollouts = rolled_out(diagnosis.rollouts, answer.re_asks);
+    note(&format!("{wrote}{rollouts}, {:.1} s, seed {seed}", answer.seconds));
 }
 
 /// Of many recordings with the same to say, the first few.

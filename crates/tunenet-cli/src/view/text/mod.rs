@@ -90,6 +90,12 @@ pub fn rolling(what: &'static str, session: &Session) -> ProgressBar {
     bar
 }
 
+/// How many rollouts it took: `120 rollouts, 4 re-asked`.
+pub fn rolled_out(rollouts: usize, re_asks: u64) -> String {
+    let again = if re_asks > 0 { format!(", {re_asks} re-asked") } else { String::new() };
+    format!("{rollouts} rollouts{again}")
+}
+
 /// Prints a line to standard error. Where that cannot be written, as on a full disk, the line is lost: neither the result nor
 /// the exit status depends on it.
 pub fn to_stderr(line: impl std::fmt::Display) {

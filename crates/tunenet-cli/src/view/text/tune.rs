@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use tunenet_core::tune::{Iteration, Outcome, Verdict};
 use tunenet_sim::ChosenNetwork;
 
-use super::{between, four_digits, in_words, list, note, rounded, stage, tally, verbose};
-use crate::answers::tune::{Use, forced, is_written, reason};
+use super::{between, four_digits, in_words, list, note, rolled_out, rounded, stage, tally, verbose};
+use crate::answers::tune::{Spent, Use, forced, is_written, reason};
 use crate::files::names;
 use crate::view::answer::Printout;
 
@@ -95,11 +95,12 @@ fn iterations(outcome: &Outcome) -> Vec<Vec<String>> {
 }
 
 /// What was written, and what it cost, on standard error.
-pub fn render_end(out: Option<&Path>, seed: u64, outcome: &Outcome, seconds: f64) {
+pub fn render_end(out: Option<&Path>, seed: u64, outcome: &Outcome, spent: Spent) {
     let wrote = match out {
         Some(out) if is_written(outcome) => format!("wrote {}, ", out.display()),
         Some(out) => format!("{} not written, since nothing was tuned; ", out.display()),
         None => String::new(),
     };
-    note(&format!("{wrote}{} rollouts, {seconds:.1} s, seed {seed}", outcome.rollouts));
+    let rollouts = rolled_out(outcome.rollouts, spent.re_asks);
+    note(&format!("{wrote}{rollouts}, {:.1} s, seed {seed}", spent.seconds));
 }
