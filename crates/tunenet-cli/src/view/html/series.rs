@@ -206,7 +206,7 @@ impl Series {
 
 /// The drawings of all `series`: one large one, or many small ones with the same scale of residuals.
 ///
-/// `own_start` says that each simulation has the release and the surface that suit its parameters best.
+/// `own_start` says that each simulation has the start (and a ball the surface) that suits its parameters best.
 pub fn drawings(series: &[Series], own_start: bool) -> Markup {
     let limit = series.iter().map(Series::greatest).fold(3.0, f64::max) * 1.1;
     let thinned = series.iter().any(Series::is_thinned);
@@ -219,8 +219,8 @@ pub fn drawings(series: &[Series], own_start: bool) -> Markup {
                 "Below: measured \u{2212} tuned, in standard deviations of the noise. If the simulation is right, 95 of 100 dots lie \
                  in the band, without a pattern."
                 @if own_start {
-                    "Release and surface are estimated for both, each with its own parameters, so the dashed ball may start and bounce \
-                     at another height than the solid one. "
+                    " The start of each recording, of a ball also the surface, is estimated for both, each with its own parameters, so the \
+                     dashed line may start at another value than the solid one."
                 }
                 @if events { " Ticks on the lower edges mark bounces." }
             } @else {
