@@ -1,7 +1,9 @@
 //! The answer of `tunenet diagnose`: what was read, what was found, and what changes in the simulation file.
 
 use toml_edit::{Array, InlineTable};
-use tunenet_core::diagnose::{self, Diagnosis, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Value, Verdict};
+use tunenet_core::diagnose::{
+    self, Diagnosis, Doubt, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Value, Verdict,
+};
 use tunenet_core::findings;
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
@@ -98,6 +100,12 @@ impl Answer<'_> {
     pub fn open_and_firm(&self) -> (Vec<Vec<&str>>, Vec<&str>) {
         let (open, firm): (Vec<_>, Vec<_>) = self.choices().into_iter().partition(|names| names.len() > 1);
         if open.is_empty() { (firm, Vec::new()) } else { (open, firm.into_iter().flatten().collect()) }
+    }
+
+    /// Whether an ambiguous answer may be none of its effects: one of them is open alone, or what they leave is no noise.
+    pub fn allows_unknown(&self) -> bool {
+        let lone = || self.open_and_firm().0.iter().any(|names| names.len() == 1);
+        self.diagnosis.conclusion.doubt().is_some_and(Doubt::allows_unknown) || lone()
     }
 
     /// The effects that the improved file holds where several could be in their place.

@@ -168,13 +168,10 @@ pub fn sentence(answer: &Answer) -> String {
 /// What is left to choose from, place by place: `wind, magnus; in addition to quadratic_drag`.
 fn choices(answer: &Answer) -> String {
     let (open, firm) = answer.open_and_firm();
-    let one = |names: &Vec<&str>| match names.as_slice() {
-        [lone] => format!("{lone}, or {NOT_IN_CATALOGUE}"),
-        names => names.join(", "),
-    };
-    let open: Vec<String> = open.iter().map(one).collect();
+    let open: Vec<String> = open.iter().map(|names| names.join(", ")).collect();
+    let unknown = if answer.allows_unknown() { format!(", or {NOT_IN_CATALOGUE}") } else { String::new() };
     let certain = if firm.is_empty() { String::new() } else { format!("; in addition to {}", firm.join(" and ")) };
-    format!("{}{certain}", open.join("; and one of "))
+    format!("{}{unknown}{certain}", open.join("; and one of "))
 }
 
 fn lone(named: &NamedEffect) -> String {

@@ -68,6 +68,22 @@ pub enum Doubt {
     Unconfirmed,
 }
 
+impl Doubt {
+    /// Whether what the effects leave is no noise, or what is in no catalogue could leave the same: the answer may be neither of the
+    /// effects that remain.
+    #[must_use]
+    pub const fn allows_unknown(&self) -> bool {
+        matches!(
+            self,
+            Self::DiscrepancyRemains
+                | Self::ForecastWorse
+                | Self::ForecastHardlyBetter
+                | Self::Feigned(..)
+                | Self::HeldOutUnexplained
+        )
+    }
+}
+
 /// In words, to stand before "so".
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {

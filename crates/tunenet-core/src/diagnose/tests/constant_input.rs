@@ -1,4 +1,4 @@
-//! What a constant input cannot tell apart, and the input that is proposed.
+//! What no constant input distinguishes, and the input that is proposed.
 
 use std::sync::Arc;
 

@@ -78,11 +78,7 @@ pub fn sentence(answer: &Answer) -> String {
         Verdict::OneOf => {
             let (open, firm) = answer.open_and_firm();
             let words = |names: &[&str]| names.iter().map(|name| plain(name)).collect::<Vec<_>>();
-            let or_unknown = if open.iter().any(|names| names.len() == 1) {
-                format!(", or {NOT_IN_CATALOGUE}")
-            } else {
-                String::new()
-            };
+            let or_unknown = if answer.allows_unknown() { format!(", or {NOT_IN_CATALOGUE}") } else { String::new() };
             let open: Vec<String> = open.iter().map(|names| joined(&words(names), "or")).collect();
             let place = common_place(answer).map(|p| format!(" {}", phase::name(&p))).unwrap_or_default();
             let certain = if firm.is_empty() {
