@@ -90,7 +90,7 @@ for what in "${@:-paper}"; do
             ;;
         driven)
             measure driven bench diagnose --driven --seed "$seed"
-            paste driven docs/evidence.md <(body results/driven/driven.md)
+            paste driven docs/evidence.md <(body results/driven/goals.md)
             ;;
         intervals)
             listen intervals bench intervals --seed "$seed"

@@ -50,7 +50,9 @@ fn pages_show_what_the_other_results_hold() {
     for (page, mark, file) in [
         ("docs/evidence-shot.md", "shot", "shot/shot.md"),
         ("docs/evidence.md", "goals", "diagnose/goals.md"),
+        ("docs/evidence.md", "driven", "driven/goals.md"),
         ("docs/evidence.md", "regions", "regions/regions.md"),
+        ("docs/evidence.md", "rollouts", "rollouts/rollouts.md"),
     ] {
         assert_eq!(pasted(page, mark), body(&format!("results/{file}")), "{page}: `results/make.sh`, {mark}");
     }
@@ -88,14 +90,16 @@ fn results_say_how_they_were_made() {
         assert!(of("command").starts_with("tunenet bench ") && of("machine").contains("cores of"), "{run}");
         assert!(of("seconds").split(' ').next().is_some_and(|s| s.parse::<u64>().is_ok()), "{run}");
     }
-    assert!(folders >= 9, "results hold {folders} folders");
+    assert!(folders >= 11, "results hold {folders} folders");
     for (page, name) in [
         ("docs/paper.md", "paper"),
         ("docs/evidence-shot.md", "shot"),
         ("docs/evidence.md", "diagnose"),
         ("docs/evidence.md", "arm"),
+        ("docs/evidence.md", "driven"),
         ("docs/evidence.md", "intervals"),
         ("docs/evidence.md", "regions"),
+        ("docs/evidence.md", "rollouts"),
         ("docs/evidence.md", "preflight"),
         ("docs/grow.md", "grow"),
         ("docs/evidence.md", "speed"),

@@ -79,7 +79,10 @@ pub fn run(options: &BenchDiagnose) -> Result<Exit> {
     let command = format!("tunenet bench diagnose --driven{quick} --seed {seed}");
     let results = DrivenResults::new(command, seed, options.quick, trials);
     let (text, value) = (results.markdown(), serde_json::to_value(&results)?);
-    write_all(&options.out, [("driven.md", text.clone()), ("driven.json", file_of(&value))])?;
+    write_all(
+        &options.out,
+        [("driven.md", text.clone()), ("goals.md", results.goals()), ("driven.json", file_of(&value))],
+    )?;
     answer::text(options.common.json, &text)?;
     stage("wrote", &options.out.join("driven.md").display().to_string());
     if options.common.json {

@@ -67,22 +67,10 @@ impl DrivenResults {
 
     /// Both tables. Writing to a string cannot fail, so its results are dropped.
     pub fn markdown(&self) -> String {
-        let mut out = format!("# Diagnosis of driven mechanisms\n\n    {}\n\n", self.command);
-        out.push_str("| what | aim | measured | 95 % | of | |\n|---|---|---:|---|---:|---|\n");
-        for goal in &self.goals {
-            let shown = |v: f64| if v > 1.0 { format!("{v:.0}") } else { percent(v) };
-            let interval = goal
-                .interval95
-                .map_or_else(String::new, |(low, high)| format!("{:.1} to {:.1} %", 100.0 * low, 100.0 * high));
-            let (what, relation, limit, measured) = (goal.what, goal.relation, shown(goal.limit), shown(goal.measured));
-            let _ = writeln!(
-                out,
-                "| {what} | {relation} {limit} | {measured} | {interval} | {} | {} |",
-                goal.sets,
-                met(goal.met)
-            );
-        }
-        out.push_str("\n| mechanism | hidden | ratio | sets | exact | in the set | wrong lone name | left open | unknown | rollouts |\n");
+        let mut out = self.goals();
+        out.push_str(
+            "\n| mechanism | hidden | ratio | sets | exact | in the set | wrong lone name | left open | unknown | rollouts |\n",
+        );
         out.push_str("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|\n");
         for line in &self.lines {
             let whole = |share: f64| format!("{:.0} %", 100.0 * share);
@@ -99,6 +87,26 @@ impl DrivenResults {
                 whole(line.open),
                 whole(line.unknown),
                 line.rollouts
+            );
+        }
+        out
+    }
+
+    /// What is aimed at and what was measured.
+    pub fn goals(&self) -> String {
+        let mut out = format!("# Diagnosis of driven mechanisms\n\n    {}\n\n", self.command);
+        out.push_str("| what | aim | measured | 95 % | of | |\n|---|---|---:|---|---:|---|\n");
+        for goal in &self.goals {
+            let shown = |v: f64| if v > 1.0 { format!("{v:.0}") } else { percent(v) };
+            let interval = goal
+                .interval95
+                .map_or_else(String::new, |(low, high)| format!("{:.1} to {:.1} %", 100.0 * low, 100.0 * high));
+            let (what, relation, limit, measured) = (goal.what, goal.relation, shown(goal.limit), shown(goal.measured));
+            let _ = writeln!(
+                out,
+                "| {what} | {relation} {limit} | {measured} | {interval} | {} | {} |",
+                goal.sets,
+                met(goal.met)
             );
         }
         out
