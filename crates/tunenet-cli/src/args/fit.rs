@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tunenet_core::tune::Detail;
 use tunenet_core::{Error, Origin};
 
 use super::{Common, Permission, Reading, Sharing, Simulation, Writing, jobs, pair};
@@ -105,7 +106,7 @@ pub struct Tune {
     /// Clamp values to their bounds in every iteration (only `--model` with preset `paper`)
     #[arg(long)]
     pub clamp: bool,
-    /// Most rollouts; the result is then what was found so far
+    /// Most rollouts; the result is then what was found so far, and a report has no profile likelihoods
     #[arg(long, value_name = "N", value_parser = rollouts)]
     pub max_rollouts: Option<usize>,
     /// File that keeps answered rollouts; the same command goes on from it after an interruption
@@ -117,13 +118,20 @@ pub struct Tune {
     /// Write the simulation file with the tuned values
     #[arg(short, long, value_name = "TUNED.toml")]
     pub out: Option<PathBuf>,
-    /// Write an HTML report
+    /// Write an HTML report; its profile likelihoods take further rollouts
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]
     pub common: Common,
+}
+
+impl Tune {
+    /// What a report draws: a limited tuning has no further rollouts for it.
+    pub const fn drawn(&self) -> Detail {
+        if self.quick || self.max_rollouts.is_some() { Detail::Recordings } else { Detail::Profiles }
+    }
 }
 
 /// `tunenet diagnose`.

@@ -72,11 +72,20 @@ pub struct Evidence {
     pub rollouts: usize,
 }
 
+/// How much of the evidence is simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// The recordings alone: three rollouts of each.
+    Recordings,
+    /// Profile likelihoods and joint regions too, which take hundreds to thousands of rollouts.
+    Profiles,
+}
+
 /// What there is to see behind `outcome`, which `simulator` was tuned to. Nothing where it was rejected.
 ///
 /// # Errors
 /// Where the simulator refuses.
-pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence> {
+pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome, detail: Detail) -> Result<Evidence> {
     let mut found = Evidence { recordings: Vec::new(), profiles: Vec::new(), contours: Vec::new(), rollouts: 0 };
     let (Some(before), Some(after)) = (&outcome.before, &outcome.point) else { return Ok(found) };
     let recordings = &outcome.recordings;
@@ -88,7 +97,7 @@ pub fn evidence(simulator: &dyn Simulator, outcome: &Outcome) -> Result<Evidence
         found.recordings.push(compare(simulator, recording, &floor(recording), old, new, shared)?);
         found.rollouts += 3;
     }
-    if free.is_empty() {
+    if free.is_empty() || detail == Detail::Recordings {
         return Ok(found);
     }
     let log = RolloutLog::default();
@@ -237,7 +246,7 @@ mod tests {
             clock.iter().map(|t| 1.0 + 2.0 * t + 0.1 * draw.sample::<f64, _>(rand_distr::StandardNormal)).collect();
         let seen = Observation::new(Kind::Other, line.channels().to_vec(), clock.clone(), values).unwrap();
         let outcome = tune(&line, &[seen], None, &Settings::default()).unwrap();
-        let found = evidence(&line, &outcome).unwrap();
+        let found = evidence(&line, &outcome, Detail::Profiles).unwrap();
         let comparison = &found.recordings[0];
         assert!(comparison.moves[0] && comparison.before.iter().all(|v| *v == 0.0));
         let beyond = comparison.autocorrelation[0][1..].iter().filter(|r| r.abs() > comparison.envelope()).count();

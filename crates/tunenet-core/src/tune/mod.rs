@@ -22,7 +22,7 @@ mod secant;
 mod starts;
 
 pub use algorithm1::{Loop, Walk, walk};
-pub use evidence::{Comparison, Evidence, evidence};
+pub use evidence::{Comparison, Detail, Evidence, evidence};
 pub use fixed_parameter::{FixedValueFit, fit_at_fixed_values};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
 
@@ -179,6 +179,7 @@ pub fn tune(
             let at = (point.parameters.as_slice(), nuisances.as_slice());
             all.push(observable_nuisances::observable_nuisances(simulator, (d, recording), &noise[d], at, &log)?);
         }
+        outcome.notes.extend(observable_nuisances::silent_states(&recordings, &all));
         outcome.nuisances = all;
     }
     outcome.rollouts = log.count();

@@ -27,7 +27,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use tunenet_core::observation::Observation;
-use tunenet_core::tune::Outcome;
+use tunenet_core::tune::{Detail, Outcome};
 use tunenet_formats::Recording;
 use tunenet_formats::load_model;
 use tunenet_sim::Session;
@@ -87,7 +87,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let exit = Exit::from(outcome.verdict);
     if let Some(report) = &options.report {
         let working = fit::working(&file, &session, "drawing");
-        let answer = answer(&setups, &session, names, recordings, outcome)?;
+        let answer = answer(&setups, &session, names, recordings, outcome, options.drawn())?;
         working.finish_and_clear();
         html::tune::together(report, &answer, &provenance(options))?;
         stage("report", &report.display().to_string());
@@ -102,10 +102,11 @@ fn answer(
     names: Vec<String>,
     recordings: Vec<Recording>,
     outcome: Outcome,
+    detail: Detail,
 ) -> Result<Answer> {
     let seen: Vec<Observation> = recordings.into_iter().map(|r| r.observation).collect();
     let simulator = setups.simulator(seen[0].kind(), session)?;
-    Ok(Answer::new(&simulator, names, seen, outcome)?)
+    Ok(Answer::new(&simulator, names, seen, outcome, detail)?)
 }
 
 /// A video that shows no ball to tune to is an answer; every other error stays one.

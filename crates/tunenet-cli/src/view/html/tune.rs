@@ -6,7 +6,7 @@ use tunenet_core::findings;
 use maud::{Markup, html};
 use tunenet_core::observation::Observation;
 use tunenet_core::simulator::{Parameter, Simulator};
-use tunenet_core::tune::{Evidence, Outcome, evidence};
+use tunenet_core::tune::{Detail, Evidence, Outcome, evidence};
 use tunenet_formats::Result;
 
 use super::figures::{Rung, autocorrelation, bars, ladder, profile, regions};
@@ -26,6 +26,7 @@ pub struct Answer {
     simulated: Vec<Parameter>,
     outcome: Outcome,
     evidence: Evidence,
+    detail: Detail,
 }
 
 impl Answer {
@@ -35,9 +36,10 @@ impl Answer {
         names: Vec<String>,
         seen: Vec<Observation>,
         outcome: Outcome,
+        detail: Detail,
     ) -> Result<Self> {
-        let evidence = evidence(simulator, &outcome)?;
-        Ok(Self { names, seen, simulated: simulator.parameters().to_vec(), outcome, evidence })
+        let evidence = evidence(simulator, &outcome, detail)?;
+        Ok(Self { names, seen, simulated: simulator.parameters().to_vec(), outcome, evidence, detail })
     }
 
     fn title(&self) -> String {
@@ -83,6 +85,9 @@ impl Answer {
             @if !self.evidence.profiles.is_empty() {
                 (heading("Profile likelihood"))
                 (self.likelihood())
+            } @else if self.detail == Detail::Recordings && !outcome.parameters.is_empty() {
+                (heading("Profile likelihood"))
+                p { "Not drawn: it takes further rollouts, which --quick and --max-rollouts leave out." }
             }
             @if !self.evidence.recordings.is_empty() {
                 (heading("Residual diagnostics"))
