@@ -60,6 +60,7 @@ impl SimulationFile {
                 return refuse(format!("a parameter of the file ({})", known.join(", ")), format!("`{name}`"));
             }
         }
+        self.declared(&parts)?;
         let mut table: &mut dyn TableLike = self.document.root_mut();
         for part in &parts[..parts.len() - 1] {
             let item = table.entry(part).or_insert(Item::Table(Table::new()));
@@ -77,6 +78,52 @@ impl SimulationFile {
     }
 }
 
+impl SimulationFile {
+    /// Refuses an initial state without a table, and a setting that the file's settings do not hold: no program reads a misspelt one.
+    fn declared(&self, parts: &[&str]) -> Result<()> {
+        let (what, name, known) = match parts {
+            [table @ "start", name, _] => ("an initial state of the file", name, self.keys(table)),
+            [table @ "settings", name, ..] => ("a setting of the file", name, self.keys(table)),
+            _ => return Ok(()),
+        };
+        // Without any settings the program's own stand in the manifest alone.
+        if known.iter().any(|key| key == name) || (parts[0] == "settings" && known.is_empty()) {
+            return Ok(());
+        }
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        refuse(format!("{what} ({known})"), format!("`{name}`"))
+    }
+
+    /// The keys of a table.
+    fn keys(&self, table: &str) -> Vec<String> {
+        let item = self.document.item(table).and_then(Item::as_table_like);
+        item.map_or_else(Vec::new, |table| table.iter().map(|(key, _)| key.to_owned()).collect())
+    }
+}
+
 fn refuse<T>(expected: String, found: String) -> Result<T> {
     Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "--set", expected, found }.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    const FILE: &str = "kind = \"process\"\n[process]\ncommand = [\"true\"]\nchannels = [\"x_m\"]\n[parameters.mass]\nvalue = 1.0\n\
+                        min = 0.1\nmax = 9.0\nunit = \"kg\"\n[start.x_m]\nvalue = 0.0\n[settings]\nload_kg = 0.2\n";
+
+    #[test]
+    fn a_state_or_a_setting_that_the_file_lacks_is_refused() {
+        let mut file = SimulationFile::parse(Path::new("cart.toml"), FILE).unwrap();
+        file.set_all(&[("start.x_m", "0.3"), ("settings.load_kg", "0.5")]).unwrap();
+        for (key, known) in [("start.y_m", "an initial state of the file (x_m)"), ("settings.load", "(load_kg)")] {
+            let message = file.set(&format!("{key}=0.4")).unwrap_err().to_string();
+            assert!(message.contains(known), "{message}");
+        }
+        // A file without settings leaves them all to its manifest.
+        let mut free = SimulationFile::parse(Path::new("cart.toml"), FILE.split("[settings]").next().unwrap()).unwrap();
+        free.set("settings.load=0.4").unwrap();
+    }
 }
