@@ -180,7 +180,7 @@ fn columns(path: &Path, options: &ReadOptions) -> Result<Vec<Column>> {
     let read_as = |name: &str| match meaning(name) {
         Meaning::Known(Quantity::Time, _) => Some(Quantity::Time.header()),
         _ if !options.channels.is_empty() => {
-            let of_input = || own_columns::input_of(name, &options.inputs);
+            let of_input = || own_columns::input_of(name, &options.others);
             own_columns::header_of(name, &options.channels).or_else(of_input)
         }
         Meaning::Known(quantity, _) => Some(quantity.header()),

@@ -51,7 +51,8 @@ impl InputSource {
         columns.extend(self.column(options).map(|theirs| (self.channel.header(), theirs.to_owned())));
         let topic = self.topic.clone().or_else(|| options.topic.clone());
         let (skip_broken, channels) = (options.skip_broken, vec![self.channel.clone()]);
-        ReadOptions { columns, topic, skip_broken, channels, role: Role::Driving, ..ReadOptions::default() }
+        let others = options.channels.clone();
+        ReadOptions { columns, topic, skip_broken, channels, others, role: Role::Driving, ..ReadOptions::default() }
     }
 
     /// Whether the file at `path` has no such column, or no such topic or channel of it.
@@ -60,7 +61,10 @@ impl InputSource {
             Contents::Table(table) => table,
             Contents::Log(log) => return self.is_not_in(&log, path, options),
         };
-        let wanted = self.column(options).unwrap_or(&self.name);
+        let Some(wanted) = self.column(options) else {
+            let is = |name: &str| own_columns::is_meant(name, &self.channel);
+            return Ok(!table.columns.iter().any(|column| is(&column.name)));
+        };
         let number = wanted.trim_start_matches('-').parse::<usize>().is_ok();
         Ok(!number && !table.columns.iter().any(|column| column.name == wanted))
     }
@@ -185,7 +189,7 @@ mod tests {
     fn recording(path: &Path) -> Recording {
         let channels = vec![Channel::new("x", "m")];
         let inputs = vec![Channel::new("force", "N")];
-        read(path, &ReadOptions { channels, inputs, ..ReadOptions::default() }).unwrap()
+        read(path, &ReadOptions { channels, others: inputs, ..ReadOptions::default() }).unwrap()
     }
 
     const TABLE: &str = "t_s,x_m,force_n,u\n0,1,5,9\n1,2,6,8\n2,3,7,7\n3,4,8,6\n";
@@ -223,6 +227,9 @@ mod tests {
             "{message}"
         );
         assert!(hint.contains("`column`") || hint.contains("--columns"), "{hint}");
+        // A default does not replace what stands there in another unit.
+        let (message, _) = refused(&InputSource { default: Some(0.0), ..source("force_n") });
+        assert!(message.ends_with("expected `force_n` in N, found the column in kn"), "{message}");
         let absent = InputSource { default: Some(2.5), ..source("torque_nm") };
         assert_eq!(read_input(&path, &ReadOptions::default(), &absent).unwrap(), None);
         let whole = under_inputs(&path, recording(&path), 3, vec![(&absent, None)]).unwrap();

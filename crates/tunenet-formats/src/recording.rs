@@ -39,8 +39,9 @@ pub struct ReadOptions {
     pub channels: Vec<Channel>,
     /// What [`channels`](Self::channels) are to the simulator.
     pub role: Role,
-    /// The inputs of the simulator that stand in the same file: neither looked for here, nor taken for forgotten columns.
-    pub inputs: Vec<Channel>,
+    /// What else of the simulator may stand in the same file, in the other role: neither looked for here, nor taken for forgotten
+    /// columns.
+    pub others: Vec<Channel>,
 }
 
 /// What the channels of a custom simulator are.

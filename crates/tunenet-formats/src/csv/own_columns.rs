@@ -12,8 +12,8 @@ use tunenet_core::observation::{Channel, Kind, Note, Observation};
 
 /// How the columns of a table make a series on the channels of `options`, whose mapping stands above the header.
 pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layout> {
-    let ReadOptions { columns: mapping, channels, role, inputs, .. } = options;
-    let of_input = |name: &str| *role == Role::Predicted && is_input(name, inputs);
+    let ReadOptions { columns: mapping, channels, role, others, .. } = options;
+    let of_input = |name: &str| *role == Role::Predicted && is_other(name, others);
     let mut clock = None;
     let mut values: Vec<Option<Source>> = vec![None; channels.len()];
     let cells = header.cells();
@@ -31,7 +31,7 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
             }
             .into());
         };
-        let (column, sign) = header.column(theirs, quantity, || remedy(header, channels, *role))?;
+        let (column, sign) = header.column(theirs, quantity, || remedy(header, options))?;
         if place(quantity, &mut clock, &mut values).replace(Source { column, scale, quantity, sign }).is_some() {
             let (expected, found) = (format!("`{ours}` once"), "it twice".into());
             return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into());
@@ -60,11 +60,12 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
         // Reading what is predicted says so already.
         if !ignored.is_empty() && *role == Role::Predicted {
             let text = format!("columns that the simulation does not name are ignored: {}", list(ignored, 12));
-            notes.push(Note::new(
-                findings::COLUMNS_IGNORED,
-                text,
-                "name them under `process.channels` where they matter",
-            ));
+            let remedy = if others.is_empty() {
+                "name them under `process.channels` where they matter"
+            } else {
+                "name what the program predicts under `process.channels`, and what drives it with `column` in the table of an input"
+            };
+            notes.push(Note::new(findings::COLUMNS_IGNORED, text, remedy));
         }
     }
     let absent = values.iter().position(Option::is_none).map(|i| channels[i].header());
@@ -79,28 +80,36 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
             Role::Driving => "drive the simulation",
         };
         let expected = format!("expected a column `{absent}` ({} {what})", names(channels));
-        return header.refuse(None, format!("{expected}, found {}", header.found()), remedy(header, channels, *role));
+        return header.refuse(None, format!("{expected}, found {}", header.found()), remedy(header, options));
     }
     Ok(Layout { kind: Kind::Other, channels: channels.clone(), clock, values, notes }.with_conversions(header))
 }
 
-/// Whether a name means one of these inputs.
-fn is_input(name: &str, inputs: &[Channel]) -> bool {
-    inputs.iter().any(|input| input.name == name) || matches!(asked(name, inputs), Some((Quantity::Own(_), _)))
+/// Whether a name means one of the channels in the other role.
+fn is_other(name: &str, others: &[Channel]) -> bool {
+    others.iter().any(|other| other.name == name) || matches!(asked(name, others), Some((Quantity::Own(_), _)))
 }
 
 /// The column that has the name of the missing channel in a unit that is not converted, and what is wrong with it.
 fn in_another_unit(header: &Header<'_>, absent: &str, channels: &[Channel]) -> Option<(usize, String)> {
-    let channel = channels.iter().find(|channel| channel.header() == absent)?;
-    let before = format!("{}_", channel.name);
-    let unit = |name: &str| {
-        let plain = plain(name);
-        let unit = plain.strip_prefix(&before)?;
-        (header.named && !unit.contains('_') && unit.len() <= 4).then(|| unit.to_owned())
-    };
+    let channel = channels.iter().find(|channel| channel.header() == absent).filter(|_| header.named)?;
+    let unit = |name: &str| other_unit(name, channel);
     let (column, unit) = header.cells().iter().enumerate().find_map(|(i, cell)| Some((i, unit(cell.text)?)))?;
     let unit = Channel::from_header(&format!("x_{unit}")).map_or(unit, |other| other.unit);
     Some((column, format!("expected `{absent}` in {}, found the column in {unit}", channel.unit)))
+}
+
+/// The unit at the end of a name that is otherwise that of the channel.
+fn other_unit(name: &str, channel: &Channel) -> Option<String> {
+    let name = plain(name);
+    let unit = name.strip_prefix(channel.name.as_str())?.strip_prefix('_')?;
+    (!unit.contains('_') && unit.len() <= 4).then(|| unit.to_owned())
+}
+
+/// Whether a column of this name is the channel, in its unit or in another.
+pub(crate) fn is_meant(name: &str, channel: &Channel) -> bool {
+    let own = matches!(asked(name, std::slice::from_ref(channel)), Some((Quantity::Own(_), _)));
+    own || other_unit(name, channel).is_some()
 }
 
 /// Where a quantity's source is kept.
@@ -159,7 +168,7 @@ pub(crate) fn header_of(name: &str, channels: &[Channel]) -> Option<String> {
 /// The input that a column of this name is, under the name that a simulation file has for it.
 pub(crate) fn input_of(name: &str, inputs: &[Channel]) -> Option<String> {
     let plain = inputs.iter().find(|input| input.name == name).map(|input| input.name.clone());
-    plain.or_else(|| is_input(name, inputs).then(|| header_of(name, inputs)).flatten())
+    plain.or_else(|| is_other(name, inputs).then(|| header_of(name, inputs)).flatten())
 }
 
 /// `t_s`, `angle_rad`.
@@ -169,13 +178,17 @@ fn names(channels: &[Channel]) -> String {
 }
 
 /// What to type: where as many columns are unknown as channels have none, they are paired in their order.
-fn remedy(header: &Header<'_>, channels: &[Channel], role: Role) -> String {
+fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
+    let ReadOptions { channels, others, role, .. } = options;
     let cells = header.cells();
     let wanted: Vec<String> = std::iter::once("t_s".to_owned()).chain(channels.iter().map(Channel::header)).collect();
     let pairs: Vec<(String, String)> = if header.named {
         let known = |name: &str| header_of(name, channels);
         let missing = wanted.iter().filter(|ours| !cells.iter().any(|c| known(c.text).as_ref() == Some(*ours)));
-        let strange = cells.iter().filter(|cell| !cell.text.is_empty() && known(cell.text).is_none());
+        // What has the other role is no proposal.
+        let strange = cells
+            .iter()
+            .filter(|cell| !cell.text.is_empty() && known(cell.text).is_none() && !is_other(cell.text, others));
         missing.cloned().zip(strange.map(|cell| cell.text.to_owned())).collect()
     } else {
         wanted.into_iter().zip((1..).map(|n: usize| n.to_string())).collect()

@@ -16,7 +16,7 @@ pub fn options(options: &Inspect, sim: Option<&SimulationFile>) -> Result<ReadOp
     if let Some(file) = sim {
         load::of_kind(file, Domain::Process)?;
         reading.channels = process::channels(file)?;
-        reading.inputs = load::inputs::in_recording(file);
+        reading.others = load::inputs::in_recording(file);
     }
     Ok(reading)
 }

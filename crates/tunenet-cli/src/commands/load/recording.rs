@@ -79,8 +79,8 @@ pub fn of_channels(
         return Err(Error::file(path, message, hint).into());
     }
     let inputs = inputs::in_recording(file);
-    let options = ReadOptions { channels: process::channels(file)?, inputs, ..read_options(reading) };
-    let recording = read(path, &options)?;
+    let alone = ReadOptions { channels: process::channels(file)?, ..read_options(reading) };
+    let recording = read(path, &ReadOptions { others: inputs, ..alone.clone() })?;
     // What drives it is kept whole: only what is fitted is thinned.
-    at_most(most, inputs::attach(file, path, recording, setup, &read_options(reading))?)
+    at_most(most, inputs::attach(file, path, recording, setup, &alone)?)
 }
