@@ -36,6 +36,9 @@ finding_kinds! {
     warning PARAMETER_NO_EFFECT = "parameter.no_effect",
         "a parameter changes nothing in these recordings",
         "use a recording that depends on it";
+    warning START_NO_EFFECT = "start.no_effect",
+        "an initial state that is estimated changes nothing in any recording",
+        "check the name of the state: what simulates may not read it";
     warning PARAMETER_DIRECTION = "parameter.direction",
         "a combination of parameters is not determined",
         "fix one of them, or use a recording that separates them";

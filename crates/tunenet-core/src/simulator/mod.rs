@@ -29,6 +29,7 @@ pub use rollouts::{predict, rollout, rollouts};
 pub use scale::Scale;
 pub use segmentation::Segmentation;
 pub use segmented::Segmented;
+pub(crate) use start_state::STATE;
 pub use start_state::{StartState, StartValue};
 
 use auto_impl::auto_impl;

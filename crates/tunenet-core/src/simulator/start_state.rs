@@ -7,6 +7,9 @@ use crate::observation::Observation;
 /// Without bounds, a state that has a prior is sought within this many of its standard deviations.
 const REACH_SDS: f64 = 10.0;
 
+/// What the name of an initial state begins with where it is a nuisance parameter: `start.theta`.
+pub(crate) const STATE: &str = "start.";
+
 /// Where the value of an initial state comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StartValue {
@@ -70,7 +73,7 @@ impl StartState {
     pub(super) fn nuisance(&self, value: f64) -> Result<Option<(Parameter, f64)>> {
         let around = |sd: f64| (value - REACH_SDS * sd, value + REACH_SDS * sd);
         let Some((min, max)) = self.bounds.or_else(|| self.sd.map(around)) else { return Ok(None) };
-        let nuisance = Parameter::new(format!("start.{}", self.name), &self.unit, value, min, max)?;
+        let nuisance = Parameter::new(format!("{STATE}{}", self.name), &self.unit, value, min, max)?;
         let sd = self.sd.unwrap_or_else(|| nuisance.span());
         Ok(Some((nuisance, sd)))
     }

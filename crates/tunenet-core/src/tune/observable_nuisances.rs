@@ -3,7 +3,9 @@
 
 use crate::Result;
 use crate::estimate::RolloutLog;
-use crate::simulator::{Parameter, Prepared, Simulator};
+use crate::findings;
+use crate::observation::Note;
+use crate::simulator::{Parameter, Prepared, STATE, Simulator};
 
 /// Step of the finite difference, as a share of the bounds.
 const NUDGE: f64 = 1e-6;
@@ -48,4 +50,44 @@ pub(super) fn observable_nuisances(
     };
     let kept = recording.nuisances.iter().enumerate().filter(seen);
     Ok(kept.map(|(i, p)| Parameter { value: nuisances[i], ..p.clone() }).collect())
+}
+
+/// What is said of initial states that no recording shows, where `observable` are the nuisance parameters that each shows.
+pub(super) fn silent_states(recordings: &[Prepared], observable: &[Vec<Parameter>]) -> Vec<Note> {
+    let mut names: Vec<&str> = recordings.iter().flat_map(|one| &one.nuisances).map(|p| p.name.as_str()).collect();
+    names.retain(|name| name.starts_with(STATE) && observable.iter().flatten().all(|shown| shown.name != *name));
+    names.sort_unstable();
+    names.dedup();
+    let note = |name: &str| {
+        let remedy = "check its name: what simulates may not read it";
+        Note::new(findings::START_NO_EFFECT, format!("`{name}` changes nothing in any recording"), remedy)
+    };
+    names.into_iter().map(note).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observation::{Channel, Kind, Observation};
+    use crate::simulator::{FnSimulator, StartState, StartValue};
+    use crate::tune::{Settings, tune};
+
+    /// x(t) = start + slope t; a second state is read by nothing.
+    #[test]
+    fn a_state_that_nothing_reads_is_reported() {
+        let slope = Parameter::new("slope", "m/s", 1.0, 0.0, 5.0).unwrap();
+        let line = FnSimulator::new(vec![slope], vec![Channel::new("x", "m")], |p, run, clock, out| {
+            clock.iter().zip(out).for_each(|(t, x)| *x = run.start[0] + p[0] * t);
+            Ok(())
+        });
+        let line = line.start(StartState::new("x", "m", StartValue::First(0)).with_prior(0.1));
+        let line = line.start(StartState::new("unread", "m", StartValue::Number(0.0)).with_prior(0.1));
+        let clock: Vec<f64> = (0..50).map(|i| 0.02 * f64::from(i)).collect();
+        let values = clock.iter().map(|t| 0.3 + 2.0 * t + 1e-3 * (97.0 * t).sin()).collect();
+        let seen = Observation::new(Kind::Other, vec![Channel::new("x", "m")], clock, values).unwrap();
+        let outcome = tune(&line, &[seen], None, &Settings::default()).unwrap();
+        let said: Vec<&Note> = outcome.notes.iter().filter(|note| note.kind == findings::START_NO_EFFECT).collect();
+        assert!(said.len() == 1 && said[0].text.starts_with("`start.unread` changes nothing"), "{said:?}");
+        assert!(outcome.nuisances[0].iter().any(|p| p.name == "start.x"));
+    }
 }
