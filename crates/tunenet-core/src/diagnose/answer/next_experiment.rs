@@ -72,8 +72,16 @@ pub(in crate::diagnose) fn next(
         let unique = unique(known);
         // Of anything else, what no proposal separates may come apart in recordings that nobody here thinks of.
         if !is_segmented(context) {
-            let first = if text.is_empty() { words.add } else { &text };
-            let text = std::iter::once(first).chain(unique).collect::<Vec<_>>().join("; or ");
+            let alike = (!designs.is_empty()).then(|| {
+                let rest = twins.join(", ");
+                format!(
+                    "no other input or initial state distinguishes {} from {rest}: do they do the same?",
+                    name(place.entry)
+                )
+            });
+            let add = alike.is_none().then_some(words.add);
+            let first = (!text.is_empty()).then_some(text.as_str()).or(add).into_iter();
+            let text = first.chain(alike.as_deref()).chain(unique).collect::<Vec<_>>().join("; or ");
             return Ok(Some(NextExperiment { text, settings }));
         }
         let also = if text.is_empty() { "" } else { "; " };

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::Result;
 use crate::diagnose::evidence::ar1_prewhitening::Filter;
 use crate::diagnose::evidence::recording::Set;
-use crate::observation::{Circumstances, Input, Observation};
-use crate::simulator::{Parameter, Prepared, Simulator, predict};
+use crate::observation::{Channel, Circumstances, Input, Observation};
+use crate::simulator::{Parameter, Prepared, STATE, Simulator, predict};
 
 /// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
 const HEIGHTS_M: [f64; 3] = [0.5, 1.0, 2.0];
@@ -26,9 +26,8 @@ const SCALES: [f64; 3] = [-1.0, 0.3, 2.0];
 const SPEEDS: [f64; 2] = [0.3, 2.0];
 /// Distances of an initial state from its value, as shares of how far it may start from it.
 const SHIFTS: [f64; 2] = [-0.8, 0.8];
-/// Names of nuisance parameters that a person can choose: of what is released, and of what starts in a state.
+/// What the name of a nuisance parameter begins with that a person can choose at a release.
 pub(in crate::diagnose) const RELEASE: &str = "release.";
-const STATE: &str = "start.";
 
 /// What differs from the recording that is repeated.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,12 +168,12 @@ fn circumstances(set: &Set, nuisances: &[f64]) -> Result<Vec<Start>> {
         };
         let values = input.series().values();
         for factor in SCALES {
-            let change = Change::Scaled { input: channel.name.clone(), factor };
+            let change = Change::Scaled { input: channel.header(), factor };
             all.push((change, with(values.iter().map(|v| factor * v).collect())?, same()));
         }
         let greatest = values.iter().fold(0.0_f64, |most, v| if v.abs() > most.abs() { *v } else { most });
         for value in [0.0, 0.5 * greatest] {
-            let change = Change::Constant { input: channel.name.clone(), value, unit: channel.unit.clone() };
+            let change = Change::Constant { input: channel.header(), value, unit: channel.unit.clone() };
             all.push((change, with(vec![value; values.len()])?, same()));
         }
     }
@@ -193,7 +192,8 @@ fn circumstances(set: &Set, nuisances: &[f64]) -> Result<Vec<Start>> {
         for shift in SHIFTS {
             let mut start = same();
             start[i] = state.value + shift * reach(set, name, state);
-            let change = Change::Start { state: name.into(), value: start[i], unit: state.unit.clone() };
+            let state = Channel::new(name, state.unit.clone());
+            let change = Change::Start { state: state.header(), value: start[i], unit: state.unit };
             all.push((change, Some(Arc::clone(known)), start));
         }
     }
@@ -214,7 +214,7 @@ fn reach(set: &Set, name: &str, state: &Parameter) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::observation::{Channel, Hold, Kind};
+    use crate::observation::{Hold, Kind};
     use crate::simulator::{FnSimulator, Preparation, StartState, StartValue};
 
     /// x(t) = start + u(t): what is proposed shows the changed input or the changed start.
@@ -236,13 +236,13 @@ mod tests {
             let found = all.iter().find(|one| one.change.words().is_some_and(|words| words.ends_with(text)));
             found.unwrap_or_else(|| panic!("{text}")).set.prepared.seen.values().to_vec()
         };
-        assert_eq!(of("2 times the values of u"), [1.0, 5.0, -7.0, 3.0]);
-        assert_eq!(of("u reversed"), [1.0, -1.0, 5.0, 0.0]);
-        assert_eq!(of("u constant at -2.000 V"), [-1.0; 4]);
+        assert_eq!(of("2 times the values of u_v"), [1.0, 5.0, -7.0, 3.0]);
+        assert_eq!(of("u_v reversed"), [1.0, -1.0, 5.0, 0.0]);
+        assert_eq!(of("u_v constant at -2.000 V"), [-1.0; 4]);
         assert_eq!(of("played at 2 times the speed"), [1.0, -3.0, 2.0, 2.0]);
         // Half the range of x is 3 m.
-        let moved = of("from x = 3.400 m");
+        let moved = of("from x_m = 3.400 m");
         assert!(moved.iter().zip([3.4, 5.4, -0.6, 4.4]).all(|(a, b)| (a - b).abs() < 1e-12), "{moved:?}");
-        assert!(all.iter().any(|one| one.change.settings() == [("inputs.u.scale".to_owned(), 2.0)]));
+        assert!(all.iter().any(|one| one.change.settings() == [("inputs.u_v.scale".to_owned(), 2.0)]));
     }
 }
