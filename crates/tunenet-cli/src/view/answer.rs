@@ -23,7 +23,7 @@ impl Printout {
 
     /// Adds a line with a word in front: `motion   3 bounces`.
     pub fn row(&mut self, what: &str, text: &str) {
-        self.line(&format!("{what:<9}{text}"));
+        self.line(&format!("{what:<8} {text}"));
     }
 
     /// Adds the verdict, in bold letters where a terminal shows them.
