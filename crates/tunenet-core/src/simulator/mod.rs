@@ -13,6 +13,7 @@ mod rollouts;
 mod scale;
 mod segmentation;
 mod segmented;
+mod setups;
 mod start_state;
 
 pub use assumed::Assumed;
@@ -29,6 +30,7 @@ pub use rollouts::{predict, rollout, rollouts};
 pub use scale::Scale;
 pub use segmentation::Segmentation;
 pub use segmented::Segmented;
+pub use setups::Setups;
 pub(crate) use start_state::STATE;
 pub use start_state::{StartState, StartValue};
 
