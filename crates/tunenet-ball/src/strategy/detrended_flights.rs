@@ -6,6 +6,7 @@
 //! noise that gives the velocities the uncertainty they have.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, SeedableRng};
@@ -144,8 +145,12 @@ pub(super) fn detrend(seen: &Observation, contacts: &[f64], g: f64, (seed, wider
     for t in &mut clock {
         *t -= begin;
     }
-    let ideal = Observation::positions(clock.clone(), &ideals).ok()?;
-    let seen = Observation::positions(clock, &rows).ok()?;
+    // Both belong to the recording, and so to its setup.
+    let made = |clock: Vec<f64>, rows: &[[f64; 3]]| {
+        let made = Observation::positions(clock, rows).ok()?;
+        Some(seen.circumstances().map_or_else(|| made.clone(), |known| made.clone().under(Arc::clone(known))))
+    };
+    let (ideal, seen) = (made(clock.clone(), &ideals)?, made(clock, &rows)?);
     Some(Detrended { seen, ideal, noise: noise.to_vec(), beyond_tilt })
 }
 
