@@ -100,6 +100,24 @@ fn mass_and_gain_together_are_doubted() {
     assert!(text.contains("only the link masses of the URDF") && text.contains("correlation -"), "{text}");
 }
 
+/// One gain from two known payloads, each of its own recording; a payload that only one of them knows is none that they share.
+#[test]
+fn recordings_of_one_arm_may_hold_payloads_of_different_known_mass() {
+    let folder = folder();
+    let entry = |name: &str, keys: &str| format!("[[observation]]\nfile = \"{name}.csv\"\n{keys}\n");
+    for (name, payload_kg) in [("light", 0.8), ("heavy", 1.6)] {
+        folder.write(&format!("{name}.csv"), shown(payload_kg, 1.0));
+    }
+    folder.write("known.toml", entry("light", "payload_mass_kg = 0.8") + &entry("heavy", "payload_mass_kg = 1.6"));
+    let tune = "tune --sim arm.toml --set parameters.torque_gain.tune=true --manifest known.toml --json";
+    let answer = folder.run(tune).ends(0).json();
+    let (gain, low, high) = of(&answer, "torque_gain");
+    assert!((gain - GAIN).abs() < 0.01 && low <= high, "{gain}");
+    folder.write("half.toml", entry("light", "payload_mass_kg = 0.8") + &entry("heavy", ""));
+    let half = tune.replace("known.toml", "half.toml");
+    crate::common::refused(&folder, &half, &["the same `payload_mass` in every setup, 0.8", "another `object`"]);
+}
+
 /// What stands on which stream, without times.
 fn streams(ran: &Ran) -> String {
     let seconds = |word: &str| word.ends_with("s,") && word[..word.len() - 2].parse::<f64>().is_ok();

@@ -242,8 +242,8 @@ fn a_wrong_manifest_is_refused_with_its_place() {
     tried("[[observation]]\nfile = \"1.csv\"\nreference = \"2.csv\"\n", &["reference"]);
     tried("[[observation]]\nfile = \"9.csv\"\n", &["9.csv"]);
     tried(
-        "[[observation]]\nfile = \"1.csv\"\nball.mass_kg = 1\n[[observation]]\nfile = \"2.csv\"\n",
-        &["2.csv", "ball.mass_kg"],
+        "[[observation]]\nfile = \"1.csv\"\nparameters.restitution.max = 0.9\n[[observation]]\nfile = \"2.csv\"\n",
+        &["1.csv: expected the same `parameters.restitution.max`", "2.csv"],
     );
     tried("[[observation]]\nfile = \"1.csv\"\nheld_out = true\n", &["m.toml", "at least one"]);
     refused(folder.run("diagnose --sim scene.toml"), 2, &["RECORDING"]);

@@ -6,3 +6,4 @@ mod model_choice;
 mod pixels;
 mod preflight;
 mod recovery;
+mod setups;

@@ -12,6 +12,10 @@ finding_kinds! {
     warning CACHE_UNUSABLE = "cache.unusable",
         "the cache could not be read or written",
         "make the folder writable, set `TUNENET_CACHE`, or use `--no-cache`";
+    note SETUPS_DIFFER = "setups.differ",
+        "recordings of one object differ in these keys of the scene; a written file keeps what the simulation file says of them, and \
+         `observations` of its `[provenance]` has the keys of each recording under `scene`",
+        "none needed";
     warning CHECKPOINT_INCOMPLETE = "checkpoint.incomplete",
         "the checkpoint does not hold all rollouts; the answer is not affected",
         "free some space, or name a file on another disk, before a long tuning";

@@ -1,7 +1,7 @@
 //! From a simulation file to the simulator that it describes.
 
 use tunenet_core::observation::Kind;
-use tunenet_core::simulator::{Measured, Simulator, measurement_effects};
+use tunenet_core::simulator::{Measured, Setups, Simulator, measurement_effects};
 use tunenet_formats::kind_name;
 use tunenet_formats::{Error, Result};
 
@@ -40,6 +40,32 @@ pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result
         return Ok(Box::new(VideoBall::new(file)?));
     }
     around(file, ObservedBall::new(file, kind)?.with_tuned_effects(file)?)
+}
+
+/// The simulator of recordings in several setups, a file for each: files that differ in keys of the scene alone.
+///
+/// # Errors
+/// As [`simulator`]; [`Error::File`] where files differ in what all recordings of one object share.
+pub fn in_setups(files: &[&SimulationFile], kind: Kind, session: &Session) -> Result<Box<dyn Simulator>> {
+    match files {
+        [file] => simulator(file, kind, session),
+        [first, ..] if first.domain() == Domain::Process && kind == Kind::Other => program(files, session),
+        _ => together(files, files.iter().map(|file| simulator(file, kind, session)).collect::<Result<_>>()?),
+    }
+}
+
+/// One simulator of those that were made of `files`, a setup each.
+///
+/// # Errors
+/// [`Error::File`] where they differ in what all recordings of one object share.
+pub fn together(files: &[&SimulationFile], each: Vec<Box<dyn Simulator>>) -> Result<Box<dyn Simulator>> {
+    Setups::of(each).map_err(|error| match (error, files.first()) {
+        (tunenet_core::Error::Setting { expected, found, .. }, Some(file)) => {
+            let message = format!("recordings of one object: expected {expected}, found {found}");
+            Error::file(file.path(), message, "give recordings that differ in it another `object`")
+        }
+        (other, _) => other.into(),
+    })
 }
 
 /// The simulator of a program whose recordings have several setups: files that differ in their settings and initial states alone.

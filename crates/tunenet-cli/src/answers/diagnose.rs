@@ -35,6 +35,8 @@ pub struct Recorded {
     pub reference: Option<InlineTable>,
     /// The files of their own in which its inputs stand, likewise.
     pub inputs: Array,
+    /// The keys of the scene in which it differs from other recordings of its object.
+    pub own: InlineTable,
 }
 
 /// Everything that was read.

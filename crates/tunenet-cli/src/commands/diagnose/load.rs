@@ -33,13 +33,18 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
             return Err(Error::file(manifest, message, "leave it out").into());
         }
         let recording = load::attach_reference(scene, recording, source.reference.as_deref(), &options.reading)?;
+        let recording = setups.placed(place, recording);
         let several = sources.len() > 1;
         let named = |note: Note| if several { Note { text: format!("{name}: {}", note.text), ..note } } else { note };
         notes.extend(recording.notes.into_iter().map(named));
         let (hash, held_out, seen) = (hash::sha256(&source.path)?, source.held_out, recording.observation);
         let reference = source.reference.as_deref().map(hash::fingerprint).transpose()?;
         let inputs = hash::fingerprints(&load::own_files(scene, &source.path))?;
-        recorded.push(Recorded { name, hash, object, held_out, seen, reference, inputs });
+        let own = setups.differences().scene(place);
+        recorded.push(Recorded { name, hash, object, held_out, seen, reference, inputs, own });
+    }
+    if options.out.is_some() {
+        notes.extend(objects.iter().filter_map(|group| group.note(sources, objects.len())));
     }
     notes.extend(load::lacks(&file)?);
     let kind = one_kind(sources, &recorded)?;
@@ -51,6 +56,15 @@ pub fn load(options: &Diagnose, sources: &[Source]) -> Result<Loaded> {
 struct Group {
     recordings: Vec<usize>,
     setups: Setups,
+}
+
+impl Group {
+    /// In what its recordings differ, with its name where there are several.
+    fn note(&self, sources: &[Source], objects: usize) -> Option<Note> {
+        let note = self.setups.differences().note()?;
+        let object = &sources[self.recordings[0]].object;
+        Some(if objects > 1 { Note { text: format!("{object}: {}", note.text), ..note } } else { note })
+    }
 }
 
 /// The objects in the order in which they are met.

@@ -3,17 +3,14 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tunenet_core::observation::Kind;
+use tunenet_core::observation::{Circumstances, Kind};
 use tunenet_core::simulator::Simulator;
-use tunenet_formats::Error;
-use tunenet_sim::simulation_file::Domain;
+use tunenet_formats::Recording;
 use tunenet_sim::{Session, SimulationFile, observed};
 
+use super::differences::{self, Differences};
 use super::scene::in_scene;
 use crate::files::manifest::Source;
-
-/// Tables of a file that all recordings of one object share: what is fitted, and what may be missing.
-const SHARED: [&str; 3] = ["parameters.", "effects.", "candidates."];
 
 /// The simulation files of one object's recordings.
 #[derive(Debug, Clone)]
@@ -24,12 +21,18 @@ pub struct Setups {
     files: Vec<SimulationFile>,
     /// Which of them each recording has, in their order.
     of: Vec<usize>,
+    differences: Differences,
 }
 
 impl Setups {
     /// Recordings without any differences.
     pub fn alike(file: &SimulationFile, recordings: usize) -> Self {
-        Self { common: file.clone(), files: vec![file.clone()], of: vec![0; recordings] }
+        Self {
+            common: file.clone(),
+            files: vec![file.clone()],
+            of: vec![0; recordings],
+            differences: Differences::default(),
+        }
     }
 
     /// The setups of one object's entries in `manifest`, with `file` for what they do not say.
@@ -37,33 +40,56 @@ impl Setups {
     /// # Errors
     /// Where a key does not fit, or a setup differs in what all recordings of an object share.
     pub fn of(manifest: Option<&Path>, file: &SimulationFile, entries: &[&Source]) -> Result<Self> {
-        let in_all = |key: &(String, String)| entries.iter().all(|entry| entry.scene.contains(key));
-        let common =
-            entries.first().map_or_else(Vec::new, |first| first.scene.iter().filter(|k| in_all(k)).cloned().collect());
-        let own = |entry: &Source| entry.scene.iter().filter(|key| !common.contains(key)).cloned().collect::<Vec<_>>();
-        if let Some(entry) = entries.iter().find(|entry| refused(file, &own(entry))) {
-            return Err(Error::file(manifest.unwrap_or(Path::new("")), differing(entry, entries), ANOTHER).into());
-        }
-        let mut setups: Vec<(Vec<(String, String)>, SimulationFile)> = Vec::new();
-        let mut of = Vec::with_capacity(entries.len());
+        let common = differences::common(entries);
+        let differences = Differences::of(manifest, entries, &common)?;
+        let mut files: Vec<SimulationFile> = Vec::new();
+        let mut scenes: Vec<Vec<(String, String)>> = Vec::with_capacity(entries.len());
+        let mut of: Vec<usize> = Vec::with_capacity(entries.len());
         for entry in entries {
             let mut scene = entry.scene.clone();
             scene.sort();
-            let known = setups.iter().position(|(other, _)| *other == scene);
-            if known.is_none() {
-                setups.push((scene, in_scene(manifest, entry, file)?));
-            }
-            of.push(known.unwrap_or(setups.len() - 1));
+            let number = if let Some(same) = scenes.iter().position(|other| *other == scene) {
+                of[same]
+            } else {
+                // Keys that say what the file says already make no other setup.
+                let made = in_scene(manifest, entry, file)?;
+                files.iter().position(|other| other.text() == made.text()).unwrap_or_else(|| {
+                    files.push(made);
+                    files.len() - 1
+                })
+            };
+            scenes.push(scene);
+            of.push(number);
         }
-        let whole = Source { scene: common.clone(), ..Source::alone(Path::new(""), "", None) };
+        let differences = if files.len() > 1 { differences } else { Differences::default() };
+        let whole = Source { scene: common, ..Source::alone(Path::new(""), "", None) };
         // What only some say may be needed by what all say, so that the common part alone need not fit together.
         let common = in_scene(manifest, &whole, file).unwrap_or_else(|_| file.clone());
-        Ok(Self { common, files: setups.into_iter().map(|(_, file)| file).collect(), of })
+        Ok(Self { common, files, of, differences })
     }
 
     /// What the recordings have in common, as a simulation file.
     pub fn common(&self) -> &SimulationFile {
         &self.common
+    }
+
+    /// The files of all setups.
+    pub fn files(&self) -> Vec<&SimulationFile> {
+        self.files.iter().collect()
+    }
+
+    /// `recording` with the number of its setup, where there are several and it has none yet.
+    pub fn placed(&self, number: usize, recording: Recording) -> Recording {
+        if self.files.len() == 1 || recording.observation.circumstances().is_some() {
+            return recording;
+        }
+        let known = Circumstances { setup: self.number(number), ..Circumstances::default() };
+        Recording { observation: recording.observation.under(known), ..recording }
+    }
+
+    /// The keys of the scene that each recording has for itself.
+    pub fn differences(&self) -> &Differences {
+        &self.differences
     }
 
     /// The simulation file of a recording.
@@ -79,38 +105,8 @@ impl Setups {
     /// The simulator of the recordings.
     ///
     /// # Errors
-    /// As [`observed::simulator`].
+    /// As [`observed::in_setups`].
     pub fn simulator(&self, kind: Kind, session: &Session) -> tunenet_formats::Result<Box<dyn Simulator>> {
-        if self.common.domain() == Domain::Process && kind == Kind::Other {
-            return observed::program(&self.files.iter().collect::<Vec<_>>(), session);
-        }
-        observed::simulator(&self.files[0], kind, session)
+        observed::in_setups(&self.files(), kind, session)
     }
-}
-
-const ANOTHER: &str = "give it another `object`, or say the same of all";
-
-/// Whether recordings of one object cannot differ in this.
-fn refused(file: &SimulationFile, scene: &[(String, String)]) -> bool {
-    let shared = |key: &str| SHARED.iter().any(|table| key.starts_with(table));
-    scene.iter().any(|(key, _)| file.domain() != Domain::Process || shared(key))
-}
-
-/// What an entry has to have as the first of its object, and what it has; of the first itself, the next that differs from it.
-fn differing(entry: &Source, entries: &[&Source]) -> String {
-    let listed = |scene: &[(String, String)]| {
-        let each: Vec<String> = scene.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-        if each.is_empty() { "no keys of the scene".into() } else { each.join(", ") }
-    };
-    let first = entries[0];
-    let next = || entries.iter().copied().find(|other| other.scene != first.scene).unwrap_or(first);
-    let entry = if entry.path == first.path { next() } else { entry };
-    format!(
-        "{}: expected {} as for `{}`, another recording of `{}`, found {}",
-        entry.path.display(),
-        listed(&first.scene),
-        first.path.display(),
-        entry.object,
-        listed(&entry.scene)
-    )
 }

@@ -11,9 +11,9 @@ use tunenet_core::observation::Kind;
 use tunenet_core::tune::{RolloutStore, Settings, Watch, tune};
 use tunenet_formats::{Error, Recording, kind_name};
 use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{ObservedBall, Session, SimulationFile, observed};
+use tunenet_sim::{Session, SimulationFile};
 
-use super::{checkpoint, network, notes};
+use super::{checkpoint, network, notes, simulated};
 use crate::answers::tune::Fitted;
 use crate::args::Tune;
 use crate::commands::load::Setups;
@@ -37,13 +37,7 @@ pub fn tune_to(
     if let Some(model) = model {
         network::require_use(model, file, kind, recordings.len())?;
     }
-    let bare = bare_ball(options, file, kind, paths)?;
-    let simulator = match &bare {
-        Some(bare) => observed::around(file, bare.clone())?,
-        // What it refuses is the simulation file's or the URDF's, and says so.
-        None if file.domain() != Domain::Ball => setups.simulator(kind, session)?,
-        None => setups.simulator(kind, session).with_context(|| names(paths))?,
-    };
+    let (simulator, bare) = simulated::of(options, setups, kind, session, || names(paths))?;
     let kept = checkpoint::open(options, setups, recordings, simulator.channels().len())?.map(Arc::new);
     let paper = model.is_some_and(|m| m.preset().name == "paper");
     // On a terminal the object and a bar would stand in each other's way.
@@ -62,7 +56,7 @@ pub fn tune_to(
         names: if options.each { Vec::new() } else { paths.iter().map(|p| names::file_name(p)).collect() },
     };
     let seen: Vec<_> = recordings.iter().map(|r| r.observation.clone()).collect();
-    let chosen = network::choose(options, file, model, bare.as_ref(), &seen);
+    let chosen = network::choose(options, file, model, &bare, &seen);
     let tuned = tune(&simulator, &seen, chosen.model.as_ref(), &settings);
     // What the tool chose by itself must not be what fails.
     let again = tuned.is_err() && chosen.is_own_choice();
@@ -80,6 +74,7 @@ pub fn tune_to(
     outcome.notes.extend(chosen.notes.iter().cloned());
     outcome.notes.extend(session.notes());
     outcome.notes.extend(incomplete);
+    outcome.notes.extend(options.out.as_ref().and_then(|_| setups.differences().note()));
     if file.domain() == Domain::Process {
         // Equal requests were simulated once.
         outcome.rollouts = usize::try_from(session.rollouts()).unwrap_or(usize::MAX);
@@ -94,15 +89,6 @@ fn one_kind(recordings: &[Recording], paths: &[PathBuf]) -> Result<Kind> {
     let found = kind_name(recordings[other].observation.kind());
     let message = format!("expected {} as in {}, found {found}", kind_name(kind), names::file_name(&paths[0]));
     Err(Error::file(&paths[other], message, "tune to each kind separately, or use `--each`").into())
-}
-
-/// The ball of the file without measurement effects, where a ball simulates the recordings.
-fn bare_ball(options: &Tune, file: &SimulationFile, kind: Kind, paths: &[PathBuf]) -> Result<Option<ObservedBall>> {
-    if file.domain() != Domain::Ball || matches!(kind, Kind::Pixels | Kind::Joints) {
-        return Ok(None);
-    }
-    let ball = ObservedBall::new(file, kind).with_context(|| names(paths))?;
-    Ok(Some(ball.forced(options.force).with_tuned_effects(file)?))
 }
 
 /// Shows that it goes on, with the number of rollouts where a program is asked for them.

@@ -9,6 +9,7 @@
 //! | `notes` | what it says besides its numbers |
 //! | `paths` | what is read and written |
 //! | `read` | a recording and its reference run |
+//! | `simulated` | what simulates the recordings |
 //! | `each` | every recording separately |
 //! | `written` | the simulation file with the answer in it |
 
@@ -20,6 +21,7 @@ mod network;
 mod notes;
 mod paths;
 mod read;
+mod simulated;
 mod written;
 
 use std::path::{Path, PathBuf};
@@ -28,8 +30,7 @@ use std::time::Instant;
 use anyhow::Result;
 use tunenet_core::observation::Observation;
 use tunenet_core::tune::{Detail, Outcome};
-use tunenet_formats::Recording;
-use tunenet_formats::load_model;
+use tunenet_formats::{Recording, load_model};
 use tunenet_sim::Session;
 
 pub use self::manifest::entries;
@@ -42,8 +43,7 @@ use super::video::TrackFailure;
 use crate::answers::tune::{Fitted, Spent};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
-use crate::files::destination;
-use crate::files::{hash, names};
+use crate::files::{destination, hash, names};
 use crate::view::answer::Printout;
 use crate::view::html::{self, tune::Answer};
 use crate::view::json::tune as json;

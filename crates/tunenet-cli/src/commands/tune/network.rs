@@ -35,12 +35,12 @@ pub fn choose(
     options: &Tune,
     file: &SimulationFile,
     model: Option<&Model>,
-    bare: Option<&ObservedBall>,
+    bare: &[ObservedBall],
     seen: &[Observation],
 ) -> ChosenNetwork {
     match (model, bare) {
         (Some(model), _) => ChosenNetwork::given(model),
-        (None, Some(bare)) => {
+        (None, [bare]) => {
             let cache = if options.no_cache { Cache::none() } else { Cache::of_user() };
             let mut bar = None;
             let chosen = choose_network(file, bare, seen, options.common.seed, &cache, &mut |step, steps| {
@@ -49,7 +49,10 @@ pub fn choose(
             bar.inspect(ProgressBar::finish_and_clear);
             chosen
         }
-        (None, None) => ChosenNetwork::none(match file.domain() {
+        (None, [_, ..]) => {
+            ChosenNetwork::none("none: the recordings differ in keys of the scene; the fit has its own starts")
+        }
+        (None, []) => ChosenNetwork::none(match file.domain() {
             Domain::Arm => "not needed: torques are almost linear in the payload",
             Domain::Process => "none: the fit has its own starts; pass a network trained on `gen process` with --model",
             Domain::Ball => "none: pass a network trained on `gen ball-video` with --model",

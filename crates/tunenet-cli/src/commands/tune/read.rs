@@ -16,6 +16,7 @@ pub fn read(path: &Path, options: &Tune, setups: &load::Setups, number: usize) -
     let (file, setup) = (setups.file(number), setups.number(number));
     let recording = load::recording_of(file, setup, path, &options.reading, load::MOST_SAMPLES)?;
     let recording = load::attach_reference(file, recording, options.reference.as_deref(), &options.reading)?;
+    let recording = setups.placed(number, recording);
     let seen = &recording.observation;
     let clock = seen.clock();
     let span = if seen.kind() == Kind::EventTimes {

@@ -6,7 +6,6 @@ use anyhow::Result;
 use toml_edit::{Array, InlineTable};
 use tunenet_core::tune::Outcome;
 use tunenet_formats::{Recording, write_atomically};
-use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
 use crate::answers::tune::is_written;
@@ -34,7 +33,7 @@ pub fn write_tuned(
             _ => tuned.set_value(&p.name, p.value),
         }
     }
-    let observations = options.observation.iter().enumerate().map(|(i, path)| observation(path, setups.file(i)));
+    let observations = options.observation.iter().enumerate().map(|(i, path)| observation(path, setups, i));
     let observations = observations.collect::<Result<Array>>()?;
     let reference = options.reference.as_deref().map(hash::fingerprint).transpose()?;
     let inputs = Inputs { seed: options.common.seed, observations, reference };
@@ -45,12 +44,16 @@ pub fn write_tuned(
     Ok(())
 }
 
-/// A recording and the files of their own in which its inputs stand.
-fn observation(path: &Path, file: &SimulationFile) -> Result<InlineTable> {
+/// A recording, the files of their own in which its inputs stand, and the keys of the scene that it has for itself.
+fn observation(path: &Path, setups: &Setups, number: usize) -> Result<InlineTable> {
     let mut one = hash::fingerprint(path)?;
-    let own = load::own_files(file, path);
+    let own = load::own_files(setups.file(number), path);
     if !own.is_empty() {
         one.insert("inputs", hash::fingerprints(&own)?.into());
+    }
+    let scene = setups.differences().scene(number);
+    if !scene.is_empty() {
+        one.insert("scene", scene.into());
     }
     Ok(one)
 }

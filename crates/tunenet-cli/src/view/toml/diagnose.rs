@@ -39,7 +39,9 @@ pub fn provenance(
             made = made.with("alternatives", alternatives(answer, &effects, object));
         }
     }
-    if !ambiguous {
+    // What is open to a ball is asked of its file alone, which not all of these recordings were made in.
+    let one_setup = answer.loaded.recorded.iter().all(|recorded| recorded.object != object || recorded.own.is_empty());
+    if !ambiguous && one_setup {
         let sure: Vec<&str> = effects.iter().map(|e| e.effect.name.as_ref()).collect();
         made = made.with_any("open_drag", open_to(improved, &sure, &seen_of(answer, object))?);
     }
@@ -69,6 +71,9 @@ fn observations(answer: &Answer, object: usize) -> Array {
         }
         if !recorded.inputs.is_empty() {
             one.insert("inputs", recorded.inputs.clone().into());
+        }
+        if !recorded.own.is_empty() {
+            one.insert("scene", recorded.own.clone().into());
         }
         one
     };

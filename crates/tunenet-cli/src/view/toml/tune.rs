@@ -38,12 +38,15 @@ pub fn provenance(
     let start = |nuisances: &Vec<Parameter>| {
         nuisances.iter().map(|p| (p.name.replace('.', "_"), p.value)).collect::<InlineTable>()
     };
+    let one_setup =
+        inputs.observations.iter().all(|one| one.as_inline_table().is_none_or(|one| !one.contains_key("scene")));
     let mut made = Provenance::new("tune", inputs.seed, outcome.verdict)?.with("observations", inputs.observations);
     if let Some(reference) = inputs.reference {
         made = made.with("reference", reference);
     }
     made = made.with_intervals(intervals).with("estimated", outcome.nuisances.iter().map(start).collect::<Array>());
-    if outcome.verdict == Verdict::Tuned && !forced(outcome) {
+    // What is open to a ball is asked of its file alone, which not all of these recordings were made in.
+    if outcome.verdict == Verdict::Tuned && !forced(outcome) && one_setup {
         let seen: Vec<Observation> = recordings.iter().map(|r| r.observation.clone()).collect();
         // What only plans go by must not cost the answer.
         made = made.with_any("open_drag", alternatives::open_to(tuned, &[], &seen).unwrap_or_default());
