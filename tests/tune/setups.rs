@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::common::{Drop, Folder, refused, table};
+use crate::docs::page::text;
 
 const MOON_M_S2: f64 = 1.62;
 const EARTH_M_S2: f64 = 9.81;
@@ -89,4 +90,33 @@ fn what_recordings_of_one_object_share_is_refused_in_one_sentence() {
             &[&format!("the same `{key}` in all recordings of `ball`")],
         );
     }
+}
+
+#[test]
+fn simulate_writes_the_scene_of_each_line() {
+    let folder = recorded();
+    folder.run("simulate --sim scene.toml --set release.height_m=1 --set record.frames=240 --manifest runs.toml --out made").ends(0);
+    let made = folder.text("made/moon.csv");
+    let at = |text: &str, frame: usize| -> f64 {
+        text.lines().nth(frame + 1).unwrap().rsplit(',').next().unwrap().parse().unwrap()
+    };
+    // Free fall from 1 m, the radius of the ball above.
+    let second: f64 = made.lines().nth(2).unwrap().split(',').next().unwrap().parse().unwrap();
+    assert!((at(&made, 1) - (1.02 - 0.5 * MOON_M_S2 * second * second)).abs() < 1e-6, "{made}");
+    let earth = folder.text("made/low.csv");
+    assert!((at(&earth, 1) - (1.02 - 0.5 * EARTH_M_S2 * second * second)).abs() < 1e-6, "{earth}");
+}
+
+/// The manifest that the page on tuning shows: what it simulates, it tunes to.
+#[test]
+fn the_manifest_of_the_page_is_one() {
+    let folder = Folder::with_scene();
+    let page = text("docs/tune.md");
+    let (_, shown) = page.split_once("```toml\n[[observation]]").unwrap();
+    folder.write("runs.toml", format!("[[observation]]{}", shown.split_once("```").unwrap().0));
+    let given = "--set release.height_m=1 --set record.frames=240 --set parameters.restitution.value=0.63";
+    folder.run(&format!("simulate --sim scene.toml {given} --manifest runs.toml --out .")).ends(0);
+    let json = folder.run("tune --sim scene.toml --manifest runs.toml --json").ends(0).json();
+    let found = json["parameters"]["restitution"]["value"].as_f64().unwrap();
+    assert!((found - 0.63).abs() < 1e-4, "{json:#}");
 }

@@ -272,7 +272,7 @@ pub struct Simulate {
     /// File with the recorded inputs of an external simulator, and the first samples of its states
     #[arg(long, value_name = "FILE", conflicts_with = "manifest")]
     pub inputs: Option<PathBuf>,
-    /// TOML list of recordings: each is simulated as it was driven, into the folder `--out`
+    /// TOML list of recordings: each is simulated in its own setup, as it was driven, into the folder `--out`
     #[arg(long, value_name = "FILE.toml")]
     pub manifest: Option<PathBuf>,
     /// Write bounce times instead of positions

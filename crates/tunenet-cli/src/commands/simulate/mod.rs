@@ -2,6 +2,7 @@
 
 mod arm;
 mod process;
+mod scenes;
 mod write;
 
 use std::path::{Path, PathBuf};
@@ -33,23 +34,25 @@ pub fn run(options: &Simulate) -> Result<Exit> {
         destination::check(&[output(&options.out)], &inputs, true)?;
     }
     let (mut file, session) = load::simulation_with(&options.simulation, options.permission)?;
-    if file.domain() != Domain::Process && (options.inputs.is_some() || options.manifest.is_some()) {
+    if file.domain() != Domain::Process && options.inputs.is_some() {
         load::of_kind(&file, Domain::Process)?;
     }
-    let observation = match file.domain() {
-        Domain::Arm => arm::simulated(options, &file)?,
-        Domain::Ball => ball(options, &mut file)?,
-        Domain::Process => {
-            let mut all = process::simulated(options, &file, &session)?;
-            if options.manifest.is_some() {
-                return write_all(options, &inputs, &all);
-            }
-            all.remove(0).1
+    let observation = match (file.domain(), &options.manifest) {
+        (Domain::Process, Some(_)) => {
+            return write_all(options, &inputs, &process::simulated(options, &file, &session)?);
         }
+        (_, Some(manifest)) => return write_all(options, &inputs, &scenes::simulated(options, &file, manifest)?),
+        (Domain::Process, None) => process::simulated(options, &file, &session)?.remove(0).1,
+        (_, None) => built_in(options, &mut file)?,
     };
     write(options, &options.out, &observation)?;
     Printout::default().show(options.common.json, || described(&options.out, &observation))?;
     Ok(Exit::Done)
+}
+
+/// What a recording of a ball or an arm would hold.
+fn built_in(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
+    if file.domain() == Domain::Arm { arm::simulated(options, file) } else { ball(options, file) }
 }
 
 /// What a ball's recording would hold.
