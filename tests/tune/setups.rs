@@ -120,3 +120,10 @@ fn the_manifest_of_the_page_is_one() {
     let found = json["parameters"]["restitution"]["value"].as_f64().unwrap();
     assert!((found - 0.63).abs() < 1e-4, "{json:#}");
 }
+
+#[test]
+fn inspect_checks_each_recording_against_the_gravity_of_its_line() {
+    let folder = recorded();
+    let text = folder.run("inspect --sim scene.toml --manifest runs.toml").ends(0).stdout;
+    assert!(text.contains("scene    world.gravity_m_s2 = 1.62") && text.contains("1.62 expected"), "{text}");
+}

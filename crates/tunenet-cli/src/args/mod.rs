@@ -293,10 +293,10 @@ pub struct Inspect {
     /// Files to describe: CSV, MCAP, video, simulation file, dataset or model; for several recordings, gravity is also estimated jointly
     #[arg(value_name = "FILE", required_unless_present = "manifest")]
     pub files: Vec<PathBuf>,
-    /// TOML list of recordings to describe, each with what it says of settings and initial states (requires --sim)
+    /// TOML list of recordings to describe, each with its keys of the scene, settings and initial states (requires --sim)
     #[arg(long, value_name = "FILE.toml", conflicts_with = "files", requires = "sim")]
     pub manifest: Option<PathBuf>,
-    /// Simulation file of an external simulator whose channels and inputs to look for (its program is not run)
+    /// Simulation file: of an external simulator for its channels and inputs (its program is not run), of a ball for its gravity
     #[arg(long, value_name = "FILE.toml")]
     pub sim: Option<PathBuf>,
     #[command(flatten)]

@@ -5,7 +5,7 @@ use std::path::Path;
 use tunenet_formats::Log;
 use tunenet_sim::SimulationFile;
 
-use super::reading::recording;
+use super::reading::{expected, recording};
 use super::{Found, Standing};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
@@ -23,7 +23,7 @@ pub fn look(found: &Log, path: &Path, options: &Inspect, sim: Option<&Simulation
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
     shown.warn_all(&notes);
     let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));
-    let motion = read.and_then(|r| Motion::of(&r.observation));
+    let motion = read.and_then(|r| Motion::of(&r.observation, expected(sim)));
     let rejected = refused.as_deref().or_else(|| motion.as_ref().and_then(Motion::rejected));
     if let Some(motion) = &motion {
         render::render(motion, shown);

@@ -21,7 +21,14 @@ pub fn run(options: &Inspect, manifest: &Path) -> Result<Exit> {
     let mut listing = Listing::new();
     for entry in &entries {
         let setups = || Setups::of(Some(manifest), &sim, &[entry]);
-        listing.add(&entry.path, |shown| look_in(&entry.path, options, Some(setups()?.file(0)), shown));
+        listing.add(&entry.path, |shown| {
+            let setups = setups()?;
+            if !entry.scene.is_empty() {
+                let keys: Vec<String> = entry.scene.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+                shown.row("scene", &keys.join(", "));
+            }
+            look_in(&entry.path, options, Some(setups.file(0)), shown)
+        });
     }
     let Listing { shown, objects, worst } = listing;
     shown.show(

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use tunenet_ball::preflight::Expected;
 use tunenet_formats::{ReadOptions, Recording};
 use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, process};
@@ -11,19 +12,28 @@ use crate::args::Inspect;
 use crate::commands::load;
 
 /// How files are read; where a program simulates, by its channels.
+///
+/// # Errors
+/// Where its channels cannot be read.
 pub fn options(options: &Inspect, sim: Option<&SimulationFile>) -> Result<ReadOptions> {
     let mut reading = load::reading(&options.reading);
-    if let Some(file) = sim {
-        load::of_kind(file, Domain::Process)?;
+    if let Some(file) = sim.filter(|file| file.domain() == Domain::Process) {
         reading.channels = process::channels(file)?;
         reading.others = load::inputs::in_recording(file);
     }
     Ok(reading)
 }
 
+/// Gravity, as the checks of a ball expect it: that of the simulation file, where it is a ball's.
+pub fn expected(sim: Option<&SimulationFile>) -> Expected {
+    let usual = Expected::default();
+    let gravity = sim.and_then(|file| file.ball().ok()).map(|ball| ball.world.gravity_m_s2);
+    Expected { gravity_m_s2: gravity.unwrap_or(usual.gravity_m_s2), ..usual }
+}
+
 /// The recording in a file, as `tune` looks at it.
 pub fn recording(path: &Path, options: &Inspect, sim: Option<&SimulationFile>) -> Result<Recording> {
-    match sim {
+    match sim.filter(|file| file.domain() == Domain::Process) {
         Some(sim) => load::of_channels(sim, 0, path, &options.reading, load::MOST_SAMPLES),
         None => load::recording(path, &options.reading),
     }

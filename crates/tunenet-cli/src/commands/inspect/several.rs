@@ -35,6 +35,7 @@ pub fn run(options: &Inspect) -> Result<Exit> {
                 1 => " from 1 recording".into(),
                 several => format!(" from {several} recordings together"),
             },
+            expected,
             &mut shown,
         );
         if gravity.differs(expected) {

@@ -6,7 +6,7 @@ use tunenet_core::observation::Channel;
 use tunenet_formats::Table;
 use tunenet_sim::SimulationFile;
 
-use super::reading::recording;
+use super::reading::{expected, recording};
 use super::{Found, Standing};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
@@ -27,7 +27,7 @@ pub fn look(
     let read = readable.and_then(|()| recording(path, options, sim).map_err(|e| sentence(&e)));
     // What reading it as a recording says goes further than what the table alone shows.
     let notes = read.as_ref().map_or_else(|_| found.notes.clone(), |r| r.notes.clone());
-    let motion = read.as_ref().ok().and_then(|r| Motion::of(&r.observation));
+    let motion = read.as_ref().ok().and_then(|r| Motion::of(&r.observation, expected(sim)));
     table::contents(found, shown);
     shown.warn_all(&notes);
     let units = read.as_ref().ok().and_then(|r| joints::units(&r.observation, shown));

@@ -1,7 +1,7 @@
 //! What `inspect` says of the motion of a ball.
 
 use serde_json::{Value, json};
-use tunenet_ball::preflight::{ApparentGravity, Expected};
+use tunenet_ball::preflight::ApparentGravity;
 use tunenet_core::observation::{Check, Kind, State};
 
 use crate::answers::motion::Motion;
@@ -21,7 +21,7 @@ pub fn render(motion: &Motion, shown: &mut Printout) {
     let bounces = plural(motion.bounces, "bounce");
     shown.row("motion", &format!("{}{bounces}{}", flights.unwrap_or_default(), noise.unwrap_or_default()));
     if let Some(gravity) = motion.preflight.gravity {
-        render_gravity(&gravity, "", shown);
+        render_gravity(&gravity, "", motion.expected.gravity_m_s2, shown);
     }
     shown.row("checked", &tally(&motion.preflight.checks));
     for check in &motion.preflight.checks {
@@ -66,8 +66,7 @@ pub fn gravity_json(gravity: &ApparentGravity) -> Value {
 }
 
 /// "gravity  9.62 m/s² (95 %: 9.58 to 9.66), 1.9 % below 9.81".
-pub fn render_gravity(gravity: &ApparentGravity, from: &str, shown: &mut Printout) {
-    let expected = Expected::default().gravity_m_s2;
+pub fn render_gravity(gravity: &ApparentGravity, from: &str, expected: f64, shown: &mut Printout) {
     let percent = 100.0 * (gravity.value_m_s2 / expected - 1.0);
     let place = if gravity.differs(expected) {
         format!("{:.1} % {} {expected}", percent.abs(), if percent < 0.0 { "below" } else { "above" })
