@@ -422,8 +422,8 @@ tune = true
         assert_eq!((file.effects()[0].values.as_slice(), file.effects()[0].tune), ([0.02].as_slice(), true));
         file.set("start.theta_rad=-0.093").unwrap();
         assert_eq!(file.starts().next().unwrap().1.value, crate::scene::StartValue::Number(-0.093));
-        file.set_all(&[("start.x_m.max", "1"), ("start.x_m.min", "-1"), ("start.x_m", "0")]).unwrap();
-        assert_eq!(file.starts().len(), 2);
+        file.set_all(&[("start.theta_rad.max", "1"), ("start.theta_rad.min", "-1"), ("start.theta_rad", "0")]).unwrap();
+        assert_eq!(file.starts().next().unwrap().1.max, Some(1.0));
         file.add_effect("delay", &[("s", 0.05)]).unwrap();
         assert_eq!(file.effects()[0].values, [0.05]);
         let refused = file.add_effect("delay", &[("s", 0.5)]).unwrap_err().to_string();
