@@ -54,13 +54,9 @@ impl SimulationFile {
             return refuse(format!("{} for `{path}`", key.shape.expected()), format!("`{text}`"));
         }
         let parts: Vec<&str> = path.split('.').collect();
-        if let (Domain::Process, ["parameters", name, ..]) = (self.domain(), parts.as_slice()) {
-            let known = check::names(Domain::Process, self.document.root());
-            if !known.contains(name) {
-                return refuse(format!("a parameter of the file ({})", known.join(", ")), format!("`{name}`"));
-            }
+        if self.domain() == Domain::Process {
+            self.declared(&parts)?;
         }
-        self.declared(&parts)?;
         let mut table: &mut dyn TableLike = self.document.root_mut();
         for part in &parts[..parts.len() - 1] {
             let item = table.entry(part).or_insert(Item::Table(Table::new()));
@@ -76,22 +72,22 @@ impl SimulationFile {
         }
         Ok(())
     }
-}
 
-impl SimulationFile {
-    /// Refuses an initial state without a table, and a setting that the file's settings do not hold: no program reads a misspelt one.
+    /// Refuses a parameter, an initial state or a setting that the file does not declare: no program reads a misspelt one.
     fn declared(&self, parts: &[&str]) -> Result<()> {
-        let (what, name, known) = match parts {
-            [table @ "start", name, _] => ("an initial state of the file", name, self.keys(table)),
-            [table @ "settings", name, ..] => ("a setting of the file", name, self.keys(table)),
+        let (what, table, name) = match parts {
+            [table @ "parameters", name, ..] => ("a parameter", table, name),
+            [table @ "start", name, ..] => ("an initial state", table, name),
+            [table @ "settings", name, ..] => ("a setting", table, name),
             _ => return Ok(()),
         };
+        let known = self.keys(table);
         // Without any settings the program's own stand in the manifest alone.
-        if known.iter().any(|key| key == name) || (parts[0] == "settings" && known.is_empty()) {
+        if known.iter().any(|key| key == name) || (*table == "settings" && known.is_empty()) {
             return Ok(());
         }
-        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-        refuse(format!("{what} ({known})"), format!("`{name}`"))
+        let listed = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        refuse(format!("{what} of the file ({listed})"), format!("`{name}`"))
     }
 
     /// The keys of a table.
