@@ -6,7 +6,6 @@
 //! noise that gives the velocities the uncertainty they have.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, SeedableRng};
@@ -146,10 +145,7 @@ pub(super) fn detrend(seen: &Observation, contacts: &[f64], g: f64, (seed, wider
         *t -= begin;
     }
     // Both belong to the recording, and so to its setup.
-    let made = |clock: Vec<f64>, rows: &[[f64; 3]]| {
-        let made = Observation::positions(clock, rows).ok()?;
-        Some(seen.circumstances().map_or_else(|| made.clone(), |known| made.clone().under(Arc::clone(known))))
-    };
+    let made = |clock, rows: &[[f64; 3]]| Some(seen.same_circumstances(Observation::positions(clock, rows).ok()?));
     let (ideal, seen) = (made(clock.clone(), &ideals)?, made(clock, &rows)?);
     Some(Detrended { seen, ideal, noise: noise.to_vec(), beyond_tilt })
 }

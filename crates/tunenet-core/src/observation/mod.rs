@@ -291,7 +291,8 @@ impl Observation {
     }
 
     /// `part` of this recording, in the circumstances of the whole.
-    pub(crate) fn same_circumstances(&self, part: Self) -> Self {
+    #[must_use]
+    pub fn same_circumstances(&self, part: Self) -> Self {
         Self { circumstances: self.circumstances.clone(), ..part }
     }
 
