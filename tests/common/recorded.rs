@@ -1,6 +1,11 @@
 //! Recordings that were not made here, in folders that environment variables name; tests that need them are skipped without.
 
+use std::any::Any;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::{Folder, PEERS_BALL, Ran, SCENE, ball, each_its_own};
 
 /// A folder that an environment variable names, and that is there.
 pub fn folder(variable: &str, inside: &str) -> Option<PathBuf> {
@@ -80,4 +85,70 @@ pub fn fallen(folder: &Path, (name, x, z, until_s, ..): Fallen) -> String {
 pub fn fallen_entry((name, _, _, _, radius_m, mass_kg): Fallen) -> String {
     let scene = format!("ball.radius_m = {radius_m}\nball.mass_kg = {mass_kg}");
     format!("[[observation]]\nfile = \"{name}.csv\"\nobject = \"{name}\"\n{scene}\n")
+}
+
+/// The answer of a run that several tests judge: it runs once.
+fn once<T: Send + Sync + 'static>(key: String, run: impl FnOnce() -> T) -> Arc<T> {
+    type Kept = Arc<OnceLock<Arc<dyn Any + Send + Sync>>>;
+    static ANSWERS: Mutex<BTreeMap<String, Kept>> = Mutex::new(BTreeMap::new());
+    let place = Arc::clone(ANSWERS.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default());
+    let kept = Arc::clone(place.get_or_init(|| Arc::new(run())));
+    kept.downcast().expect("a key belongs to one kind of answer")
+}
+
+/// `tune --each --json` over all table tennis flights, and the flights.
+pub fn flights_tuned() -> Option<(Vec<PathBuf>, Arc<Ran>)> {
+    let flights = files(&measured("tt-flights")?, "", ".csv");
+    let answer = once("flights tuned".into(), || {
+        let here = Folder::new();
+        here.write("scene.toml", SCENE);
+        let mut command = here.command();
+        command.args(["tune", "--sim", "scene.toml", "--each", "--json", "--observation"]).args(&flights);
+        Ran::from(command.output().expect("the binary starts"))
+    });
+    Some((flights, answer))
+}
+
+/// `diagnose --json` of the first `count` table tennis flights together. A table rubs.
+pub fn flights_diagnosed(count: usize) -> Option<Arc<Ran>> {
+    let flights = files(&measured("tt-flights")?, "", ".csv");
+    Some(once(format!("{count} flights diagnosed"), || {
+        let here = Folder::new();
+        here.write("ball.toml", ball(0.02, Some(0.0027)));
+        let mut command = here.command();
+        command.args(["diagnose", "--sim", "ball.toml", "--set", "parameters.friction.tune=true", "--json"]);
+        command.arg("--observation").args(&flights[..count.min(flights.len())]);
+        Ran::from(command.output().expect("the binary starts"))
+    }))
+}
+
+/// `diagnose --json` of one flight in seventeen, each alone; behind every answer the file that it wrote, where it wrote one.
+pub fn single_flights_diagnosed() -> Option<Vec<(PathBuf, Arc<(Ran, Option<Vec<u8>>)>)>> {
+    let flights = files(&measured("tt-flights")?, "", ".csv");
+    let one = |flight: &PathBuf| {
+        let answer = once(format!("{} diagnosed", flight.display()), || {
+            let here = Folder::new();
+            here.write("ball.toml", ball(0.02, Some(0.0027)));
+            let mut command = here.command();
+            command.args(["diagnose", "--sim", "ball.toml", "--out", "o.toml", "--json", "--observation"]).arg(flight);
+            let ran = Ran::from(command.output().expect("the binary starts"));
+            (ran, std::fs::read(here.path("o.toml")).ok())
+        });
+        (flight.clone(), answer)
+    };
+    Some(flights.iter().step_by(17).map(one).collect())
+}
+
+/// `diagnose --json` of the first `count` drops of a set of another engine, every one of a ball of its own.
+pub fn peers_diagnosed(set: &str, count: usize) -> Option<Arc<Ran>> {
+    let mut drops = peers(set)?;
+    drops.truncate(count);
+    Some(once(format!("{count} of {set}"), || {
+        let here = Folder::new();
+        here.write("ball.toml", PEERS_BALL);
+        here.write("m.toml", each_its_own(&drops));
+        let columns = "t_s=t,x_m=x,y_m=y,z_m=z";
+        let line = ["diagnose", "--sim", "ball.toml", "--manifest", "m.toml", "--columns", columns, "--json"];
+        here.call(&line)
+    }))
 }

@@ -1,15 +1,18 @@
 //! Diagnosis of recordings that nobody here made: two other engines, where `TUNENET_PEERS` names a folder that holds them,
 //! and real balls, where `TUNENET_MEASURED` does; skipped without.
 
-use std::path::PathBuf;
 use std::process::Command;
 
 use crate::common::recorded::{self, FALLEN, fallen, fallen_entry, files, measured, metres};
-use crate::common::{Folder, PEERS_BALL, Ran, ball, each_its_own};
+use crate::common::{Folder, Ran, ball};
 use serde_json::Value;
 
 fn run(command: &mut Command) -> Value {
-    let ran = Ran::from(command.arg("--json").output().expect("the binary starts"));
+    judged(&Ran::from(command.arg("--json").output().expect("the binary starts")))
+}
+
+/// What a diagnosis answered, in a line for whoever reads the test's output.
+fn judged(ran: &Ran) -> Value {
     assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.stderr);
     let json = ran.json();
     let of = |key: &str| &json[key];
@@ -51,14 +54,9 @@ fn is_named(json: &Value, effect: &str) -> bool {
 
 /// A set of another engine, `count` files of it, each its own object. The other engines put the ball's radius at .5 m.
 fn peers(set: &str, count: usize) -> Option<Value> {
-    let mut those = recorded::peers(set)?;
-    those.truncate(count);
-    let here = Folder::new();
-    here.write("ball.toml", PEERS_BALL);
-    here.write("m.toml", each_its_own(&those));
+    let ran = recorded::peers_diagnosed(set, count)?;
     eprintln!("{set}:");
-    let columns = "t_s=t,x_m=x,y_m=y,z_m=z";
-    Some(run(here.command().args(["diagnose", "--sim", "ball.toml", "--manifest", "m.toml", "--columns", columns])))
+    Some(judged(&ran))
 }
 
 #[test]
@@ -71,13 +69,13 @@ fn another_engine_with_drag() {
 
 #[test]
 fn another_engine_with_a_tilted_floor() {
-    let Some(json) = peers("mujoco_tilt", 4) else { return };
+    let Some(json) = peers("mujoco_tilt", 2) else { return };
     assert!(offers(&json, "surface_tilt"), "{}", short(&json));
 }
 
 #[test]
 fn another_engine_with_late_contacts_on_a_tilted_floor() {
-    let Some(json) = peers("pybullet_tilt", 4) else { return };
+    let Some(json) = peers("pybullet_tilt", 2) else { return };
     assert!(offers(&json, "surface_tilt"), "{}", short(&json));
 }
 
@@ -155,14 +153,9 @@ fn three_balls_together_show_drag() {
 }
 
 fn flights(count: usize) -> Option<Value> {
-    let from = measured("tt-flights")?;
-    let files: Vec<PathBuf> = files(&from, "", ".csv").into_iter().take(count).collect();
-    let here = Folder::new();
-    here.write("ball.toml", ball(0.02, Some(0.0027)));
+    let ran = recorded::flights_diagnosed(count)?;
     eprintln!("{count} flights:");
-    // A table rubs.
-    let friction = "parameters.friction.tune=true";
-    Some(run(here.command().args(["diagnose", "--sim", "ball.toml", "--set", friction, "--observation"]).args(files)))
+    Some(judged(&ran))
 }
 
 #[test]
@@ -185,16 +178,16 @@ fn table_tennis_flights_show_drag_together() {
 /// One flight alone leaves a choice; what is written of it is one effect, with which tuning fits no worse than without.
 #[test]
 fn one_flight_cannot_tell() {
-    let Some(from) = measured("tt-flights") else { return };
-    for file in files(&from, "", ".csv").iter().step_by(17) {
-        let here = Folder::new();
-        here.write("ball.toml", ball(0.02, Some(0.0027)));
-        let name = file.display();
+    let Some(all) = recorded::single_flights_diagnosed() else { return };
+    for (file, answer) in all {
+        let (name, (ran, written)) = (file.display(), answer.as_ref());
         eprintln!("{name}:");
-        let line = format!("diagnose --sim ball.toml --observation {name} --out o.toml");
-        let json = run(here.command().args(line.split(' ')));
+        let json = judged(ran);
         assert!(json["verdict"] != "named", "{name} {}", short(&json));
         if json["verdict"] == "one_of" {
+            let here = Folder::new();
+            here.write("ball.toml", ball(0.02, Some(0.0027)));
+            here.write("o.toml", written.as_ref().expect("a file with the best of them"));
             let gap = |sim: &str| {
                 let tuned = here.run(&format!("tune --sim {sim} --observation {name} --json")).json();
                 tuned["gap"]["after"].as_f64().expect("a gap")

@@ -115,7 +115,7 @@ fn reports_draw_the_inputs_of_a_recording() {
     }
     let folder = recorded(0.0);
     let command = |line: &str| format!("{line} --sim scene.toml --allow-process --report page.html");
-    folder.run(&command("tune rec1.csv")).ends(0);
+    folder.run(&command("tune rec1.csv --quick")).ends(0);
     let page = folder.text("page.html");
     // Once for wide pages and once for narrow ones.
     assert_eq!(page.matches(">torque, N\u{b7}m</text>").count(), 2);
@@ -129,7 +129,7 @@ fn reports_draw_the_inputs_of_a_recording() {
     let mut log = String::from("t_s,torque_nm\n");
     (0..300_000).for_each(|i| writeln!(log, "{},{}", f64::from(i) * 1e-5, i % 7).unwrap());
     folder.write("log.csv", log);
-    folder.run(&command("tune rec1.csv --set inputs.torque_nm.file=log.csv --force"));
+    folder.run(&command("tune rec1.csv --quick --set inputs.torque_nm.file=log.csv --force"));
     let page = folder.text("page.html");
     assert!(page.contains("at most 600 samples") && page.len() < 150_000, "{} bytes", page.len());
 }

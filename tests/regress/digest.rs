@@ -1,6 +1,15 @@
 //! What of an answer is pinned: verdict, names, values with their intervals, codes and rollouts; no sentence and no time.
 
+use crate::common::Ran;
 use serde_json::{Map, Value, json};
+
+/// The digest of what a command with `--json` answered, or its exit status where it refuses.
+pub fn answered(ran: &Ran) -> Value {
+    match serde_json::from_str(&ran.stdout) {
+        Ok(answer) => of(&answer),
+        Err(_) => json!({ "exit": ran.code }),
+    }
+}
 
 /// The digest of an answer of `tune`, `diagnose` or `inspect`, which have keys of their own.
 pub fn of(answer: &Value) -> Value {

@@ -1,33 +1,27 @@
 //! Recordings of real things, where `TUNENET_MEASURED` names a folder that holds them.
 
-use std::path::PathBuf;
-
 use serde_json::Value;
 
-use super::{answer, each, line, pinned};
-use crate::common::recorded::{FALLEN, fallen, fallen_entry, files, measured, metres, name};
+use super::{answer, digest, each, line, of_each, pinned};
+use crate::common::recorded::{
+    FALLEN, fallen, fallen_entry, files, flights_diagnosed, flights_tuned, measured, metres, name, single_flights_diagnosed,
+};
 use crate::common::{Folder, ball};
 
 const EACH: &str = "tune --sim scene.toml --each --observation";
 
 #[test]
 fn regress_table_tennis_flights_tuned() {
-    let Some(from) = measured("tt-flights") else { return };
-    pinned::check("flights-tuned", &each(&Folder::with_scene(), EACH, &files(&from, "", ".csv")));
+    let Some((flights, ran)) = flights_tuned() else { return };
+    pinned::check("flights-tuned", &of_each(&ran.json(), &flights));
 }
 
 /// One flight in seventeen alone, then the first ones together.
 #[test]
 fn regress_table_tennis_flights_diagnosed() {
-    let Some(from) = measured("tt-flights") else { return };
-    let here = Folder::new();
-    here.write("ball.toml", ball(0.02, Some(0.0027)));
-    let all = files(&from, "", ".csv");
-    let words = "diagnose --sim ball.toml --observation";
-    let alone = |path: &PathBuf| (name(path), answer(&here, &line(words, std::slice::from_ref(path))));
-    let mut found: Vec<_> = all.iter().step_by(17).map(alone).collect();
-    let rubs = "diagnose --sim ball.toml --set parameters.friction.tune=true --observation";
-    found.push(("together".into(), answer(&here, &line(rubs, &all[..12.min(all.len())]))));
+    let (Some(alone), Some(together)) = (single_flights_diagnosed(), flights_diagnosed(12)) else { return };
+    let mut found: Vec<_> = alone.iter().map(|(flight, ran)| (name(flight), digest::answered(&ran.0))).collect();
+    found.push(("together".into(), digest::answered(&together)));
     pinned::check("flights-diagnosed", &found);
 }
 

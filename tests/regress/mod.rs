@@ -37,7 +37,11 @@ fn answer(here: &Folder, arguments: &[impl AsRef<OsStr>]) -> Value {
 
 /// The digests of `tune --each` over files, by their names.
 fn each(here: &Folder, words: &str, paths: &[PathBuf]) -> Vec<(String, Value)> {
-    let (_, found) = ask(here, &line(words, paths));
+    of_each(&ask(here, &line(words, paths)).1, paths)
+}
+
+/// The digests of such an answer.
+fn of_each(found: &Value, paths: &[PathBuf]) -> Vec<(String, Value)> {
     let answers = found["observations"].as_array().expect("an answer for each");
     assert_eq!(answers.len(), paths.len());
     paths.iter().zip(answers).map(|(path, one)| (name(path), digest::of(one))).collect()

@@ -1,8 +1,8 @@
 //! Drops from two other engines, where `TUNENET_PEERS` names a folder that holds them.
 
-use super::{answer, each, line, pinned};
-use crate::common::recorded::peers;
-use crate::common::{Folder, PEERS_BALL, each_its_own};
+use super::{digest, each, pinned};
+use crate::common::recorded::{peers, peers_diagnosed};
+use crate::common::{Folder, PEERS_BALL};
 
 /// Of each set; all 20 would take minutes.
 const TUNED: usize = 5;
@@ -33,12 +33,8 @@ fn diagnosed(engine: &str) {
     let mut found = Vec::new();
     for (what, count) in [("easy", 5), ("hard", 5), ("drag", 5), ("tilt", 2), ("eslope", 5), ("wind", 3)] {
         let set = format!("{engine}_{what}");
-        let Some(drops) = peers(&set) else { return };
-        let here = Folder::new();
-        here.write("ball.toml", PEERS_BALL);
-        here.write("m.toml", each_its_own(&drops[..count.min(drops.len())]));
-        let words = format!("diagnose --sim ball.toml --manifest m.toml {COLUMNS}");
-        found.push((set, answer(&here, &line(&words, &[]))));
+        let Some(ran) = peers_diagnosed(&set, count) else { return };
+        found.push((set, digest::answered(&ran)));
     }
     pinned::check(&format!("engines-diagnosed-{engine}"), &found);
 }

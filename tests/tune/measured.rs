@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use crate::common::recorded::{self, files};
-use crate::common::{Folder, SCENE};
+use crate::common::{Folder, Ran, SCENE};
 use serde_json::Value;
 
 fn measured(folder: &str, start: &str, end: &str) -> Option<Vec<PathBuf>> {
@@ -16,11 +16,14 @@ fn each(files: &[PathBuf]) -> Vec<Value> {
     let folder = Folder::with_scene();
     let mut command = folder.command();
     command.args(["tune", "--sim", "scene.toml", "--each", "--json", "--observation"]).args(files);
-    let ran = crate::common::Ran::from(command.output().unwrap());
-    assert!(matches!(ran.code, Some(0 | 1 | 3)), "{:?}\n{}", ran.code, ran.stderr);
-    let answers = ran.json()["observations"].as_array().unwrap().clone();
+    let answers = of_each(&Ran::from(command.output().unwrap()));
     assert_eq!(answers.len(), files.len());
     answers
+}
+
+fn of_each(ran: &Ran) -> Vec<Value> {
+    assert!(matches!(ran.code, Some(0 | 1 | 3)), "{:?}\n{}", ran.code, ran.stderr);
+    ran.json()["observations"].as_array().unwrap().clone()
 }
 
 fn verdict(answer: &Value) -> &str {
@@ -43,8 +46,9 @@ fn tally(answers: &[Value]) -> String {
 /// A standard ball on a standard table: restitution .90 to .97.
 #[test]
 fn table_tennis_flights() {
-    let Some(files) = measured("tt-flights", "", ".csv") else { return };
-    let answers = each(&files);
+    let Some((files, ran)) = recorded::flights_tuned() else { return };
+    let answers = of_each(&ran);
+    assert_eq!(answers.len(), files.len());
     let (middle, usable) = median(&answers);
     eprintln!("flights: median {middle:.4} of {usable} usable; {}", tally(&answers));
     assert!((0.90..=0.97).contains(&middle), "{middle} of {usable}; {}", tally(&answers));
