@@ -4,7 +4,8 @@ use serde_json::Value;
 
 use super::{answer, digest, each, line, of_each, pinned};
 use crate::common::recorded::{
-    FALLEN, fallen, fallen_entry, files, flights_diagnosed, flights_tuned, measured, metres, name, single_flights_diagnosed,
+    FALLEN, fallen, fallen_entry, files, flights_diagnosed, flights_tuned, measured, metres, name,
+    single_flights_diagnosed,
 };
 use crate::common::{Folder, ball};
 
