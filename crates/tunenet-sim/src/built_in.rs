@@ -60,7 +60,8 @@ pub fn serves(file: &SimulationFile, recording: &Prepared) -> std::result::Resul
     let Forces { quadratic_drag_1_m, linear_drag_1_s, magnus_1_s, .. } = scene.flight;
     let bent = quadratic_drag_1_m * scale.length > GREATEST_DRAG || linear_drag_1_s * scale.time_s > GREATEST_DRAG;
     let level = ball.surface.tilt_about_x_rad == 0.0 && ball.surface.tilt_about_y_rad == 0.0;
-    if bent || magnus_1_s != [0.0; 3] {
+    let formulas = file.effects().iter().any(|present| file.candidate(&present.name).is_some());
+    if bent || formulas || magnus_1_s != [0.0; 3] {
         return Err("the scene's forces bend the flight".into());
     }
     if !level {

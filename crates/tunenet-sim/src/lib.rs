@@ -11,6 +11,7 @@
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
 //! | [`open_drag`] | the drag that recordings leave open |
+//! | [`formula_effect`] | effects that a user writes as formulas |
 //! | [`phase`] | where effects act, in words |
 //! | [`process`] | a simulator of any language: a program that speaks lines of JSON |
 //! | [`network`] | which network a fit starts with |
@@ -25,6 +26,7 @@ pub mod ball;
 pub mod built_in;
 pub mod drawn;
 pub mod findings;
+pub mod formula_effect;
 pub mod network;
 pub mod observed;
 pub mod observed_arm;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use toml_edit::DocumentMut;
-use tunenet_core::diagnose::{Diagnosis, Verdict};
+use tunenet_core::diagnose::{Diagnosis, NamedEffect, Verdict};
 use tunenet_core::simulator::Simulator;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
@@ -42,6 +42,10 @@ pub fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
         }
     }
     for effect in answer.effects_of(number) {
+        if file.candidate(&effect.effect.name).is_some() {
+            file.add_declared(&effect.effect.name, &values_of(effect, number))?;
+            continue;
+        }
         let values: Vec<(&str, f64)> =
             effect.coefficients.iter().filter_map(|c| Some((c.key.as_ref(), value_of(c, number)?.value))).collect();
         file.add_effect(&effect.effect.name, &values)?;
@@ -56,10 +60,19 @@ fn improved_arm(answer: &Answer, number: usize, mut file: SimulationFile) -> Res
         file.set_arm_value(&tuned.name, tuned.value, joints)?;
     }
     for effect in answer.effects_of(number) {
-        let values: Vec<f64> = effect.coefficients.iter().filter_map(|c| Some(value_of(c, number)?.value)).collect();
-        file.add_arm_effect(&effect.effect.name, &values)?;
+        let values = values_of(effect, number);
+        if file.candidate(&effect.effect.name).is_some() {
+            file.add_declared(&effect.effect.name, &values)?;
+        } else {
+            file.add_arm_effect(&effect.effect.name, &values)?;
+        }
     }
     Ok(file)
+}
+
+/// The values of an effect's coefficients for an object, in the order of the catalogue.
+fn values_of(effect: &NamedEffect, number: usize) -> Vec<f64> {
+    effect.coefficients.iter().filter_map(|c| Some(value_of(c, number)?.value)).collect()
 }
 
 fn without_provenance(text: &str) -> Result<String> {

@@ -1,8 +1,12 @@
 //! How a ball moves while nothing new touches it: forces, and the curves that they bend.
 
+use std::sync::Arc;
+
 use rapier3d::math::Vector;
 
 use super::range::{GREATEST, within};
+use super::step_size;
+use crate::formula_effect::flight::AppliedForce;
 
 /// What acts on a ball in flight besides gravity, each as an acceleration. Zero means absent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -39,19 +43,20 @@ pub(crate) struct Motion {
     pub w: Vector,
 }
 
-/// The acceleration as a function of velocity: every force of [`Forces`] depends on nothing else.
-#[derive(Debug, Clone, Copy)]
+/// The acceleration. Every force of [`Forces`] depends on the velocity alone; formulas may depend on place and time as well.
+#[derive(Debug, Clone)]
 pub(crate) struct Field {
     constant: Vector,
     quadratic: f64,
     linear: f64,
     magnus: Vector,
-    /// Whether the acceleration depends on the velocity at all.
+    /// Whether the acceleration depends on anything.
     pub varies: bool,
+    formulas: Option<Arc<[AppliedForce]>>,
 }
 
 impl Field {
-    pub fn new(gravity_m_s2: f64, forces: &Forces) -> Self {
+    pub fn new(gravity_m_s2: f64, forces: &Forces, formulas: &[AppliedForce]) -> Self {
         let magnus = Vector::from_array(forces.magnus_1_s);
         let down = gravity_m_s2 + forces.effective_gravity_m_s2;
         Self {
@@ -59,15 +64,31 @@ impl Field {
             quadratic: forces.quadratic_drag_1_m,
             linear: forces.linear_drag_1_s,
             magnus,
-            varies: forces.quadratic_drag_1_m != 0.0 || forces.linear_drag_1_s != 0.0 || magnus != Vector::ZERO,
+            varies: forces.quadratic_drag_1_m != 0.0
+                || forces.linear_drag_1_s != 0.0
+                || magnus != Vector::ZERO
+                || !formulas.is_empty(),
+            formulas: (!formulas.is_empty()).then(|| Arc::from(formulas)),
         }
     }
 
-    pub fn acceleration(&self, v: Vector) -> Vector {
+    /// At an instant (s), a place and a velocity.
+    pub fn acceleration(&self, t: f64, x: Vector, v: Vector) -> Vector {
+        let own = self.of_velocity(v);
+        self.formulas.as_deref().map_or(own, |all| all.iter().fold(own, |sum, one| sum + one.acceleration(t, x, v)))
+    }
+
+    /// Without formulas.
+    fn of_velocity(&self, v: Vector) -> Vector {
         if !self.varies {
             return self.constant;
         }
         self.constant - v * (self.quadratic * v.length() + self.linear) + self.magnus.cross(v)
+    }
+
+    /// Whether it changes while nothing moves.
+    pub fn depends_on_time(&self) -> bool {
+        self.formulas.as_deref().is_some_and(|all| all.iter().any(AppliedForce::depends_on_time))
     }
 
     /// A bound on how fast the acceleration follows the velocity, 1/s: the norm of da/dv at that speed.
@@ -90,7 +111,7 @@ const SHORTEST_ROLL_S: f64 = 1e-4;
 const TURN: f64 = 0.05;
 
 /// What bends a path.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 enum Bend {
     /// Constant linear and angular acceleration: the parabola, exact.
     Even { a: Vector, spin_up: Vector },
@@ -103,9 +124,11 @@ enum Bend {
 }
 
 /// One smooth piece of motion, from its start on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Path {
     pub start: Motion,
+    /// When it starts, s: formulas may depend on it.
+    start_s: f64,
     /// How long this piece holds, s; may be infinite.
     pub horizon: f64,
     /// How far the acceleration may drift from its present value within the horizon, m/s².
@@ -114,20 +137,21 @@ pub(crate) struct Path {
 }
 
 impl Path {
-    /// Free flight.
-    pub fn flight(start: Motion, field: &Field) -> Self {
+    /// Free flight from an instant (s) on.
+    pub fn flight(start: Motion, start_s: f64, field: &Field) -> Self {
         if field.varies {
-            return Self::bent(start, field, Bend::Flight { field: *field });
+            return Self::bent(start, start_s, field, Bend::Flight { field: field.clone() });
         }
         Self::even(start, field.constant, Vector::ZERO, f64::INFINITY)
     }
 
     /// Rolling without slip on the plane with this normal, slowed by a resistance (m/s², 0 or more).
-    pub fn rolling(start: Motion, field: &Field, normal: Vector, radius: f64, resistance: f64) -> Self {
-        let a = rolling(field, normal, resistance, start.v);
+    pub fn rolling(start: Motion, start_s: f64, field: &Field, normal: Vector, radius: f64, resistance: f64) -> Self {
+        let a = rolling(field, normal, resistance, start_s, start.x, start.v);
+        let bend = || Bend::Rolling { field: field.clone(), normal, radius, resistance };
         if resistance == 0.0 {
             if field.varies {
-                return Self::bent(start, field, Bend::Rolling { field: *field, normal, radius, resistance });
+                return Self::bent(start, start_s, field, bend());
             }
             return Self::even(start, a, normal.cross(a) / radius, f64::INFINITY);
         }
@@ -138,7 +162,7 @@ impl Path {
         if !field.varies && start.v.cross(a).length() <= 1e-12 * speed * size {
             return Self::even(start, a, normal.cross(a) / radius, stop);
         }
-        let mut path = Self::bent(start, field, Bend::Rolling { field: *field, normal, radius, resistance });
+        let mut path = Self::bent(start, start_s, field, bend());
         // The direction of the resistance must not turn far within a step.
         path.horizon = path.horizon.min((TURN * speed / size).max(SHORTEST_ROLL_S)).min(stop);
         path.slack += 2.0 * resistance;
@@ -152,16 +176,23 @@ impl Path {
     /// evenly. Both join the flights before and after without a jump of speed.
     pub fn pressed(start: Motion, mut end: Motion, normal: Vector, duration: f64) -> Self {
         end.x = start.x + along(start.v + end.v, normal) * (0.5 * duration);
-        Self { start, horizon: duration, slack: 0.0, bend: Bend::Pressed { end, normal } }
+        Self { start, start_s: 0.0, horizon: duration, slack: 0.0, bend: Bend::Pressed { end, normal } }
     }
 
     /// Constant accelerations for a while.
     pub fn even(start: Motion, a: Vector, spin_up: Vector, horizon: f64) -> Self {
-        Self { start, horizon, slack: 0.0, bend: Bend::Even { a, spin_up } }
+        Self { start, start_s: 0.0, horizon, slack: 0.0, bend: Bend::Even { a, spin_up } }
     }
 
-    fn bent(start: Motion, field: &Field, bend: Bend) -> Self {
-        let acceleration = field.acceleration(start.v);
+    fn bent(start: Motion, start_s: f64, field: &Field, bend: Bend) -> Self {
+        if field.formulas.is_some() {
+            let path = Self { start, start_s, horizon: LONGEST_STEP_S, slack: 0.0, bend };
+            let (horizon, slack) = step_size::by_doubling(LONGEST_STEP_S, (start.x, start.v), |t, x, v| {
+                path.bent_acceleration(start_s + t, x, v)
+            });
+            return Self { horizon, slack, ..path };
+        }
+        let acceleration = field.of_velocity(start.v);
         let a = acceleration.length();
         let rate = field.rate(start.v.length() + a * LONGEST_STEP_S);
         let mut horizon = LONGEST_STEP_S.min(REACH / rate);
@@ -171,7 +202,7 @@ impl Path {
         if field.quadratic > 0.0 && apex > horizon * SHORTEST && apex < horizon {
             horizon = apex;
         }
-        Self { start, horizon, slack: 1.2 * rate * horizon * a, bend }
+        Self { start, start_s, horizon, slack: 1.2 * rate * horizon * a, bend }
     }
 
     /// The motion `t` seconds after the start. Depends on nothing but the path and `t`, so that the instants at which
@@ -181,11 +212,19 @@ impl Path {
         match &self.bend {
             Bend::Even { a, spin_up } => Motion { x: x + (v + *a * (0.5 * t)) * t, v: v + *a * t, w: w + *spin_up * t },
             Bend::Flight { field } => {
-                let (x, v) = runge_kutta(x, v, t, |v| field.acceleration(v));
+                let (x, v) = if field.formulas.is_some() {
+                    step_size::runge_kutta((x, v), t, |t, x, v| self.bent_acceleration(self.start_s + t, x, v))
+                } else {
+                    runge_kutta(x, v, t, |v| field.of_velocity(v))
+                };
                 Motion { x, v, w }
             }
             Bend::Rolling { field, normal, radius, resistance } => {
-                let (x, v) = runge_kutta(x, v, t, |v| rolling(field, *normal, *resistance, v));
+                let (x, v) = if field.formulas.is_some() {
+                    step_size::runge_kutta((x, v), t, |t, x, v| self.bent_acceleration(self.start_s + t, x, v))
+                } else {
+                    runge_kutta(x, v, t, |v| rolling(field, *normal, *resistance, 0.0, Vector::ZERO, v))
+                };
                 Motion { x, v, w: normal.cross(v) / *radius + *normal * normal.dot(w) }
             }
             Bend::Pressed { end, .. } if t >= self.horizon => *end,
@@ -207,12 +246,16 @@ impl Path {
         }
     }
 
-    /// The acceleration at velocity `v`.
-    pub fn acceleration(&self, v: Vector) -> Vector {
+    /// The acceleration of the motion `t` seconds after the start.
+    pub fn acceleration(&self, t: f64, motion: &Motion) -> Vector {
+        self.bent_acceleration(self.start_s + t, motion.x, motion.v)
+    }
+
+    fn bent_acceleration(&self, t: f64, x: Vector, v: Vector) -> Vector {
         match &self.bend {
             Bend::Even { a, .. } => *a,
-            Bend::Flight { field } => field.acceleration(v),
-            Bend::Rolling { field, normal, resistance, .. } => rolling(field, *normal, *resistance, v),
+            Bend::Flight { field } => field.acceleration(t, x, v),
+            Bend::Rolling { field, normal, resistance, .. } => rolling(field, *normal, *resistance, t, x, v),
             // Nothing else is looked for during a contact.
             Bend::Pressed { .. } => Vector::ZERO,
         }
@@ -225,8 +268,8 @@ pub(crate) fn along(a: Vector, normal: Vector) -> Vector {
 }
 
 /// The acceleration of a ball that rolls at velocity `v`; from rest the resistance points against the drive.
-fn rolling(field: &Field, normal: Vector, resistance: f64, v: Vector) -> Vector {
-    let drive = along(field.acceleration(v), normal) * ROLLING_SHARE;
+fn rolling(field: &Field, normal: Vector, resistance: f64, t: f64, x: Vector, v: Vector) -> Vector {
+    let drive = along(field.acceleration(t, x, v), normal) * ROLLING_SHARE;
     if resistance == 0.0 {
         return drive;
     }

@@ -81,7 +81,7 @@ pub(crate) fn first_touch(obstacles: &[Obstacle], ball: Ball, path: &Path, skip:
         for query in 1.. {
             let motion = path.at(t);
             let gap = obstacle.gap(motion.x, ball);
-            let (speed, acceleration) = (gap.normal.dot(motion.v), gap.normal.dot(path.acceleration(motion.v)));
+            let (speed, acceleration) = (gap.normal.dot(motion.v), gap.normal.dot(path.acceleration(t, &motion)));
             // The distance is a difference of coordinates and cannot be known better than their last digits.
             let touching = gap.distance <= 1e-13 + 8.0 * f64::EPSILON * motion.x.abs().max_element();
             if touching && (speed < 0.0 || (speed == 0.0 && acceleration < 0.0)) {

@@ -8,6 +8,7 @@
 //! - [`impact`]: when the ball first touches an obstacle, by distance queries of parry;
 //! - [`contact`]: what the touch does, by Rapier's solver;
 //! - [`effects`]: what may be added to all this, one file each;
+//! - `step_size`: how long a step may be where formulas act;
 //! - `support`: lying, rolling and sliding, by contacts without rebound;
 //! - [`world`]: one rollout, all of this in order.
 //!
@@ -32,6 +33,7 @@ pub mod flight;
 pub mod impact;
 pub mod range;
 pub mod scene;
+mod step_size;
 mod support;
 pub mod world;
 

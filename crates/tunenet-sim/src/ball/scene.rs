@@ -5,6 +5,8 @@ use rapier3d::math::Vector;
 use super::contact::{Contact, Law};
 use super::flight::{Field, Forces};
 use super::range::{GREATEST, within};
+use crate::formula_effect::contact::AppliedContact;
+use crate::formula_effect::flight::AppliedForce;
 
 /// A ball above a plane surface, in SI units; z points up.
 ///
@@ -42,6 +44,17 @@ pub struct Scene {
     pub flight: Forces,
     /// What a contact has besides restitution and friction.
     pub contact: Contact,
+    /// Effects that a user wrote as formulas.
+    pub formulas: Formulas,
+}
+
+/// Formulas with their numbers.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Formulas {
+    /// Accelerations in flight.
+    pub flight: Vec<AppliedForce>,
+    /// What they add to the restitution at contacts.
+    pub contact: Vec<AppliedContact>,
 }
 
 impl Default for Scene {
@@ -58,6 +71,7 @@ impl Default for Scene {
             restitution: 0.7,
             flight: Forces::default(),
             contact: Contact::default(),
+            formulas: Formulas::default(),
         }
     }
 }
@@ -80,7 +94,7 @@ impl Scene {
     }
 
     pub(crate) fn field(&self) -> Field {
-        Field::new(self.gravity_m_s2, &self.flight)
+        Field::new(self.gravity_m_s2, &self.flight, &self.formulas.flight)
     }
 
     /// Whether this scene can be simulated.

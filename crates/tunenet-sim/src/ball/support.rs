@@ -28,6 +28,8 @@ pub(crate) struct Ground<'a> {
     pub ball: Ball,
     pub field: &'a Field,
     pub law: &'a Law,
+    /// The present instant, s.
+    pub now_s: f64,
 }
 
 /// The obstacles that hold a ball up.
@@ -51,7 +53,7 @@ impl Supports {
 impl Ground<'_> {
     /// The next piece of supported motion and what supports it; none where nothing does.
     pub fn follow(&self, motion: Motion, server: &mut Server, calls: &mut u64) -> Option<(Path, Supports)> {
-        let a = self.field.acceleration(motion.v);
+        let a = self.field.acceleration(self.now_s, motion.x, motion.v);
         let (mut motion, supports) = self.settle(motion, a);
         let radius = self.ball.radius;
         let (_, friction) = self.law.at(0.0);
@@ -66,10 +68,10 @@ impl Ground<'_> {
                 let resistance = self.law.rolling_resistance * pressing;
                 if motion.v.length() < STANDSTILL_M_S && drive.length() * ROLLING_SHARE <= resistance {
                     (motion.v, motion.w) = (Vector::ZERO, *normal * normal.dot(motion.w));
-                    return Some((Path::even(motion, Vector::ZERO, Vector::ZERO, f64::INFINITY), supports));
+                    return Some((Path::even(motion, Vector::ZERO, Vector::ZERO, self.rest_s()), supports));
                 }
                 motion.w = normal.cross(motion.v) / radius + *normal * normal.dot(motion.w);
-                return Some((Path::rolling(motion, self.field, *normal, radius, resistance), supports));
+                return Some((Path::rolling(motion, self.now_s, self.field, *normal, radius, resistance), supports));
             }
             if friction == 0.0 && !self.field.varies {
                 return Some((Path::even(motion, drive, Vector::ZERO, f64::INFINITY), supports));
@@ -82,16 +84,21 @@ impl Ground<'_> {
         let step = SLIDING_STEP_S;
         let mut after = self.press(&motion, a * step, friction, &supports, server, calls);
         if self.field.varies {
-            let middle = self.field.acceleration((motion.v + after.0) * 0.5);
+            let middle = self.field.acceleration(self.now_s + 0.5 * step, motion.x, (motion.v + after.0) * 0.5);
             after = self.press(&motion, middle * step, friction, &supports, server, calls);
         }
         let at_rest = |(v, w): (Vector, Vector)| v.length() < 1e-12 && w.length() * radius < 1e-12;
         if at_rest((motion.v, motion.w)) && at_rest(after) {
             motion.v = Vector::ZERO;
-            return Some((Path::even(motion, Vector::ZERO, Vector::ZERO, f64::INFINITY), supports));
+            return Some((Path::even(motion, Vector::ZERO, Vector::ZERO, self.rest_s()), supports));
         }
         let path = Path::even(motion, (after.0 - motion.v) / step, (after.1 - motion.w) / step, step);
         Some((path, supports))
+    }
+
+    /// How long a ball at rest certainly stays there, s.
+    fn rest_s(&self) -> f64 {
+        if self.field.depends_on_time() { SLIDING_STEP_S } else { f64::INFINITY }
     }
 
     /// Finds what holds the ball and lays the ball onto it, without its last speed into it.

@@ -10,6 +10,7 @@ use super::range::within;
 use super::scene::Scene;
 use super::support::{Ground, SLOWEST_REBOUND_M_S, Supports};
 use super::{Impact, State};
+use crate::formula_effect::contact::AppliedContact;
 
 /// Questions to the contact solver in one rollout; a second or so of work. A ball that falls 10 m with a restitution of
 /// 0.999 asks about 20 in a minute.
@@ -26,6 +27,8 @@ pub struct World {
     ball: Ball,
     field: Field,
     law: Law,
+    /// What formulas add to the restitution.
+    returns: Vec<AppliedContact>,
     /// How each impact's normal is turned about x and y, rad.
     tilts_rad: Vec<[f64; 2]>,
     /// The present piece of motion and when it started.
@@ -79,10 +82,11 @@ impl World {
             server: Server::new(),
             obstacles,
             ball,
+            path: Path::flight(motion, start_time_s, &field),
             field,
             law: scene.law(),
+            returns: scene.formulas.contact.clone(),
             tilts_rad: scene.contact.tilts_rad.clone(),
-            path: Path::flight(motion, &field),
             started_s: start_time_s,
             until: f64::INFINITY,
             hit: None,
@@ -176,14 +180,20 @@ impl World {
         }
         let mut supports = Supports::default();
         if self.supported {
-            let ground = Ground { obstacles: &self.obstacles, ball: self.ball, field: &self.field, law: &self.law };
+            let ground = Ground {
+                obstacles: &self.obstacles,
+                ball: self.ball,
+                field: &self.field,
+                law: &self.law,
+                now_s: self.started_s,
+            };
             match ground.follow(motion, &mut self.server, &mut self.contacts) {
                 Some((path, held_by)) => (self.path, supports) = (path, held_by),
                 None => self.supported = false,
             }
         }
         if !self.supported {
-            self.path = Path::flight(motion, &self.field);
+            self.path = Path::flight(motion, self.started_s, &self.field);
         }
         self.look_ahead(&supports);
         Ok(())
@@ -196,7 +206,10 @@ impl World {
         let struck = tilt.map_or(touch.normal, |tilt| turned(touch.normal, *tilt));
         let approach = -struck.dot(motion.v);
         if approach > 0.0 {
-            let coefficients = self.law.at(approach);
+            let mut coefficients = self.law.at(approach);
+            if !self.returns.is_empty() {
+                coefficients.0 = self.returned(struck, &motion, approach, coefficients.0);
+            }
             let after = self.server.resolve(struck, radius, (motion.v, motion.w), coefficients);
             (motion.v, motion.w) = self.law.lose_slip(struck, radius, after);
             self.contacts += 1;
@@ -206,11 +219,20 @@ impl World {
         }
         let normal = touch.normal;
         let rebound = normal.dot(motion.v);
-        self.supported = rebound < SLOWEST_REBOUND_M_S && normal.dot(self.field.acceleration(motion.v)) < 0.0;
+        self.supported = rebound < SLOWEST_REBOUND_M_S
+            && normal.dot(self.field.acceleration(self.started_s, motion.x, motion.v)) < 0.0;
         if self.supported {
             motion.v -= normal * rebound;
         }
         motion
+    }
+
+    /// The restitution with what formulas add to it, 0 to 1; a sum that is no number adds nothing.
+    fn returned(&self, normal: Vector, motion: &Motion, approach: f64, restitution: f64) -> f64 {
+        let skin = motion.v - motion.w.cross(normal * self.ball.radius);
+        let along = (skin - normal * normal.dot(skin)).length();
+        let added: f64 = self.returns.iter().map(|one| one.added(approach, along, restitution)).sum();
+        if added.is_nan() { restitution } else { (restitution + added).clamp(0.0, 1.0) }
     }
 
     /// Finds out how the present piece of motion ends.

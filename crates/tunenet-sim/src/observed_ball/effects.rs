@@ -6,9 +6,10 @@ use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation};
 use tunenet_core::{Error, Origin, Result};
 use tunenet_formats::kind_name;
 
+use super::acting::Acting;
 use super::{Nuisance, ObservedBall};
 use crate::ball::Scene;
-use crate::ball::effects::{ALL, BallEffect, SCATTER};
+use crate::ball::effects::{ALL, SCATTER};
 use crate::scene::BallParameters;
 
 /// What the spin of a throw does in the air.
@@ -20,19 +21,30 @@ const MOST_TILTS: usize = 12;
 impl ObservedBall {
     /// Those that are not there, and that this kind of observation can show.
     pub(super) fn absent_effects(&self) -> Vec<Effect> {
-        let present = |name| {
-            self.fixed.iter().any(|(e, _)| e.name == name)
-                || self.free.iter().chain(&self.per_recording).any(|e| e.name == name)
+        let present = |name: &str| {
+            self.fixed.iter().any(|(e, _)| e.name() == name)
+                || self.free.iter().chain(&self.per_recording).any(|e| e.name() == name)
         };
-        ALL.iter().filter(|e| !present(e.name) && self.can_take(e)).map(|e| e.entry(&self.body)).collect()
+        let all = self.known_effects().filter(|e| !present(e.name()) && self.can_take(e));
+        all.map(|e| e.entry(&self.body)).collect()
+    }
+
+    /// The catalogue, then the formulas of the file.
+    fn known_effects(&self) -> impl Iterator<Item = Acting> {
+        ALL.into_iter().map(Acting::BuiltIn).chain(self.formulas.iter().cloned().map(Acting::Formula))
+    }
+
+    /// The effect of this name.
+    pub(super) fn find_effect(&self, name: &str) -> Option<Acting> {
+        self.known_effects().find(|effect| effect.name() == name)
     }
 
     /// The same ball with the coefficients of these effects as further parameters.
     pub(super) fn freed(&self, names: &[&str]) -> Result<Self> {
         let mut ball = self.clone();
         for name in names {
-            let new = |e: &BallEffect| self.can_take(e) && !ball.free.iter().any(|f| f.name == e.name);
-            let Some(effect) = BallEffect::find(name).filter(new) else {
+            let new = |e: &Acting| self.can_take(e) && !ball.free.iter().any(|f| f.name() == e.name());
+            let Some(effect) = self.find_effect(name).filter(new) else {
                 let known = ball.absent_effects().iter().map(|e| e.name.as_ref()).collect::<Vec<_>>().join(", ");
                 let expected = format!("an effect of a ball seen as {} ({known})", kind_name(self.kind));
                 return Err(Error::Setting {
@@ -42,11 +54,11 @@ impl ObservedBall {
                     found: format!("`{name}`"),
                 });
             };
-            let at = ball.fixed.iter().position(|(e, _)| e.name == *name);
+            let at = ball.fixed.iter().position(|(e, _)| e.name() == *name);
             let present = at.map(|i| ball.fixed.remove(i).1);
             let parameters = effect.entry(&self.body).parameters(present.as_deref())?;
             // A random effect is not rolled out; its size follows from the tilts that a recording brings.
-            let tune = effect.name != SCATTER;
+            let tune = effect.name() != SCATTER;
             ball.parameters.extend(parameters.into_iter().map(|p| Parameter { tune, ..p }));
             ball.free.push(effect);
         }
@@ -56,7 +68,7 @@ impl ObservedBall {
     /// The same ball, thrown with an unknown spin of its own in every recording; `None` where that is known or does not show.
     pub(super) fn spinning(&self) -> Option<Self> {
         let unknown = self.absent_effects().iter().any(|e| e.name == SPIN) && self.release.spin_rad_s.is_none();
-        let effect = BallEffect::find(SPIN).filter(|_| unknown)?;
+        let effect = self.find_effect(SPIN).filter(|_| unknown)?;
         Some(Self { per_recording: vec![effect], ..self.clone() })
     }
 
@@ -74,17 +86,17 @@ impl ObservedBall {
     /// which follow a recording's other nuisance parameters.
     pub(super) fn apply_effects(&self, scene: &mut Scene, mut coefficients: &[f64], nuisances: &[f64]) {
         for (effect, values) in &self.fixed {
-            (effect.apply)(scene, values);
+            effect.apply(scene, values);
         }
         for effect in &self.free {
-            let (values, rest) = coefficients.split_at(effect.coefficients.len());
-            (effect.apply)(scene, values);
+            let (values, rest) = coefficients.split_at(effect.numbers());
+            effect.apply(scene, values);
             coefficients = rest;
         }
         let mut nuisances = nuisances.get(self.nuisances.len()..).unwrap_or_default();
         for effect in &self.per_recording {
-            let Some((values, rest)) = nuisances.split_at_checked(effect.coefficients.len()) else { break };
-            (effect.apply)(scene, values);
+            let Some((values, rest)) = nuisances.split_at_checked(effect.numbers()) else { break };
+            effect.apply(scene, values);
             nuisances = rest;
         }
         if !nuisances.is_empty() {
@@ -96,7 +108,7 @@ impl ObservedBall {
     pub(super) fn with_nuisances_of_effects(&self, preparation: Preparation) -> Result<Preparation> {
         let Preparation::Usable(mut prepared) = preparation else { return Ok(preparation) };
         // A record without a bounce is silent about contacts only.
-        let phases = self.free.iter().flat_map(|e| vec![e.phase; e.coefficients.len()]);
+        let phases = self.free.iter().flat_map(|e| vec![e.phase(); e.numbers()]);
         for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
             if *phase == Phase::Segment {
                 *silent = None;
@@ -115,17 +127,17 @@ impl ObservedBall {
     }
 
     /// Whether this kind of observation can show an effect.
-    fn can_take(&self, effect: &BallEffect) -> bool {
+    fn can_take(&self, effect: &Acting) -> bool {
         // With a tuned coefficient of friction its addition is redundant.
-        let twin = effect.name == "bounce_friction"
+        let twin = effect.name() == "bounce_friction"
             && self.parameters.iter().any(|p| p.name == BallParameters::FRICTION && p.tune);
-        !twin && (effect.shows_in_bounce_times || self.kind == Kind::Positions)
+        !twin && (effect.shows_in_bounce_times() || self.kind == Kind::Positions)
     }
 
     /// Whether a recording's nuisance parameters include the tilt of the normal at each bounce.
     fn scatters(&self) -> bool {
-        let fixed = self.fixed.iter().any(|(e, values)| e.name == SCATTER && values[0] > 0.0);
-        self.kind == Kind::Positions && (fixed || self.free.iter().any(|e| e.name == SCATTER))
+        let fixed = self.fixed.iter().any(|(e, values)| e.name() == SCATTER && values[0] > 0.0);
+        self.kind == Kind::Positions && (fixed || self.free.iter().any(|e| e.name() == SCATTER))
     }
 
     /// The tilts of the normal as nuisance parameters: about x and y, for each bounce of the record.

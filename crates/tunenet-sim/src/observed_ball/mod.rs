@@ -1,5 +1,6 @@
 //! The ball as core sees it: a [`Simulator`] whose rollouts are positions or bounce times.
 
+pub(crate) mod acting;
 mod effects;
 mod flight;
 mod prepare;
@@ -9,10 +10,12 @@ use tunenet_core::simulator::{Assumed, Effect, Parameter, Preparation, RolloutRe
 use tunenet_core::{Error, Result};
 use tunenet_formats::kind_name;
 
-use crate::ball::effects::{BallEffect, Body};
+use crate::ball::effects::Body;
 use crate::ball::{Scene, State, impact_times, positions};
+use crate::formula_effect::FormulaEffect;
 use crate::scene::{BallParameters, Release};
 use crate::simulation_file::SimulationFile;
+use acting::Acting;
 
 /// Gravity as it is written where nobody measured it, m/s² ...
 const USUAL_GRAVITY_M_S2: [f64; 3] = [9.8, 9.81, 9.80665];
@@ -61,11 +64,13 @@ pub struct ObservedBall {
     nuisances: Vec<Nuisance>,
     body: Body,
     /// Effects of the file, at its values.
-    fixed: Vec<(BallEffect, Vec<f64>)>,
+    fixed: Vec<(Acting, Vec<f64>)>,
     /// Effects whose coefficients follow the parameters.
-    free: Vec<BallEffect>,
+    free: Vec<Acting>,
     /// Effects whose coefficients every recording has for itself, as nuisance parameters.
-    per_recording: Vec<BallEffect>,
+    per_recording: Vec<Acting>,
+    /// Effects that the file declares as formulas.
+    formulas: Vec<FormulaEffect>,
     forced: bool,
     /// Whether there is no surface.
     flight_only: bool,
@@ -99,10 +104,10 @@ impl ObservedBall {
         let parameters = file.parameters()?;
         let scene = ball.simulated();
         let body = ball.body();
-        let fixed = file.effects().into_iter().filter_map(|e| Some((BallEffect::find(&e.name)?, e.values))).collect();
+        let formulas = file.formulas()?;
         let (free, per_recording) = (Vec::new(), Vec::new());
         let (forced, flight_only) = (false, false);
-        Ok(Self {
+        let mut new = Self {
             scene,
             release,
             surface_height_m,
@@ -111,12 +116,16 @@ impl ObservedBall {
             kind,
             nuisances,
             body,
-            fixed,
+            fixed: Vec::new(),
             free,
             per_recording,
+            formulas,
             forced,
             flight_only,
-        })
+        };
+        let present = file.effects().into_iter();
+        new.fixed = present.filter_map(|e| Some((new.find_effect(&e.name)?, e.values))).collect();
+        Ok(new)
     }
 
     /// The same, with the coefficients free of those effects that `file`, its own, asks to tune: they follow its parameters.

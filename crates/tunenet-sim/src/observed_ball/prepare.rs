@@ -25,13 +25,14 @@ impl ObservedBall {
     /// What the file says of the set-up, for the checks.
     fn expected(&self) -> Expected {
         let mut scene = self.scene.clone();
-        self.fixed.iter().for_each(|(effect, values)| (effect.apply)(&mut scene, values));
+        self.fixed.iter().for_each(|(effect, values)| effect.apply(&mut scene, values));
         let forces = &scene.flight;
-        let known = *forces != Forces { effective_gravity_m_s2: forces.effective_gravity_m_s2, ..Forces::default() };
+        let known = !scene.formulas.flight.is_empty()
+            || *forces != Forces { effective_gravity_m_s2: forces.effective_gravity_m_s2, ..Forces::default() };
         Expected {
             gravity_m_s2: scene.gravity_m_s2 + forces.effective_gravity_m_s2,
             // A flight with forces of its own is none of gravity's alone.
-            forces_known: known || self.free.iter().chain(&self.per_recording).any(|e| *e.phase == Phase::Segment),
+            forces_known: known || self.free.iter().chain(&self.per_recording).any(|e| *e.phase() == Phase::Segment),
             radius_m: Some(self.scene.radius_m),
             surface_height_m: self.surface_height_m,
             release_height_m: self.release.height_m,

@@ -38,10 +38,10 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
     let one = |(key, c): (&String, &CandidateCoefficient)| Coefficient {
         key: own(key),
         unit: own(&c.unit),
-        absent: c.absent,
+        absent: candidate.absent(c),
         min: c.min,
         max: c.max,
-        typical: c.typical,
+        typical: c.typical.unwrap_or(c.max - c.min),
         number: None,
     };
     Effect {
@@ -64,7 +64,7 @@ pub(super) fn present(file: &SimulationFile) -> Vec<f64> {
     let known = file.effects();
     let each = file.candidates().flat_map(|(name, candidate)| {
         let values = known.iter().find(|effect| effect.name == name).map(|effect| effect.values.clone());
-        values.unwrap_or_else(|| candidate.coefficients.values().map(|c| c.absent).collect())
+        values.unwrap_or_else(|| candidate.coefficients.values().map(|c| candidate.absent(c)).collect())
     });
     each.collect()
 }

@@ -8,6 +8,7 @@ use super::ReplayedArm;
 use crate::SimulationFile;
 use crate::observed_arm::arm;
 use crate::scene::MotionKind;
+use crate::simulation_file::PresentEffect;
 
 /// Whether the arm of `file` follows recorded joints.
 #[must_use]
@@ -39,8 +40,13 @@ impl ReplayedArm {
                 other => other.into(),
             })?;
         }
+        let formulas = file.joint_formulas(&new.joint_names())?;
+        new = new.with_formulas(formulas);
         for present in file.arm_effects(joints)? {
             new = new.with_fixed(present.effect.name, &present.values)?;
+        }
+        for present in file.effects().into_iter().filter(|present| file.candidate(&present.name).is_some()) {
+            new = new.with_fixed(&present.name, &present.values)?;
         }
         Ok(new)
     }
@@ -65,6 +71,9 @@ impl ReplayedArm {
 pub fn replayed(file: &SimulationFile) -> Result<Box<dyn Simulator>> {
     let arm = ReplayedArm::from_file(file)?;
     let present = file.arm_effects(arm.joint_names().len())?;
-    let free: Vec<&str> = present.iter().filter(|p| p.tune).map(|p| p.effect.name).collect();
+    let formulas: Vec<PresentEffect> =
+        file.effects().into_iter().filter(|e| e.tune && file.candidate(&e.name).is_some()).collect();
+    let built_in = present.iter().filter(|p| p.tune).map(|p| p.effect.name);
+    let free: Vec<&str> = built_in.chain(formulas.iter().map(|e| e.name.as_str())).collect();
     Ok(if free.is_empty() { Box::new(arm) } else { arm.with_effects(&free)? })
 }

@@ -9,6 +9,7 @@
 //! checked against them. Torques are averaged over windows of half a period of the cut-off, the measured and the predicted
 //! alike: so white noise stays white, and what friction does within a window is in both.
 
+mod acting;
 mod checks;
 mod file;
 mod filter;
@@ -33,9 +34,11 @@ pub use file::{replayed, replays};
 pub use reference::with_reference;
 pub use suspicions::suspect;
 
-use crate::arm::effects::{ALL, ArmEffect, Imperfections};
+use crate::arm::effects::{ALL, Imperfections};
 use crate::arm::urdf::JointFriction;
 use crate::arm::{Frame, Model};
+use crate::formula_effect::FormulaEffect;
+use acting::Acting;
 use recorded::{Recorded, columns};
 use torque::{Arm, Means, cube};
 
@@ -79,8 +82,10 @@ pub struct ReplayedArm {
     payload_size_m: f64,
     parameters: Vec<Parameter>,
     roles: Vec<Role>,
-    fixed: Vec<(ArmEffect, Vec<f64>)>,
-    free: Vec<ArmEffect>,
+    fixed: Vec<(Acting, Vec<f64>)>,
+    free: Vec<Acting>,
+    /// Effects that the file declares as formulas.
+    formulas: Vec<FormulaEffect>,
     channels: Vec<Channel>,
 }
 
@@ -117,6 +122,7 @@ impl ReplayedArm {
             roles,
             fixed: Vec::new(),
             free: Vec::new(),
+            formulas: Vec::new(),
             channels,
         })
     }
@@ -142,13 +148,33 @@ impl ReplayedArm {
         self
     }
 
+    /// The same with effects that a user wrote as formulas.
+    #[must_use]
+    pub fn with_formulas(mut self, formulas: Vec<FormulaEffect>) -> Self {
+        self.formulas = formulas;
+        self
+    }
+
+    /// The catalogue, then the formulas.
+    fn known_effects(&self) -> impl Iterator<Item = Acting> {
+        ALL.into_iter().map(Acting::BuiltIn).chain(self.formulas.iter().cloned().map(Acting::Formula))
+    }
+
+    fn find(&self, name: &str) -> Result<Acting> {
+        self.known_effects().find(|effect| effect.name() == name).ok_or_else(|| {
+            let known: Vec<String> = self.known_effects().map(|e| e.name().to_owned()).collect();
+            let expected = format!("an effect of an arm ({})", known.join(", "));
+            Error::Setting { origin: Origin::Caller, name: "effects", expected, found: format!("`{name}`") }
+        })
+    }
+
     /// The same with an effect at these values.
     ///
     /// # Errors
     /// [`Error::Setting`] where it is unknown, or has not so many numbers.
     pub fn with_fixed(mut self, name: &str, values: &[f64]) -> Result<Self> {
-        let effect = find(name)?;
-        let expected = effect.numbers(self.arm.joints()) * effect.coefficients.len();
+        let effect = self.find(name)?;
+        let expected = effect.numbers(self.arm.joints());
         if values.len() != expected {
             let (expected, found) = (format!("{expected} numbers of `{name}`"), values.len().to_string());
             return Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found });
@@ -221,25 +247,17 @@ impl ReplayedArm {
             }
         }
         for (effect, values) in &self.fixed {
-            (effect.apply)(&mut arm, values);
+            effect.apply(&mut arm, values);
         }
         let mut rest = &parameters[self.roles.len()..];
         for effect in &self.free {
-            let (values, others) = rest.split_at(effect.numbers(self.arm.joints()) * effect.coefficients.len());
-            (effect.apply)(&mut arm, values);
+            let (values, others) = rest.split_at(effect.numbers(self.arm.joints()));
+            effect.apply(&mut arm, values);
             rest = others;
         }
         com.iter_mut().zip(arm.com_offset_m).for_each(|(at, offset)| *at += offset);
         (mass, com, arm)
     }
-}
-
-fn find(name: &str) -> Result<ArmEffect> {
-    ArmEffect::find(name).ok_or_else(|| {
-        let known: Vec<_> = ALL.iter().map(|e| e.name).collect();
-        let expected = format!("an effect of an arm ({})", known.join(", "));
-        Error::Setting { origin: Origin::Caller, name: "effects", expected, found: format!("`{name}`") }
-    })
 }
 
 impl Simulator for ReplayedArm {
@@ -320,20 +338,20 @@ impl Simulator for ReplayedArm {
     }
 
     fn effects(&self) -> Vec<Effect> {
-        let taken = |e: &ArmEffect| self.fixed.iter().map(|(f, _)| f).chain(&self.free).any(|f| f.name == e.name);
-        ALL.iter().filter(|e| !taken(e)).map(|e| e.entry(self.arm.joints())).collect()
+        let taken = |e: &Acting| self.fixed.iter().map(|(f, _)| f).chain(&self.free).any(|f| f.name() == e.name());
+        self.known_effects().filter(|e| !taken(e)).map(|e| e.entry(self.arm.joints())).collect()
     }
 
     /// A coefficient of joint 2 becomes the parameter `viscous_friction.nms_rad.2`.
     fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {
         let mut arm = self.clone();
         for name in names {
-            let effect = find(name)?;
-            if arm.free.iter().any(|e| e.name == *name) {
+            let effect = self.find(name)?;
+            if arm.free.iter().any(|e| e.name() == *name) {
                 let (expected, found) = ("each effect once".into(), format!("`{name}`"));
                 return Err(Error::Setting { origin: Origin::Caller, name: "effects", expected, found });
             }
-            let at = arm.fixed.iter().position(|(e, _)| e.name == *name);
+            let at = arm.fixed.iter().position(|(e, _)| e.name() == *name);
             let present = at.map(|i| arm.fixed.remove(i).1);
             arm.parameters.extend(effect.entry(self.arm.joints()).parameters(present.as_deref())?);
             arm.free.push(effect);

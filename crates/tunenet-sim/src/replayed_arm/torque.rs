@@ -89,7 +89,7 @@ impl Arm {
         for (i, (into, rigid)) in into.chunks_exact_mut(n).zip(rigid.chunks_exact(n)).enumerate() {
             let row = &input.row(i)[run.first..];
             for j in 0..n {
-                into[j] += sign * arm.shown(j, rigid[j], row[j], row[n + j], row[2 * n + j]);
+                into[j] += sign * arm.shown(j, rigid[j], input.clock()[i], [row[j], row[n + j], row[2 * n + j]]);
             }
         }
     }

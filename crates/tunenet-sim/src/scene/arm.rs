@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use super::{GRAVITY_M_S2, Record};
+use super::{Candidates, GRAVITY_M_S2, Record};
 use crate::arm::Circle;
 
 /// An arm that moves a payload.
@@ -21,6 +21,9 @@ pub struct ArmScene {
     /// What is written of it.
     #[serde(default)]
     pub record: Record,
+    /// Effects that it may lack, as formulas.
+    #[serde(default)]
+    pub candidates: Candidates,
 }
 
 /// Where an arm stands.

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{GRAVITY_M_S2, Record};
+use super::{Candidates, GRAVITY_M_S2, Record};
 use crate::ball;
 use crate::ball::effects::Body;
 
@@ -20,6 +20,8 @@ pub struct BallScene {
     pub release: Release,
     /// What is written of it.
     pub record: Record,
+    /// Effects that it may lack, as formulas.
+    pub candidates: Candidates,
 }
 
 /// Gravity and medium.

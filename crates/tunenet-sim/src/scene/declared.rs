@@ -114,8 +114,52 @@ pub struct Candidate {
     /// Names of effects that some recordings cannot distinguish from it.
     #[serde(default)]
     pub mistaken_for: Vec<String>,
+    /// What it adds in a world of ours: a formula of that world's variables and its own coefficients.
+    #[serde(default)]
+    pub formula: Option<String>,
+    /// Along which directions.
+    #[serde(default)]
+    pub along: Vec<String>,
+    /// What the formula gives: an acceleration, a force, a torque, a restitution.
+    #[serde(default)]
+    pub gives: Option<String>,
+    /// The coefficients that have one number for every direction, or for every joint of `joints`.
+    #[serde(default)]
+    pub per_direction: Vec<String>,
+    /// Between which values of its variables the formula was seen to hold.
+    #[serde(default)]
+    pub valid: IndexMap<String, (f64, f64)>,
+    /// From where distances are measured, m.
+    #[serde(default)]
+    pub centre: Option<[f64; 3]>,
+    /// The joints at which it acts; all where it is `None`.
+    #[serde(default)]
+    pub joints: Option<Vec<String>>,
     /// Its numbers, in order.
     pub coefficients: IndexMap<String, CandidateCoefficient>,
+}
+
+impl Candidate {
+    /// How many directions or joints have numbers of their own; `spin` counts as three.
+    #[must_use]
+    pub fn directions(&self) -> usize {
+        let along = self.along.iter().map(|word| if word == "spin" { 3 } else { 1 }).sum::<usize>();
+        self.joints.as_ref().map_or(along, Vec::len).max(1)
+    }
+
+    /// The value of a coefficient at which the effect is absent: 0 where nothing is said, and the middle of the range for a
+    /// formula's number, which only shapes the effect then.
+    #[must_use]
+    pub fn absent(&self, of: &CandidateCoefficient) -> f64 {
+        let unsaid = if self.formula.is_some() { 0.5 * (of.min + of.max) } else { 0.0 };
+        of.absent.unwrap_or(unsaid)
+    }
+
+    /// How many numbers the coefficient of this key has.
+    #[must_use]
+    pub fn numbers_of(&self, key: &str) -> usize {
+        if self.per_direction.iter().any(|one| one == key) { self.directions() } else { 1 }
+    }
 }
 
 /// One number of a candidate.
@@ -125,15 +169,16 @@ pub struct CandidateCoefficient {
     /// Its unit.
     #[serde(default = "one")]
     pub unit: String,
-    /// The value that means "absent".
+    /// The value that means "absent". Of a formula's number that shapes the effect and does not switch it off, none.
     #[serde(default)]
-    pub absent: f64,
+    pub absent: Option<f64>,
     /// The least value that is fitted.
     pub min: f64,
     /// The greatest value that is fitted.
     pub max: f64,
     /// Where fits begin, as a distance from `absent`.
-    pub typical: f64,
+    #[serde(default)]
+    pub typical: Option<f64>,
     /// Outside it fits, and is not plausible.
     #[serde(default)]
     pub plausible: Option<(f64, f64)>,

@@ -14,6 +14,7 @@ use crate::SimulationFile;
 use crate::ball::effects::{BallEffect, DRAG, SCATTER};
 use crate::ball::{Scene, State};
 use crate::findings;
+use crate::observed_ball::acting::apply_formula;
 use crate::scene::BallParameters;
 use crate::simulation_file::schema::number;
 
@@ -71,7 +72,8 @@ pub struct Draw {
 }
 
 impl Belief {
-    /// The ball of `file`, let go as `task` says. Effects of the measurement are left out.
+    /// The ball of `file`, let go as `task` says. Effects of the measurement are left out, and
+    /// formulas act with the numbers of the file.
     ///
     /// # Errors
     /// [`Error::File`] where the file says nothing of the restitution, or that there is none; what its parameters refuse.
@@ -107,8 +109,14 @@ impl Belief {
             }
         }
         let edited = !changed.is_empty();
+        let mut base = file.ball()?.simulated();
+        for formula in file.formulas()? {
+            if let Some(present) = file.effects().iter().find(|present| present.name == formula.effect.name) {
+                apply_formula(&formula, &mut base, &present.values);
+            }
+        }
         let mut belief = Self {
-            base: file.ball()?.simulated(),
+            base,
             nominal: quantities.clone(),
             alternatives: vec![Alternative { weight: 1.0, quantities }],
             release_sd: (task.release.position_sd_m, task.release.velocity_sd_m_s),

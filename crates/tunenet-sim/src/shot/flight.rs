@@ -47,14 +47,14 @@ impl ShotScene {
         // Below the hoop by more than rim and ball reach.
         let done = -(2.0 * self.radius_m + hoop.rim_radius_m + 0.5 * hoop.radius_m);
         let field = scene.field();
-        let mut path = Path::flight(motion(&start), &field);
+        let mut path = Path::flight(motion(&start), bounce_s, &field);
         let (mut states, mut since, mut steps) = (vec![*release, start], 0.0, 0.0);
         while steps * STEP_S < LONGEST_S {
             steps += 1.0;
             // Pieces of bent flight end where their steps do.
             while steps * STEP_S - since > path.horizon {
                 since += path.horizon;
-                path = Path::flight(path.at(path.horizon), &field);
+                path = Path::flight(path.at(path.horizon), bounce_s + since, &field);
             }
             let Motion { x, v, w } = path.at(steps * STEP_S - since);
             states.push(State { position_m: x.to_array(), velocity_m_s: v.to_array(), spin_rad_s: w.to_array() });

@@ -116,6 +116,9 @@ impl SimulationFile {
     /// As [`add_arm_effect`](Self::add_arm_effect); [`Error::File`] as [`arm_effects`](Self::arm_effects).
     pub fn set_arm_value(&mut self, name: &str, value: f64, joints: usize) -> Result<()> {
         let parts: Vec<&str> = name.split('.').collect();
+        if let (Some(_), Some((effect, key))) = (self.candidate(parts[0]), name.split_once('.')) {
+            return self.add_effect(effect, &[(key, value)]);
+        }
         let (Some(effect), Some(key)) = (ArmEffect::find(parts[0]), parts.get(1)) else {
             self.set_value(name, value);
             return Ok(());

@@ -71,10 +71,12 @@ pub(super) fn names(domain: Domain, root: &Table) -> Vec<&str> {
 
 /// The first value that contradicts another, a parameter's its bounds, say: its path, place, what is expected and found.
 pub(super) fn contradiction(domain: Domain, root: &Table) -> Option<(String, Range<usize>, String, String)> {
-    if domain == Domain::Process
-        && let Some(found) = process_schema::contradiction(root)
-    {
-        return Some(found);
+    let of_kind = match domain {
+        Domain::Process => process_schema::contradiction(root),
+        Domain::Ball | Domain::Arm => declared_schema::contradiction(root, domain.declared()),
+    };
+    if of_kind.is_some() {
+        return of_kind;
     }
     for name in names(domain, root) {
         let table = lookup(root, &format!("parameters.{name}")).and_then(Item::as_table_like);
@@ -129,7 +131,7 @@ impl Vocabulary for Domain {
     fn has_table(&self, path: &str) -> bool {
         let inside = format!("{path}.");
         let parameter = path.strip_prefix("parameters.").is_some_and(|name| self.has_parameter(name));
-        let declared = self.declares() && declared_schema::has_table(path);
+        let declared = self.declared().has_table(path);
         path == "parameters" || parameter || declared || self.keys().any(|k| k.path.starts_with(&inside))
     }
 

@@ -1,7 +1,10 @@
 //! What a file declares itself: inputs, starts and candidates, in its order.
 
+use tunenet_formats::{Error, Result};
+
 use super::SimulationFile;
-use crate::scene::{Candidate, Input, Scene, Start};
+use crate::formula_effect::{FormulaEffect, Misfit};
+use crate::scene::{Candidate, Candidates, Input, Scene, Start};
 
 impl SimulationFile {
     /// What drives the thing, by name.
@@ -25,16 +28,50 @@ impl SimulationFile {
     /// The effects that it may lack, by name.
     #[must_use]
     pub fn candidates(&self) -> impl ExactSizeIterator<Item = (&str, &Candidate)> {
-        let Scene::Process(scene) = self.scene() else {
-            return indexmap::map::Iter::default().map(named as Named<Candidate>);
-        };
-        scene.candidates.iter().map(named as Named<Candidate>)
+        self.all_candidates().iter().map(named as Named<Candidate>)
     }
 
     /// The candidate of this name.
     #[must_use]
     pub fn candidate(&self, name: &str) -> Option<&Candidate> {
-        if let Scene::Process(scene) = self.scene() { scene.candidates.get(name) } else { None }
+        self.all_candidates().get(name)
+    }
+
+    /// The effects that a ball's file declares as formulas, in its order.
+    ///
+    /// # Errors
+    /// [`Error::File`] where one of them does not fit.
+    pub fn formulas(&self) -> Result<Vec<FormulaEffect>> {
+        let mass_kg = self.ball()?.ball.mass_kg;
+        let one = |(name, candidate)| {
+            FormulaEffect::of_ball(name, candidate, mass_kg).map_err(|misfit| self.misfit(name, &misfit))
+        };
+        self.candidates().map(one).collect()
+    }
+
+    /// The effects that an arm's file declares as formulas, on an arm with these joints.
+    ///
+    /// # Errors
+    /// As [`formulas`](Self::formulas).
+    pub fn joint_formulas(&self, joints: &[String]) -> Result<Vec<FormulaEffect>> {
+        let one = |(name, candidate)| {
+            FormulaEffect::of_arm(name, candidate, Some(joints)).map_err(|misfit| self.misfit(name, &misfit))
+        };
+        self.candidates().map(one).collect()
+    }
+
+    fn misfit(&self, name: &str, misfit: &Misfit) -> Error {
+        let Misfit { key, expected, found, .. } = misfit;
+        let message = format!("`candidates.{name}.{key}`: expected {expected}, found {found}");
+        Error::file(self.path(), message, "correct the candidate")
+    }
+
+    fn all_candidates(&self) -> &Candidates {
+        match self.scene() {
+            Scene::Ball(scene) => &scene.candidates,
+            Scene::Arm(scene) => &scene.candidates,
+            Scene::Process(scene) => &scene.candidates,
+        }
     }
 }
 

@@ -7,6 +7,10 @@ use tunenet_core::observation::{Channel, Kind};
 use tunenet_core::simulator::measurement_effects;
 
 use super::schema::{GREATEST, Key, Shape, is_name, item_number, key, lookup, texts};
+use crate::arm::effects as arm;
+use crate::ball::effects as ball;
+use crate::formula_effect::FormulaEffect;
+use crate::scene::Candidate;
 
 const ANY: Shape = Shape::Number(-GREATEST, GREATEST);
 const TEXT: Shape = Shape::Word(&[]);
@@ -52,89 +56,174 @@ pub const CANDIDATE_KEYS: &[Key] = &[
     key("mistaken_for", Shape::Names, false, "effects that some recordings cannot distinguish from it"),
 ];
 
+/// The further keys of `[candidates.NAME]` in a ball's or an arm's file, where a formula says what it does.
+pub const FORMULA_KEYS: &[Key] = &[
+    key("formula", TEXT, true, "what it adds: a formula of the world's variables and its own coefficients"),
+    key(
+        "along",
+        Shape::Names,
+        false,
+        "in flight, the directions: v, r, x, y, z, spin, across, around; at a joint dq or none",
+    ),
+    key(
+        "gives",
+        TEXT,
+        false,
+        "what the formula gives: m_s2 or n in flight, restitution at a contact, nm at a joint (default: the first)",
+    ),
+    key(
+        "per_direction",
+        Shape::Names,
+        false,
+        "coefficients with one number for each direction, or for each of `joints`",
+    ),
+    key("centre", Shape::Numbers(3, -1e6, 1e6), false, "from where `r_m` is measured, in m (default: the origin)"),
+    key("joints", Shape::Texts, false, "the joints at which it acts (default: all)"),
+];
+const RANGE: Key = key(
+    "valid",
+    Shape::Numbers(2, -GREATEST, GREATEST),
+    false,
+    "between which values of a variable it was seen to hold",
+);
+const NUMBERS: Shape = Shape::NumberOrList(-GREATEST, GREATEST);
+
 /// The keys of `[candidates.NAME.coefficients.KEY]`.
 pub const COEFFICIENT_KEYS: &[Key] = &[
     key("unit", TEXT, false, "its unit (default: 1)"),
-    key("absent", ANY, false, "the value at which the effect is absent (default: 0)"),
+    key(
+        "absent",
+        ANY,
+        false,
+        "the value at which the effect is absent (default: 0; of a formula's number, none: it only shapes the effect)",
+    ),
     key("min", ANY, true, "least value that is fitted"),
     key("max", ANY, true, "greatest value that is fitted"),
-    key("typical", Shape::Number(1e-12, GREATEST), true, "distance from `absent` at which fits begin"),
+    key(
+        "typical",
+        Shape::Number(1e-12, GREATEST),
+        true,
+        "distance from `absent` at which fits begin (of a formula's number by default a part of the range)",
+    ),
     key("plausible", Shape::Numbers(2, -GREATEST, GREATEST), false, "outside it fits, and is not plausible"),
 ];
 
 const TUNE: Key = key("tune", Shape::Flag, false, "whether `tune` may change these numbers (default: false)");
-const NUMBER: Key = key("effects", ANY, false, "coefficient of a declared candidate");
+const NUMBER: Key = key("effects", NUMBERS, false, "coefficient of a declared candidate");
 
-/// Heads of the tables that a file names itself.
-const HEADS: [&str; 3] = ["inputs", "start", "candidates"];
-
-/// Whether a built-in effect bears this name: of those that a series of any kind can show.
-pub(super) fn is_built_in(name: &str) -> bool {
-    let of = |kind| measurement_effects(kind).iter().any(|effect| effect.name == name);
-    of(Kind::Other) || of(Kind::Positions)
+/// What a kind of file declares itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Declares {
+    /// Inputs, initial states and candidates of a program.
+    Program,
+    /// Candidates of a ball.
+    Ball,
+    /// Candidates of an arm.
+    Arm,
 }
 
-/// The keys of the table at `path`, where it is one that a file names itself.
-fn keys(path: &[&str]) -> Option<&'static [Key]> {
-    match *path {
-        ["inputs", name] if is_name(name) => Some(INPUT_KEYS),
-        ["start", name] if is_name(name) => Some(START_KEYS),
-        ["candidates", name] if is_name(name) => Some(CANDIDATE_KEYS),
-        ["candidates", name, "coefficients", one] if is_name(name) && is_name(one) => Some(COEFFICIENT_KEYS),
-        _ => None,
-    }
-}
-
-/// The key at `path`.
-pub(super) fn find(path: &str) -> Option<Key> {
-    let parts: Vec<&str> = path.split('.').collect();
-    let (last, table) = parts.split_last()?;
-    match table {
-        ["effects", name] if is_name(name) && !is_built_in(name) && is_name(last) => {
-            Some(if *last == "tune" { TUNE } else { NUMBER })
+impl Declares {
+    /// Heads of the tables that a file names itself.
+    pub(super) fn heads(self) -> &'static [&'static str] {
+        match self {
+            Self::Program => &["inputs", "start", "candidates"],
+            Self::Ball | Self::Arm => &["candidates"],
         }
-        _ => keys(table)?.iter().find(|key| key.path == *last).cloned(),
     }
-}
 
-/// Whether there is a table at `path`.
-pub(super) fn has_table(path: &str) -> bool {
-    let parts: Vec<&str> = path.split('.').collect();
-    match parts[..] {
-        [head] => HEADS.contains(&head),
-        ["effects", name] => is_name(name) && !is_built_in(name),
-        ["candidates", name, "coefficients"] => is_name(name),
-        _ => keys(&parts).is_some(),
+    /// Whether candidates are formulas.
+    fn formulas(self) -> bool {
+        self != Self::Program
     }
-}
 
-/// What could have been meant in the table at `table`; empty where a file does not name it itself.
-pub(super) fn siblings(table: &str) -> Vec<String> {
-    let parts: Vec<&str> = table.split('.').collect();
-    let named = |keys: &[Key]| keys.iter().map(|key| key.path.to_string()).collect::<Vec<_>>();
-    match parts[..] {
-        ["candidates", _] => [named(CANDIDATE_KEYS), vec!["coefficients.KEY".into()]].concat(),
-        ["candidates", _, "coefficients"] => vec!["a key of letters, digits and _, with its own table".into()],
-        [head] if HEADS.contains(&head) => vec![format!("{head}.NAME, of letters, digits and _")],
-        _ => keys(&parts).map(named).unwrap_or_default(),
+    /// Whether a built-in effect bears this name.
+    pub(super) fn is_built_in(self, name: &str) -> bool {
+        self.built_in().iter().any(|known| known == name)
     }
-}
 
-/// Heads for a list of all tables.
-pub(super) fn heads() -> impl Iterator<Item = String> {
-    HEADS.iter().map(|head| (*head).to_owned())
+    /// The names of the effects that are built in.
+    fn built_in(self) -> Vec<String> {
+        let measured = |kind| measurement_effects(kind).into_iter().map(|effect| effect.name.into_owned());
+        match self {
+            Self::Program => {
+                // The first are those that a series of any kind can show.
+                let mut all: Vec<String> = measured(Kind::Other).collect();
+                all.extend(measured(Kind::Positions).filter(|name| measured(Kind::Other).all(|known| known != *name)));
+                all
+            }
+            Self::Ball => ball::ALL.iter().map(|e| e.name.to_owned()).chain(measured(Kind::Positions)).collect(),
+            Self::Arm => arm::ALL.iter().map(|e| e.name.to_owned()).collect(),
+        }
+    }
+
+    /// The keys of the table at `path`, where it is one that a file names itself.
+    fn keys(self, path: &[&str]) -> Option<Vec<&'static Key>> {
+        let only = |keys: &'static [Key]| Some(keys.iter().collect());
+        match *path {
+            [head, ..] if !self.heads().contains(&head) => None,
+            ["inputs", name] if is_name(name) => only(INPUT_KEYS),
+            ["start", name] if is_name(name) => only(START_KEYS),
+            ["candidates", name] if is_name(name) && self.formulas() => {
+                Some(CANDIDATE_KEYS.iter().chain(FORMULA_KEYS).collect())
+            }
+            ["candidates", name] if is_name(name) => only(CANDIDATE_KEYS),
+            ["candidates", name, "coefficients", one] if is_name(name) && is_name(one) => only(COEFFICIENT_KEYS),
+            _ => None,
+        }
+    }
+
+    /// The key at `path`.
+    pub(super) fn find(self, path: &str) -> Option<Key> {
+        let parts: Vec<&str> = path.split('.').collect();
+        let (last, table) = parts.split_last()?;
+        match table {
+            ["effects", name] if is_name(name) && !self.is_built_in(name) && is_name(last) => {
+                Some(if *last == "tune" { TUNE } else { NUMBER })
+            }
+            ["candidates", name, "valid"] if self.formulas() && is_name(name) && is_name(last) => Some(RANGE),
+            _ => self.keys(table)?.into_iter().find(|key| key.path == *last).cloned(),
+        }
+    }
+
+    /// Whether there is a table at `path`.
+    pub(super) fn has_table(self, path: &str) -> bool {
+        let parts: Vec<&str> = path.split('.').collect();
+        match parts[..] {
+            [head] => self.heads().contains(&head),
+            ["effects", name] => is_name(name) && !self.is_built_in(name),
+            ["candidates", name, "coefficients"] => is_name(name),
+            ["candidates", name, "valid"] => self.formulas() && is_name(name),
+            _ => self.keys(&parts).is_some(),
+        }
+    }
+
+    /// What could have been meant in the table at `table`; empty where a file does not name it itself.
+    pub(super) fn siblings(self, table: &str) -> Vec<String> {
+        let parts: Vec<&str> = table.split('.').collect();
+        let named = |keys: Vec<&Key>| keys.iter().map(|key| key.path.to_string()).collect::<Vec<_>>();
+        match parts[..] {
+            ["candidates", _] => {
+                let own = self.keys(&parts).map(named).unwrap_or_default();
+                [own, vec!["coefficients.KEY".into()]].concat()
+            }
+            ["candidates", _, "coefficients"] => vec!["a key of letters, digits and _, with its own table".into()],
+            [head] if self.heads().contains(&head) => vec![format!("{head}.NAME, of letters, digits and _")],
+            _ => self.keys(&parts).map(named).unwrap_or_default(),
+        }
+    }
 }
 
 /// What is wrong: the path, its place, what is expected and what is found.
 type Wrong = (String, Range<usize>, String, String);
 
 /// The first thing that no key alone shows to be wrong.
-pub(super) fn contradiction(root: &Table) -> Option<Wrong> {
-    missing(root)
+pub(super) fn contradiction(root: &Table, declares: Declares) -> Option<Wrong> {
+    missing(root, declares)
         .or_else(|| inputs(root))
         .or_else(|| starts(root))
-        .or_else(|| candidates(root))
-        .or_else(|| effects(root))
+        .or_else(|| candidates(root, declares))
+        .or_else(|| declares.formulas().then(|| formulas(root, declares))?)
+        .or_else(|| effects(root, declares))
 }
 
 fn tables<'a>(root: &'a Table, path: &str) -> Vec<(&'a str, &'a Item, &'a dyn TableLike)> {
@@ -148,15 +237,15 @@ fn wrong(path: String, item: Option<&Item>, expected: impl Into<String>, found: 
 }
 
 /// The first required key that a table lacks, and the first table whose name cannot be one.
-fn missing(root: &Table) -> Option<Wrong> {
-    let lacks = |path: String, item: &Item, table: &dyn TableLike, keys: &[Key]| {
-        let key = keys.iter().find(|key| key.required && table.get(&key.path).is_none())?;
+fn missing(root: &Table, declares: Declares) -> Option<Wrong> {
+    let lacks = |path: String, item: &Item, table: &dyn TableLike, keys: Vec<&Key>| {
+        let key = keys.into_iter().find(|key| key.required && table.get(&key.path).is_none())?;
         Some(wrong(path, Some(item), format!("`{}` ({})", key.path, key.meaning), "none"))
     };
-    for (head, keys) in [("inputs", INPUT_KEYS), ("start", START_KEYS), ("candidates", CANDIDATE_KEYS)] {
+    for head in declares.heads() {
         for (name, item, table) in tables(root, head) {
             let path = format!("{head}.{name}");
-            if let Some(found) = lacks(path, item, table, keys) {
+            if let Some(found) = lacks(path, item, table, declares.keys(&[head, name]).unwrap_or_default()) {
                 return Some(found);
             }
         }
@@ -165,11 +254,14 @@ fn missing(root: &Table) -> Option<Wrong> {
         let within = format!("candidates.{name}.coefficients");
         let all = tables(root, &within);
         if all.is_empty() {
-            let expected = format!("at least one [{within}.KEY] with `min`, `max` and `typical`");
+            let keys = if declares.formulas() { "`min` and `max`" } else { "`min`, `max` and `typical`" };
+            let expected = format!("at least one [{within}.KEY] with {keys}");
             return Some(wrong(format!("candidates.{name}"), Some(item), expected, "none"));
         }
         for (key, item, table) in all {
-            if let Some(found) = lacks(format!("{within}.{key}"), item, table, COEFFICIENT_KEYS) {
+            // A formula's number has a range to begin in.
+            let needed = COEFFICIENT_KEYS.iter().filter(|key| !(declares.formulas() && key.path == "typical"));
+            if let Some(found) = lacks(format!("{within}.{key}"), item, table, needed.collect()) {
                 return Some(found);
             }
         }
@@ -265,10 +357,10 @@ fn starts(root: &Table) -> Option<Wrong> {
     None
 }
 
-fn candidates(root: &Table) -> Option<Wrong> {
+fn candidates(root: &Table, declares: Declares) -> Option<Wrong> {
     for (name, item, table) in tables(root, "candidates") {
         let path = format!("candidates.{name}");
-        if is_built_in(name) {
+        if declares.is_built_in(name) {
             let expected = "a name that no built-in effect has";
             return Some(wrong(path, Some(item), expected, format!("`{name}`, which is built in")));
         }
@@ -289,7 +381,9 @@ fn candidates(root: &Table) -> Option<Wrong> {
             }
         }
         for (key, item, table) in tables(root, &format!("{path}.coefficients")) {
-            if let Some(found) = coefficient(&format!("{path}.coefficients.{key}"), key, item, table) {
+            if let Some(found) =
+                coefficient(&format!("{path}.coefficients.{key}"), key, item, table, declares.formulas())
+            {
                 return Some(found);
             }
         }
@@ -297,7 +391,7 @@ fn candidates(root: &Table) -> Option<Wrong> {
     None
 }
 
-fn coefficient(path: &str, key: &str, item: &Item, table: &dyn TableLike) -> Option<Wrong> {
+fn coefficient(path: &str, key: &str, item: &Item, table: &dyn TableLike, formula: bool) -> Option<Wrong> {
     if key == "tune" {
         return Some(wrong(
             path.into(),
@@ -308,8 +402,9 @@ fn coefficient(path: &str, key: &str, item: &Item, table: &dyn TableLike) -> Opt
     }
     let number = |key: &str| table.get(key).and_then(item_number);
     let at = |key: &str| (format!("{path}.{key}"), table.get(key));
-    let (min, max, typical) = (number("min")?, number("max")?, number("typical")?);
-    let absent = number("absent").unwrap_or(0.0);
+    let (min, max) = (number("min")?, number("max")?);
+    let absent = number("absent").unwrap_or(if formula { 0.5 * (min + max) } else { 0.0 });
+    let typical = number("typical").unwrap_or(0.0);
     let (place, found) = if min >= max {
         (at("max"), (format!("more than min = {min}"), max.to_string()))
     } else if !(min..=max).contains(&absent) {
@@ -338,14 +433,55 @@ fn coefficient(path: &str, key: &str, item: &Item, table: &dyn TableLike) -> Opt
     Some(wrong(path, item, expected, found))
 }
 
+/// The candidate that a table declares.
+fn candidate(item: &Item) -> Option<Candidate> {
+    let mut table = item.clone().into_table().ok()?;
+    table.set_implicit(false);
+    toml_edit::de::from_document(toml_edit::DocumentMut::from(table)).ok()
+}
+
+/// What is wrong with the formulas of candidates.
+fn formulas(root: &Table, declares: Declares) -> Option<Wrong> {
+    let mass_kg = lookup(root, "ball.mass_kg").and_then(item_number);
+    for (name, item, table) in tables(root, "candidates") {
+        let path = format!("candidates.{name}");
+        let Some(candidate) = candidate(item) else {
+            let found = "one whose values do not fit its keys";
+            return Some(wrong(path, Some(item), "a candidate as docs/files.md describes it", found));
+        };
+        let made = match declares {
+            Declares::Arm => FormulaEffect::of_arm(name, &candidate, None),
+            _ => FormulaEffect::of_ball(name, &candidate, mass_kg),
+        };
+        if let Err(misfit) = made {
+            let at = misfit.key.split('.').try_fold(item, |item, key| item.as_table_like()?.get(key)).or(Some(item));
+            let (path, mut span, expected, found) =
+                wrong(format!("{path}.{}", misfit.key), at, misfit.expected, misfit.found);
+            if let Some(place) = misfit.place {
+                // Behind the quote, as far as the text holds no escape.
+                span = span.start + 1 + place.start..span.start + 1 + place.end;
+            }
+            return Some((path, span, expected, found));
+        }
+        for (variable, value) in table.get("valid").and_then(Item::as_table_like).into_iter().flat_map(|t| t.iter()) {
+            let ends: Vec<f64> = value.as_array().into_iter().flatten().filter_map(super::schema::number).collect();
+            if ends.len() == 2 && ends[0] >= ends[1] {
+                let found = format!("[{}, {}]", ends[0], ends[1]);
+                return Some(wrong(format!("{path}.valid.{variable}"), Some(value), "[low, high]", found));
+            }
+        }
+    }
+    None
+}
+
 /// Every `[effects.NAME]` is declared or built in.
-fn effects(root: &Table) -> Option<Wrong> {
+fn effects(root: &Table, declares: Declares) -> Option<Wrong> {
     let declared: Vec<&str> = tables(root, "candidates").iter().map(|(name, ..)| *name).collect();
-    for (name, item, table) in tables(root, "effects").into_iter().filter(|(name, ..)| !is_built_in(name)) {
+    for (name, item, table) in tables(root, "effects").into_iter().filter(|(name, ..)| !declares.is_built_in(name)) {
         let path = format!("effects.{name}");
         if !declared.contains(&name) {
-            let all = measurement_effects(Kind::Other);
-            let known = declared.iter().copied().chain(all.iter().map(|effect| &*effect.name));
+            let all = declares.built_in();
+            let known = declared.iter().copied().chain(all.iter().map(String::as_str));
             let known: Vec<String> = known.map(|name| format!("`{name}`")).collect();
             let expected = format!("a declared candidate or a built-in effect ({})", known.join(", "));
             return Some(wrong(path, Some(item), expected, format!("`{name}`, which no [candidates.{name}] declares")));
@@ -359,7 +495,14 @@ fn effects(root: &Table) -> Option<Wrong> {
                 let expected = format!("a coefficient of the candidate ({})", keys.join(", "));
                 return Some(wrong(format!("{path}.{key}"), Some(value), expected, format!("`{key}`")));
             };
-            if let Some(number) = item_number(value).filter(|number| !(min..=max).contains(number)) {
+            let numbers = numbers(root, name, key, value);
+            let numbers = match numbers {
+                Ok(numbers) => numbers,
+                Err((expected, found)) => {
+                    return Some(wrong(format!("{path}.{key}"), Some(value), expected, found));
+                }
+            };
+            if let Some(number) = numbers.into_iter().find(|number| !(min..=max).contains(number)) {
                 return Some(wrong(
                     format!("{path}.{key}"),
                     Some(value),
@@ -370,6 +513,24 @@ fn effects(root: &Table) -> Option<Wrong> {
         }
     }
     None
+}
+
+/// The numbers of a coefficient, one or as many as it has directions; else what is expected and found.
+fn numbers(root: &Table, name: &str, key: &str, value: &Item) -> Result<Vec<f64>, (String, String)> {
+    let wanted = lookup(root, &format!("candidates.{name}"))
+        .and_then(candidate)
+        .map_or(1, |candidate| candidate.numbers_of(key));
+    let given: Vec<f64> = match value.as_array() {
+        Some(all) => all.iter().filter_map(super::schema::number).collect(),
+        None => item_number(value).into_iter().collect(),
+    };
+    match (wanted, given.len(), value.is_array()) {
+        (1, _, true) => Err(("one number".into(), "a list".into())),
+        (wanted, found, _) if wanted != found => {
+            Err((format!("[{wanted} numbers], one for each direction or joint"), found.to_string()))
+        }
+        _ => Ok(given),
+    }
 }
 
 #[cfg(test)]

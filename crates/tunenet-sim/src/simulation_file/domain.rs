@@ -2,7 +2,7 @@
 
 use super::arm_effects::ARM_EFFECT_KEYS;
 use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
-use super::declared_schema;
+use super::declared_schema::Declares;
 use super::process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS, SETTING};
 use super::schema::{BALL_KEYS, Definition, EFFECT_KEYS, Key, PARAMETER_KEYS, is_name};
 use crate::scene::BallParameters;
@@ -93,10 +93,20 @@ impl Domain {
         self.parameter(name).is_some() || self == Self::Process && is_name(name)
     }
 
-    /// Whether a file declares inputs, starts and candidates itself.
+    /// Whether a file declares inputs and initial states itself.
     #[must_use]
     pub fn declares(self) -> bool {
         self == Self::Process
+    }
+
+    /// What a file declares itself.
+    #[must_use]
+    pub fn declared(self) -> Declares {
+        match self {
+            Self::Ball => Declares::Ball,
+            Self::Arm => Declares::Arm,
+            Self::Process => Declares::Program,
+        }
     }
 
     /// The key at `path`, parameters included.
@@ -113,7 +123,7 @@ impl Domain {
             return Some(SETTING);
         }
         let known = self.keys().find(|k| k.path == path).cloned();
-        known.or_else(|| self.declares().then(|| declared_schema::find(path))?)
+        known.or_else(|| self.declared().find(path))
     }
 
     /// The keys that could have been meant instead of `path`: those of its table, or all tables.
@@ -134,7 +144,7 @@ impl Domain {
                 parameters()
             };
         }
-        let declared = if self.declares() { declared_schema::siblings(table) } else { Vec::new() };
+        let declared = self.declared().siblings(table);
         if !declared.is_empty() {
             return declared;
         }
@@ -151,7 +161,7 @@ impl Domain {
             self.keys().filter(|k| depth == 1 || k.path.starts_with("effects.")).map(head).collect();
         if depth == 1 {
             near.extend((self == Self::Process).then(|| "settings".to_string()));
-            near.extend(self.declares().then(declared_schema::heads).into_iter().flatten());
+            near.extend(self.declared().heads().iter().map(|head| (*head).to_owned()));
             near.extend(["parameters".to_string(), "provenance".to_string()]);
         }
         near.dedup();

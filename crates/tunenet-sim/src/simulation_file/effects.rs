@@ -1,14 +1,16 @@
 //! The effects of a simulation file: `[effects.NAME]`, read and written.
 
-use toml_edit::Item;
+use indexmap::IndexMap;
+use toml_edit::{Array, Item};
 use tunenet_core::Origin;
 use tunenet_core::observation::Kind;
 use tunenet_core::simulator::{Coefficient, measurement_effects};
 use tunenet_formats::Result;
 
-use super::schema::{Shape, item_number};
+use super::schema::{Shape, item_number, number};
 use super::{SimulationFile, table};
 use crate::ball::effects::BallEffect;
+use crate::scene::Candidate;
 
 /// An effect that a file holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +29,15 @@ fn coefficients(name: &str) -> Option<Vec<Coefficient>> {
     BallEffect::find(name).map(|e| e.coefficients.to_vec()).or_else(|| measured().map(|e| e.coefficients))
 }
 
+/// The numbers of a coefficient, one or one for every direction; those that mean "absent" where the file leaves them out.
+fn numbers(declared: &Candidate, key: &str, item: Option<&Item>) -> Vec<f64> {
+    let absent = || declared.coefficients.get(key).map_or(0.0, |c| declared.absent(c));
+    let list = item.and_then(Item::as_array).map(|all| all.iter().filter_map(number).collect::<Vec<f64>>());
+    let count = declared.numbers_of(key);
+    let given = list.or_else(|| item.and_then(item_number).map(|one| vec![one]));
+    given.filter(|all| all.len() == count).unwrap_or_else(|| vec![absent(); count])
+}
+
 impl SimulationFile {
     /// The effects that the file holds, in its order.
     #[must_use]
@@ -36,7 +47,10 @@ impl SimulationFile {
             let table = item.as_table_like()?;
             let value = |key: &str, absent: f64| table.get(key).and_then(item_number).unwrap_or(absent);
             let values = match self.candidate(name) {
-                Some(declared) => declared.coefficients.iter().map(|(key, c)| value(key, c.absent)).collect(),
+                Some(declared) => {
+                    let keys = declared.coefficients.keys();
+                    keys.flat_map(|key| numbers(declared, key, table.get(key))).collect()
+                }
                 None => coefficients(name)?.iter().map(|c| value(&c.key, c.absent)).collect(),
             };
             let tune = table.get("tune").and_then(Item::as_bool).unwrap_or(false);
@@ -48,7 +62,9 @@ impl SimulationFile {
     /// What a coefficient may be: of a declared candidate as declared, of another effect as the catalogue has it.
     fn coefficient_shape(&self, effect: &str, key: &str) -> Option<Shape> {
         if let Some(declared) = self.candidate(effect) {
-            return declared.coefficients.get(key).map(|c| Shape::Number(c.min, c.max));
+            let (key, number) = numbered(key);
+            let c = declared.coefficients.get(key).filter(|_| number.is_none_or(|n| n < declared.numbers_of(key)))?;
+            return Some(Shape::Number(c.min, c.max));
         }
         let path = format!("effects.{effect}.{key}");
         self.domain().keys().find(|known| known.path == path).map(|known| known.shape)
@@ -62,8 +78,26 @@ impl SimulationFile {
         all.is_some_and(|all| all.iter().any(|(_, item)| tuned(item)))
     }
 
-    /// Writes an effect's coefficients under `[effects.NAME]`; what stands there already takes the new values, and
-    /// everything else is kept as it stands.
+    /// Writes an effect's coefficients under `[effects.NAME]`, as [`add_effect`](Self::add_effect) does, but all of them in the order
+    /// of the catalogue: of one with a number for every direction, one after the other.
+    ///
+    /// # Errors
+    /// As [`add_effect`](Self::add_effect).
+    pub fn add_declared(&mut self, name: &str, values: &[f64]) -> Result<()> {
+        let Some(declared) = self.candidate(name) else { return Ok(()) };
+        let mut keys = Vec::new();
+        for key in declared.coefficients.keys() {
+            match declared.numbers_of(key) {
+                1 => keys.push(key.clone()),
+                several => keys.extend((1..=several).map(|number| format!("{key}.{number}"))),
+            }
+        }
+        let pairs: Vec<(&str, f64)> = keys.iter().map(String::as_str).zip(values.iter().copied()).collect();
+        self.add_effect(name, &pairs)
+    }
+
+    /// Writes an effect's coefficients under `[effects.NAME]`, `KEY.NUMBER` being one of several under a key; what
+    /// stands there already takes the new values, and everything else is kept as it stands.
     ///
     /// ```
     /// use std::path::Path;
@@ -91,14 +125,43 @@ impl SimulationFile {
                 return refuse(format!("{} for `{path}`", shape.expected()), value.to_string());
             }
         }
+        let written = self.written(name, values);
         let one = table(table(self.document.root_mut(), "effects", true), name, false);
-        for (key, value) in values {
-            let decor = one.get(key).and_then(Item::as_value).map(|v| v.decor().clone());
-            one[key] = toml_edit::value(*value);
-            if let (Some(decor), Some(new)) = (decor, one[key].as_value_mut()) {
+        for (key, item) in written {
+            let decor = one.get(&key).and_then(Item::as_value).map(|v| v.decor().clone());
+            one[&key] = item;
+            if let (Some(decor), Some(new)) = (decor, one[&key].as_value_mut()) {
                 *new.decor_mut() = decor;
             }
         }
         Ok(())
     }
+
+    /// What stands under each key with these values.
+    fn written(&self, name: &str, values: &[(&str, f64)]) -> IndexMap<String, Item> {
+        let mut several: IndexMap<String, Vec<f64>> = IndexMap::new();
+        for (path, value) in values {
+            let (key, number) = numbered(path);
+            let declared = self.candidate(name).filter(|_| number.is_some());
+            let now = || {
+                let item = self.item(&format!("effects.{name}.{key}"));
+                declared.map_or_else(|| vec![*value], |declared| numbers(declared, key, item))
+            };
+            let all = several.entry(key.to_owned()).or_insert_with(now);
+            if let Some(place) = all.get_mut(number.unwrap_or(0)) {
+                *place = *value;
+            }
+        }
+        let item = |all: Vec<f64>| match all.as_slice() {
+            [one] => toml_edit::value(*one),
+            _ => toml_edit::value(all.into_iter().collect::<Array>()),
+        };
+        several.into_iter().map(|(key, all)| (key, item(all))).collect()
+    }
+}
+
+/// A key, and which of several under it is meant, from 0: `a.2` is the second of `a`.
+fn numbered(key: &str) -> (&str, Option<usize>) {
+    let Some((key, number)) = key.split_once('.') else { return (key, None) };
+    (key, number.parse().ok().and_then(|number: usize| number.checked_sub(1)))
 }

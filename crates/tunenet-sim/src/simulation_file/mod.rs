@@ -25,7 +25,7 @@ use tunenet_formats::{read_text, refuse_markup};
 
 pub use arm_effects::{ARM_EFFECT_KEYS, PresentArmEffect};
 pub use arm_schema::ARM_KEYS;
-pub use declared_schema::{CANDIDATE_KEYS, COEFFICIENT_KEYS, INPUT_KEYS, START_KEYS};
+pub use declared_schema::{CANDIDATE_KEYS, COEFFICIENT_KEYS, Declares, FORMULA_KEYS, INPUT_KEYS, START_KEYS};
 use document::{Document, table};
 pub use domain::Domain;
 pub use effects::PresentEffect;
@@ -349,7 +349,7 @@ mod tests {
                     Shape::Number(low, high) => format!("{:?}", low + 0.75 * (high - low)),
                     Shape::Whole(low, high) => i64::midpoint(low, high).to_string(),
                     Shape::Numbers(count, ..) => format!("{:?}", vec![1.0; count]),
-                    Shape::List(..) => "[1.0, 2.0]".into(),
+                    Shape::List(..) | Shape::NumberOrList(..) => "[1.0, 2.0]".into(),
                     Shape::Word(words) => format!("{:?}", words.last().unwrap_or(&"word")),
                     Shape::Texts => "[\"a_m\"]".into(),
                     Shape::Flag | Shape::Anything | Shape::Names | Shape::NumberOrWord(..) => continue,

@@ -20,6 +20,8 @@ pub enum Shape {
     Numbers(usize, f64, f64),
     /// Any number of numbers within bounds, at least one.
     List(f64, f64),
+    /// A number, or a list of at least one, each within bounds.
+    NumberOrList(f64, f64),
     /// One of these words; any where there are none.
     Word(&'static [&'static str]),
     /// A number within bounds, both included, or this word.
@@ -43,6 +45,7 @@ impl Shape {
             Self::Whole(min, max) => format!("a whole number from {min} to {max}"),
             Self::Numbers(count, min, max) => format!("[{count} numbers], each {}", range(min, max)),
             Self::List(min, max) => format!("[numbers], each {}", range(min, max)),
+            Self::NumberOrList(min, max) => format!("a number or [numbers], each {}", range(min, max)),
             Self::Word([]) => "a text in quotes".into(),
             Self::Word(words) => words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(" or "),
             Self::NumberOrWord(min, max, word) => format!("a number {} or \"{word}\"", range(min, max)),
@@ -65,6 +68,9 @@ impl Shape {
             }
             Self::List(min, max) => {
                 value.as_array().is_some_and(|a| !a.is_empty() && a.iter().all(|v| within(v, min, max)))
+            }
+            Self::NumberOrList(min, max) => {
+                Self::Number(min, max).accepts(value) || Self::List(min, max).accepts(value)
             }
             Self::Word(words) => value.as_str().is_some_and(|w| words.is_empty() || words.contains(&w)),
             Self::NumberOrWord(min, max, word) => within(value, min, max) || value.as_str() == Some(word),

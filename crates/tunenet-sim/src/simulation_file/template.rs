@@ -181,7 +181,7 @@ fn value_of(shape: Shape, path: &str) -> String {
     let absent = if path.ends_with(".factor") { 1.0_f64 } else { 0.0 };
     let nearest = |min: f64, max: f64| format!("{:?}", absent.clamp(min, max));
     match shape {
-        Shape::Number(min, max) => nearest(min, max),
+        Shape::Number(min, max) | Shape::NumberOrList(min, max) => nearest(min, max),
         Shape::Whole(min, max) => 0.clamp(min, max).to_string(),
         Shape::Numbers(count, min, max) => format!("[{}]", vec![nearest(min, max); count].join(", ")),
         Shape::List(min, max) => format!("[{}]", nearest(min, max)),

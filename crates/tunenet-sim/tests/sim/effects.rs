@@ -276,8 +276,8 @@ fn what_is_out_of_range_is_refused_with_a_sentence() {
     assert!(said.contains("`effects.quadratic_drag.c_1_m`: expected a number from 0 to 10, found -0.1"), "{said}");
 
     let text = format!("{BALL}\n[effects.quadratic_drg]\nc_1_m = 0.1\n");
-    let error = SimulationFile::parse(Path::new("ball.toml"), &text).unwrap_err();
-    assert!(error.hint().unwrap().contains("effects.quadratic_drag"), "{error}");
+    let said = SimulationFile::parse(Path::new("ball.toml"), &text).unwrap_err().to_string();
+    assert!(said.contains("built-in effect (`quadratic_drag`,"), "{said}");
 
     let mut file = file();
     let before = file.text();
@@ -329,4 +329,78 @@ fn mass_and_size_bound_what_is_plausible() {
     // 40 mg of air against 2.7 g of ball: 1.5 % of g, and half of that again for the air moved along.
     let (low, high) = plausible(&file, "effective_gravity");
     assert!((low + 1.5 * 0.014_893 * 9.81 + 0.05).abs() < 1e-4 && high == 0.05, "{low} {high}");
+}
+
+/// The same drag by its name and by a formula: one world, whatever cuts its steps.
+#[test]
+fn a_formula_does_what_the_effect_of_the_catalogue_does() {
+    let drag = format!(
+        "{BALL}[candidates.air]\nsentence = \"the air brakes\"\nacts = \"flight\"\nalong = [\"v\"]\n\
+         formula = \"-c * speed_m_s^2\"\ncoefficients.c = {{ unit = \"1/m\", absent = 0.0, min = 0.0, max = 2.0 }}\n"
+    );
+    let by_formula = SimulationFile::parse(Path::new("ball.toml"), &drag).unwrap();
+    let named = simulated(&file(), "quadratic_drag", &[0.13], &clock());
+    let found = simulated(&by_formula, "air", &[0.13], &clock());
+    let worst = named.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(worst < 2e-6, "{worst} m");
+    let still = simulated(&by_formula, "air", &[0.0], &clock());
+    assert!(named.iter().zip(&still).any(|(a, b)| (a - b).abs() > 1e-3), "drag has to matter");
+}
+
+/// A force that depends on place and time, integrated here in tiny steps; no closed form is needed without a bounce.
+#[test]
+fn a_formula_of_place_and_time_agrees_with_an_integration_of_its_own() {
+    let text = format!(
+        "{BALL}[candidates.fan]\nsentence = \"a fan blows at a height\"\nacts = \"flight\"\nalong = [\"x\", \"y\"]\n\
+         formula = \"a * exp(-((z_m - h) / w)^2) * (1 + 0.5*sin(20*t_s))\"\nper_direction = [\"a\"]\n\
+         coefficients.a = {{ unit = \"m/s²\", absent = 0.0, min = -9.0, max = 9.0 }}\n\
+         coefficients.h = {{ unit = \"m\", min = 0.0, max = 3.0 }}\ncoefficients.w = {{ unit = \"m\", min = 0.02, max = 3.0 }}\n\
+         [effects.fan]\na = [2.5, -1.5]\nh = 1.2\nw = 0.4\n"
+    );
+    let file = SimulationFile::parse(Path::new("ball.toml"), &text).unwrap();
+    let fixed = simulator(&file, Kind::Positions, &Session::default()).unwrap();
+    let clock: Vec<f64> = (0..60).map(|i| f64::from(i) / 120.0).collect();
+    let seen = rollout(&*fixed, &[0.75, 0.05], &[], &clock).unwrap();
+    let acceleration = |t: f64, x: [f64; 3]| {
+        let blown = (-((x[2] - 1.2) / 0.4_f64).powi(2)).exp() * (1.0 + 0.5 * (20.0 * t).sin());
+        [2.5 * blown, -1.5 * blown, -9.81]
+    };
+    // The midpoint rule in steps of 4 µs.
+    let (mut x, mut v, mut t) = ([0.1, -0.2, 1.6], [1.1, -0.7, 0.9], 0.0);
+    let h = 1.0 / 120.0 / 2000.0;
+    for (i, (row, until)) in seen.chunks_exact(3).zip(&clock).enumerate() {
+        for _ in 0..if i == 0 { 0 } else { 2000 } {
+            let middle: [f64; 3] = std::array::from_fn(|i| x[i] + 0.5 * h * v[i]);
+            let a = acceleration(t + 0.5 * h, middle);
+            (0..3).for_each(|i| x[i] += h * (v[i] + 0.5 * h * a[i]));
+            (0..3).for_each(|i| v[i] += h * a[i]);
+            t += h;
+        }
+        assert!(row.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-7), "{until}: {row:?} {x:?}");
+    }
+}
+
+/// Fast bounces return less by a formula: successive heights of a drop follow from it in closed form.
+#[test]
+fn a_formula_at_contacts_changes_the_restitution() {
+    let text = BALL.replace("release.position_m = [0.1, -0.2, 1.6]\nrelease.velocity_m_s = [1.1, -0.7, 0.9]\nrelease.spin_rad_s = [-150, 120, 30]\n",
+        "release.position_m = [0, 0, 1.12]\nrelease.velocity_m_s = [0, 0, 0]\n");
+    let text = format!(
+        "{text}[candidates.loss]\nsentence = \"fast bounces return less\"\nacts = \"contact\"\nformula = \"-k*vn_m_s\"\n\
+         coefficients.k = {{ unit = \"s/m\", absent = 0.0, min = 0.0, max = 0.1 }}\n[effects.loss]\nk = 0.03\n"
+    );
+    let file = SimulationFile::parse(Path::new("ball.toml"), &text).unwrap();
+    let fixed = simulator(&file, Kind::Positions, &Session::default()).unwrap();
+    let (g, mut speed) = (9.81_f64, (2.0 * 9.81_f64).sqrt());
+    let (mut t, mut apexes) = (speed / g, Vec::new());
+    for _ in 0..3 {
+        speed *= 0.75 - 0.03 * speed;
+        apexes.push((t + speed / g, 0.12 + speed * speed / (2.0 * g)));
+        t += 2.0 * speed / g;
+    }
+    let clock: Vec<f64> = apexes.iter().map(|(t, _)| *t).collect();
+    let seen = rollout(&*fixed, &[0.75, 0.05], &[], &clock).unwrap();
+    for (row, (_, z)) in seen.chunks_exact(3).zip(&apexes) {
+        assert!((row[2] - z).abs() < 1e-9, "{} {z}", row[2]);
+    }
 }

@@ -2,6 +2,8 @@
 
 use nalgebra::{Rotation3, Vector3};
 
+use crate::formula_effect::joint::AppliedTorque;
+
 /// Speed at which dry friction has found its sign, rad/s: tanh(dq / SLIDING). A measured speed is never exactly 0, and
 /// a sign that flickers with its noise would be noise itself.
 pub const SLIDING_RAD_S: f64 = 0.01;
@@ -35,6 +37,8 @@ pub struct Imperfections {
     pub tilt_rad: [f64; 2],
     /// How late torques are against the motion, s.
     pub delay_s: f64,
+    /// What a user wrote as formulas.
+    pub formulas: Vec<AppliedTorque>,
 }
 
 impl Imperfections {
@@ -56,6 +60,7 @@ impl Imperfections {
             com_offset_m: [0.0; 3],
             tilt_rad: [0.0; 2],
             delay_s: 0.0,
+            formulas: Vec::new(),
         }
     }
 
@@ -75,16 +80,17 @@ impl Imperfections {
         base.inverse() * Vector3::new(0.0, 0.0, -m_s2)
     }
 
-    /// What the sensor of joint `j` shows where rigid bodies ask for `rigid` (N·m) at this position (rad), speed and
-    /// acceleration.
+    /// What the sensor of joint `j` shows where rigid bodies ask for `rigid` (N·m) at this instant (s), position (rad), speed
+    /// and acceleration.
     #[must_use]
-    pub fn shown(&self, j: usize, rigid: f64, q: f64, dq: f64, ddq: f64) -> f64 {
+    pub fn shown(&self, j: usize, rigid: f64, t: f64, [q, dq, ddq]: [f64; 3]) -> f64 {
         let mut torque = rigid + self.viscous_nms_rad[j] * dq + self.armature_kg_m2[j] * ddq;
         torque += self.spring_nm_rad[j] * (q + self.offset_rad[j]);
         if self.coulomb_nm[j] != 0.0 || self.stribeck_nm[j] != 0.0 {
             let near_rest = self.stribeck_nm[j] * (-(dq / self.stribeck_rad_s[j]).powi(2)).exp();
             torque += (self.coulomb_nm[j] + near_rest) * (dq / SLIDING_RAD_S).tanh();
         }
+        torque += self.formulas.iter().map(|one| one.torque(j, t, q, dq)).sum::<f64>();
         self.gain[j] * torque + self.bias_nm[j]
     }
 }

@@ -1,0 +1,89 @@
+//! What a bounce returns: a formula of the speeds before it, added to the coefficient of restitution.
+
+use std::sync::Arc;
+
+use tunenet_formula::Program;
+
+use super::layout::Layout;
+use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
+use crate::scene::Candidate;
+
+/// What a formula of a contact may use, with its unit: the speed into the surface, that of the touching point along it, and the
+/// restitution without the formula.
+const VARIABLES: [(&str, &str); 3] = [("vn_m_s", "m/s"), ("vt_m_s", "m/s"), ("restitution", "1")];
+
+/// The formula.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ContactFormula {
+    program: Program,
+    layout: Layout,
+}
+
+impl ContactFormula {
+    pub fn new(candidate: &Candidate) -> Result<Self, Misfit> {
+        for (key, given) in [
+            ("along", !candidate.along.is_empty()),
+            ("per_direction", !candidate.per_direction.is_empty()),
+            ("centre", candidate.centre.is_some()),
+        ] {
+            if given {
+                let expected = format!("no `{key}` where it acts at a contact, whose restitution has no direction");
+                return Err(Misfit::new(key, expected, "one"));
+            }
+        }
+        if let Some(other) = candidate.gives.as_deref().filter(|gives| *gives != "restitution") {
+            let found = format!("\"{}\"", other.escape_debug());
+            return Err(Misfit::new("gives", "\"restitution\" where it acts at a contact", found));
+        }
+        let (formula, layout) = formula(candidate, &VARIABLES, 1)?;
+        require_unit(&formula, "1")?;
+        Ok(Self { program: formula.program().clone(), layout })
+    }
+}
+
+/// The formula with its numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AppliedContact {
+    formula: Arc<ContactFormula>,
+    values: Vec<f64>,
+}
+
+impl AppliedContact {
+    pub(crate) fn new(formula: &Arc<ContactFormula>, values: &[f64]) -> Self {
+        debug_assert_eq!(values.len(), formula.layout.numbers());
+        Self { formula: Arc::clone(formula), values: values.to_vec() }
+    }
+
+    /// What it adds to the coefficient of restitution.
+    pub(crate) fn added(&self, normal_m_s: f64, along_m_s: f64, restitution: f64) -> f64 {
+        const COUNT: usize = VARIABLES.len();
+        let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
+        names[..COUNT].copy_from_slice(&[normal_m_s, along_m_s, restitution]);
+        let layout = &self.formula.layout;
+        layout.fill(&self.values, 0, &mut names[COUNT..COUNT + layout.coefficients()]);
+        self.formula.program.value(&names)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::candidate;
+    use super::*;
+
+    const LOSS: &str = "sentence = \"fast bounces return less\"\nacts = \"contact\"\nformula = \"-k*vn_m_s\"\n\
+                        coefficients.k = { unit = \"s/m\", absent = 0.0, min = 0.0, max = 0.1 }\n";
+
+    #[test]
+    fn it_is_added_to_the_restitution() {
+        let formula = Arc::new(ContactFormula::new(&candidate(LOSS)).unwrap());
+        assert!((AppliedContact::new(&formula, &[0.02]).added(4.0, 1.0, 0.8) + 0.08).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_contact_has_no_direction() {
+        let refused = ContactFormula::new(&candidate(&format!("{LOSS}along = [\"x\"]\n"))).unwrap_err();
+        assert_eq!(refused.key, "along");
+        let refused = ContactFormula::new(&candidate(&LOSS.replace("vn_m_s", "vn_m_s^2"))).unwrap_err();
+        assert_eq!(refused.expected, "a formula in 1");
+    }
+}

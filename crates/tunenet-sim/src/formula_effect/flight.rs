@@ -1,0 +1,208 @@
+//! An acceleration of a ball in flight: a formula of where it is, how it moves and when, along one direction or several.
+
+use std::sync::Arc;
+
+use rapier3d::math::Vector;
+use tunenet_formula::Program;
+
+use super::layout::Layout;
+use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
+use crate::scene::Candidate;
+
+/// What a formula of a flight may use, with its unit.
+pub(crate) const VARIABLES: [(&str, &str); 9] = [
+    ("x_m", "m"),
+    ("y_m", "m"),
+    ("z_m", "m"),
+    ("vx_m_s", "m/s"),
+    ("vy_m_s", "m/s"),
+    ("vz_m_s", "m/s"),
+    ("speed_m_s", "m/s"),
+    ("t_s", "s"),
+    ("r_m", "m"),
+];
+const TIME: usize = 7;
+/// The words of `along`.
+const WORDS: [&str; 8] = ["v", "r", "x", "y", "z", "spin", "across", "around"];
+
+/// Where a formula points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Direction {
+    /// Along the velocity.
+    Velocity,
+    /// Away from the centre.
+    Radius,
+    /// Along an axis.
+    Axis(usize),
+    /// Along the cross product of an axis and the velocity, whose length counts.
+    Spin(usize),
+    /// Along the velocity turned by 90° about z.
+    Across,
+    /// Along z × r.
+    Around,
+}
+
+impl Direction {
+    fn vector(self, away: Vector, v: Vector) -> Vector {
+        let axis = |i: usize| Vector::from_array(std::array::from_fn(|k| f64::from(u8::from(k == i))));
+        match self {
+            Self::Velocity => v.normalize_or_zero(),
+            Self::Radius => away.normalize_or_zero(),
+            Self::Axis(i) => axis(i),
+            Self::Spin(i) => axis(i).cross(v),
+            Self::Across => Vector::new(-v.y, v.x, 0.0).normalize_or_zero(),
+            Self::Around => Vector::new(-away.y, away.x, 0.0).normalize_or_zero(),
+        }
+    }
+}
+
+/// The force.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FlightForce {
+    program: Program,
+    layout: Layout,
+    directions: Vec<Direction>,
+    centre: Vector,
+    /// What turns the formula's value into an acceleration.
+    factor: f64,
+    depends_on_time: bool,
+}
+
+impl FlightForce {
+    pub fn new(candidate: &Candidate, mass_kg: Option<f64>) -> Result<Self, Misfit> {
+        let words = &candidate.along;
+        if words.is_empty() {
+            let expected = format!("at least one of {}", WORDS.map(|word| format!("\"{word}\"")).join(", "));
+            return Err(Misfit::new("along", expected, "none"));
+        }
+        let mut directions = Vec::new();
+        for (i, word) in words.iter().enumerate() {
+            if words[..i].contains(word) {
+                return Err(Misfit::new("along", "each direction once", format!("\"{word}\" twice")));
+            }
+            match word.as_str() {
+                "v" => directions.push(Direction::Velocity),
+                "r" => directions.push(Direction::Radius),
+                "x" => directions.push(Direction::Axis(0)),
+                "y" => directions.push(Direction::Axis(1)),
+                "z" => directions.push(Direction::Axis(2)),
+                "across" => directions.push(Direction::Across),
+                "around" => directions.push(Direction::Around),
+                "spin" => directions.extend((0..3).map(Direction::Spin)),
+                other => {
+                    let expected = format!("some of {}", WORDS.map(|word| format!("\"{word}\"")).join(", "));
+                    return Err(Misfit::new("along", expected, format!("\"{}\"", other.escape_debug())));
+                }
+            }
+        }
+        let (factor, mut unit) = match (candidate.gives.as_deref().unwrap_or("m_s2"), mass_kg) {
+            ("m_s2", _) => (1.0, "m/s²"),
+            ("n", Some(mass)) => (1.0 / mass, "N"),
+            ("n", None) => {
+                return Err(Misfit::new("gives", "`ball.mass_kg` in the file, by which the force is divided", "none"));
+            }
+            (other, _) => {
+                return Err(Misfit::new("gives", "\"m_s2\" or \"n\"", format!("\"{}\"", other.escape_debug())));
+            }
+        };
+        if directions.iter().all(|direction| matches!(direction, Direction::Spin(_))) {
+            // It is multiplied with a velocity.
+            unit = if unit == "N" { "kg/s" } else { "1/s" };
+        }
+        let (formula, layout) = formula(candidate, &VARIABLES, directions.len())?;
+        require_unit(&formula, unit)?;
+        Ok(Self {
+            depends_on_time: formula.uses(TIME),
+            program: formula.program().clone(),
+            layout,
+            directions,
+            centre: Vector::from_array(candidate.centre.unwrap_or_default()),
+            factor,
+        })
+    }
+
+    /// How many directions it has; `spin` counts as three.
+    pub fn directions(&self) -> usize {
+        self.directions.len()
+    }
+
+    pub fn depends_on_time(&self) -> bool {
+        self.depends_on_time
+    }
+
+    /// Whether a ball that only falls and rises shows it.
+    pub fn shows_in_a_drop(&self) -> bool {
+        let vertical = |d: &Direction| matches!(d, Direction::Velocity | Direction::Radius | Direction::Axis(2));
+        self.directions.iter().any(vertical)
+    }
+}
+
+/// The force with its numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AppliedForce {
+    force: Arc<FlightForce>,
+    values: Vec<f64>,
+}
+
+impl AppliedForce {
+    pub(crate) fn new(force: &Arc<FlightForce>, values: &[f64]) -> Self {
+        debug_assert_eq!(values.len(), force.layout.numbers());
+        Self { force: Arc::clone(force), values: values.to_vec() }
+    }
+
+    /// Whether it changes while nothing moves.
+    pub(crate) fn depends_on_time(&self) -> bool {
+        self.force.depends_on_time
+    }
+
+    /// The acceleration (m/s²) at an instant, a place and a velocity.
+    pub(crate) fn acceleration(&self, t: f64, x: Vector, v: Vector) -> Vector {
+        const COUNT: usize = VARIABLES.len();
+        let force = &*self.force;
+        let away = x - force.centre;
+        let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
+        names[..COUNT].copy_from_slice(&[x.x, x.y, x.z, v.x, v.y, v.z, v.length(), t, away.length()]);
+        let mut sum = Vector::ZERO;
+        for (i, direction) in force.directions.iter().enumerate() {
+            force.layout.fill(&self.values, i, &mut names[COUNT..COUNT + force.layout.coefficients()]);
+            sum += direction.vector(away, v) * force.program.value(&names);
+        }
+        sum * force.factor
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::candidate;
+    use super::*;
+
+    fn force(along: &str, formula: &str, more: &str, values: &[f64]) -> AppliedForce {
+        let text = format!(
+            "sentence = \"s\"\nacts = \"flight\"\nalong = {along}\nformula = \"{formula}\"\n{more}\n\
+             coefficients.k = {{ min = -9.0, max = 9.0, absent = 0.0, unit = \"?\" }}\n"
+        );
+        AppliedForce::new(&Arc::new(FlightForce::new(&candidate(&text), Some(0.5)).unwrap()), values)
+    }
+
+    #[test]
+    fn every_direction_points_where_its_name_says() {
+        let (x, v) = (Vector::new(3.0, 4.0, 1.0), Vector::new(0.0, 2.0, 0.0));
+        for (along, values, wanted) in [
+            ("[\"v\"]", &[2.0][..], [0.0, 2.0, 0.0]),
+            ("[\"z\"]", &[2.0], [0.0, 0.0, 2.0]),
+            ("[\"across\"]", &[2.0], [-2.0, 0.0, 0.0]),
+            ("[\"around\"]", &[5.0], [-4.0, 3.0, 0.0]),
+            ("[\"spin\"]\nper_direction = [\"k\"]", &[0.0, 0.0, 1.5], [-3.0, 0.0, 0.0]),
+            ("[\"x\", \"z\"]\nper_direction = [\"k\"]", &[1.0, 2.0], [1.0, 0.0, 2.0]),
+            ("[\"x\", \"z\"]", &[1.0], [1.0, 0.0, 1.0]),
+            ("[\"x\"]\ngives = \"n\"", &[1.0], [2.0, 0.0, 0.0]),
+        ] {
+            let found = force(along, "k", "", values).acceleration(0.0, x, v);
+            assert!((found - Vector::from_array(wanted)).length() < 1e-12, "{along}: {found:?}");
+        }
+        let away = force("[\"r\"]", "k/r_m^2", "centre = [3.0, 4.0, -1.0]", &[8.0]).acceleration(0.0, x, v);
+        assert!((away - Vector::new(0.0, 0.0, 2.0)).length() < 1e-12, "{away:?}");
+        let late = force("[\"x\"]", "k*t_s", "", &[2.0]);
+        assert!(late.depends_on_time() && late.acceleration(3.0, x, v).x == 6.0);
+    }
+}
