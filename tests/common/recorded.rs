@@ -122,8 +122,11 @@ pub fn flights_diagnosed(count: usize) -> Option<Arc<Ran>> {
     }))
 }
 
-/// `diagnose --json` of one flight in seventeen, each alone; behind every answer the file that it wrote, where it wrote one.
-pub fn single_flights_diagnosed() -> Option<Vec<(PathBuf, Arc<(Ran, Option<Vec<u8>>)>)>> {
+/// An answer, and the file that it wrote, where it wrote one.
+pub type Improved = (Ran, Option<Vec<u8>>);
+
+/// `diagnose --json` of one flight in seventeen, each alone.
+pub fn single_flights_diagnosed() -> Option<Vec<(PathBuf, Arc<Improved>)>> {
     let flights = files(&measured("tt-flights")?, "", ".csv");
     let one = |flight: &PathBuf| {
         let answer = once(format!("{} diagnosed", flight.display()), || {

@@ -226,6 +226,17 @@ fn is_material(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -
     context.effective_fraction() >= 1.0 || before.deviance(scale) >= WORTH * after.deviance(scale)
 }
 
+/// Whether every coefficient of an effect is within twice its standard deviation of its absence.
+fn is_idle(model: &Hypothesis, entry: usize) -> bool {
+    let effects = &model.structure.effects;
+    let globals = model.structure.globals.iter().enumerate();
+    let mut own = globals.filter(|(_, global)| global.effect.is_some_and(|(of, _)| effects[of] == entry));
+    own.all(|(place, global)| {
+        let way = model.fit.point.parameters[place] - global.absent.map_or(0.0, |(absent, _)| absent);
+        way * way <= 4.0 * model.fit.covariance[(place, place)]
+    })
+}
+
 /// Gain of the information criterion and the probability of it by chance, all candidates counted.
 fn worth(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -> (f64, f64) {
     let scale = after.scale();
@@ -247,6 +258,13 @@ fn judge_places<'a>(
     let mut places = Vec::new();
     for &entry in &effects {
         let others: Vec<usize> = effects.iter().copied().filter(|&e| e != entry).collect();
+        if !others.is_empty() && !needs_no_evidence(context, entry) && is_idle(model, entry) {
+            // It may have led the others out of a local minimum, and is not needed there.
+            let without = context.fit_near(&others, model)?;
+            if worth(context, &without, model).0 < least_gain(context, effects.len()) {
+                return Ok(Step::Replaced(Some(Box::new(without))));
+            }
+        }
         let (without, trials) = if others.is_empty() {
             (base, alone)
         } else {
