@@ -3,7 +3,7 @@
 
 use crate::arm::pendulum::{Beside, HEADER, SCENE, URDF, folder, log, plain};
 use crate::common::recorded::measured;
-use crate::common::{Folder, Ran};
+use crate::common::{Folder, Ran, refused};
 use serde_json::Value;
 
 fn tune(folder: &Folder, log: &str, more: &[&str]) -> Ran {
@@ -280,4 +280,32 @@ fn the_urdf_is_never_written_over() {
         assert!(ran.stderr.contains("read as an input"), "{command}: {}", ran.stderr);
         assert_eq!(folder.read(urdf), URDF.as_bytes(), "{command}");
     }
+}
+
+/// A torque that no catalogue holds, as a formula of the joint: named, written, and removed from what is left.
+#[test]
+fn a_formula_at_a_joint_is_named_and_written() {
+    let folder = folder();
+    let cable = "[candidates.cable]\nsentence = \"a cable pulls at twice the angle\"\nacts = \"joint\"\njoints = [\"hinge\"]\n\
+                 formula = \"k * sin(2*q_rad)\"\ncoefficients.k = { unit = \"N·m\", absent = 0.0, min = -9.0, max = 9.0 }\n";
+    folder.write("arm.toml", format!("{SCENE}{cable}"));
+    let pulled = |t: f64, [q, dq, torque]: [f64; 3]| plain(t, [q, dq, torque + 0.8 * (2.0 * q).sin()]);
+    let still = Beside { payload_kg: 0.7, ..Beside::default() };
+    folder.write("a.csv", log(still, pulled));
+    // Another part of the same motion.
+    folder.write("b.csv", log(Beside { late_s: 7.0, ..still }, pulled));
+    let json = folder.run("diagnose --sim arm.toml a.csv --held-out b.csv --out improved.toml --json").ends(0).json();
+    assert_eq!(
+        (json["verdict"].as_str(), json["effects"][0]["name"].as_str()),
+        (Some("named"), Some("cable")),
+        "{json:#}"
+    );
+    let found = json["effects"][0]["coefficients"]["k"]["value"].as_f64().unwrap();
+    assert!((found - 0.8).abs() < 0.02, "{found}");
+    let tuned = folder.run("tune --sim improved.toml a.csv --json").ends(0).json();
+    let mass = tuned["parameters"]["payload_mass"]["value"].as_f64().unwrap();
+    assert!((mass - 0.7).abs() < 0.01, "{mass}");
+    let wrong = cable.replace("\"hinge\"", "\"elbow\"");
+    folder.write("arm.toml", format!("{SCENE}{wrong}"));
+    refused(&folder, "tune --sim arm.toml a.csv", &["expected joints of the arm (\"hinge\"), found \"elbow\""]);
 }

@@ -3,4 +3,5 @@
 mod answers;
 mod contacts_alone;
 mod effects;
+mod formulas;
 mod real;

@@ -81,6 +81,12 @@ finding_kinds! {
     warning CAMERA_UNKNOWN = "camera.unknown",
         "the pixels of a drop from a known height do not match its first fall for any camera",
         "correct `release.height_m` and `release.time_s`, or leave both out and give metres";
+    warning EFFECT_CLOCK = "effect.clock",
+        "the formula of an effect of the file depends on the time, so it holds for recordings with the same clock only",
+        "write the formula with what changes, or keep the clock of the recordings";
+    warning EFFECT_OUTSIDE = "effect.outside",
+        "a rollout leaves the range in which the formula of an effect was seen to hold (`valid`)",
+        "rely on it within the range only, or record there and diagnose again";
     warning PLAN_UNTUNED = "plan.untuned",
         "this simulation was never tuned; its values are used as they are",
         "tune it to a drop of this ball";

@@ -48,6 +48,8 @@ pub struct Coefficient {
     pub typical: f64,
     /// Which of several under this key it is, from 1: that of joint 2, say. `None` where there is but one.
     pub number: Option<usize>,
+    /// Whether it only shapes the effect (a width, a place) and cannot switch it off: fits begin at several of its values.
+    pub shape: bool,
 }
 
 impl Coefficient {
@@ -56,7 +58,7 @@ impl Coefficient {
     #[must_use]
     pub const fn new(key: &'static str, unit: &'static str, absent: f64, (min, max): (f64, f64), typical: f64) -> Self {
         let (key, unit) = (Cow::Borrowed(key), Cow::Borrowed(unit));
-        Self { key, unit, absent, min, max, typical, number: None }
+        Self { key, unit, absent, min, max, typical, number: None, shape: false }
     }
 
     /// The same as number `number` of several, from 1.

@@ -21,6 +21,7 @@ pub(crate) const VARIABLES: [(&str, &str); 9] = [
     ("t_s", "s"),
     ("r_m", "m"),
 ];
+const COUNT: usize = VARIABLES.len();
 const TIME: usize = 7;
 /// The words of `along`.
 const WORDS: [&str; 8] = ["v", "r", "x", "y", "z", "spin", "across", "around"];
@@ -66,6 +67,8 @@ pub(crate) struct FlightForce {
     /// What turns the formula's value into an acceleration.
     factor: f64,
     depends_on_time: bool,
+    /// Between which values of a variable it was seen to hold.
+    valid: Vec<(usize, (f64, f64))>,
 }
 
 impl FlightForce {
@@ -111,7 +114,15 @@ impl FlightForce {
         }
         let (formula, layout) = formula(candidate, &VARIABLES, directions.len())?;
         require_unit(&formula, unit)?;
+        let range = |(name, range): (&String, &(f64, f64))| {
+            let place = VARIABLES.iter().position(|(known, _)| known == name).ok_or_else(|| {
+                let known = VARIABLES.map(|(known, _)| known).join(", ");
+                Misfit::new("valid", format!("ranges of {known}"), format!("`{name}`"))
+            });
+            Ok((place?, *range))
+        };
         Ok(Self {
+            valid: candidate.valid.iter().map(range).collect::<Result<_, _>>()?,
             depends_on_time: formula.uses(TIME),
             program: formula.program().clone(),
             layout,
@@ -128,6 +139,10 @@ impl FlightForce {
 
     pub fn depends_on_time(&self) -> bool {
         self.depends_on_time
+    }
+
+    fn variables(&self, t: f64, x: Vector, v: Vector) -> [f64; COUNT] {
+        [x.x, x.y, x.z, v.x, v.y, v.z, v.length(), t, (x - self.centre).length()]
     }
 
     /// Whether a ball that only falls and rises shows it.
@@ -155,13 +170,22 @@ impl AppliedForce {
         self.force.depends_on_time
     }
 
+    /// The first variable that is outside the range in which the formula was seen to hold: its name, its value and the range.
+    pub(crate) fn outside(&self, t: f64, x: Vector, v: Vector) -> Option<(&'static str, f64, (f64, f64))> {
+        let variables = self.force.variables(t, x, v);
+        let beyond = |(variable, (low, high)): &(usize, (f64, f64))| {
+            let value = variables[*variable];
+            (!(*low..=*high).contains(&value)).then_some((VARIABLES[*variable].0, value, (*low, *high)))
+        };
+        self.force.valid.iter().find_map(beyond)
+    }
+
     /// The acceleration (m/s²) at an instant, a place and a velocity.
     pub(crate) fn acceleration(&self, t: f64, x: Vector, v: Vector) -> Vector {
-        const COUNT: usize = VARIABLES.len();
         let force = &*self.force;
         let away = x - force.centre;
         let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
-        names[..COUNT].copy_from_slice(&[x.x, x.y, x.z, v.x, v.y, v.z, v.length(), t, away.length()]);
+        names[..COUNT].copy_from_slice(&force.variables(t, x, v));
         let mut sum = Vector::ZERO;
         for (i, direction) in force.directions.iter().enumerate() {
             force.layout.fill(&self.values, i, &mut names[COUNT..COUNT + force.layout.coefficients()]);

@@ -77,6 +77,9 @@ impl FormulaEffect {
     pub fn of_ball(name: &str, candidate: &Candidate, mass_kg: Option<f64>) -> Result<Self, Misfit> {
         refuse_key("joints", candidate.joints.is_some(), "an arm")?;
         let (acts, directions) = match phase::parse(&candidate.acts) {
+            phase if phase != Phase::Segment && !candidate.valid.is_empty() => {
+                return Err(Misfit::new("valid", "none, except in flight", "one"));
+            }
             Phase::Segment => {
                 let force = FlightForce::new(candidate, mass_kg)?;
                 let count = force.directions();
@@ -94,6 +97,7 @@ impl FormulaEffect {
     /// As [`of_ball`](Self::of_ball), and where it names a joint that the arm does not have.
     pub fn of_arm(name: &str, candidate: &Candidate, joints: Option<&[String]>) -> Result<Self, Misfit> {
         refuse_key("centre", candidate.centre.is_some(), "a ball")?;
+        refuse_key("valid", !candidate.valid.is_empty(), "a ball")?;
         if phase::parse(&candidate.acts) != Phase::Joint {
             return Err(Misfit::new("acts", "\"joint\" for an arm", quoted(&candidate.acts)));
         }
@@ -184,6 +188,7 @@ fn entry(name: &str, candidate: &Candidate, directions: usize) -> Effect {
             max: c.max,
             typical: c.typical.unwrap_or(share * (c.max - c.min)),
             number: None,
+            shape: c.absent.is_none(),
         };
         let plausible = c.plausible.unwrap_or((c.min, c.max));
         if candidate.per_direction.contains(key) && directions > 1 {

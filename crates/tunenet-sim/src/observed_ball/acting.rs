@@ -58,6 +58,19 @@ impl Acting {
         }
     }
 
+    /// Whether it is a formula that depends on the time.
+    pub fn depends_on_time(&self) -> bool {
+        matches!(self, Self::Formula(formula) if formula.depends_on_time())
+    }
+
+    /// The force of a formula with these numbers.
+    pub fn force(&self, values: &[f64]) -> Option<AppliedForce> {
+        match self {
+            Self::Formula(FormulaEffect { acts: Acts::Flight(force), .. }) => Some(AppliedForce::new(force, values)),
+            _ => None,
+        }
+    }
+
     /// Adds it to a scene.
     pub fn apply(&self, scene: &mut Scene, values: &[f64]) {
         match self {

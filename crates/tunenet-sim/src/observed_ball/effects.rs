@@ -1,7 +1,8 @@
 //! The physical effects of an observed ball: which it can take on, and where their numbers go.
 
+use rapier3d::math::Vector;
 use tunenet_ball::Arcs;
-use tunenet_core::observation::{Kind, Observation};
+use tunenet_core::observation::{Kind, Note, Observation};
 use tunenet_core::simulator::{Effect, Parameter, Phase, Preparation};
 use tunenet_core::{Error, Origin, Result};
 use tunenet_formats::kind_name;
@@ -10,6 +11,7 @@ use super::acting::Acting;
 use super::{Nuisance, ObservedBall};
 use crate::ball::Scene;
 use crate::ball::effects::{ALL, SCATTER};
+use crate::findings;
 use crate::scene::BallParameters;
 
 /// What the spin of a throw does in the air.
@@ -107,6 +109,7 @@ impl ObservedBall {
     /// What effects change of a recording made ready.
     pub(super) fn with_nuisances_of_effects(&self, preparation: Preparation) -> Result<Preparation> {
         let Preparation::Usable(mut prepared) = preparation else { return Ok(preparation) };
+        prepared.notes.extend(self.bound_to_clock());
         // A record without a bounce is silent about contacts only.
         let phases = self.free.iter().flat_map(|e| vec![e.phase(); e.numbers()]);
         for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
@@ -124,6 +127,38 @@ impl ObservedBall {
             prepared.nuisances.extend(self.tilts(&prepared.seen)?);
         }
         Ok(Preparation::Usable(prepared))
+    }
+
+    /// Effects of the file whose formulas depend on the time.
+    fn bound_to_clock(&self) -> impl Iterator<Item = Note> {
+        let present = self.fixed.iter().map(|(effect, _)| effect).chain(&self.free);
+        present.filter(|effect| effect.depends_on_time()).map(|effect| {
+            let text = format!("the formula of `{}` depends on the time: it holds for this clock only", effect.name());
+            Note::new(findings::EFFECT_CLOCK, text, "write it with what changes, or keep the clock of the recordings")
+        })
+    }
+
+    /// What a user should know of the formulas of the file in a rollout of positions (m), row-major, at these instants (s).
+    #[must_use]
+    pub fn formula_notes(&self, clock: &[f64], positions: &[f64]) -> Vec<Note> {
+        let mut notes: Vec<Note> = self.bound_to_clock().collect();
+        let place = |i: usize| Vector::new(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
+        for (effect, values) in &self.fixed {
+            let Some(force) = effect.force(values) else { continue };
+            let outside = (1..clock.len()).find_map(|i| {
+                let v = (place(i) - place(i - 1)) / (clock[i] - clock[i - 1]);
+                Some((clock[i], force.outside(clock[i], place(i), v)?))
+            });
+            if let Some((time, (variable, value, (low, high)))) = outside {
+                let text = format!(
+                    "`{variable}` is {value:.3} at {time:.3} s; the formula of `{}` was seen to hold from {low} to {high}",
+                    effect.name()
+                );
+                let remedy = "rely on it within the range only, or record there and diagnose again";
+                notes.push(Note::new(findings::EFFECT_OUTSIDE, text, remedy));
+            }
+        }
+        notes
     }
 
     /// Whether this kind of observation can show an effect.

@@ -43,6 +43,7 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
         max: c.max,
         typical: c.typical.unwrap_or(c.max - c.min),
         number: None,
+        shape: false,
     };
     Effect {
         name: own(name),

@@ -22,6 +22,7 @@ use crate::failure::Exit;
 use crate::files::destination::{self, Output, Product};
 use crate::files::names;
 use crate::view::answer::Printout;
+use crate::view::text::warn_all;
 
 pub fn run(options: &Simulate) -> Result<Exit> {
     let inputs = || [Some(options.simulation.sim.as_path()), options.inputs.as_deref(), options.manifest.as_deref()];
@@ -86,6 +87,7 @@ fn ball(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
     } else {
         let clock = file.record().clock();
         let values = rollout(&seen, &parameters, &nuisances, &clock)?;
+        warn_all(&ball.formula_notes(&clock, &values));
         Observation::new(kind, ball.channels().to_vec(), clock, values)?
     })
 }

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use crate::Result;
 use crate::diagnose::hypothesis::context::{Context, FULL, Hypothesis};
-use crate::diagnose::hypothesis::joint::{Effort, Point, Which};
+use crate::diagnose::hypothesis::joint::{Effort, Joint, Point, Which};
+use crate::diagnose::hypothesis::multistart::{PRIMES, radical_inverse};
 use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
 use crate::diagnose::hypothesis::structure::Structure;
 use crate::diagnose::hypothesis::wording::done_already;
@@ -36,6 +37,16 @@ const ALIKE: f64 = 0.97;
 /// many times the typical size.
 const KEPT: f64 = 0.9;
 const LARGER: [f64; 2] = [6.0, 20.0];
+
+/// Values of the coefficients that shape an effect at which it is scored.
+const SHAPES: u32 = 24;
+/// From so many of them fits begin.
+const SHAPE_STARTS: usize = 3;
+/// First and last step of the search from there, as a share of the bounds.
+const FIRST_STEP: f64 = 0.1;
+const LAST_STEP: f64 = 0.02;
+/// Bounds of a shape whose ratio is larger are covered evenly in its logarithm.
+const WIDE: f64 = 10.0;
 
 /// One candidate at one stage.
 pub(in crate::diagnose) struct CandidateFit<'a> {
@@ -74,6 +85,10 @@ struct Scored {
     /// What the linear prediction gains under the robust loss: less than `predicted` where residuals are far beyond noise.
     expected: f64,
     excluded: Option<Exclusion>,
+    /// The values of its coefficients at which its columns are.
+    start: Vec<f64>,
+    /// Others at which fits may begin, where some only shape the effect.
+    others: Vec<Vec<f64>>,
 }
 
 /// Every candidate in addition to `model`, best first.
@@ -122,7 +137,8 @@ pub(in crate::diagnose) fn score_candidates<'a>(
 
 fn score(context: &Context<'_>, entry: usize, model: &Hypothesis, projector: &Projector, left: &[f64]) -> Scored {
     let (columns, span, none) = (Vec::new(), Vec::new(), f64::NEG_INFINITY);
-    let mut scored = Scored { entry, columns, span, predicted: none, expected: none, excluded: None };
+    let (start, others) = (Vec::new(), Vec::new());
+    let mut scored = Scored { entry, columns, span, predicted: none, expected: none, excluded: None, start, others };
     if let Err(error) = try_score(context, &mut scored, model, projector, left) {
         scored.excluded = Some(Exclusion::Refused(error.to_string()));
     }
@@ -140,8 +156,14 @@ fn try_score(
     let structure = context.structure(&[model.structure.effects.as_slice(), &[scored.entry]].concat())?;
     let joint = context.joint(&structure);
     let globals = structure.carry(&model.structure, &model.fit.point.parameters);
-    let point = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
+    let mut point = Point { parameters: globals, nuisances: model.fit.point.nuisances.clone() };
     let lengths: Vec<usize> = model.fit.residuals.iter().map(Vec::len).collect();
+    let shapes = best_shapes(&joint, &model.fit.residuals, &point, known, projector, left);
+    if let Some(best) = shapes.first() {
+        point.parameters[known..].copy_from_slice(best);
+    }
+    scored.others = shapes.into_iter().skip(1).collect();
+    scored.start = point.parameters[known..].to_vec();
     let mut projected = Vec::new();
     let (mut whole, mut rest, mut seen) = (0.0, 0.0, false);
     for visibly in [false, true] {
@@ -186,6 +208,71 @@ fn try_score(
     Ok(())
 }
 
+/// Values of an effect's coefficients at which its columns explain most, best first: variable projection (Golub and Pereyra
+/// 1973) over Halton's points of those that only shape it, the best of them improved by a compass search (Kolda, Lewis and
+/// Torczon 2003). None where no coefficient only shapes it.
+fn best_shapes(
+    joint: &Joint,
+    residuals: &[Vec<f64>],
+    point: &Point,
+    known: usize,
+    projector: &Projector,
+    left: &[f64],
+) -> Vec<Vec<f64>> {
+    let globals = &joint.structure.globals;
+    let shapes: Vec<usize> = (known..globals.len()).filter(|&place| globals[place].shape).collect();
+    if shapes.is_empty() {
+        return Vec::new();
+    }
+    let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
+    let at = |shares: &[f64]| {
+        let mut tried = point.clone();
+        for (&place, share) in shapes.iter().zip(shares) {
+            let (min, max) = (globals[place].parameter.min, globals[place].parameter.max);
+            let wide = min > 0.0 && max > WIDE * min;
+            tried.parameters[place] = if wide { min * (max / min).powf(*share) } else { min + share * (max - min) };
+        }
+        tried
+    };
+    let explained = |shares: &[f64]| -> f64 {
+        let which = Which { first: known, nuisances: false, ..Which::ALL };
+        let columns = joint.columns_of(&at(shares), residuals, which, |place| !shapes.contains(place));
+        let places = (known..globals.len()).filter(|place| !shapes.contains(place));
+        let projected = places.map(|place| {
+            let mut column = stack(&columns, &lengths, place);
+            projector.project(&mut column);
+            column
+        });
+        orthonormal(projected.collect()).iter().map(|direction| dot(direction, left).powi(2)).sum()
+    };
+    let mut all: Vec<(f64, Vec<f64>)> = (1..=SHAPES)
+        .map(|number| {
+            let shares: Vec<f64> =
+                (0..shapes.len()).map(|k| radical_inverse(number, PRIMES[k % PRIMES.len()])).collect();
+            (explained(&shares), shares)
+        })
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.truncate(SHAPE_STARTS);
+    for (most, shares) in &mut all {
+        let mut step = FIRST_STEP;
+        while step >= LAST_STEP {
+            let moves = (0..shares.len()).flat_map(|k| [(k, step), (k, -step)]);
+            let tried = moves.map(|(k, by)| {
+                let mut moved = shares.clone();
+                moved[k] = (moved[k] + by).clamp(0.0, 1.0);
+                (explained(&moved), moved)
+            });
+            match tried.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(value, _)| *value > *most) {
+                Some(better) => (*most, *shares) = better,
+                None => step *= 0.5,
+            }
+        }
+    }
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.iter().map(|(_, shares)| at(shares).parameters[known..].to_vec()).collect()
+}
+
 /// A model and one of its candidates, linear where the model stands.
 #[derive(Clone, Copy)]
 struct Extension<'s, 'a> {
@@ -204,7 +291,9 @@ impl<'a> Extension<'_, 'a> {
     /// recording.
     fn fit(&self, context: &Context<'a>, effort: Effort) -> Result<Hypothesis<'a>> {
         let structure = self.structure(context)?;
-        let parameters = structure.carry(&self.model.structure, &self.model.fit.point.parameters);
+        let mut parameters = structure.carry(&self.model.structure, &self.model.fit.point.parameters);
+        let known = self.model.structure.globals.len();
+        parameters[known..].copy_from_slice(&self.scored.start);
         let point = Point { parameters, nuisances: self.model.fit.point.nuisances.clone() };
         let columns = self.base.iter().zip(&self.scored.columns).map(|(base, new)| Columns {
             places: [base.places.as_slice(), &new.places].concat(),
@@ -253,6 +342,11 @@ fn fit_best<'s, 'a: 's>(
             done[i] = true;
             take(&mut trials[i], extension(i).model, fitted);
         }
+        let shaped: Vec<usize> = open.iter().copied().filter(|&i| !extension(i).scored.others.is_empty()).collect();
+        let fits: Vec<_> = shaped.par_iter().map(|&i| fit_from_shapes(context, &trials[i], extension(i))).collect();
+        for (&i, fitted) in shaped.iter().zip(fits) {
+            take(&mut trials[i], extension(i).model, fitted);
+        }
         // What fell short of the prediction, and could still come near the best.
         let limit = leader(trials).map_or(0.0, |b| trials[b].gain - BEHIND.max(BEHIND_SHARE * trials[b].gain));
         let expected = |i: &usize| extension(*i).scored.expected;
@@ -276,6 +370,33 @@ fn leader(trials: &[CandidateFit]) -> Option<usize> {
     fitted.max_by(|a, b| trials[*a].gain.total_cmp(&trials[*b].gain))
 }
 
+/// From other values of the coefficients that only shape an effect. `None` where none leads farther than `trial`.
+fn fit_from_shapes<'a>(
+    context: &Context<'a>,
+    trial: &CandidateFit<'a>,
+    extension: Extension<'_, 'a>,
+) -> Option<Hypothesis<'a>> {
+    let model = extension.model;
+    let known = model.structure.globals.len();
+    let mut best: Option<(f64, Hypothesis)> = None;
+    for other in &extension.scored.others {
+        let structure = extension.structure(context).ok()?;
+        let mut parameters = structure.carry(&model.structure, &model.fit.point.parameters);
+        parameters[known..].copy_from_slice(other);
+        let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
+        let Ok(fit) = context.joint(&structure).fit(start, FEW_STEPS) else { continue };
+        let tried = Hypothesis { structure, fit };
+        let reached = gain(context, model, &tried, model.scale());
+        if best.as_ref().is_none_or(|(most, _)| reached > *most) {
+            best = Some((reached, tried));
+        }
+    }
+    let (_, tried) = best?;
+    let fit = context.joint(&tried.structure).fit(tried.fit.point, FULL).ok()?;
+    let found = Hypothesis { structure: tried.structure, fit };
+    (gain(context, model, &found, model.scale()) > trial.gain).then_some(found)
+}
+
 /// From larger coefficients than those to which one step leads: friction that grips is not reached from friction that hardly
 /// is. `None` where that is no better than `trial`.
 fn fit_from_larger<'a>(
@@ -291,6 +412,10 @@ fn fit_from_larger<'a>(
         let structure = extension.structure(context).ok()?;
         let mut globals = structure.carry(&model.structure, &model.fit.point.parameters);
         for (place, global) in structure.globals.iter().enumerate().skip(known) {
+            if global.shape {
+                globals[place] = extension.scored.start[place - known];
+                continue;
+            }
             let (absent, typical) = global.absent.unwrap_or((0.0, 0.0));
             let way = near.fit.point.parameters[place] - absent;
             let value = absent + size * typical * if way < 0.0 { -1.0 } else { 1.0 };

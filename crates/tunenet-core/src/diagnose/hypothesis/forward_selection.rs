@@ -8,6 +8,7 @@ use crate::diagnose::hypothesis::confusable_set;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
 use crate::diagnose::hypothesis::plausibility::{holds_only_required, needs_no_evidence, required_model};
+use crate::diagnose::hypothesis::structure::Global;
 use crate::estimate::information_criterion::p_value;
 
 /// A swap may open the way to another; each is better than the one before.
@@ -230,7 +231,9 @@ fn is_material(context: &Context<'_>, before: &Hypothesis, after: &Hypothesis) -
 fn is_idle(model: &Hypothesis, entry: usize) -> bool {
     let effects = &model.structure.effects;
     let globals = model.structure.globals.iter().enumerate();
-    let mut own = globals.filter(|(_, global)| global.effect.is_some_and(|(of, _)| effects[of] == entry));
+    let of =
+        |(_, global): &(usize, &Global)| !global.shape && global.effect.is_some_and(|(of, _)| effects[of] == entry);
+    let mut own = globals.filter(of);
     own.all(|(place, global)| {
         let way = model.fit.point.parameters[place] - global.absent.map_or(0.0, |(absent, _)| absent);
         way * way <= 4.0 * model.fit.covariance[(place, place)]

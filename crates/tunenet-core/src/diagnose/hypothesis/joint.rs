@@ -206,8 +206,19 @@ impl Joint<'_> {
 
     /// Derivatives of the white residuals at `point`, where they are `residuals`.
     pub fn columns(&self, point: &Point, residuals: &[Vec<f64>], which: Which) -> Vec<Columns> {
+        self.columns_of(point, residuals, which, |_| true)
+    }
+
+    /// The same by those shared parameters alone that pass a test.
+    pub fn columns_of(
+        &self,
+        point: &Point,
+        residuals: &[Vec<f64>],
+        which: Which,
+        wanted: impl Fn(&usize) -> bool,
+    ) -> Vec<Columns> {
         let mut part = self.whole();
-        part.places.retain(|place| *place >= which.first);
+        part.places.retain(|place| *place >= which.first && wanted(place));
         // Flat where refused, so that there is no error.
         jacobian(&Portion { joint: self, part: &part, which }, point, residuals).unwrap_or_default()
     }

@@ -32,6 +32,8 @@ pub(in crate::diagnose) struct Global {
     pub effect: Option<(usize, usize)>,
     /// For a coefficient: the value that means absent, and a small visible distance from it.
     pub absent: Option<(f64, f64)>,
+    /// Whether it is a coefficient that only shapes its effect.
+    pub shape: bool,
 }
 
 /// Simulators with the same effects, and the shared parameters of all of them.
@@ -80,8 +82,8 @@ impl<'a> Structure<'a> {
             let parameters = subject.simulator.parameters();
             let observed = |i: usize| sets.iter().any(|s| s.object == object && s.prepared.silent[i].is_none());
             for i in (0..parameters.len()).filter(|&i| parameters[i].tune && observed(i)) {
-                let global =
-                    Global { parameter: parameters[i].clone(), object: Some(object), effect: None, absent: None };
+                let (parameter, object_of) = (parameters[i].clone(), Some(object));
+                let global = Global { parameter, object: object_of, effect: None, absent: None, shape: false };
                 structure.add(global, object);
             }
         }
@@ -106,6 +108,7 @@ impl<'a> Structure<'a> {
                         object: (!entry.shared()).then_some(object),
                         effect: Some((position, k)),
                         absent: Some((coefficient.absent, coefficient.typical)),
+                        shape: coefficient.shape,
                     };
                     structure.add(global, object);
                 }
