@@ -213,6 +213,47 @@ fn a_program_in_mujoco_is_driven() {
     }
 }
 
+/// Channels of different units have no common distance: each has a gap of its own.
+#[test]
+fn the_gap_of_each_channel_is_in_its_unit() {
+    if !python("json") {
+        return;
+    }
+    let folder = Folder::new();
+    let program = r#"import json, sys
+for line in sys.stdin:
+    asked = json.loads(line)
+    if "tunenet" in asked:
+        print(json.dumps({"tunenet": 1}), flush=True)
+        continue
+    k = asked["parameters"]["rate"]
+    print(json.dumps({"id": asked["id"], "values": [v for t in asked["times_s"] for v in (k * t, 0.1 * k * t)]}), flush=True)
+"#;
+    folder.write("ramp.py", program);
+    folder.write(
+        "scene.toml",
+        "kind = \"process\"\nprocess.command = [\"python3\", \"ramp.py\"]\nprocess.channels = [\"x_m\", \"q_rad\"]\n\
+         parameters.rate = { value = 1.0, min = 0.1, max = 5.0, unit = \"m/s\" }\n",
+    );
+    let (mut noise, mut text) = (Noise(3), String::from("t_s,x_m,q_rad\n"));
+    for i in 0..200 {
+        let t = f64::from(i) * 0.01;
+        let (x, q) = (2.0 * t + 0.01 * noise.normal(), 0.2 * t + 0.001 * noise.normal());
+        writeln!(text, "{t},{x},{q}").unwrap();
+    }
+    folder.write("a.csv", &text);
+    let shown = folder.run("tune --sim scene.toml --allow-process a.csv --report page.html").ends(0).stdout;
+    let row =
+        |name: &str| shown.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_default().to_owned();
+    assert!(row("x ").ends_with("mm") && row("q ").ends_with("rad"), "{shown}");
+    assert!(folder.text("page.html").contains("<th scope=\"row\">q</th>"));
+    let json = folder.run("tune --sim scene.toml --allow-process a.csv --json").ends(0).json();
+    let gap = |i: usize, key: &str| json["gaps"][i][key].as_f64().unwrap();
+    assert_eq!((json["gaps"][0]["unit"].as_str(), json["gaps"][1]["unit"].as_str()), (Some("m"), Some("rad")));
+    assert!((gap(0, "after") / 0.01 - 1.0).abs() < 0.15 && (gap(1, "after") / 0.001 - 1.0).abs() < 0.15, "{json:#}");
+    assert!(gap(0, "before") > 0.5, "{json:#}");
+}
+
 /// Each of these is one sentence with a hint.
 #[test]
 fn what_is_wrong_with_inputs_and_starts_is_said_in_one_sentence() {

@@ -10,6 +10,7 @@ mod algorithm1;
 mod assumed_constants;
 mod calibration_uncertainty;
 mod camera_projection;
+mod channel_gaps;
 mod channel_weights;
 mod evidence;
 mod fixed_parameter;
@@ -22,6 +23,7 @@ mod secant;
 mod starts;
 
 pub use algorithm1::{Loop, Walk, walk};
+pub use channel_gaps::{ChannelGap, over_recordings};
 pub use evidence::{Comparison, Detail, Evidence, evidence};
 pub use fixed_parameter::{FixedValueFit, fit_at_fixed_values};
 pub use outcome::{Estimate, Gap, Iteration, Outcome, Status, Stop, Verdict, shares};
@@ -195,6 +197,7 @@ fn rejected(notes: Vec<Note>, used: Vec<bool>) -> Outcome {
         region95: None,
         iterations: Vec::new(),
         gap: None,
+        gaps: Vec::new(),
         rollouts: 0,
         stop: Stop::Nothing,
         notes,
@@ -443,6 +446,7 @@ impl Tuning<'_> {
             region95,
             iterations,
             gap: Some(gap),
+            gaps: channel_gaps::channel_gaps(self.recordings, self.noise, &before.residuals, &fit.residuals),
             rollouts: self.log.count(),
             stop,
             notes,

@@ -5,6 +5,7 @@ use crate::estimate::{Point, Region};
 use crate::observation::Check;
 use crate::observation::Note;
 use crate::simulator::{Parameter, Prepared};
+use crate::tune::channel_gaps::ChannelGap;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -126,6 +127,8 @@ pub struct Outcome {
     pub iterations: Vec<Iteration>,
     /// The gap; absent where rejected.
     pub gap: Option<Gap>,
+    /// The same for each recording used and each of its channels; empty where rejected.
+    pub gaps: Vec<ChannelGap>,
     /// How many rollouts it took in all.
     pub rollouts: usize,
     /// Why it stopped.

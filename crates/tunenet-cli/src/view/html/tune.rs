@@ -6,7 +6,7 @@ use tunenet_core::findings;
 use maud::{Markup, html};
 use tunenet_core::observation::Observation;
 use tunenet_core::simulator::{Parameter, Simulator};
-use tunenet_core::tune::{Detail, Evidence, Outcome, evidence};
+use tunenet_core::tune::{ChannelGap, Detail, Evidence, Outcome, evidence, over_recordings};
 use tunenet_formats::Result;
 
 use super::figures::{Rung, autocorrelation, bars, ladder, profile, regions};
@@ -124,17 +124,47 @@ impl Answer {
             })
             .collect();
         let limit = self.evidence.recordings.iter().map(|c| c.adequacy.limit).fold(0.0, f64::max);
+        let units = |pair: &[ChannelGap]| pair[0].unit == pair[1].unit;
+        let alike = self.outcome.gaps.windows(2).all(units);
         html! {
+            @if !alike { (self.channels(used)) }
             div.grid {
-                figure {
+                @if alike { figure {
                     (ladder(&rungs, "gap before, tuned, and the noise floor"))
                     figcaption { "Root mean square of measured \u{2212} simulated, all channels as one distance. Tuned should be \
                                   close to the dotted line, the noise floor." }
-                }
+                } }
                 figure {
                     (bars(&rows, (limit, &format!("limit of noise: {limit:.2}")), "residual over noise, with its limit"))
                     figcaption { "Residual of the worst channel divided by its noise. Beyond the dotted line noise does not explain it: \
                                   something is missing." }
+                }
+            }
+        }
+    }
+
+    /// The gap of each channel, in its unit, and of each recording where there are several.
+    fn channels(&self, used: &[String]) -> Markup {
+        let name = |gap: &ChannelGap| match used.get(gap.recording).filter(|_| used.len() > 1) {
+            Some(recording) => format!("{} of {}", gap.channel, shortened(recording)),
+            None => gap.channel.clone(),
+        };
+        let whole = if used.len() > 1 { over_recordings(&self.outcome.gaps) } else { Vec::new() };
+        let whole = whole.iter().map(|gap| (format!("{}, all recordings", gap.channel), gap));
+        let rows: Vec<(String, &ChannelGap)> =
+            whole.chain(self.outcome.gaps.iter().map(|gap| (name(gap), gap))).collect();
+        html! {
+            table {
+                thead { tr { th { "gap of" } th { "before" } th { "tuned" } th { "noise floor" } } }
+                tbody {
+                    @for (name, gap) in &rows {
+                        tr {
+                            th scope="row" { (name) }
+                            td.number data-name="before" { (quantity(gap.before, &gap.unit)) }
+                            td.number data-name="tuned" { (quantity(gap.after, &gap.unit)) }
+                            td.number data-name="noise floor" { (quantity(gap.noise_floor, &gap.unit)) }
+                        }
+                    }
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 use tunenet_core::observation::Note;
-use tunenet_core::tune::{Outcome, Region};
+use tunenet_core::tune::{ChannelGap, Outcome, Region};
 use tunenet_sim::ChosenNetwork;
 
 use super::warning;
@@ -46,6 +46,7 @@ pub fn object(outcome: &Outcome, names: &[String], chosen: &ChosenNetwork, spent
         "gap": outcome.gap.as_ref().map(|g| json!({
             "unit": g.unit, "before": g.before, "after": g.after, "noise_floor": g.noise_floor,
         })),
+        "gaps": gaps(outcome, names),
         "estimated": outcome.nuisances.iter().map(|own| {
             own.iter().map(|p| json!({ "name": p.name, "value": p.value, "unit": p.unit })).collect::<Vec<_>>()
         }).collect::<Vec<_>>(),
@@ -67,6 +68,18 @@ pub fn object(outcome: &Outcome, names: &[String], chosen: &ChosenNetwork, spent
         object["region95"] = region_json(region);
     }
     object
+}
+
+/// The gap of each recording used, channel by channel.
+fn gaps(outcome: &Outcome, names: &[String]) -> Vec<Value> {
+    let used: Vec<&String> = names.iter().zip(&outcome.used).filter(|(_, used)| **used).map(|(name, _)| name).collect();
+    let one = |gap: &ChannelGap| {
+        json!({
+            "file": used.get(gap.recording), "channel": gap.channel, "unit": gap.unit,
+            "before": gap.before, "after": gap.after, "noise_floor": gap.noise_floor,
+        })
+    };
+    outcome.gaps.iter().map(one).collect()
 }
 
 fn region_json(region: &Region) -> Value {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use tunenet_core::tune::{Iteration, Outcome, Verdict};
+use tunenet_core::tune::{Iteration, Outcome, Verdict, over_recordings};
 use tunenet_sim::ChosenNetwork;
 
 use super::{between, four_digits, in_words, list, note, rolled_out, rounded, stage, tally, verbose};
@@ -61,14 +61,8 @@ pub fn printout(outcome: &Outcome, names: &[String]) -> Printout {
     if let Some(text) = use_of.sentence() {
         shown.line(&format!("  {text}"));
     }
-    if let Some(gap) = &outcome.gap {
-        let unit = &gap.unit;
-        let (before, after, floor) =
-            (in_words(gap.before, unit), in_words(gap.after, unit), in_words(gap.noise_floor, unit));
-        let rows = [
-            vec!["gap (RMS)".into(), "before".into(), "after".into(), "noise floor".into()],
-            vec![String::new(), before, after, floor],
-        ];
+    let rows = gaps(outcome);
+    if !rows.is_empty() {
         shown.table(&rows);
         shown.line("");
     }
@@ -82,6 +76,25 @@ pub fn printout(outcome: &Outcome, names: &[String]) -> Printout {
     }
     shown.warn_all(&outcome.notes);
     shown
+}
+
+/// The gap, in a line; a line for each channel where units differ or all details are asked for.
+fn gaps(outcome: &Outcome) -> Vec<Vec<String>> {
+    let Some(gap) = &outcome.gap else { return Vec::new() };
+    let row = |name: String, unit: &str, all: [f64; 3]| {
+        [name].into_iter().chain(all.map(|value| in_words(value, unit))).collect::<Vec<String>>()
+    };
+    let head = ["gap (RMS)", "before", "after", "noise floor"].map(String::from).to_vec();
+    let channels = over_recordings(&outcome.gaps);
+    let alike = channels.windows(2).all(|pair| pair[0].unit == pair[1].unit);
+    let mut rows = vec![head];
+    if alike {
+        rows.push(row(String::new(), &gap.unit, [gap.before, gap.after, gap.noise_floor]));
+    }
+    if !alike || (verbose() && channels.len() > 1) {
+        rows.extend(channels.iter().map(|c| row(c.channel.clone(), &c.unit, [c.before, c.after, c.noise_floor])));
+    }
+    rows
 }
 
 /// The parameters and the RMSE of every iteration.
