@@ -227,7 +227,7 @@ for line in sys.stdin:
         print(json.dumps({"tunenet": 1}), flush=True)
         continue
     k = asked["parameters"]["rate"]
-    print(json.dumps({"id": asked["id"], "values": [v for t in asked["times_s"] for v in (k * t, 0.1 * k * t)]}), flush=True)
+    print(json.dumps({"id": asked["id"], "values": [[k * t, 0.1 * k * t] for t in asked["times_s"]]}), flush=True)
 "#;
     folder.write("ramp.py", program);
     folder.write(

@@ -97,7 +97,7 @@ mod tests {
     use super::super::tests::candidate;
     use super::*;
 
-    const CABLE: &str = "sentence = \"a cable pulls\"\nacts = \"joint\"\nformula = \"k*sin(q_rad)\"\njoints = [\"b\", \"a\"]\n\
+    const CABLE: &str = "sentence = \"a cable turns the joint\"\nacts = \"joint\"\nformula = \"k*sin(q_rad)\"\njoints = [\"b\", \"a\"]\n\
                          per_direction = [\"k\"]\ncoefficients.k = { unit = \"N·m\", absent = 0.0, min = -5.0, max = 5.0 }\n";
 
     #[test]

@@ -214,7 +214,7 @@ pub(crate) mod tests {
         toml_edit::de::from_str(text).unwrap()
     }
 
-    const SPRING: &str = "sentence = \"a thread pulls back\"\nacts = \"flight\"\nalong = [\"x\"]\nformula = \"-k*x_m\"\n\
+    const SPRING: &str = "sentence = \"a thread holds the ball\"\nacts = \"flight\"\nalong = [\"x\"]\nformula = \"-k*x_m\"\n\
                           coefficients.k = { unit = \"1/s²\", absent = 0.0, min = 0.0, max = 50.0 }\n";
 
     #[test]
