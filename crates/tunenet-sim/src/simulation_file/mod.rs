@@ -259,7 +259,12 @@ impl SimulationFile {
             let value = if p.tune { "tuned".into() } else { p.value.to_string() };
             format!("{}={value} in {} to {}", p.name, p.min, p.max)
         });
-        scene.chain(parameters).collect::<Vec<_>>().join("\n")
+        // Formulas that act are part of it; those that are only declared change no rollout.
+        let present = self.effects().into_iter().filter_map(|effect| {
+            let candidate = self.candidate(&effect.name)?;
+            Some(format!("effects.{}={:?} of {candidate:?}", effect.name, effect.values))
+        });
+        scene.chain(parameters).chain(present).collect::<Vec<_>>().join("\n")
     }
 
     /// What is written of a rollout.
@@ -329,6 +334,19 @@ mod tests {
         assert_eq!(ball.release.height_m, Some(0.425));
         file.set("world.gravity_m_s2=9.").unwrap();
         assert!(file.set("world.gravity_m_s2=nan").is_err() && file.set("world.gravity_m_s2=.").is_err());
+    }
+
+    /// A network that was trained for a scene without a formula is none for the scene with it.
+    #[test]
+    fn the_essence_holds_the_formulas_that_act() {
+        let declared = "kind = \"ball\"\nball.radius_m = 0.02\n[candidates.air]\nsentence = \"the air brakes\"\nacts = \"flight\"\n\
+                        along = [\"v\"]\nformula = \"-c*speed_m_s^2\"\n\
+                        coefficients.c = { unit = \"1/m\", absent = 0.0, min = 0.0, max = 2.0 }\n";
+        let essence = |text: &str| SimulationFile::parse(Path::new("ball.toml"), text).unwrap().essence();
+        let bare = essence(declared);
+        let strong = essence(&format!("{declared}[effects.air]\nc = 0.2\n"));
+        assert!(!bare.contains("air") && strong.contains("effects.air=[0.2]"), "{strong}");
+        assert_ne!(strong, essence(&format!("{declared}[effects.air]\nc = 0.3\n")));
     }
 
     #[test]
