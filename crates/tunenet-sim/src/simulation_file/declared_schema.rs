@@ -435,8 +435,7 @@ fn coefficient(path: &str, key: &str, item: &Item, table: &dyn TableLike, formul
 
 /// The candidate that a table declares.
 fn candidate(item: &Item) -> Option<Candidate> {
-    let mut table = item.clone().into_table().ok()?;
-    table.set_implicit(false);
+    let table = item.clone().into_table().ok()?;
     toml_edit::de::from_document(toml_edit::DocumentMut::from(table)).ok()
 }
 

@@ -331,7 +331,7 @@ fn mass_and_size_bound_what_is_plausible() {
     assert!((low + 1.5 * 0.014_893 * 9.81 + 0.05).abs() < 1e-4 && high == 0.05, "{low} {high}");
 }
 
-/// The same drag by its name and by a formula: one world, whatever cuts its steps.
+/// The same drag by its name and by a formula: one world, although the steps are chosen in other ways.
 #[test]
 fn a_formula_does_what_the_effect_of_the_catalogue_does() {
     let drag = format!(
