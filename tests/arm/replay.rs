@@ -305,6 +305,10 @@ fn a_formula_at_a_joint_is_named_and_written() {
     let tuned = folder.run("tune --sim improved.toml a.csv --json").ends(0).json();
     let mass = tuned["parameters"]["payload_mass"]["value"].as_f64().unwrap();
     assert!((mass - 0.7).abs() < 0.01, "{mass}");
+    let late = cable.replace("sin(2*q_rad)", "sin(2*q_rad + 0.001*t_s)").replace("N·m", "?");
+    folder.write("arm.toml", format!("{SCENE}{late}[effects.cable]\nk = 0.8\n"));
+    let json = folder.run("tune --sim arm.toml a.csv --json").json();
+    assert!(json["warnings"].as_array().unwrap().iter().any(|w| w["code"] == "effect.clock"), "{json:#}");
     let wrong = cable.replace("\"hinge\"", "\"elbow\"");
     folder.write("arm.toml", format!("{SCENE}{wrong}"));
     refused(&folder, "tune --sim arm.toml a.csv", &["expected joints of the arm (\"hinge\"), found \"elbow\""]);

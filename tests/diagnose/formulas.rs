@@ -87,7 +87,7 @@ fn several_directions_share_a_formula_and_its_range_is_known() {
 }
 
 #[test]
-fn a_formula_of_the_time_is_bound_to_its_clock() {
+fn a_formula_of_the_time_is_bound_to_its_clock_and_a_free_power_is_explained() {
     let folder = recorded(|_| [0.0, 0.0, -9.81]);
     let wave = "[candidates.wave]\nsentence = \"something shakes\"\nacts = \"flight\"\nalong = [\"x\"]\nformula = \"a*sin(w*t_s)\"\n\
                 coefficients.a = { unit = \"m/s²\", absent = 0, min = -9, max = 9 }\n\
@@ -95,6 +95,11 @@ fn a_formula_of_the_time_is_bound_to_its_clock() {
     folder.write("wave.toml", format!("{BALL}{wave}"));
     let json = folder.run("tune --sim wave.toml 0.csv 1.csv --json").ends(0).json();
     assert!(codes(&json).contains(&"effect.clock"), "{json:#}");
+    let drag = wave.replace("a*sin(w*t_s)", "-a*speed_m_s^w").replace("\"1/s\"", "\"1\"").replace("[\"x\"]", "[\"v\"]");
+    folder.write("drag.toml", format!("{BALL}{}", drag.replace("w = 5", "w = 2")));
+    let json = folder.run("tune --sim drag.toml 0.csv 1.csv --json").ends(0).json();
+    let said = json["warnings"].as_array().unwrap().iter().find(|w| w["code"] == "effect.power").expect("a note");
+    assert!(said["text"].as_str().unwrap().contains("`speed_m_s^w` in the formula of `wave`"), "{said}");
 }
 
 #[test]

@@ -84,6 +84,9 @@ finding_kinds! {
     warning EFFECT_CLOCK = "effect.clock",
         "the formula of an effect of the file depends on the time, so it holds for recordings with the same clock only",
         "write the formula with what changes, or keep the clock of the recordings";
+    note EFFECT_POWER = "effect.power",
+        "a power in the formula of an effect has a coefficient as its exponent; its base is read as a multiple of its unit",
+        "none needed; divide the base by a length, a speed, … of your own to choose another";
     warning EFFECT_OUTSIDE = "effect.outside",
         "a rollout leaves the range in which the formula of an effect was seen to hold (`valid`)",
         "rely on it within the range only, or record there and diagnose again";

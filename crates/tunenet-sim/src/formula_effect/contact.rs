@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tunenet_formula::Program;
+use tunenet_formula::Formula;
 
 use super::layout::Layout;
 use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
@@ -15,7 +15,7 @@ const VARIABLES: [(&str, &str); 3] = [("vn_m_s", "m/s"), ("vt_m_s", "m/s"), ("re
 /// The formula.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ContactFormula {
-    program: Program,
+    formula: Formula,
     layout: Layout,
 }
 
@@ -37,7 +37,12 @@ impl ContactFormula {
         }
         let (formula, layout) = formula(candidate, &VARIABLES, 1)?;
         require_unit(&formula, "1")?;
-        Ok(Self { program: formula.program().clone(), layout })
+        Ok(Self { formula, layout })
+    }
+
+    /// As it was written.
+    pub fn formula(&self) -> &Formula {
+        &self.formula
     }
 }
 
@@ -61,7 +66,7 @@ impl AppliedContact {
         names[..COUNT].copy_from_slice(&[normal_m_s, along_m_s, restitution]);
         let layout = &self.formula.layout;
         layout.fill(&self.values, 0, &mut names[COUNT..COUNT + layout.coefficients()]);
-        self.formula.program.value(&names)
+        self.formula.formula.program().value(&names)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rapier3d::math::Vector;
-use tunenet_formula::Program;
+use tunenet_formula::Formula;
 
 use super::layout::Layout;
 use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
@@ -60,7 +60,7 @@ impl Direction {
 /// The force.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FlightForce {
-    program: Program,
+    formula: Formula,
     layout: Layout,
     directions: Vec<Direction>,
     centre: Vector,
@@ -124,12 +124,17 @@ impl FlightForce {
         Ok(Self {
             valid: candidate.valid.iter().map(range).collect::<Result<_, _>>()?,
             depends_on_time: formula.uses(TIME),
-            program: formula.program().clone(),
+            formula,
             layout,
             directions,
             centre: Vector::from_array(candidate.centre.unwrap_or_default()),
             factor,
         })
+    }
+
+    /// As it was written.
+    pub fn formula(&self) -> &Formula {
+        &self.formula
     }
 
     /// How many directions it has; `spin` counts as three.
@@ -189,7 +194,7 @@ impl AppliedForce {
         let mut sum = Vector::ZERO;
         for (i, direction) in force.directions.iter().enumerate() {
             force.layout.fill(&self.values, i, &mut names[COUNT..COUNT + force.layout.coefficients()]);
-            sum += direction.vector(away, v) * force.program.value(&names);
+            sum += direction.vector(away, v) * force.formula.program().value(&names);
         }
         sum * force.factor
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tunenet_formula::Program;
+use tunenet_formula::Formula;
 
 use super::layout::Layout;
 use super::{MOST_COEFFICIENTS, Misfit, formula, require_unit};
@@ -17,7 +17,7 @@ const SLIDING_RAD_S: f64 = 0.01;
 /// The torque.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointTorque {
-    program: Program,
+    formula: Formula,
     layout: Layout,
     /// Where each joint of the arm stands among those that it acts at.
     joints: Vec<Option<usize>>,
@@ -52,13 +52,22 @@ impl JointTorque {
         if named.is_some_and(<[String]>::is_empty) {
             return Err(Misfit::new("joints", "at least one", "none"));
         }
+        let all = named.unwrap_or_default();
+        if let Some(i) = (0..all.len()).find(|&i| all[..i].contains(&all[i])) {
+            return Err(Misfit::new("joints", "each joint once", format!("\"{}\" twice", all[i].escape_debug())));
+        }
         let place =
             |(i, name): (usize, &String)| named.map_or(Some(i), |named| named.iter().position(|one| one == name));
         let places = joints.into_iter().flatten().enumerate().map(place).collect();
         let (formula, layout) = formula(candidate, &VARIABLES, named.map_or(1, <[String]>::len))?;
         require_unit(&formula, "N·m")?;
-        let (program, depends_on_time) = (formula.program().clone(), formula.uses(TIME));
-        Ok(Self { program, layout, joints: places, along_motion, depends_on_time })
+        let depends_on_time = formula.uses(TIME);
+        Ok(Self { formula, layout, joints: places, along_motion, depends_on_time })
+    }
+
+    /// As it was written.
+    pub fn formula(&self) -> &Formula {
+        &self.formula
     }
 
     pub fn depends_on_time(&self) -> bool {
@@ -88,7 +97,7 @@ impl AppliedTorque {
         names[..COUNT].copy_from_slice(&[q, dq, t]);
         torque.layout.fill(&self.values, place, &mut names[COUNT..COUNT + torque.layout.coefficients()]);
         let sign = if torque.along_motion { dq / dq.hypot(SLIDING_RAD_S) } else { 1.0 };
-        sign * torque.program.value(&names)
+        sign * torque.formula.program().value(&names)
     }
 }
 
@@ -114,6 +123,8 @@ mod tests {
         let joints = ["a".to_owned()];
         assert_eq!(JointTorque::new(&candidate(CABLE), Some(&joints)).unwrap_err().found, "\"b\"");
         assert!(JointTorque::new(&candidate(CABLE), None).is_ok());
+        let twice = CABLE.replace("[\"b\", \"a\"]", "[\"b\", \"b\"]");
+        assert_eq!(JointTorque::new(&candidate(&twice), None).unwrap_err().found, "\"b\" twice");
         let speed = CABLE.replace("k*sin(q_rad)", "k*dq_rad_s");
         assert_eq!(JointTorque::new(&candidate(&speed), None).unwrap_err().key, "formula");
     }

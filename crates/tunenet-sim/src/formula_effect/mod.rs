@@ -16,9 +16,11 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
+use tunenet_core::observation::Note;
 use tunenet_core::simulator::{Coefficient, Effect, Phase};
 use tunenet_formula::{CONSTANTS, Formula, FormulaError, Function, Name, Unit};
 
+use crate::findings;
 use crate::phase;
 use crate::scene::{Candidate, CandidateCoefficient};
 use contact::ContactFormula;
@@ -36,6 +38,8 @@ pub struct FormulaEffect {
     pub effect: Effect,
     /// How it acts.
     pub(crate) acts: Acts,
+    /// Its powers whose exponent is a coefficient and whose base has a unit, as they are written.
+    powers: Vec<String>,
 }
 
 /// How a formula acts.
@@ -88,7 +92,7 @@ impl FormulaEffect {
             Phase::Event => (Acts::Contact(Arc::new(ContactFormula::new(candidate)?)), 1),
             _ => return Err(Misfit::new("acts", "\"flight\" or \"contact\" for a ball", quoted(&candidate.acts))),
         };
-        Ok(Self { effect: entry(name, candidate, directions), acts })
+        Ok(Self::made(name, candidate, directions, acts))
     }
 
     /// The effect that a candidate of an arm's file declares, on an arm with these joints; without them it is only checked.
@@ -103,17 +107,40 @@ impl FormulaEffect {
         }
         let torque = JointTorque::new(candidate, joints)?;
         let count = candidate.joints.as_ref().map_or(1, Vec::len);
-        Ok(Self { effect: entry(name, candidate, count), acts: Acts::Joint(Arc::new(torque)) })
+        Ok(Self::made(name, candidate, count, Acts::Joint(Arc::new(torque))))
     }
 
-    /// Whether its formula depends on the time, so that it is bound to the clock of a recording.
+    fn made(name: &str, candidate: &Candidate, directions: usize, acts: Acts) -> Self {
+        let formula = match &acts {
+            Acts::Flight(force) => force.formula(),
+            Acts::Contact(contact) => contact.formula(),
+            Acts::Joint(torque) => torque.formula(),
+        };
+        let written = |place: &Range<usize>| formula.text().get(place.clone()).unwrap_or_default().to_owned();
+        let powers = formula.powers_of_units().iter().map(written).collect();
+        Self { effect: entry(name, candidate, directions), acts, powers }
+    }
+
+    /// What a user should know of it where it acts: that it is bound to the clock of the recordings, how a power is read.
     #[must_use]
-    pub fn depends_on_time(&self) -> bool {
-        match &self.acts {
+    pub fn notes(&self) -> Vec<Note> {
+        let name = &self.effect.name;
+        let mut notes = Vec::new();
+        let depends_on_time = match &self.acts {
             Acts::Flight(force) => force.depends_on_time(),
             Acts::Joint(torque) => torque.depends_on_time(),
             Acts::Contact(_) => false,
+        };
+        if depends_on_time {
+            let text = format!("the formula of `{name}` depends on the time: it holds for this clock only");
+            let remedy = "write it with what changes, or keep the clock of the recordings";
+            notes.push(Note::new(findings::EFFECT_CLOCK, text, remedy));
         }
+        for power in &self.powers {
+            let text = format!("`{power}` in the formula of `{name}`: its base is read as a multiple of its unit");
+            notes.push(Note::new(findings::EFFECT_POWER, text, ""));
+        }
+        notes
     }
 }
 

@@ -1,5 +1,6 @@
 //! An effect that acts on an observed ball: one of the catalogue, or a formula of the user's.
 
+use tunenet_core::observation::Note;
 use tunenet_core::simulator::{Effect, Phase};
 
 use crate::ball::Scene;
@@ -58,9 +59,12 @@ impl Acting {
         }
     }
 
-    /// Whether it is a formula that depends on the time.
-    pub fn depends_on_time(&self) -> bool {
-        matches!(self, Self::Formula(formula) if formula.depends_on_time())
+    /// What a user should know of it where it acts.
+    pub fn notes(&self) -> Vec<Note> {
+        match self {
+            Self::BuiltIn(_) => Vec::new(),
+            Self::Formula(formula) => formula.notes(),
+        }
     }
 
     /// The force of a formula with these numbers.

@@ -109,7 +109,7 @@ impl ObservedBall {
     /// What effects change of a recording made ready.
     pub(super) fn with_nuisances_of_effects(&self, preparation: Preparation) -> Result<Preparation> {
         let Preparation::Usable(mut prepared) = preparation else { return Ok(preparation) };
-        prepared.notes.extend(self.bound_to_clock());
+        prepared.notes.extend(self.notes_of_formulas());
         // A record without a bounce is silent about contacts only.
         let phases = self.free.iter().flat_map(|e| vec![e.phase(); e.numbers()]);
         for (silent, phase) in prepared.silent[BallParameters::COUNT..].iter_mut().zip(phases) {
@@ -129,19 +129,15 @@ impl ObservedBall {
         Ok(Preparation::Usable(prepared))
     }
 
-    /// Effects of the file whose formulas depend on the time.
-    fn bound_to_clock(&self) -> impl Iterator<Item = Note> {
-        let present = self.fixed.iter().map(|(effect, _)| effect).chain(&self.free);
-        present.filter(|effect| effect.depends_on_time()).map(|effect| {
-            let text = format!("the formula of `{}` depends on the time: it holds for this clock only", effect.name());
-            Note::new(findings::EFFECT_CLOCK, text, "write it with what changes, or keep the clock of the recordings")
-        })
+    /// What a user should know of the formulas that act.
+    fn notes_of_formulas(&self) -> impl Iterator<Item = Note> {
+        self.fixed.iter().map(|(effect, _)| effect).chain(&self.free).flat_map(Acting::notes)
     }
 
     /// What a user should know of the formulas of the file in a rollout of positions (m), row-major, at these instants (s).
     #[must_use]
     pub fn formula_notes(&self, clock: &[f64], positions: &[f64]) -> Vec<Note> {
-        let mut notes: Vec<Note> = self.bound_to_clock().collect();
+        let mut notes: Vec<Note> = self.notes_of_formulas().collect();
         let place = |i: usize| Vector::new(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
         for (effect, values) in &self.fixed {
             let Some(force) = effect.force(values) else { continue };

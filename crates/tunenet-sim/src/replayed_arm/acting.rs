@@ -1,5 +1,6 @@
 //! An effect that acts on a replayed arm: one of the catalogue, or a formula of the user's.
 
+use tunenet_core::observation::Note;
 use tunenet_core::simulator::Effect;
 
 use crate::arm::effects::{ArmEffect, Imperfections};
@@ -34,6 +35,14 @@ impl Acting {
         match self {
             Self::BuiltIn(effect) => effect.entry(joints),
             Self::Formula(formula) => formula.effect.clone(),
+        }
+    }
+
+    /// What a user should know of it where it acts.
+    pub fn notes(&self) -> Vec<Note> {
+        match self {
+            Self::BuiltIn(_) => Vec::new(),
+            Self::Formula(formula) => formula.notes(),
         }
     }
 

@@ -332,7 +332,8 @@ impl Simulator for ReplayedArm {
         if let Some(note) = checks.iter().find(|c| c.state == State::Failed).and_then(Check::note) {
             return Ok(Preparation::Rejected(Box::new(Rejected { note, checks })));
         }
-        prepared.notes = checks.iter().filter_map(Check::note).collect();
+        let present = self.fixed.iter().map(|(effect, _)| effect).chain(&self.free);
+        prepared.notes = checks.iter().filter_map(Check::note).chain(present.flat_map(Acting::notes)).collect();
         prepared.checks = checks;
         Ok(Preparation::Usable(Box::new(prepared)))
     }
