@@ -13,6 +13,7 @@
 //! | [`open_drag`] | the drag that recordings leave open |
 //! | [`formula_effect`] | effects that a user writes as formulas |
 //! | [`phase`] | where effects act, in words |
+//! | [`declared`] | channels, inputs, initial states and candidates that a file declares itself |
 //! | [`process`] | a simulator of any language: a program that speaks lines of JSON |
 //! | [`network`] | which network a fit starts with |
 //! | [`built_in`] | the network that comes with the tool |
@@ -24,6 +25,7 @@
 pub mod arm;
 pub mod ball;
 pub mod built_in;
+pub mod declared;
 pub mod drawn;
 pub mod findings;
 pub mod formula_effect;

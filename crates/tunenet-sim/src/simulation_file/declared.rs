@@ -7,6 +7,15 @@ use crate::formula_effect::{FormulaEffect, Misfit};
 use crate::scene::{Candidate, Candidates, Input, Scene, Start};
 
 impl SimulationFile {
+    /// What it predicts: names of channels with their units, in its order; none of a ball or an arm.
+    #[must_use]
+    pub fn headers(&self) -> Vec<String> {
+        match self.scene() {
+            Scene::Process(scene) => scene.process.channels.clone(),
+            Scene::Ball(_) | Scene::Arm(_) => Vec::new(),
+        }
+    }
+
     /// What drives the thing, by name.
     #[must_use]
     pub fn inputs(&self) -> impl ExactSizeIterator<Item = (&str, &Input)> {

@@ -6,7 +6,7 @@ use anyhow::Result;
 use tunenet_ball::preflight::Expected;
 use tunenet_formats::{ReadOptions, Recording};
 use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{SimulationFile, process};
+use tunenet_sim::{SimulationFile, declared};
 
 use crate::args::Inspect;
 use crate::commands::load;
@@ -18,7 +18,7 @@ use crate::commands::load;
 pub fn options(options: &Inspect, sim: Option<&SimulationFile>) -> Result<ReadOptions> {
     let mut reading = load::reading(&options.reading);
     if let Some(file) = sim.filter(|file| file.domain() == Domain::Process) {
-        reading.channels = process::channels(file)?;
+        reading.channels = declared::channels(file)?;
         reading.others = load::inputs::in_recording(file);
     }
     Ok(reading)

@@ -8,7 +8,7 @@ use tunenet_core::Origin;
 use tunenet_formats::{Error, ReadOptions, Recording, read, read_text};
 use tunenet_sim::replayed_arm::replays;
 use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{SimulationFile, process};
+use tunenet_sim::{SimulationFile, declared};
 
 use super::inputs;
 use super::joints::log;
@@ -79,7 +79,7 @@ pub fn of_channels(
         return Err(Error::file(path, message, hint).into());
     }
     let inputs = inputs::in_recording(file);
-    let alone = ReadOptions { channels: process::channels(file)?, ..read_options(reading) };
+    let alone = ReadOptions { channels: declared::channels(file)?, ..read_options(reading) };
     let recording = read(path, &ReadOptions { others: inputs, ..alone.clone() })?;
     // What drives it is kept whole: only what is fitted is thinned.
     at_most(most, inputs::attach(file, path, recording, setup, &alone)?)
