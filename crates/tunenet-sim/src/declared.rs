@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use tunenet_core::observation::Channel;
-use tunenet_core::simulator::{Coefficient, Effect, StartState, StartValue};
+use tunenet_core::simulator::{Coefficient, Declared, Effect, Model, StartState, StartValue};
 use tunenet_core::text::visible;
 use tunenet_formats::{Error, Result};
 
@@ -90,7 +90,8 @@ pub(crate) fn present(file: &SimulationFile) -> Vec<f64> {
 pub(crate) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
     let channels = file.headers();
     let one = |(name, start): (&str, &Start)| {
-        let unit = Channel::from_header(name).map_or_else(|| "1".into(), |c| c.unit);
+        let said = file.equations().ok().and_then(|scene| scene.states.get(name)?.unit.clone());
+        let unit = said.or_else(|| Channel::from_header(name).map(|c| c.unit)).unwrap_or_else(|| "1".into());
         let value = match start.value {
             scene::StartValue::Number(value) => StartValue::Number(value),
             scene::StartValue::Word(First::First) => {
@@ -107,4 +108,26 @@ pub(crate) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
         Ok(state)
     };
     file.starts().map(one).collect()
+}
+
+/// `simulator` with the candidates of `file`: those that it has at the values that it says, the others absent.
+pub(crate) fn with_candidates<M: Model>(mut simulator: Declared<M>, file: &SimulationFile) -> Result<Declared<M>> {
+    let present = file.effects();
+    for effect in candidates(file) {
+        simulator = match present.iter().find(|one| one.name == effect.name) {
+            Some(one) => simulator.present(effect, &one.values)?,
+            None => simulator.candidate(effect),
+        };
+    }
+    Ok(simulator)
+}
+
+/// Refuses a scale of lengths where no channel is a length.
+pub(crate) fn refuse_scale_without_lengths(file: &SimulationFile, channels: &[Channel]) -> Result<()> {
+    let lengths = channels.iter().any(|channel| channel.unit == "m");
+    if lengths || file.effects().iter().all(|effect| effect.name != "length_scale") {
+        return Ok(());
+    }
+    let message = "expected a channel in m besides [effects.length_scale], found none";
+    Err(Error::file(file.path(), message, "remove the effect: it applies only to lengths"))
 }

@@ -112,15 +112,7 @@ pub fn start_setups(files: &[&SimulationFile], session: &Session) -> Result<Proc
     let pool = Arc::new(Pool::start(program, session.rechecked()).map_err(|failure| failure.error(file.path()))?);
     session.watch(&pool);
     let model = ProcessModel { numbers, pool, session: session.clone() };
-    let present = file.effects();
-    let mut simulator = Declared::new(model, parameters, channels).setups(states);
-    for effect in candidates {
-        simulator = match present.iter().find(|one| one.name == effect.name) {
-            Some(one) => simulator.present(effect, &one.values)?,
-            None => simulator.candidate(effect),
-        };
-    }
-    Ok(simulator)
+    declared::with_candidates(Declared::new(model, parameters, channels).setups(states), file)
 }
 
 impl Model for ProcessModel {

@@ -74,11 +74,7 @@ impl Program {
         })?;
         let process = file.process()?;
         let channels = declared::channels(file)?;
-        let lengths = channels.iter().any(|channel| channel.unit == "m");
-        if !lengths && file.effects().iter().any(|effect| effect.name == "length_scale") {
-            let message = "expected a channel in m besides [effects.length_scale], found none";
-            return Err(Error::file(file.path(), message, "remove the effect: it applies only to lengths"));
-        }
+        declared::refuse_scale_without_lengths(file, &channels)?;
         Ok(Self {
             file: file.path().to_path_buf(),
             command: words(file),

@@ -12,6 +12,7 @@ impl SimulationFile {
     pub fn headers(&self) -> Vec<String> {
         match self.scene() {
             Scene::Process(scene) => scene.process.channels.clone(),
+            Scene::Equations(scene) => scene.headers(),
             Scene::Ball(_) | Scene::Arm(_) => Vec::new(),
         }
     }
@@ -19,19 +20,23 @@ impl SimulationFile {
     /// What drives the thing, by name.
     #[must_use]
     pub fn inputs(&self) -> impl ExactSizeIterator<Item = (&str, &Input)> {
-        let Scene::Process(scene) = self.scene() else {
-            return indexmap::map::Iter::default().map(named as Named<Input>);
+        let all = match self.scene() {
+            Scene::Process(scene) => scene.inputs.iter(),
+            Scene::Equations(scene) => scene.inputs.iter(),
+            Scene::Ball(_) | Scene::Arm(_) => indexmap::map::Iter::default(),
         };
-        scene.inputs.iter().map(named as Named<Input>)
+        all.map(named as Named<Input>)
     }
 
     /// Where its states start, by name.
     #[must_use]
     pub fn starts(&self) -> impl ExactSizeIterator<Item = (&str, &Start)> {
-        let Scene::Process(scene) = self.scene() else {
-            return indexmap::map::Iter::default().map(named as Named<Start>);
+        let all = match self.scene() {
+            Scene::Process(scene) => scene.start.iter(),
+            Scene::Equations(scene) => scene.start.iter(),
+            Scene::Ball(_) | Scene::Arm(_) => indexmap::map::Iter::default(),
         };
-        scene.start.iter().map(named as Named<Start>)
+        all.map(named as Named<Start>)
     }
 
     /// The effects that it may lack, by name.
@@ -80,6 +85,7 @@ impl SimulationFile {
             Scene::Ball(scene) => &scene.candidates,
             Scene::Arm(scene) => &scene.candidates,
             Scene::Process(scene) => &scene.candidates,
+            Scene::Equations(scene) => &scene.candidates,
         }
     }
 }

@@ -7,7 +7,6 @@ use toml_edit::DocumentMut;
 use tunenet_core::Origin;
 use tunenet_formats::{Error, ReadOptions, Recording, read, read_text};
 use tunenet_sim::replayed_arm::replays;
-use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
 
 use super::inputs;
@@ -36,7 +35,7 @@ pub fn recording_of(
     if replays(file) {
         return log(file, path, reading);
     }
-    if file.domain() == Domain::Process {
+    if file.domain().declares() {
         return of_channels(file, setup, path, reading, most);
     }
     if !is_video(path) {

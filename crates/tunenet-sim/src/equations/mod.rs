@@ -1,0 +1,70 @@
+//! Simulators that stand in the simulation file itself: differential equations, events and outputs as formulas.
+//!
+//! ```text
+//! scene → System (programs over one array of values) → Motion (derivatives, sides, supports) → Rollout (steps, switches, events)
+//! ```
+//!
+//! | file | subject |
+//! |---|---|
+//! | `system` | names, units and completeness of the equations |
+//! | `lower` | `sign` and `delay` as names of their own |
+//! | `runge_kutta` | adaptive steps of order 5 with dense output |
+//! | `signal` | inputs as pieces at whose ends steps end |
+//! | `motion` | derivatives, also where something sticks or rests |
+//! | `switching` | which side of a switching surface, or between both |
+//! | `event` | impacts, and when they have come to rest |
+//! | `crossing` | where within a step something crosses zero |
+//! | `rate` | how fast a formula changes along the motion |
+//! | `rollout` | from the start to the last instant |
+//! | `model` | as a simulator that core tunes and diagnoses |
+//!
+//! The integrator is our own. `diffsol` 0.18 was considered: it takes closures or compiled code (LLVM, Cranelift) for a problem whose
+//! parameters are set once, allocates vectors for every stage, and stops at one root at a time; sliding along a surface and steps
+//! that end at the samples of an input would have to be built around it, and would be most of this folder.
+//!
+//! Instants before the first stamp of a recording, which a fit of a late clock asks for, have the state at that stamp.
+
+mod crossing;
+mod event;
+mod lower;
+mod model;
+mod motion;
+mod rate;
+mod rollout;
+mod runge_kutta;
+mod signal;
+mod switching;
+mod system;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+
+use tunenet_formula::FormulaError;
+
+pub use model::EquationsModel;
+pub use rollout::rollout;
+pub use system::{Declared, System};
+
+/// What is wrong with the equations of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Misfit {
+    /// The key: `derivatives.rate_rad_s`.
+    pub path: String,
+    /// The place within the text of that key, in bytes, where it has one.
+    pub place: Option<Range<usize>>,
+    /// What could stand there.
+    pub expected: String,
+    /// What stands there.
+    pub found: String,
+}
+
+impl Misfit {
+    fn new(path: &str, expected: impl Into<String>, found: impl ToString) -> Self {
+        Self { path: path.into(), place: None, expected: expected.into(), found: found.to_string() }
+    }
+
+    fn within(path: &str, error: FormulaError) -> Self {
+        Self { path: path.into(), place: Some(error.place), expected: error.expected, found: error.found }
+    }
+}
