@@ -13,13 +13,22 @@ pub(super) struct Lowering<'a> {
     pub delayed: Vec<Delayed>,
     /// The trees of the delays.
     delays: Vec<Tree>,
+    /// Parts of formulas that do not change during a rollout, with their positions.
+    pub fixed: Vec<(usize, Compiled)>,
     /// How many values there are.
     pub count: usize,
 }
 
 impl<'a> Lowering<'a> {
     pub fn new(slots: &'a Slots) -> Self {
-        Self { slots, surfaces: Vec::new(), delayed: Vec::new(), delays: Vec::new(), count: slots.count }
+        Self {
+            slots,
+            surfaces: Vec::new(),
+            delayed: Vec::new(),
+            delays: Vec::new(),
+            fixed: Vec::new(),
+            count: slots.count,
+        }
     }
 
     /// A formula over the array of values. Names from the first number of `own` on stand from its second number on. `owner` is the
@@ -32,7 +41,31 @@ impl<'a> Lowering<'a> {
         owner: Option<usize>,
     ) -> Result<Compiled, Misfit> {
         let tree = self.tree(formula.tree(), own, owner).map_err(|error| Misfit::within(path, error))?;
-        compiled(tree).map_err(|error| Misfit::within(path, error))
+        self.without_fixed(tree).and_then(compiled).map_err(|error| Misfit::within(path, error))
+    }
+
+    /// The tree with a name for every part that only parameters, constants and coefficients determine.
+    fn without_fixed(&mut self, tree: Tree) -> Result<Tree, FormulaError> {
+        let own = self.slots.inputs.end..self.slots.count;
+        let moves = |node: &Node| matches!(node, Node::Name { .. }) && !is_name_within(node, &own);
+        if !matches!(tree.node, Node::Call { .. }) {
+            return Ok(tree);
+        }
+        if tree.any(&moves) {
+            let Tree { node: Node::Call { function, arguments }, .. } = tree else { return Ok(tree) };
+            let arguments = arguments.into_iter().map(|one| self.without_fixed(one)).collect::<Result<_, _>>()?;
+            return Ok(bare(Node::Call { function, arguments }));
+        }
+        // A number as an exponent is recognised by the compiler.
+        if !tree.any(&|node| matches!(node, Node::Name { .. })) {
+            return Ok(tree);
+        }
+        if let Some((slot, _)) = self.fixed.iter().find(|(_, known)| known.tree == tree) {
+            return Ok(name(*slot));
+        }
+        let slot = self.slot();
+        self.fixed.push((slot, compiled(tree)?));
+        Ok(name(slot))
     }
 
     fn tree(&mut self, tree: &Tree, own: Option<(usize, usize)>, owner: Option<usize>) -> Result<Tree, FormulaError> {
@@ -78,7 +111,8 @@ impl<'a> Lowering<'a> {
             return Ok(known.side);
         }
         let side = self.slot();
-        self.surfaces.push(Surface { of: compiled(argument)?, side, owners: vec![owner] });
+        let argument_of = compiled(argument)?;
+        self.surfaces.push(Surface { of: argument_of, side, owners: vec![owner] });
         Ok(side)
     }
 

@@ -78,6 +78,7 @@ impl<'a> Motion<'a> {
         values[slots.parameters.clone()].copy_from_slice(parameters);
         values[slots.constants.clone()].copy_from_slice(&system.constants);
         values[slots.coefficients.clone()].copy_from_slice(coefficients);
+        system.fix(&mut values);
         let there = |adds: &super::system::Adds| values[adds.coefficients.clone()] != adds.absent;
         let acting: Vec<bool> = system.candidates.iter().map(there).collect();
         let terms = system.candidates.iter().zip(&acting).filter(|(_, acts)| **acts).flat_map(|(adds, _)| &adds.terms);
@@ -108,7 +109,11 @@ impl<'a> Motion<'a> {
 
     /// Lets programs read the state at an instant.
     pub fn load(&mut self, t: f64, state: &[f64]) {
-        self.values[..state.len()].copy_from_slice(state);
+        match state {
+            // A copy of few numbers is shorter than the call that copies many.
+            &[a, b] => (self.values[0], self.values[1]) = (a, b),
+            _ => self.values[..state.len()].copy_from_slice(state),
+        }
         self.values[self.system.slots.clock] = self.start_s + t;
         for (slot, piece) in &self.pieces {
             self.values[*slot] = piece.at(t);

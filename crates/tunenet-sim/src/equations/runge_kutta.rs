@@ -9,8 +9,6 @@ const LEAST_SIZE: f64 = 1e-6;
 const GROWTH: f64 = 10.0;
 const SHRINK: f64 = 0.2;
 const SAFETY: f64 = 0.9;
-/// The share of the step before in the control of the next one.
-const BETA: f64 = 0.04;
 /// Stages of a step; the last is the first of the next one.
 const STAGES: usize = 7;
 
@@ -55,8 +53,6 @@ pub(super) struct Stepper {
     dense: Vec<[f64; 5]>,
     /// The greatest magnitude of each state so far.
     size: Vec<f64>,
-    /// The error of the step before.
-    before: f64,
 }
 
 impl Stepper {
@@ -71,7 +67,6 @@ impl Stepper {
             stages: vec![0.0; STAGES * n],
             dense: vec![[0.0; 5]; n],
             size: start.iter().map(|value| value.abs().max(LEAST_SIZE)).collect(),
-            before: 1e-4,
         }
     }
 
@@ -107,12 +102,10 @@ impl Stepper {
         self.h = h;
         for stage in 1..STAGES {
             let (done, new) = self.stages.split_at_mut(stage * n);
-            for i in 0..n {
-                let mut sum = 0.0;
-                for (k, weight) in WEIGHTS[stage][..stage.min(6)].iter().enumerate() {
-                    sum += weight * done[k * n + i];
-                }
-                self.end[i] = self.y[i] + h * sum;
+            for (i, (end, y)) in self.end.iter_mut().zip(&self.y).enumerate() {
+                let known = done[i..].iter().step_by(n);
+                let sum: f64 = known.zip(&WEIGHTS[stage]).map(|(rate, weight)| weight * rate).sum();
+                *end = y + h * sum;
             }
             let t = if stage >= 5 { until } else { self.t + NODES[stage] * h };
             field(t, &self.end, &mut new[..n]);
@@ -123,19 +116,18 @@ impl Stepper {
             let size = self.size[i].max(self.end[i].abs());
             sum += (error / (TOLERANCE * size)).powi(2);
         }
-        let error = (sum / n as f64).sqrt();
+        let error = sum / n as f64;
         if !error.is_finite() {
             self.proposed = 0.1 * h;
             return false;
         }
-        let raw = error.powf(0.2 - 0.75 * BETA);
+        // The fifth root of the root of the mean square.
+        let raw = error.powf(0.1);
         if error > 1.0 {
             self.proposed = h * (SAFETY / raw).max(SHRINK);
             return false;
         }
-        let factor = (SAFETY * self.before.powf(BETA) / raw).clamp(SHRINK, GROWTH);
-        self.before = error.max(1e-4);
-        self.proposed = h * factor;
+        self.proposed = h * (SAFETY / raw).clamp(SHRINK, GROWTH);
         true
     }
 

@@ -94,6 +94,8 @@ pub struct System {
     pub(super) events: Vec<EventOf>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) delayed: Vec<Delayed>,
+    /// Positions of what does not change during a rollout, and how it follows from parameters, constants and coefficients.
+    pub(super) fixed: Vec<(usize, Compiled)>,
     /// Whether an output depends on the side of a surface.
     pub(super) outputs_switch: bool,
 }
@@ -167,7 +169,7 @@ impl System {
             at = own.end;
             candidates.push(adds(&scope, &mut lowering, number, (name, candidate), own)?);
         }
-        let Lowering { surfaces, delayed, count, .. } = lowering;
+        let Lowering { surfaces, delayed, fixed, count, .. } = lowering;
         if surfaces.len() > MOST_SURFACES {
             return Err(Misfit::new(
                 "derivatives",
@@ -186,10 +188,18 @@ impl System {
             events,
             surfaces,
             delayed,
+            fixed,
             outputs_switch,
         };
         system.absent_is_nothing(scene)?;
         Ok(system)
+    }
+
+    /// Computes what does not change during a rollout.
+    pub(super) fn fix(&self, values: &mut [f64]) {
+        for (slot, of) in &self.fixed {
+            values[*slot] = of.program.value(values);
+        }
     }
 
     /// Refuses a candidate that adds something although its coefficients have their absent values.
@@ -202,6 +212,7 @@ impl System {
                         .collect();
                     values[self.slots.constants.clone()].copy_from_slice(&self.constants);
                     values[adds.coefficients.clone()].copy_from_slice(&adds.absent);
+                    self.fix(&mut values);
                     let added = term.program.value(&values);
                     if added.is_finite() && added.abs() > 1e-12 {
                         let path = format!("candidates.{name}.adds.{state}");
