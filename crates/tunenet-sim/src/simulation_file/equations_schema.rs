@@ -25,16 +25,29 @@ pub const STATE_KEYS: &[Key] = &[key("unit", TEXT, false, "its unit, where its n
 pub const EVENT_KEYS: &[Key] = &[key("when", TEXT, true, "a formula: the event happens when it falls through zero")];
 
 /// What stands in `[derivatives]`, by the names of states.
-pub const DERIVATIVE: Key = key("derivatives", TEXT, true, "a formula: the derivative of a state by time");
+pub const DERIVATIVE: Key = key("derivatives.STATE", TEXT, true, "a formula: the derivative of a state by time");
 /// What stands in `[outputs]`, by the names of channels.
 pub const OUTPUT: Key =
-    key("outputs", TEXT, false, "a formula: what a channel shows (default: every state is a channel)");
+    key("outputs.CHANNEL", TEXT, false, "a formula: what a channel shows (default: every state is a channel)");
 /// What stands in `[constants]`, by names.
-pub const CONSTANT: Key = key("constants", Shape::Number(-GREATEST, GREATEST), false, "a number that formulas may use");
+pub const CONSTANT: Key =
+    key("constants.NAME", Shape::Number(-GREATEST, GREATEST), false, "a number that formulas may use");
 /// What stands in `[events.NAME.then]`, by the names of states.
-pub const THEN: Key = key("then", TEXT, true, "a formula: what a state is after the event");
+pub const THEN: Key = key("events.NAME.then.STATE", TEXT, true, "a formula: what a state is after the event");
 /// What stands in `[candidates.NAME.adds]`, by the names of states.
-pub const ADDS: Key = key("adds", TEXT, true, "a formula: what a candidate adds to the derivative of a state");
+pub const ADDS: Key =
+    key("candidates.NAME.adds.STATE", TEXT, true, "a formula: what a candidate adds to the derivative of a state");
+
+/// All keys whose tables a file names itself and that no other kind of file has, by their paths.
+pub const EQUATIONS_TABLES: &[Key] = &[
+    key("states.NAME.unit", TEXT, false, "its unit, where its name does not end in one"),
+    DERIVATIVE,
+    OUTPUT,
+    CONSTANT,
+    key("events.NAME.when", TEXT, true, "a formula: the event happens when it falls through zero"),
+    THEN,
+    ADDS,
+];
 
 /// The parameters of the equations that `tunenet init equations` writes.
 pub(super) const SAMPLES: &[Definition] = &[

@@ -30,7 +30,9 @@ pub use declared_schema::{CANDIDATE_KEYS, COEFFICIENT_KEYS, Declares, FORMULA_KE
 use document::{Document, table};
 pub use domain::Domain;
 pub use effects::PresentEffect;
-pub use equations_schema::{ADDS, CONSTANT, DERIVATIVE, EQUATIONS_KEYS, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN};
+pub use equations_schema::{
+    ADDS, CONSTANT, DERIVATIVE, EQUATIONS_KEYS, EQUATIONS_TABLES, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN,
+};
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 pub use template::template;
 
