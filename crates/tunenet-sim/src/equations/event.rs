@@ -80,7 +80,9 @@ impl Motion<'_> {
         if gain == 0.0 || self.constraints.len() == MOST_CONSTRAINTS {
             return;
         }
-        support.iter_mut().for_each(|one| *one /= gain);
+        for one in &mut support {
+            *one /= gain;
+        }
         let speed = self.height(event, t, state).1;
         state.iter_mut().zip(&support).for_each(|(value, one)| *value -= speed * one);
         self.supports[event] = support;

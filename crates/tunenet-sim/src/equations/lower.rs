@@ -4,7 +4,7 @@
 use tunenet_formula::{Formula, FormulaError, Function, Node, Program, Tree};
 
 use super::Misfit;
-use super::system::{Compiled, Delayed, Slots, Surface, is_name_within};
+use super::parts::{Compiled, Delayed, Slots, Surface, is_name_within};
 
 /// What has been found in formulas so far.
 pub(super) struct Lowering<'a> {

@@ -7,6 +7,7 @@
 //! | file | subject |
 //! |---|---|
 //! | `system` | names, units and completeness of the equations |
+//! | `parts` | what they are made of |
 //! | `lower` | `sign` and `delay` as names of their own |
 //! | `runge_kutta` | adaptive steps of order 5 with dense output |
 //! | `signal` | inputs as pieces at whose ends steps end |
@@ -29,6 +30,7 @@ mod event;
 mod lower;
 mod model;
 mod motion;
+mod parts;
 mod rate;
 mod rollout;
 mod runge_kutta;
@@ -60,8 +62,8 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    fn new(path: &str, expected: impl Into<String>, found: impl ToString) -> Self {
-        Self { path: path.into(), place: None, expected: expected.into(), found: found.to_string() }
+    fn new(path: &str, expected: impl Into<String>, found: impl Into<String>) -> Self {
+        Self { path: path.into(), place: None, expected: expected.into(), found: found.into() }
     }
 
     fn within(path: &str, error: FormulaError) -> Self {

@@ -168,9 +168,9 @@ impl<'a> Motion<'a> {
 
     /// How fast the motion leaves every constraint, with these unknowns; the derivatives go to `out`.
     fn departures(&mut self, t: f64, state: &[f64], x: &Unknowns, out: &mut [f64]) -> Unknowns {
-        for k in 0..self.constraints.len() {
-            if let Constraint::Stuck(surface) = self.constraints[k] {
-                self.values[self.system.surfaces[surface].side] = x[k];
+        for (constraint, x) in self.constraints.iter().zip(x) {
+            if let Constraint::Stuck(surface) = constraint {
+                self.values[self.system.surfaces[*surface].side] = *x;
             }
         }
         self.free(t, state, out);
@@ -180,8 +180,8 @@ impl<'a> Motion<'a> {
             }
         }
         let mut leaving = Unknowns::default();
-        for k in 0..self.constraints.len() {
-            leaving[k] = match self.constraints[k] {
+        for (k, leaves) in leaving.iter_mut().enumerate().take(self.constraints.len()) {
+            *leaves = match self.constraints[k] {
                 Constraint::Stuck(surface) => self.drift(surface, out),
                 Constraint::Rests(event) => self.lift(event, t, state, out),
             };
@@ -262,9 +262,8 @@ fn solved(columns: &[Unknowns; MOST_CONSTRAINTS], residual: &Unknowns, count: us
         }
         (used[best], pivots[j]) = (true, best);
         let pivot = rows[best];
-        for (i, row) in rows.iter_mut().enumerate().take(count).filter(|(i, _)| *i != best) {
+        for (_, row) in rows.iter_mut().enumerate().take(count).filter(|(i, _)| *i != best) {
             let factor = row[j] / pivot[j];
-            let _ = i;
             row.iter_mut().zip(&pivot).for_each(|(value, p)| *value -= factor * p);
         }
     }

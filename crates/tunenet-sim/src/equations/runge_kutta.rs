@@ -86,8 +86,8 @@ impl Stepper {
         };
         let (position, speed) = (norm(&mut self.y.iter().copied()), norm(&mut first.iter().copied()));
         let small = if position < 1e-5 || speed < 1e-5 { 1e-6 } else { 0.01 * position / speed };
-        for i in 0..n {
-            self.end[i] = self.y[i] + small * first[i];
+        for (end, (y, rate)) in self.end.iter_mut().zip(self.y.iter().zip(&*first)) {
+            *end = y + small * rate;
         }
         field(self.t + small, &self.end, &mut rest[..n]);
         let bend = norm(&mut (0..n).map(|i| (rest[i] - first[i]) / small));

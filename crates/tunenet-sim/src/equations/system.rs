@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use indexmap::IndexMap;
 use tunenet_core::observation::Channel;
-use tunenet_formula::{CONSTANTS, Formula, FormulaError, Function, Name, Node, Program, Tree, Unit};
+use tunenet_formula::{CONSTANTS, Formula, FormulaError, Function, Name, Program, Unit};
 
 use super::Misfit;
 use super::lower::Lowering;
+use super::parts::{Compiled, Delayed, Slots, Surface, is_name_within};
 use crate::scene::{Candidate, EquationsScene};
 
 /// Most of each: states, events, inputs.
@@ -21,13 +22,6 @@ const AMBIGUOUS: [&str; 7] = ["A", "°C", "C", "J", "K", "V", "W"];
 
 /// A parameter of the file: its name, and its unit where the file says one.
 pub type Declared<'a> = (&'a str, Option<&'a str>);
-
-/// A formula whose names are positions in the array of values.
-#[derive(Debug, Clone)]
-pub(super) struct Compiled {
-    pub tree: Tree,
-    pub program: Program,
-}
 
 /// What a candidate adds to a derivative.
 #[derive(Debug, Clone)]
@@ -44,40 +38,11 @@ pub(super) struct Adds {
     pub terms: Vec<Added>,
 }
 
-/// Where the argument of a `sign` is zero.
-#[derive(Debug, Clone)]
-pub(super) struct Surface {
-    pub of: Compiled,
-    /// The position of its side in the array.
-    pub side: usize,
-    /// The candidates that use it; `None` stands for the equations themselves.
-    pub owners: Vec<Option<usize>>,
-}
-
-/// An input at an earlier instant.
-#[derive(Debug, Clone)]
-pub(super) struct Delayed {
-    pub input: usize,
-    /// How much earlier, s: it does not change during a rollout.
-    pub by: Program,
-    pub slot: usize,
-}
-
+/// An event: when it happens, and what states are then.
 #[derive(Debug, Clone)]
 pub(super) struct EventOf {
     pub when: Compiled,
     pub then: Vec<(usize, Program)>,
-}
-
-/// Where things stand in the array of values: states, clock, inputs, parameters, constants, coefficients, delayed inputs and sides.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Slots {
-    pub clock: usize,
-    pub inputs: Range<usize>,
-    pub parameters: Range<usize>,
-    pub constants: Range<usize>,
-    pub coefficients: Range<usize>,
-    pub count: usize,
 }
 
 /// The equations of a file.
@@ -174,7 +139,7 @@ impl System {
             return Err(Misfit::new(
                 "derivatives",
                 format!("at most {MOST_SURFACES} arguments of `sign`"),
-                surfaces.len(),
+                surfaces.len().to_string(),
             ));
         }
         let system = Self {
@@ -302,7 +267,7 @@ impl Scope {
             [("states", scene.states.len()), ("inputs", scene.inputs.len()), ("events", scene.events.len())]
         {
             if count > MOST {
-                return Err(Misfit::new(what, format!("at most {MOST}"), count));
+                return Err(Misfit::new(what, format!("at most {MOST}"), count.to_string()));
             }
         }
         if scene.states.is_empty() {
@@ -385,9 +350,4 @@ fn distinct(path: &str, name: &str, others: &[(String, Name)]) -> Result<(), Mis
         None => format!("`{name}`, which is the clock"),
     };
     Err(Misfit::new(path, "a name that nothing else has", found))
-}
-
-/// Whether a node is a name at one of these positions.
-pub(super) fn is_name_within(node: &Node, positions: &Range<usize>) -> bool {
-    matches!(node, Node::Name { index, .. } if positions.contains(index))
 }

@@ -34,7 +34,7 @@ pub enum Scene {
     /// A model simulated by an external program.
     Process(ProcessScene),
     /// A model whose equations stand in the file.
-    Equations(EquationsScene),
+    Equations(Box<EquationsScene>),
 }
 
 impl Scene {

@@ -6,7 +6,7 @@ use toml_edit::{Item, Table, TableLike};
 use tunenet_core::observation::{Channel, Kind};
 use tunenet_core::simulator::measurement_effects;
 
-use super::equations_schema::{ADDS, CONSTANT, DERIVATIVE, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN};
+use super::equations_keys::{ADDS, CONSTANT, DERIVATIVE, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN};
 use super::schema::{GREATEST, Key, Shape, is_name, item_number, key, lookup, texts};
 use crate::arm::effects as arm;
 use crate::ball::effects as ball;

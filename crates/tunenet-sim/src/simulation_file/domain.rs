@@ -3,7 +3,7 @@
 use super::arm_effects::ARM_EFFECT_KEYS;
 use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
 use super::declared_schema::Declares;
-use super::equations_schema::EQUATIONS_KEYS;
+use super::equations_keys::EQUATIONS_KEYS;
 use super::process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS, SETTING};
 use super::schema::{BALL_KEYS, Definition, EFFECT_KEYS, Key, PARAMETER_KEYS, is_name};
 use crate::scene::BallParameters;

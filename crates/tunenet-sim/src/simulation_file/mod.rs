@@ -10,6 +10,7 @@ pub(crate) mod declared_schema;
 mod document;
 mod domain;
 mod effects;
+mod equations_keys;
 pub(crate) mod equations_schema;
 pub(crate) mod process_schema;
 mod program_folder;
@@ -30,7 +31,7 @@ pub use declared_schema::{CANDIDATE_KEYS, COEFFICIENT_KEYS, Declares, FORMULA_KE
 use document::{Document, table};
 pub use domain::Domain;
 pub use effects::PresentEffect;
-pub use equations_schema::{
+pub use equations_keys::{
     ADDS, CONSTANT, DERIVATIVE, EQUATIONS_KEYS, EQUATIONS_TABLES, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN,
 };
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
@@ -326,7 +327,7 @@ fn scene(domain: Domain, document: &Document) -> std::result::Result<Scene, toml
         Domain::Ball => Scene::Ball(from_document(document)?),
         Domain::Arm => Scene::Arm(from_document(document)?),
         Domain::Process => Scene::Process(from_document(document)?),
-        Domain::Equations => Scene::Equations(from_document(document)?),
+        Domain::Equations => Scene::Equations(Box::new(from_document(document)?)),
     })
 }
 

@@ -75,17 +75,15 @@ pub fn rk4<const N: usize>(
     times
         .iter()
         .map(|until| {
-            let steps = ((until - t) / step_s).ceil().max(0.0);
-            for _ in 0..steps as usize {
+            while t < *until {
                 let h = (until - t).min(step_s);
                 let a = f(t, y);
                 let b = f(t + h / 2.0, moved(y, h / 2.0, a));
                 let c = f(t + h / 2.0, moved(y, h / 2.0, b));
                 let d = f(t + h, moved(y, h, c));
                 y = std::array::from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
-                t += h;
+                t = if h < step_s { *until } else { t + h };
             }
-            t = *until;
             y
         })
         .collect()
