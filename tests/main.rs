@@ -5,6 +5,7 @@ mod cli;
 mod common;
 mod diagnose;
 mod docs;
+mod equations;
 mod files;
 mod process;
 mod regress;

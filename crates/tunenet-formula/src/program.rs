@@ -8,6 +8,8 @@ use crate::{FormulaError, Function};
 
 /// Most values on the stack at a time.
 const DEEPEST: usize = 64;
+/// Most that most formulas need, whose stack is prepared sooner.
+const SHALLOW: usize = 8;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Operation {
@@ -16,6 +18,8 @@ enum Operation {
     Load(usize),
     Unary(Function),
     Binary(Function),
+    /// With the value of the name at this position as the second one.
+    BinaryWith(Function, usize),
     Clamp,
     /// To the power 2, a constant that the compiler knows.
     Square,
@@ -31,6 +35,8 @@ enum Operation {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Program {
     operations: Vec<Operation>,
+    /// Most values on the stack at a time.
+    deepest: usize,
 }
 
 impl Program {
@@ -55,6 +61,7 @@ impl Program {
             let expected = format!("at most {DEEPEST} values at a time");
             return Err(FormulaError::new(tree.place.clone(), expected, deepest.to_string()));
         }
+        program.deepest = deepest;
         Ok(program)
     }
 
@@ -107,11 +114,16 @@ impl Program {
         for (i, argument) in arguments.iter().enumerate() {
             deepest = deepest.max(i + self.push(argument, surfaces.as_deref_mut())?);
         }
-        self.operations.push(match arguments.len() {
-            1 => Operation::Unary(function),
-            2 => Operation::Binary(function),
+        let operation = match (arguments.len(), self.operations.last()) {
+            (1, _) => Operation::Unary(function),
+            (2, Some(&Operation::Load(name))) => {
+                self.operations.pop();
+                Operation::BinaryWith(function, name)
+            }
+            (2, _) => Operation::Binary(function),
             _ => Operation::Clamp,
-        });
+        };
+        self.operations.push(operation);
         Ok(deepest)
     }
 
@@ -130,7 +142,19 @@ impl Program {
     /// Where there are fewer values than names, or fewer sides than surfaces.
     #[must_use]
     pub fn run(&self, values: &[f64], sides: &[f64], delayed: impl Fn(usize, f64) -> f64) -> f64 {
-        let mut stack = [0.0; DEEPEST];
+        if let [Operation::Load(name)] = self.operations[..] {
+            return values[name];
+        }
+        if self.deepest <= SHALLOW {
+            self.on_stack::<SHALLOW>(values, sides, delayed)
+        } else {
+            self.on_stack::<DEEPEST>(values, sides, delayed)
+        }
+    }
+
+    #[inline]
+    fn on_stack<const SIZE: usize>(&self, values: &[f64], sides: &[f64], delayed: impl Fn(usize, f64) -> f64) -> f64 {
+        let mut stack = [0.0; SIZE];
         let mut top = 0;
         for operation in &self.operations {
             match *operation {
@@ -153,6 +177,10 @@ impl Program {
                 Operation::Binary(function) => {
                     top -= 1;
                     stack[top - 1] = binary(function, stack[top - 1], stack[top]);
+                }
+                Operation::BinaryWith(function, name) => {
+                    let x = &mut stack[top - 1];
+                    *x = binary(function, *x, values[name]);
                 }
                 Operation::Clamp => {
                     top -= 2;

@@ -8,11 +8,14 @@
 //! | [`ball`] | a ball that falls, bounces and rolls, contacts at their time of impact |
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
 //! | [`observed_arm`] | an arm that follows a motion, as a simulator that core can tune |
+//! | [`observed_equations`] | the equations of a file as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
 //! | [`open_drag`] | the drag that recordings leave open |
 //! | [`formula_effect`] | effects that a user writes as formulas |
 //! | [`phase`] | where effects act, in words |
+//! | [`declared`] | channels, inputs, initial states and candidates that a file declares itself |
+//! | [`equations`] | a simulator of formulas that stand in the file itself |
 //! | [`process`] | a simulator of any language: a program that speaks lines of JSON |
 //! | [`network`] | which network a fit starts with |
 //! | [`built_in`] | the network that comes with the tool |
@@ -24,13 +27,16 @@
 pub mod arm;
 pub mod ball;
 pub mod built_in;
+pub mod declared;
 pub mod drawn;
+pub mod equations;
 pub mod findings;
 pub mod formula_effect;
 pub mod network;
 pub mod observed;
 pub mod observed_arm;
 pub mod observed_ball;
+pub mod observed_equations;
 pub mod open_drag;
 pub mod phase;
 pub mod process;
@@ -46,6 +52,7 @@ pub use network::{ChosenNetwork, NetworkSource, NetworkStore, choose_network};
 pub use observed::simulator;
 pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;
+pub use observed_equations::EquationsSimulator;
 pub use process::{ProcessSimulator, Session};
 pub use replayed_arm::ReplayedArm;
 pub use simulation_file::SimulationFile;

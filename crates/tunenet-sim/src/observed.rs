@@ -5,6 +5,7 @@ use tunenet_core::simulator::{Measured, Setups, Simulator, measurement_effects};
 use tunenet_formats::kind_name;
 use tunenet_formats::{Error, Result};
 
+use crate::observed_equations::equations;
 use crate::process::{Session, start_setups};
 use crate::replayed_arm::{replayed, replays};
 use crate::simulation_file::Domain;
@@ -21,11 +22,13 @@ pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result
     match (file.domain(), kind) {
         (Domain::Arm, Kind::Joints) if replays(file) => return replayed(file),
         (Domain::Arm, Kind::Joints) => return Ok(Box::new(ObservedArm::new(file)?)),
-        (Domain::Process, Kind::Other) => return program(&[file], session),
-        (Domain::Arm | Domain::Process, _) | (Domain::Ball, Kind::Joints | Kind::Other) => {
+        (Domain::Process | Domain::Equations, Kind::Other) => return own(&[file], session),
+        (Domain::Arm | Domain::Process | Domain::Equations, _) | (Domain::Ball, Kind::Joints | Kind::Other) => {
             let (is, other) = match file.domain() {
                 Domain::Arm => ("joint series of an arm", "give recordings of its joints, or a ball's simulation file"),
-                Domain::Process => ("a series on its own channels", "read recordings with the channels of the file"),
+                Domain::Process | Domain::Equations => {
+                    ("a series on its own channels", "read recordings with the channels of the file")
+                }
                 Domain::Ball => (
                     "positions or bounces of a ball",
                     "give an arm's simulation file: `tunenet init arm` writes one to start from",
@@ -49,7 +52,7 @@ pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result
 pub fn in_setups(files: &[&SimulationFile], kind: Kind, session: &Session) -> Result<Box<dyn Simulator>> {
     match files {
         [file] => simulator(file, kind, session),
-        [first, ..] if first.domain() == Domain::Process && kind == Kind::Other => program(files, session),
+        [first, ..] if first.domain().declares() && kind == Kind::Other => own(files, session),
         _ => together(files, files.iter().map(|file| simulator(file, kind, session)).collect::<Result<_>>()?),
     }
 }
@@ -68,22 +71,35 @@ pub fn together(files: &[&SimulationFile], each: Vec<Box<dyn Simulator>>) -> Res
     })
 }
 
-/// The simulator of a program whose recordings have several setups: files that differ in their settings and initial states alone.
-/// Coefficients that the file lets `tune` change are its parameters too.
+/// The simulator of a user's own model, a program or equations, whose recordings have several setups: files that differ in their
+/// settings, constants and initial states alone. Coefficients that the file lets `tune` change are its parameters too.
 ///
 /// # Errors
-/// As [`process::start_setups`](crate::process::start_setups) and [`Measured::fixed`].
+/// As [`bare`] and [`Measured::fixed`].
 ///
 /// # Panics
 /// Where `files` is empty.
-pub fn program(files: &[&SimulationFile], session: &Session) -> Result<Box<dyn Simulator>> {
-    let (file, started) = (files[0], start_setups(files, session)?);
+pub fn own(files: &[&SimulationFile], session: &Session) -> Result<Box<dyn Simulator>> {
+    let (file, started) = (files[0], bare(files, session)?);
     let tuned: Vec<String> =
         file.effects().into_iter().filter(|effect| effect.tune).map(|effect| effect.name).collect();
     let tuned: Vec<&str> = tuned.iter().map(String::as_str).collect();
-    let simulator: Box<dyn Simulator> =
-        if tuned.is_empty() { Box::new(started) } else { started.with_effects(&tuned)? };
+    let simulator = if tuned.is_empty() { started } else { started.with_effects(&tuned)? };
     if measured(file, Kind::Other).is_empty() { Ok(simulator) } else { Ok(Box::new(seen(file, simulator)?)) }
+}
+
+/// The same without effects of the measurement.
+///
+/// # Errors
+/// As [`process::start_setups`](crate::process::start_setups) and [`observed_equations::equations`](equations).
+///
+/// # Panics
+/// Where `files` is empty.
+pub fn bare(files: &[&SimulationFile], session: &Session) -> Result<Box<dyn Simulator>> {
+    Ok(match files[0].domain() {
+        Domain::Equations => Box::new(equations(files)?),
+        _ => Box::new(start_setups(files, session)?),
+    })
 }
 
 /// As [`simulator`], around a ball of `file` that was made before.

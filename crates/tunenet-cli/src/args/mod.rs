@@ -243,6 +243,8 @@ pub enum Scene {
     Arm,
     /// An external simulator in any language (also writes an example program)
     Process,
+    /// Differential equations that stand in the simulation file
+    Equations,
 }
 
 /// `tunenet init`.
@@ -250,7 +252,7 @@ pub enum Scene {
 pub struct Init {
     /// Kind of simulation
     pub scene: Scene,
-    /// Simulation file to write [default: ball.toml, arm.toml or process.toml]
+    /// Simulation file to write [default: ball.toml, arm.toml, process.toml or equations.toml]
     #[arg(short, long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
@@ -316,6 +318,8 @@ pub enum Domain {
     Arm,
     /// What an external simulator simulates
     Process,
+    /// What equations simulate
+    Equations,
 }
 
 /// Which parameters the pairs are drawn from.
@@ -345,7 +349,7 @@ pub struct Gen {
     #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
     pub pairs: u64,
     /// Simulation file [default: the paper's ball]
-    #[arg(long = "sim", value_name = "FILE.toml", required_if_eq_any([("domain", "arm"), ("domain", "process")]))]
+    #[arg(long = "sim", value_name = "FILE.toml", required_if_eq_any([("domain", "arm"), ("domain", "process"), ("domain", "equations")]))]
     pub sim: Option<PathBuf>,
     /// Override a key of the simulation file (may be repeated)
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]

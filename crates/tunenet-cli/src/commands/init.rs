@@ -26,6 +26,7 @@ pub fn run(options: &Init) -> Result<Exit> {
             "name your arm's URDF and the payload's link in it, and for logs of a real arm `motion.kind = \"replay\"`",
         ),
         Scene::Process => (Domain::Process, "process.toml", "put your simulator into the program"),
+        Scene::Equations => (Domain::Equations, "equations.toml", "write your equations into it"),
     };
     let out = options.out.clone().unwrap_or_else(|| name.into());
     names::require_ending(&out, "--out", &["toml"])?;

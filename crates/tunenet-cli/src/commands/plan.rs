@@ -31,7 +31,11 @@ pub fn run(options: &Plan) -> Result<Exit> {
     destination::check(&outputs, &inputs, options.writing.overwrite)?;
     let file = load::simulation(&options.simulation)?;
     if file.domain() != Domain::Ball {
-        let other = if file.domain() == Domain::Arm { "an arm" } else { "a program" };
+        let other = match file.domain() {
+            Domain::Arm => "an arm",
+            Domain::Equations => "equations",
+            _ => "a program",
+        };
         let message = format!("expected the tuned simulation of a ball (`kind = \"ball\"`), found that of {other}");
         let hint = "give the ball's file with --sim; an arm that lets the ball go stands in the task file, under [arm]";
         return Err(Error::file(file.path(), message, hint).into());

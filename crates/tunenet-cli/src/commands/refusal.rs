@@ -1,10 +1,10 @@
-//! What a program refuses, reported as its own error: neither the recording nor the fit is to blame.
+//! What a model of the user's own refuses, a program or equations, reported as its own error: neither the recording nor the fit is to blame.
 
 use tunenet_formats::Error;
 use tunenet_sim::SimulationFile;
 use tunenet_sim::simulation_file::Domain;
 
-/// Which values a program was asked for.
+/// Which values it was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// Those of the file, to simulate them or to start a fit there.
@@ -13,15 +13,16 @@ pub enum Asked {
     Within,
 }
 
-/// A refusal by the program of `file`, or an unusable answer of it, and at which values; `None` for an
+/// A refusal by the program or the equations of `file`, or an unusable answer of it, and at which values; `None` for an
 /// error that is neither.
 pub fn of_program(file: &SimulationFile, asked: Asked, error: &tunenet_core::Error) -> Option<Error> {
-    if file.domain() != Domain::Process {
+    if !file.domain().declares() {
         return None;
     }
     let (tunenet_core::Error::Simulator { at, .. } | tunenet_core::Error::Prediction { at, .. }) = error else {
         return None;
     };
+    let subject = if file.domain() == Domain::Process { "the program" } else { "the equations" };
     let parameters = file.parameters().unwrap_or_default();
     let present = parameters.iter().map(|p| format!("{}={}", p.name, p.value)).collect::<Vec<_>>().join(" ");
     let example = parameters.first().map_or("NAME", |p| p.name.as_str());
@@ -31,9 +32,9 @@ pub fn of_program(file: &SimulationFile, asked: Asked, error: &tunenet_core::Err
     };
     let text = match error {
         tunenet_core::Error::Prediction { place, expected, found, .. } => {
-            format!("the program answered {found} for {place} to {values}: expected {expected}")
+            format!("{subject} answered {found} for {place} to {values}: expected {expected}")
         }
-        tunenet_core::Error::Simulator { message, .. } => format!("the program refused {values}: {message}"),
+        tunenet_core::Error::Simulator { message, .. } => format!("{subject} refused {values}: {message}"),
         _ => return None,
     };
     let hint = match asked {

@@ -61,9 +61,9 @@ pub(crate) fn layout(header: &Header<'_>, options: &ReadOptions) -> Result<Layou
         if !ignored.is_empty() && *role == Role::Predicted {
             let text = format!("columns that the simulation does not name are ignored: {}", list(ignored, 12));
             let remedy = if others.is_empty() {
-                "name them under `process.channels` where they matter"
+                "name them under `process.channels` or in `[outputs]` where they matter"
             } else {
-                "name what the program predicts under `process.channels`, and what drives it with `column` in the table of an input"
+                "name what is predicted under `process.channels` or in `[outputs]`, and what drives it with `column` in the table of an input"
             };
             notes.push(Note::new(findings::COLUMNS_IGNORED, text, remedy));
         }
@@ -195,7 +195,7 @@ fn remedy(header: &Header<'_>, options: &ReadOptions) -> String {
     };
     if pairs.is_empty() {
         return match role {
-            Role::Predicted => "add the column, or leave the channel out of `process.channels`".into(),
+            Role::Predicted => "add the column, or leave the channel out of `process.channels` or `[outputs]`".into(),
             Role::Driving => "add the column, or say which it is, with `column` in the input's table".into(),
         };
     }

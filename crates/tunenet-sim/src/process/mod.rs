@@ -7,7 +7,6 @@
 //! | file | subject |
 //! |---|---|
 //! | `program` | what a simulation file says of the program |
-//! | `declared` | what a simulation file declares of inputs, states and candidates |
 //! | `greeting` | the first line, and which version of the protocol it speaks |
 //! | `protocol` | what is said to it afterwards, and what may be answered |
 //! | `request` | recordings, each announced once, and rollouts of them |
@@ -26,7 +25,6 @@
 
 mod cache;
 mod child;
-mod declared;
 mod failure;
 mod greeting;
 mod known;
@@ -46,14 +44,14 @@ use tunenet_core::simulator::{Declared, Model, Parameter, RolloutError, RolloutR
 use tunenet_core::text::visible;
 use tunenet_formats::Result;
 
-use crate::SimulationFile;
+use crate::{SimulationFile, declared};
 use pool::Pool;
 use program::Program;
 use protocol::Answer;
 use request::Request;
 use tally::Why;
 
-pub use program::{channels, words};
+pub use program::words;
 pub use session::{Permission, Session};
 
 /// The whole command that `file` names, word by word in the quotes that a shell needs, between backquotes and fit for a
@@ -114,15 +112,7 @@ pub fn start_setups(files: &[&SimulationFile], session: &Session) -> Result<Proc
     let pool = Arc::new(Pool::start(program, session.rechecked()).map_err(|failure| failure.error(file.path()))?);
     session.watch(&pool);
     let model = ProcessModel { numbers, pool, session: session.clone() };
-    let present = file.effects();
-    let mut simulator = Declared::new(model, parameters, channels).setups(states);
-    for effect in candidates {
-        simulator = match present.iter().find(|one| one.name == effect.name) {
-            Some(one) => simulator.present(effect, &one.values)?,
-            None => simulator.candidate(effect),
-        };
-    }
-    Ok(simulator)
+    declared::with_candidates(Declared::new(model, parameters, channels).setups(states), file)
 }
 
 impl Model for ProcessModel {

@@ -10,10 +10,10 @@ use tunenet_core::observation::Channel;
 use tunenet_core::simulator::{Effect, Parameter};
 use tunenet_formats::{Error, Result};
 
-use super::declared::{self, ProgramInput};
 use super::failure::printable;
 use super::version::Version;
 use crate::SimulationFile;
+use crate::declared::{self, DeclaredInput};
 use crate::scene::StartValue;
 
 /// How many instants every copy of the program is asked for first.
@@ -39,7 +39,7 @@ pub(super) struct Program {
     pub headers: Vec<String>,
     pub parameters: Vec<Parameter>,
     /// What drives the thing.
-    pub inputs: Vec<ProgramInput>,
+    pub inputs: Vec<DeclaredInput>,
     /// Names of its states.
     pub states: Vec<String>,
     /// The effects that it can take on.
@@ -73,12 +73,8 @@ impl Program {
             Error::file(file.path(), message, "make it, or correct the path, which is seen from the simulation file")
         })?;
         let process = file.process()?;
-        let channels = channels(file)?;
-        let lengths = channels.iter().any(|channel| channel.unit == "m");
-        if !lengths && file.effects().iter().any(|effect| effect.name == "length_scale") {
-            let message = "expected a channel in m besides [effects.length_scale], found none";
-            return Err(Error::file(file.path(), message, "remove the effect: it applies only to lengths"));
-        }
+        let channels = declared::channels(file)?;
+        declared::refuse_scale_without_lengths(file, &channels)?;
         Ok(Self {
             file: file.path().to_path_buf(),
             command: words(file),
@@ -178,20 +174,6 @@ pub(super) fn line(command: &[String]) -> String {
         }
     };
     command.iter().map(word).collect::<Vec<_>>().join(" ")
-}
-
-/// The channels that the program of `file` predicts, in its order.
-///
-/// # Errors
-/// [`Error::File`] where a name has no unit, which reading the file refuses already.
-pub fn channels(file: &SimulationFile) -> Result<Vec<Channel>> {
-    let one = |header: &String| {
-        Channel::from_header(header).ok_or_else(|| {
-            let message = format!("`process.channels`: expected names with their units, found `{}`", printable(header));
-            Error::file(file.path(), message, "write \"z_m\" or \"angle_rad\"")
-        })
-    };
-    file.process()?.channels.iter().map(one).collect()
 }
 
 /// What TOML holds as JSON; dates and times become texts, and numbers that JSON has no word for nothing.

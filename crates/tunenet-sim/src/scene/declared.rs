@@ -135,6 +135,9 @@ pub struct Candidate {
     /// The joints at which it acts; all where it is `None`.
     #[serde(default)]
     pub joints: Option<Vec<String>>,
+    /// What it adds to the derivatives of states in equations: a formula for each of these states.
+    #[serde(default)]
+    pub adds: IndexMap<String, String>,
     /// Its numbers, in order.
     pub coefficients: IndexMap<String, CandidateCoefficient>,
 }

@@ -6,6 +6,7 @@
 mod arm;
 mod ball;
 mod declared;
+mod equations;
 mod process;
 mod shot;
 
@@ -16,6 +17,7 @@ pub use ball::{BallBody, BallParameters, BallScene, BallWorld, Medium, Release, 
 pub use declared::{
     Candidate, CandidateCoefficient, Candidates, First, Hold, Input, Inputs, Start, StartValue, Starts,
 };
+pub use equations::{EquationsScene, Event, State};
 pub use process::{Process, ProcessScene};
 pub use shot::{ArmTask, Plane, Task, TaskHoop, TaskKind, TaskRelease};
 
@@ -31,6 +33,8 @@ pub enum Scene {
     Arm(ArmScene),
     /// A model simulated by an external program.
     Process(ProcessScene),
+    /// A model whose equations stand in the file.
+    Equations(Box<EquationsScene>),
 }
 
 impl Scene {
@@ -41,6 +45,7 @@ impl Scene {
             Self::Ball(ball) => ball.record,
             Self::Arm(arm) => arm.record,
             Self::Process(process) => process.record,
+            Self::Equations(equations) => equations.record,
         }
     }
 }

@@ -54,7 +54,7 @@ impl SimulationFile {
             return refuse(format!("{} for `{path}`", key.shape.expected()), format!("`{text}`"));
         }
         let parts: Vec<&str> = path.split('.').collect();
-        if self.domain() == Domain::Process {
+        if self.domain().declares() {
             self.declared(&parts)?;
         }
         let mut table: &mut dyn TableLike = self.document.root_mut();
@@ -73,12 +73,13 @@ impl SimulationFile {
         Ok(())
     }
 
-    /// Refuses a parameter, an initial state or a setting that the file does not declare: no program reads a misspelt one.
+    /// Refuses a parameter, an initial state, a setting or a constant that the file does not declare: nothing reads a misspelt one.
     fn declared(&self, parts: &[&str]) -> Result<()> {
         let (what, table, name) = match parts {
             [table @ "parameters", name, ..] => ("a parameter", table, name),
             [table @ "start", name, ..] => ("an initial state", table, name),
             [table @ "settings", name, ..] => ("a setting", table, name),
+            [table @ "constants", name, ..] => ("a constant", table, name),
             _ => return Ok(()),
         };
         let known = self.keys(table);

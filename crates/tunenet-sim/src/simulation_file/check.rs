@@ -8,7 +8,7 @@ use tunenet_formats::{Error, Result};
 
 use super::domain::Domain;
 use super::schema::{Key, PARAMETER_KEYS, item_number, lookup};
-use super::{declared_schema, process_schema};
+use super::{declared_schema, equations_schema, process_schema};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing. What it describes comes back.
 pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> {
@@ -21,8 +21,9 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> 
             return Err(Error::file(path, message, format!("add `{name} = …` under [{table}]")));
         }
     }
-    if domain == Domain::Process && names(domain, root).is_empty() {
-        let message = "expected at least one [parameters.NAME] (a number that the program takes), found none";
+    if domain.declares() && names(domain, root).is_empty() {
+        let taken = if domain == Domain::Process { "the program takes" } else { "formulas use" };
+        let message = format!("expected at least one [parameters.NAME] (a number that {taken}), found none");
         return Err(Error::file(path, message, "a parameter needs value, min and max"));
     }
     for name in names(domain, root) {
@@ -62,7 +63,7 @@ fn domain(path: &Path, text: &str, root: &Table) -> Result<Domain> {
 
 /// The parameters that a file may describe, or, where it names them itself, those that it describes.
 pub(super) fn names(domain: Domain, root: &Table) -> Vec<&str> {
-    if domain != Domain::Process {
+    if !domain.declares() {
         return domain.parameters().iter().map(|p| p.name).collect();
     }
     let all = lookup(root, "parameters").and_then(Item::as_table_like);
@@ -73,6 +74,7 @@ pub(super) fn names(domain: Domain, root: &Table) -> Vec<&str> {
 pub(super) fn contradiction(domain: Domain, root: &Table) -> Option<(String, Range<usize>, String, String)> {
     let of_kind = match domain {
         Domain::Process => process_schema::contradiction(root),
+        Domain::Equations => equations_schema::contradiction(root),
         Domain::Ball | Domain::Arm => declared_schema::contradiction(root, domain.declared()),
     };
     if of_kind.is_some() {

@@ -7,22 +7,36 @@ use crate::formula_effect::{FormulaEffect, Misfit};
 use crate::scene::{Candidate, Candidates, Input, Scene, Start};
 
 impl SimulationFile {
+    /// What it predicts: names of channels with their units, in its order; none of a ball or an arm.
+    #[must_use]
+    pub fn headers(&self) -> Vec<String> {
+        match self.scene() {
+            Scene::Process(scene) => scene.process.channels.clone(),
+            Scene::Equations(scene) => scene.headers(),
+            Scene::Ball(_) | Scene::Arm(_) => Vec::new(),
+        }
+    }
+
     /// What drives the thing, by name.
     #[must_use]
     pub fn inputs(&self) -> impl ExactSizeIterator<Item = (&str, &Input)> {
-        let Scene::Process(scene) = self.scene() else {
-            return indexmap::map::Iter::default().map(named as Named<Input>);
+        let all = match self.scene() {
+            Scene::Process(scene) => scene.inputs.iter(),
+            Scene::Equations(scene) => scene.inputs.iter(),
+            Scene::Ball(_) | Scene::Arm(_) => indexmap::map::Iter::default(),
         };
-        scene.inputs.iter().map(named as Named<Input>)
+        all.map(named as Named<Input>)
     }
 
     /// Where its states start, by name.
     #[must_use]
     pub fn starts(&self) -> impl ExactSizeIterator<Item = (&str, &Start)> {
-        let Scene::Process(scene) = self.scene() else {
-            return indexmap::map::Iter::default().map(named as Named<Start>);
+        let all = match self.scene() {
+            Scene::Process(scene) => scene.start.iter(),
+            Scene::Equations(scene) => scene.start.iter(),
+            Scene::Ball(_) | Scene::Arm(_) => indexmap::map::Iter::default(),
         };
-        scene.start.iter().map(named as Named<Start>)
+        all.map(named as Named<Start>)
     }
 
     /// The effects that it may lack, by name.
@@ -71,6 +85,7 @@ impl SimulationFile {
             Scene::Ball(scene) => &scene.candidates,
             Scene::Arm(scene) => &scene.candidates,
             Scene::Process(scene) => &scene.candidates,
+            Scene::Equations(scene) => &scene.candidates,
         }
     }
 }

@@ -6,6 +6,7 @@ use toml_edit::{Item, Table, TableLike};
 use tunenet_core::observation::{Channel, Kind};
 use tunenet_core::simulator::measurement_effects;
 
+use super::equations_keys::{ADDS, CONSTANT, DERIVATIVE, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN};
 use super::schema::{GREATEST, Key, Shape, is_name, item_number, key, lookup, texts};
 use crate::arm::effects as arm;
 use crate::ball::effects as ball;
@@ -120,6 +121,8 @@ pub enum Declares {
     Ball,
     /// Candidates of an arm.
     Arm,
+    /// States, formulas, constants, events, inputs, initial states and candidates of equations.
+    Equations,
 }
 
 impl Declares {
@@ -127,13 +130,16 @@ impl Declares {
     pub(super) fn heads(self) -> &'static [&'static str] {
         match self {
             Self::Program => &["inputs", "start", "candidates"],
+            Self::Equations => {
+                &["states", "derivatives", "outputs", "constants", "inputs", "start", "events", "candidates"]
+            }
             Self::Ball | Self::Arm => &["candidates"],
         }
     }
 
     /// Whether candidates are formulas.
     fn formulas(self) -> bool {
-        self != Self::Program
+        matches!(self, Self::Ball | Self::Arm)
     }
 
     /// Whether a built-in effect bears this name.
@@ -145,7 +151,7 @@ impl Declares {
     fn built_in(self) -> Vec<String> {
         let measured = |kind| measurement_effects(kind).into_iter().map(|effect| effect.name.into_owned());
         match self {
-            Self::Program => {
+            Self::Program | Self::Equations => {
                 // The first are those that a series of any kind can show.
                 let mut all: Vec<String> = measured(Kind::Other).collect();
                 all.extend(measured(Kind::Positions).filter(|name| measured(Kind::Other).all(|known| known != *name)));
@@ -163,11 +169,26 @@ impl Declares {
             [head, ..] if !self.heads().contains(&head) => None,
             ["inputs", name] if is_name(name) => only(INPUT_KEYS),
             ["start", name] if is_name(name) => only(START_KEYS),
+            ["states", name] if is_name(name) => only(STATE_KEYS),
+            ["events", name] if is_name(name) => only(EVENT_KEYS),
             ["candidates", name] if is_name(name) && self.formulas() => {
                 Some(CANDIDATE_KEYS.iter().chain(FORMULA_KEYS).collect())
             }
             ["candidates", name] if is_name(name) => only(CANDIDATE_KEYS),
             ["candidates", name, "coefficients", one] if is_name(name) && is_name(one) => only(COEFFICIENT_KEYS),
+            _ => None,
+        }
+    }
+
+    /// The key of whatever name stands in the table at `path`, where names of the file are its keys.
+    fn named(self, path: &[&str]) -> Option<Key> {
+        match path {
+            _ if self != Self::Equations => None,
+            ["derivatives"] => Some(DERIVATIVE),
+            ["outputs"] => Some(OUTPUT),
+            ["constants"] => Some(CONSTANT),
+            ["events", name, "then"] if is_name(name) => Some(THEN),
+            ["candidates", name, "adds"] if is_name(name) => Some(ADDS),
             _ => None,
         }
     }
@@ -181,6 +202,7 @@ impl Declares {
                 Some(if *last == "tune" { TUNE } else { NUMBER })
             }
             ["candidates", name, "valid"] if self.formulas() && is_name(name) && is_name(last) => Some(RANGE),
+            _ if self == Self::Equations && is_name(last) && self.named(table).is_some() => self.named(table),
             _ => self.keys(table)?.into_iter().find(|key| key.path == *last).cloned(),
         }
     }
@@ -193,6 +215,7 @@ impl Declares {
             ["effects", name] => is_name(name) && !self.is_built_in(name),
             ["candidates", name, "coefficients"] => is_name(name),
             ["candidates", name, "valid"] => self.formulas() && is_name(name),
+            _ if self.named(&parts).is_some() => true,
             _ => self.keys(&parts).is_some(),
         }
     }
@@ -204,10 +227,13 @@ impl Declares {
         match parts[..] {
             ["candidates", _] => {
                 let own = self.keys(&parts).map(named).unwrap_or_default();
-                [own, vec!["coefficients.KEY".into()]].concat()
+                let adds = (self == Self::Equations).then(|| "adds.STATE".to_owned());
+                [own, adds.into_iter().collect(), vec!["coefficients.KEY".into()]].concat()
             }
             ["candidates", _, "coefficients"] => vec!["a key of letters, digits and _, with its own table".into()],
+            ["events", _] if self == Self::Equations => vec!["when".into(), "then.STATE".into()],
             [head] if self.heads().contains(&head) => vec![format!("{head}.NAME, of letters, digits and _")],
+            _ if self.named(&parts).is_some() => vec!["a name of letters, digits and _".into()],
             _ => self.keys(&parts).map(named).unwrap_or_default(),
         }
     }
@@ -271,7 +297,20 @@ fn missing(root: &Table, declares: Declares) -> Option<Wrong> {
 
 /// The headers of the channels.
 fn channels(root: &Table) -> Vec<&str> {
-    lookup(root, "process.channels").map(texts).unwrap_or_default()
+    let names = |path: &str| {
+        let all = lookup(root, path).and_then(Item::as_table_like).filter(|all| !all.is_empty());
+        all.map(|all| all.iter().map(|(name, _)| name).collect::<Vec<_>>())
+    };
+    lookup(root, "process.channels")
+        .map(texts)
+        .or_else(|| names("outputs"))
+        .or_else(|| names("states"))
+        .unwrap_or_default()
+}
+
+/// Where the file names its channels.
+fn naming_channels(root: &Table) -> &'static str {
+    if has(root, "process") { "process.channels" } else { "outputs" }
 }
 
 fn has(root: &Table, path: &str) -> bool {
@@ -306,7 +345,8 @@ fn inputs(root: &Table) -> Option<Wrong> {
         }
         if channels(root).contains(&name) {
             let expected = "a name that no channel has: what drives the simulation is not predicted by it";
-            return Some(wrong(path, Some(item), expected, format!("`{name}` under `process.channels` too")));
+            let found = format!("`{name}` under `{}` too", naming_channels(root));
+            return Some(wrong(path, Some(item), expected, found));
         }
         if ["t_s", "t", "time", "time_s"].contains(&name) {
             return Some(wrong(path, Some(item), "another name than the clock's", format!("`{name}`")));
@@ -322,7 +362,7 @@ fn inputs(root: &Table) -> Option<Wrong> {
 fn starts(root: &Table) -> Option<Wrong> {
     for (name, item, table) in tables(root, "start") {
         let path = format!("start.{name}");
-        if Channel::from_header(name).is_none() {
+        if Channel::from_header(name).is_none() && !has(root, &format!("states.{name}.unit")) {
             return Some(wrong(path, Some(item), UNIT, format!("`{name}`")));
         }
         if has(root, &format!("parameters.{name}")) {
@@ -330,7 +370,8 @@ fn starts(root: &Table) -> Option<Wrong> {
             return Some(wrong(path, Some(item), expected, format!("`{name}` under [parameters] too")));
         }
         if text(table, "value") == Some("first") && !channels(root).contains(&name) {
-            let expected = format!("a number, since `process.channels` has no `{name}` whose first sample it could be");
+            let named = naming_channels(root);
+            let expected = format!("a number, since `{named}` has no `{name}` whose first sample it could be");
             return Some(wrong(format!("{path}.value"), table.get("value"), expected, "\"first\""));
         }
         let number = |key: &str| table.get(key).and_then(item_number);

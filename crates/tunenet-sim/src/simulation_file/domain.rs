@@ -3,6 +3,7 @@
 use super::arm_effects::ARM_EFFECT_KEYS;
 use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
 use super::declared_schema::Declares;
+use super::equations_keys::EQUATIONS_KEYS;
 use super::process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS, SETTING};
 use super::schema::{BALL_KEYS, Definition, EFFECT_KEYS, Key, PARAMETER_KEYS, is_name};
 use crate::scene::BallParameters;
@@ -16,6 +17,8 @@ pub enum Domain {
     Arm,
     /// A model simulated by an external program; the program names its parameters.
     Process,
+    /// A model whose equations stand in the file, which names its parameters.
+    Equations,
 }
 
 /// The parameters of a ball.
@@ -42,7 +45,7 @@ const BALL_PARAMETERS: &[Definition] = &[
 
 impl Domain {
     /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Ball, Self::Arm, Self::Process];
+    pub const ALL: [Self; 4] = [Self::Ball, Self::Arm, Self::Process, Self::Equations];
 
     /// As `kind` has it.
     #[must_use]
@@ -51,6 +54,7 @@ impl Domain {
             Self::Ball => "ball",
             Self::Arm => "arm",
             Self::Process => "process",
+            Self::Equations => "equations",
         }
     }
 
@@ -66,18 +70,19 @@ impl Domain {
             Self::Ball => (BALL_KEYS, &EFFECT_KEYS),
             Self::Arm => (ARM_KEYS, &ARM_EFFECT_KEYS),
             Self::Process => (PROCESS_KEYS, &PROCESS_EFFECT_KEYS),
+            Self::Equations => (EQUATIONS_KEYS, &PROCESS_EFFECT_KEYS),
         };
         own.iter().chain(effects)
     }
 
-    /// The parameters that `[parameters.NAME]` may describe, in the order in which simulators take them; none of a program, whose
-    /// file names them itself.
+    /// The parameters that `[parameters.NAME]` may describe, in the order in which simulators take them; none where the file
+    /// [names them itself](Self::declares).
     #[must_use]
     pub fn parameters(self) -> &'static [Definition] {
         match self {
             Self::Ball => BALL_PARAMETERS,
             Self::Arm => ARM_PARAMETERS,
-            Self::Process => &[],
+            Self::Process | Self::Equations => &[],
         }
     }
 
@@ -90,13 +95,13 @@ impl Domain {
     /// Whether a file may describe a parameter of this name.
     #[must_use]
     pub fn has_parameter(self, name: &str) -> bool {
-        self.parameter(name).is_some() || self == Self::Process && is_name(name)
+        self.parameter(name).is_some() || self.declares() && is_name(name)
     }
 
-    /// Whether a file declares inputs and initial states itself.
+    /// Whether a file declares its channels, parameters, inputs and initial states itself: what it simulates is the user's own.
     #[must_use]
     pub fn declares(self) -> bool {
-        self == Self::Process
+        matches!(self, Self::Process | Self::Equations)
     }
 
     /// What a file declares itself.
@@ -106,6 +111,7 @@ impl Domain {
             Self::Ball => Declares::Ball,
             Self::Arm => Declares::Arm,
             Self::Process => Declares::Program,
+            Self::Equations => Declares::Equations,
         }
     }
 
@@ -131,7 +137,7 @@ impl Domain {
     pub fn siblings(self, path: &str) -> Vec<String> {
         let table = path.rsplit_once('.').map_or("", |(table, _)| table);
         let parameters = || match self {
-            Self::Process => vec!["parameters.NAME, of letters, digits and _".to_owned()],
+            own if own.declares() => vec!["parameters.NAME, of letters, digits and _".to_owned()],
             _ => self.parameters().iter().map(|p| format!("parameters.{}", p.name)).collect(),
         };
         if table == "parameters" {

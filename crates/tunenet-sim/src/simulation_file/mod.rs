@@ -10,6 +10,8 @@ pub(crate) mod declared_schema;
 mod document;
 mod domain;
 mod effects;
+mod equations_keys;
+pub(crate) mod equations_schema;
 pub(crate) mod process_schema;
 mod program_folder;
 pub mod schema;
@@ -29,10 +31,13 @@ pub use declared_schema::{CANDIDATE_KEYS, COEFFICIENT_KEYS, Declares, FORMULA_KE
 use document::{Document, table};
 pub use domain::Domain;
 pub use effects::PresentEffect;
+pub use equations_keys::{
+    ADDS, CONSTANT, DERIVATIVE, EQUATIONS_KEYS, EQUATIONS_TABLES, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN,
+};
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
 pub use template::template;
 
-use crate::scene::{ArmScene, BallScene, Process, Record, Scene};
+use crate::scene::{ArmScene, BallScene, EquationsScene, Process, Record, Scene};
 pub use schema::Definition;
 use schema::item_number;
 
@@ -149,6 +154,7 @@ impl SimulationFile {
             Scene::Ball(_) => Domain::Ball,
             Scene::Arm(_) => Domain::Arm,
             Scene::Process(_) => Domain::Process,
+            Scene::Equations(_) => Domain::Equations,
         }
     }
 
@@ -186,18 +192,26 @@ impl SimulationFile {
         }
     }
 
+    /// The equations that the file holds.
+    ///
+    /// # Errors
+    /// As [`ball`](Self::ball).
+    pub fn equations(&self) -> Result<&EquationsScene> {
+        if let Scene::Equations(scene) = &self.scene { Ok(scene) } else { Err(self.describes_no(Domain::Equations)) }
+    }
+
     fn describes_no(&self, needed: Domain) -> Error {
         let message = format!("expected `kind = \"{}\"`, found \"{}\"", needed.name(), self.domain().name());
         Error::file(&self.path, message, format!("`tunenet init {}` writes one to start from", needed.name()))
     }
 
-    /// The parameters in the order of [`Domain::parameters`]; those left out stand at their default. Of a program those that the
-    /// file describes, in its order.
+    /// The parameters in the order of [`Domain::parameters`]; those left out stand at their default. Where the file
+    /// [names them itself](Domain::declares), those that it describes, in its order.
     ///
     /// # Errors
     /// [`Parameter`](tunenet_core::Error::Parameter) where bounds and value contradict each other.
     pub fn parameters(&self) -> Result<Vec<Parameter>> {
-        if self.domain() == Domain::Process {
+        if self.domain().declares() {
             return self.named_parameters();
         }
         let each = self.domain().parameters().iter().map(|known| {
@@ -216,7 +230,7 @@ impl SimulationFile {
     }
 
     fn named_parameters(&self) -> Result<Vec<Parameter>> {
-        let each = check::names(Domain::Process, self.document.root()).into_iter().map(|name| {
+        let each = check::names(self.domain(), self.document.root()).into_iter().map(|name| {
             let field = |field: &str| self.item(&format!("parameters.{name}.{field}"));
             let number = |key: &str| field(key).and_then(item_number).unwrap_or(0.0);
             let unit = field("unit").and_then(Item::as_str).unwrap_or("1");
@@ -230,6 +244,12 @@ impl SimulationFile {
     #[must_use]
     pub fn written_value(&self, name: &str) -> Option<f64> {
         self.item(&format!("parameters.{name}.value")).and_then(item_number)
+    }
+
+    /// The unit of a parameter, where the file itself says one.
+    #[must_use]
+    pub fn written_unit(&self, name: &str) -> Option<&str> {
+        self.item(&format!("parameters.{name}.unit")).and_then(Item::as_str)
     }
 
     /// The 95 % interval of a parameter that an earlier tuning wrote into `[provenance]`.
@@ -312,6 +332,7 @@ fn scene(domain: Domain, document: &Document) -> std::result::Result<Scene, toml
         Domain::Ball => Scene::Ball(from_document(document)?),
         Domain::Arm => Scene::Arm(from_document(document)?),
         Domain::Process => Scene::Process(from_document(document)?),
+        Domain::Equations => Scene::Equations(Box::new(from_document(document)?)),
     })
 }
 

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::domain::Domain;
-use super::process_schema::SAMPLES;
 use super::schema::{Definition, Key, PARAMETER_KEYS, Shape};
+use super::{equations_schema, process_schema};
 
 /// What stands above everything else.
 const BALL_HEAD: &str = "\
@@ -48,6 +48,66 @@ const PROCESS_HEAD: &str = "\
 # each key are its meaning, unit and range.
 ";
 
+const EQUATIONS_HEAD: &str = "\
+# A simulation whose equations stand in this file: here a damped pendulum that a motor drives. Nothing else is run:
+#
+#   tunenet simulate --sim equations.toml --set parameters.length.value=0.62 --out swing.csv
+#   tunenet tune --sim equations.toml swing.csv --out tuned.toml
+#
+# Formulas know + - * / ^, abs, sign, min, max, sqrt, cbrt, exp, ln, sin, cos, tan, atan2, tanh, clamp(x, low, high),
+# delay(input, seconds), all names of this file, and t_s, the time in s. Units are checked where they are known.
+#
+# A line `# key = value` is optional: remove the `#` to use it, and the one before its [table] if there is one. Above
+# each key are its meaning, unit and range.
+";
+
+/// The tables that a file of equations names itself.
+const EQUATIONS: &str = "
+[states.angle_rad]
+# What changes with time. A name ends in its unit, or the table says it: `unit` with a text.
+
+[states.rate_rad_s]
+
+[derivatives]
+# How fast each state changes.
+angle_rad = \"rate_rad_s\"
+rate_rad_s = \"-gravity/length*sin(angle_rad) - damping*rate_rad_s + gain*u_v\"
+
+[outputs]
+# What is recorded, by the names of the columns. Without this table: every state.
+angle_rad = \"angle_rad\"
+
+[constants]
+# Numbers that formulas use and that are not tuned. A manifest may say others for a recording.
+gravity = 9.81
+gain = 1.0
+
+[inputs.u_v]
+# What drives it: a column of every recording, by its name with unit. Without `default` every recording has to have it.
+default = 0.0
+
+[start.angle_rad]
+# A state at the first stamp of a recording: a number or \"first\", the first sample of the channel of that name. With a
+# standard deviation or bounds it is estimated.
+value = 0.5
+sd = 0.05
+
+[start.rate_rad_s]
+value = 0.0
+
+[candidates.dry_friction]
+# An effect that `diagnose` may find missing: what it adds to derivatives, and each of its numbers.
+sentence = \"the hinge rubs with a constant torque\"
+acts = \"joint\"
+adds.rate_rad_s = \"-c*sign(rate_rad_s)\"
+
+[candidates.dry_friction.coefficients.c]
+unit = \"rad/s²\"
+min = 0.0
+max = 5.0
+typical = 0.05
+";
+
 /// Keys that are written without a mark, and the values to start from. Others begin at 0, or at their least value.
 const VALUES: &[(Domain, &str, bool, &str)] = &[
     (Domain::Ball, "world.gravity_m_s2", true, "9.81"),
@@ -74,6 +134,8 @@ const VALUES: &[(Domain, &str, bool, &str)] = &[
     (Domain::Process, "process.timeout_s", true, "10.0"),
     (Domain::Process, "process.start_timeout_s", false, "60.0"),
     (Domain::Process, "process.workers", false, "2"),
+    (Domain::Equations, "record.rate_hz", true, "72.0"),
+    (Domain::Equations, "record.frames", true, "216"),
     (Domain::Process, "record.rate_hz", true, "72.0"),
     (Domain::Process, "record.frames", true, "216"),
 ];
@@ -86,6 +148,7 @@ pub fn template(domain: Domain) -> String {
         Domain::Ball => BALL_HEAD,
         Domain::Arm => ARM_HEAD,
         Domain::Process => PROCESS_HEAD,
+        Domain::Equations => EQUATIONS_HEAD,
     };
     let mut text = String::from(head);
     let mut table = "";
@@ -103,6 +166,9 @@ pub fn template(domain: Domain) -> String {
         text.push_str(&comment(key));
         let mark = if active { "" } else { "# " };
         text.push_str(&line(&format!("{mark}{name} = {value}")));
+        if domain == Domain::Equations && key.path == "kind" {
+            text.push_str(EQUATIONS);
+        }
     }
     if domain == Domain::Process {
         text.push_str(SETTINGS);
@@ -143,7 +209,11 @@ typical = 0.05
 
 /// The parameters that are written: all that there are, or, where a file names its own, some to start from.
 fn samples(domain: Domain) -> &'static [Definition] {
-    if domain == Domain::Process { SAMPLES } else { domain.parameters() }
+    match domain {
+        Domain::Process => process_schema::SAMPLES,
+        Domain::Equations => equations_schema::SAMPLES,
+        Domain::Ball | Domain::Arm => domain.parameters(),
+    }
 }
 
 fn parameter(text: &mut String, known: &Definition) {

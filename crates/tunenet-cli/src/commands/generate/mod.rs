@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tunenet_formats::Error;
+use tunenet_sim::simulation_file;
 
 use self::write::place;
 use super::load::Driven;
@@ -29,14 +30,18 @@ pub fn run(options: &Gen) -> Result<Exit> {
         let message = "expected a file to write to, found a device";
         return Err(Error::file(&out, message, "choose a name that ends in .mcap").into());
     }
-    if let (true, false) = (options.inputs.is_some() || options.manifest.is_some(), options.domain == Domain::Process) {
+    if let (true, false) = (
+        options.inputs.is_some() || options.manifest.is_some(),
+        matches!(options.domain, Domain::Process | Domain::Equations),
+    ) {
         let name = if options.inputs.is_some() { "--inputs" } else { "--manifest" };
-        let (expected, found) = ("`gen process` for recorded inputs".into(), "another scene".into());
+        let (expected, found) = ("`gen process` or `gen equations` for recorded inputs".into(), "another scene".into());
         return Err(tunenet_core::Error::Setting { origin: tunenet_core::Origin::Flag, name, expected, found }.into());
     }
     match options.domain {
         Domain::Arm => arm::run(options),
-        Domain::Process => process::run(options),
+        Domain::Process => process::run(options, simulation_file::Domain::Process),
+        Domain::Equations => process::run(options, simulation_file::Domain::Equations),
         Domain::Ball | Domain::BallVideo => ball::run(options, &out),
     }
 }

@@ -1,4 +1,4 @@
-//! `tunenet gen process`.
+//! `tunenet gen process` and `tunenet gen equations`.
 
 use anyhow::Result;
 use rand::Rng;
@@ -9,7 +9,8 @@ use tunenet_core::observation::{Channel, Circumstances, Kind};
 use tunenet_core::simulator::{Parameter, Prepared, RolloutResult, Simulator};
 use tunenet_formats::Error;
 use tunenet_formats::dataset::{DatasetWriter, generate};
-use tunenet_sim::{SimulationFile, simulation_file};
+use tunenet_sim::SimulationFile;
+use tunenet_sim::simulation_file::Domain;
 
 use super::super::load::{self, Driven};
 use super::super::refusal::{self, Asked};
@@ -17,14 +18,14 @@ use super::write::{made, place};
 use crate::args::{Gen, Pairs};
 use crate::failure::Exit;
 
-pub fn run(options: &Gen) -> Result<Exit> {
+pub fn run(options: &Gen, domain: Domain) -> Result<Exit> {
     let preset = options.preset.unwrap_or(Pairs::Wide);
     if preset != Pairs::Wide {
-        let (expected, found) = ("`wide` for a program".into(), format!("`{preset:?}`").to_lowercase());
+        let (expected, found) = (format!("`wide` for `gen {}`", domain.name()), format!("`{preset:?}`").to_lowercase());
         return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "--preset", expected, found }.into());
     }
     let Some(path) = &options.sim else {
-        let expected = "a program's simulation file, such as `tunenet init process` writes".into();
+        let expected = format!("a simulation file, such as `tunenet init {}` writes", domain.name());
         return Err(tunenet_core::Error::Setting {
             origin: Origin::Flag,
             name: "--sim",
@@ -37,7 +38,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
     for assignment in &options.set {
         file.set(assignment)?;
     }
-    load::of_kind(&file, simulation_file::Domain::Process)?;
+    load::of_kind(&file, domain)?;
     let session = load::session(options.permission);
     let driven = Driven::of(&file, options.inputs.as_deref(), options.manifest.as_deref())?;
     let inner = driven.setups.simulator(Kind::Other, &session)?;
@@ -54,7 +55,7 @@ pub fn run(options: &Gen) -> Result<Exit> {
         tuned: p.tune,
     };
     let header = DatasetHeader {
-        preset: "process/wide".into(),
+        preset: format!("{}/wide", domain.name()),
         seed: options.common.seed,
         pairs: options.pairs,
         parameters: program.parameters().iter().map(covered).collect(),

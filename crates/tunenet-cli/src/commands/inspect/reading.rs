@@ -5,8 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use tunenet_ball::preflight::Expected;
 use tunenet_formats::{ReadOptions, Recording};
-use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{SimulationFile, process};
+use tunenet_sim::{SimulationFile, declared};
 
 use crate::args::Inspect;
 use crate::commands::load;
@@ -17,8 +16,8 @@ use crate::commands::load;
 /// Where its channels cannot be read.
 pub fn options(options: &Inspect, sim: Option<&SimulationFile>) -> Result<ReadOptions> {
     let mut reading = load::reading(&options.reading);
-    if let Some(file) = sim.filter(|file| file.domain() == Domain::Process) {
-        reading.channels = process::channels(file)?;
+    if let Some(file) = sim.filter(|file| file.domain().declares()) {
+        reading.channels = declared::channels(file)?;
         reading.others = load::inputs::in_recording(file);
     }
     Ok(reading)
@@ -33,7 +32,7 @@ pub fn expected(sim: Option<&SimulationFile>) -> Expected {
 
 /// The recording in a file, as `tune` looks at it.
 pub fn recording(path: &Path, options: &Inspect, sim: Option<&SimulationFile>) -> Result<Recording> {
-    match sim.filter(|file| file.domain() == Domain::Process) {
+    match sim.filter(|file| file.domain().declares()) {
         Some(sim) => load::of_channels(sim, 0, path, &options.reading, load::MOST_SAMPLES),
         None => load::recording(path, &options.reading),
     }

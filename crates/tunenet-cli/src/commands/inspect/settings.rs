@@ -63,6 +63,8 @@ fn simulation(file: &SimulationFile, shown: &mut Printout) -> Result<Value> {
     });
     if program.is_some() {
         object["command"] = process::words(file).into();
+    }
+    if file.domain().declares() {
         declared::show(file, shown);
         declared::add_to(file, &mut object)?;
     }

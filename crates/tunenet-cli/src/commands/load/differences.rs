@@ -11,7 +11,8 @@ use crate::files::manifest::{ONLY, Source};
 use crate::findings;
 
 /// Keys of a file that all recordings of one object share: what is simulated, what is fitted, and what may be missing.
-const SHARED: [&str; 4] = ["kind", "parameters.", "effects.", "candidates."];
+const SHARED: [&str; 8] =
+    ["kind", "parameters.", "effects.", "candidates.", "states.", "derivatives.", "outputs.", "events."];
 /// What belongs to a single recording anyway, and is nothing of a setup that a written file could keep.
 const START: &str = "start.";
 

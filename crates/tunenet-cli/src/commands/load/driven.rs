@@ -7,7 +7,7 @@ use tunenet_core::observation::{Channel, Kind, Observation};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator};
 use tunenet_formats::{Error, ReadOptions, Recording, read};
 use tunenet_sim::scene::{First, StartValue};
-use tunenet_sim::{SimulationFile, process};
+use tunenet_sim::{SimulationFile, declared};
 
 use super::input_files::own_files_of;
 use super::inputs;
@@ -75,8 +75,8 @@ impl Driven {
 
 /// The clock of `[record]` with the inputs that the file `given` holds, and the first samples that states start at.
 fn record(file: &SimulationFile, given: Option<&Path>) -> Result<Recording> {
-    let channels = process::channels(file)?;
-    let headers = file.process()?.channels.clone();
+    let channels = declared::channels(file)?;
+    let headers = file.headers();
     let clock = file.record().clock();
     let mut values = vec![0.0; clock.len() * channels.len()];
     let first = StartValue::Word(First::First);

@@ -7,8 +7,7 @@ use toml_edit::DocumentMut;
 use tunenet_core::Origin;
 use tunenet_formats::{Error, ReadOptions, Recording, read, read_text};
 use tunenet_sim::replayed_arm::replays;
-use tunenet_sim::simulation_file::Domain;
-use tunenet_sim::{SimulationFile, process};
+use tunenet_sim::{SimulationFile, declared};
 
 use super::inputs;
 use super::joints::log;
@@ -36,7 +35,7 @@ pub fn recording_of(
     if replays(file) {
         return log(file, path, reading);
     }
-    if file.domain() == Domain::Process {
+    if file.domain().declares() {
         return of_channels(file, setup, path, reading, most);
     }
     if !is_video(path) {
@@ -79,7 +78,7 @@ pub fn of_channels(
         return Err(Error::file(path, message, hint).into());
     }
     let inputs = inputs::in_recording(file);
-    let alone = ReadOptions { channels: process::channels(file)?, ..read_options(reading) };
+    let alone = ReadOptions { channels: declared::channels(file)?, ..read_options(reading) };
     let recording = read(path, &ReadOptions { others: inputs, ..alone.clone() })?;
     // What drives it is kept whole: only what is fitted is thinned.
     at_most(most, inputs::attach(file, path, recording, setup, &alone)?)

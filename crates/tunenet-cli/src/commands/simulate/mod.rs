@@ -35,15 +35,15 @@ pub fn run(options: &Simulate) -> Result<Exit> {
         destination::check(&[output(&options.out)], &inputs, true)?;
     }
     let (mut file, session) = load::simulation_with(&options.simulation, options.permission)?;
-    if file.domain() != Domain::Process && options.inputs.is_some() {
+    if !file.domain().declares() && options.inputs.is_some() {
         load::of_kind(&file, Domain::Process)?;
     }
     let observation = match (file.domain(), &options.manifest) {
-        (Domain::Process, Some(_)) => {
+        (own, Some(_)) if own.declares() => {
             return write_all(options, &inputs, &process::simulated(options, &file, &session)?);
         }
         (_, Some(manifest)) => return write_all(options, &inputs, &scenes::simulated(options, &file, manifest)?),
-        (Domain::Process, None) => process::simulated(options, &file, &session)?.remove(0).1,
+        (own, None) if own.declares() => process::simulated(options, &file, &session)?.remove(0).1,
         (_, None) => built_in(options, &mut file)?,
     };
     write(options, &options.out, &observation)?;

@@ -1,10 +1,10 @@
-//! `tunenet simulate` of a program of one's own.
+//! `tunenet simulate` of a model of one's own: a program or equations.
 
 use anyhow::Result;
 use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::{Measured, Simulator, predict};
 use tunenet_core::{Error, Origin};
-use tunenet_sim::{Session, SimulationFile, process};
+use tunenet_sim::{Session, SimulationFile, observed};
 
 use super::super::refusal::{self, Asked};
 use crate::args::Simulate;
@@ -15,7 +15,8 @@ use crate::view::text::warn;
 /// What recordings of it would hold, each under the name of the recording that it is driven as.
 pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -> Result<Vec<(String, Observation)>> {
     if options.bounces {
-        let (expected, found) = ("`--bounces` with a ball's file only".into(), "a program's".into());
+        let (expected, found) =
+            ("`--bounces` with a ball's file only".into(), format!("`kind = \"{}\"`", file.domain().name()));
         return Err(Error::Setting { origin: Origin::Flag, name: "--bounces", expected, found }.into());
     }
     if options.manifest.is_none() {
@@ -24,7 +25,7 @@ pub fn simulated(options: &Simulate, file: &SimulationFile, session: &Session) -
     let driven = Driven::of(file, options.inputs.as_deref(), options.manifest.as_deref())?;
     driven.recordings.iter().flat_map(|(_, recording)| &recording.notes).for_each(warn);
     let simulator: Box<dyn Simulator> = if options.truth {
-        Box::new(Measured::new(process::start(file, session)?, &[])?)
+        Box::new(Measured::new(observed::bare(&[file], session)?, &[])?)
     } else {
         driven.setups.simulator(Kind::Other, session)?
     };

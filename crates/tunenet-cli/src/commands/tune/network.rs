@@ -55,6 +55,9 @@ pub fn choose(
         (None, []) => ChosenNetwork::none(match file.domain() {
             Domain::Arm => "not needed: torques are almost linear in the payload",
             Domain::Process => "none: the fit has its own starts; pass a network trained on `gen process` with --model",
+            Domain::Equations => {
+                "none: the fit has its own starts; pass a network trained on `gen equations` with --model"
+            }
             Domain::Ball => "none: pass a network trained on `gen ball-video` with --model",
         }),
     }

@@ -29,7 +29,9 @@ pub fn write_tuned(
     for p in &outcome.parameters {
         match (file.domain(), p.name.split_once('.')) {
             (Domain::Arm, _) => tuned.set_arm_value(&p.name, p.value, joints)?,
-            (Domain::Ball | Domain::Process, Some((effect, key))) => tuned.add_effect(effect, &[(key, p.value)])?,
+            (Domain::Ball | Domain::Process | Domain::Equations, Some((effect, key))) => {
+                tuned.add_effect(effect, &[(key, p.value)])?;
+            }
             _ => tuned.set_value(&p.name, p.value),
         }
     }

@@ -3,15 +3,16 @@
 use anyhow::Result;
 use serde_json::{Value, json};
 use tunenet_sim::scene::{First, Input, Start, StartValue};
-use tunenet_sim::{SimulationFile, process};
+use tunenet_sim::{SimulationFile, declared};
 
 use crate::view::answer::Printout;
 
 /// In words: what is predicted, what drives it, and where it starts.
 pub fn show(file: &SimulationFile, shown: &mut Printout) {
     let listed = |names: Vec<String>| names.join(", ");
-    if let Ok(process) = file.process() {
-        shown.row("predicts", &listed(process.channels.clone()));
+    let headers = file.headers();
+    if !headers.is_empty() {
+        shown.row("predicts", &listed(headers));
     }
     if file.inputs().len() > 0 {
         shown.row("inputs", &listed(file.inputs().map(|(name, input)| described_input(name, input)).collect()));
@@ -26,10 +27,11 @@ pub fn show(file: &SimulationFile, shown: &mut Printout) {
 
 /// The same as keys.
 pub fn add_to(file: &SimulationFile, object: &mut Value) -> Result<()> {
-    if file.process().is_err() {
+    let channels = declared::channels(file)?;
+    if channels.is_empty() {
         return Ok(());
     }
-    object["channels"] = process::channels(file)?.iter().map(tunenet_core::observation::Channel::header).collect();
+    object["channels"] = channels.iter().map(tunenet_core::observation::Channel::header).collect();
     let input = |(name, input): (&str, &Input)| {
         let unit = input.channel(name).map(|channel| channel.unit);
         json!({ "name": name, "unit": unit, "hold": input.hold.word(), "default": input.default })

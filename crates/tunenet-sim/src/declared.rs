@@ -1,35 +1,51 @@
-//! What a simulation file declares, as core and the program take it.
+//! What a simulation file declares itself, as core and the simulators take it: channels, inputs, initial states and candidates.
 
 use std::borrow::Cow;
 
-use tunenet_core::simulator::{Coefficient, Effect, StartState, StartValue};
+use tunenet_core::observation::Channel;
+use tunenet_core::simulator::{Coefficient, Declared, Effect, Model, StartState, StartValue};
+use tunenet_core::text::visible;
 use tunenet_formats::{Error, Result};
 
 use crate::scene::{Candidate, CandidateCoefficient, First, Hold, Start};
 use crate::{SimulationFile, phase, scene};
 
-/// An input, as it is announced to the program.
+/// An input.
 #[derive(Debug, Clone)]
-pub(super) struct ProgramInput {
+pub(crate) struct DeclaredInput {
     pub name: String,
     pub unit: String,
     pub hold: Hold,
 }
 
+/// The channels that `file` predicts, in its order; none of a ball or an arm.
+///
+/// # Errors
+/// [`Error::File`] where a name has no unit, which reading the file refuses already.
+pub fn channels(file: &SimulationFile) -> Result<Vec<Channel>> {
+    let one = |header: &String| {
+        Channel::from_header(header).ok_or_else(|| {
+            let message = format!("channels: expected names with their units, found `{}`", visible(header));
+            Error::file(file.path(), message, "write \"z_m\" or \"angle_rad\"")
+        })
+    };
+    file.headers().iter().map(one).collect()
+}
+
 /// The inputs, in the order of the file.
-pub(super) fn inputs(file: &SimulationFile) -> Result<Vec<ProgramInput>> {
+pub(crate) fn inputs(file: &SimulationFile) -> Result<Vec<DeclaredInput>> {
     let one = |(name, input): (&str, &scene::Input)| {
         let channel = input.channel(name).ok_or_else(|| {
             let message = format!("`inputs.{name}`: expected a name that ends in its unit, or `unit`, found neither");
             Error::file(file.path(), message, "write the unit, for example `unit = \"N\"`")
         })?;
-        Ok(ProgramInput { name: name.to_owned(), unit: channel.unit, hold: input.hold })
+        Ok(DeclaredInput { name: name.to_owned(), unit: channel.unit, hold: input.hold })
     };
     file.inputs().map(one).collect()
 }
 
 /// The candidates as entries of a catalogue, in the order of the file.
-pub(super) fn candidates(file: &SimulationFile) -> Vec<Effect> {
+pub(crate) fn candidates(file: &SimulationFile) -> Vec<Effect> {
     file.candidates().map(|(name, candidate)| effect(name, candidate)).collect()
 }
 
@@ -61,7 +77,7 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
 }
 
 /// The coefficients of all candidates that the file has, or their absent values.
-pub(super) fn present(file: &SimulationFile) -> Vec<f64> {
+pub(crate) fn present(file: &SimulationFile) -> Vec<f64> {
     let known = file.effects();
     let each = file.candidates().flat_map(|(name, candidate)| {
         let values = known.iter().find(|effect| effect.name == name).map(|effect| effect.values.clone());
@@ -71,16 +87,17 @@ pub(super) fn present(file: &SimulationFile) -> Vec<f64> {
 }
 
 /// The initial states of a setup.
-pub(super) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
-    let channels = file.process()?.channels.clone();
+pub(crate) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
+    let channels = file.headers();
     let one = |(name, start): (&str, &Start)| {
-        let unit = tunenet_core::observation::Channel::from_header(name).map_or_else(|| "1".into(), |c| c.unit);
+        let said = file.equations().ok().and_then(|scene| scene.states.get(name)?.unit.clone());
+        let unit = said.or_else(|| Channel::from_header(name).map(|c| c.unit)).unwrap_or_else(|| "1".into());
         let value = match start.value {
             scene::StartValue::Number(value) => StartValue::Number(value),
             scene::StartValue::Word(First::First) => {
                 let at = channels.iter().position(|header| header == name).ok_or_else(|| {
                     let message = format!("`start.{name}`: expected a channel of that name, found none");
-                    Error::file(file.path(), message, "write a number, or name the channel under `process.channels`")
+                    Error::file(file.path(), message, "write a number, or let the file predict that channel")
                 })?;
                 StartValue::First(at)
             }
@@ -91,4 +108,26 @@ pub(super) fn states(file: &SimulationFile) -> Result<Vec<StartState>> {
         Ok(state)
     };
     file.starts().map(one).collect()
+}
+
+/// `simulator` with the candidates of `file`: those that it has at the values that it says, the others absent.
+pub(crate) fn with_candidates<M: Model>(mut simulator: Declared<M>, file: &SimulationFile) -> Result<Declared<M>> {
+    let present = file.effects();
+    for effect in candidates(file) {
+        simulator = match present.iter().find(|one| one.name == effect.name) {
+            Some(one) => simulator.present(effect, &one.values)?,
+            None => simulator.candidate(effect),
+        };
+    }
+    Ok(simulator)
+}
+
+/// Refuses a scale of lengths where no channel is a length.
+pub(crate) fn refuse_scale_without_lengths(file: &SimulationFile, channels: &[Channel]) -> Result<()> {
+    let lengths = channels.iter().any(|channel| channel.unit == "m");
+    if lengths || file.effects().iter().all(|effect| effect.name != "length_scale") {
+        return Ok(());
+    }
+    let message = "expected a channel in m besides [effects.length_scale], found none";
+    Err(Error::file(file.path(), message, "remove the effect: it applies only to lengths"))
 }

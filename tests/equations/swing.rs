@@ -1,0 +1,107 @@
+//! A pendulum: from the file that `init` writes to its missing effect.
+
+use std::fmt::Write as _;
+
+use crate::common::{Folder, Noise, codes};
+
+#[test]
+fn the_file_that_init_writes_simulates_tunes_and_generates() {
+    let folder = Folder::new();
+    folder.run("init equations").ends(0);
+    folder.run("simulate --sim equations.toml --set parameters.length.value=0.62 --out swing.csv").ends(0);
+    let json =
+        folder.run("tune --sim equations.toml swing.csv --out tuned.toml --report swing.html --json").ends(0).json();
+    let length = json["parameters"]["length"]["value"].as_f64().unwrap();
+    assert!((length - 0.62).abs() < 1e-6 && json["rollouts"].as_u64().unwrap() < 100, "{json:#}");
+    let tuned = folder.text("tuned.toml");
+    assert!(
+        tuned.contains("rate_rad_s = \"-gravity/length*sin(angle_rad)") && tuned.contains("[provenance]"),
+        "{tuned}"
+    );
+    let json = folder.run("inspect equations.toml --json").ends(0).json();
+    assert_eq!(json["channels"], serde_json::json!(["angle_rad"]));
+    assert_eq!(json["candidates"], serde_json::json!(["dry_friction"]));
+    folder.run("gen equations --sim equations.toml --pairs 20 --out swings.mcap").ends(0);
+    folder.run("train --data swings.mcap --out swings.safetensors --preset paper").ends(0);
+    let begun = folder.run("tune --sim equations.toml swing.csv --model swings.safetensors --json").json();
+    assert_eq!(begun["model"]["source"], "given");
+}
+
+/// A recording of a driven pendulum with dry friction, by the classical Runge–Kutta method in short steps.
+fn recorded(gravity: f64, start_rad: f64, seed: u64) -> String {
+    const RATE_HZ: f64 = 72.0;
+    const STEPS: u32 = 400;
+    let (length, damping, friction) = (0.62, 0.24, 0.35);
+    let voltage = |i: usize| {
+        let (t, s) = (i as f64 / RATE_HZ, seed as f64);
+        4.0 * ((3.0 + s) * t).sin() + 3.0 * ((5.0 + 0.7 * s) * t + 1.0).sin()
+    };
+    let mut noise = Noise(seed);
+    let (mut text, mut state) = (String::from("t_s,angle_rad,u_v\n"), [start_rad, 0.0]);
+    for i in 0..216 {
+        let u = voltage(i);
+        writeln!(text, "{},{},{u}", i as f64 / RATE_HZ, state[0] + 2e-3 * noise.normal()).unwrap();
+        let slope =
+            |[q, w]: [f64; 2]| [w, -gravity / length * f64::sin(q) - damping * w + u - friction * f64::tanh(w / 1e-4)];
+        let h = 1.0 / RATE_HZ / f64::from(STEPS);
+        let moved = |s: [f64; 2], k: [f64; 2], by: f64| [s[0] + by * k[0], s[1] + by * k[1]];
+        for _ in 0..STEPS {
+            let a = slope(state);
+            let b = slope(moved(state, a, h / 2.0));
+            let c = slope(moved(state, b, h / 2.0));
+            let d = slope(moved(state, c, h));
+            for j in 0..2 {
+                state[j] += h / 6.0 * (a[j] + 2.0 * b[j] + 2.0 * c[j] + d[j]);
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn a_missing_effect_is_named_validated_and_written() {
+    let folder = Folder::new();
+    folder.run("init equations").ends(0);
+    let mut manifest = String::new();
+    // The last ones were recorded on the moon: a constant of their setup.
+    for (seed, start, gravity) in [(1, 0.5, 9.81), (2, -0.4, 9.81), (3, 0.2, 1.62), (4, 0.8, 1.62)] {
+        folder.write(&format!("rec{seed}.csv"), recorded(gravity, start, seed));
+        writeln!(manifest, "[[observation]]\nfile = \"rec{seed}.csv\"\nstart.angle_rad = {start}").unwrap();
+        writeln!(manifest, "constants.gravity = {gravity}\nheld_out = {}\n", seed == 4).unwrap();
+    }
+    folder.write("runs.toml", manifest);
+    let poor = folder.run("tune --sim equations.toml --manifest runs.toml --json").ends(3).json();
+    assert_eq!(poor["verdict"], "poor_fit");
+    let line = "diagnose --sim equations.toml --manifest runs.toml --out improved.toml --json";
+    let json = folder.run(line).ends(0).json();
+    assert_eq!((json["verdict"].as_str(), json["effects"][0]["name"].as_str()), (Some("named"), Some("dry_friction")));
+    let found = json["effects"][0]["coefficients"]["c"]["value"].as_f64().unwrap();
+    assert!((found - 0.35).abs() < 0.02, "{found}");
+    let improved = folder.text("improved.toml");
+    for wanted in ["[effects.dry_friction]\nc = 0.3", "adds.rate_rad_s", "[provenance"] {
+        assert!(improved.contains(wanted), "no {wanted} in:\n{improved}");
+    }
+    let tuned = folder.run("tune --sim improved.toml --manifest runs.toml --json").ends(0).json();
+    let length = tuned["parameters"]["length"]["value"].as_f64().unwrap();
+    assert!(tuned["verdict"] == "tuned" && (length - 0.62).abs() < 2e-3, "{tuned:#}");
+    folder.run("simulate --sim improved.toml --manifest runs.toml --out all").ends(0);
+    assert!(folder.text("all/rec4.csv").lines().count() == 217);
+}
+
+#[test]
+fn values_that_no_rollout_can_follow_are_refused_in_a_sentence() {
+    let folder = Folder::new();
+    folder.run("init equations").ends(0);
+    let text = folder.text("equations.toml").replace("- damping*rate_rad_s", "+ damping*1000*rate_rad_s");
+    folder.write("equations.toml", text);
+    let ran = folder.run("simulate --sim equations.toml --out swing.csv").ends(1);
+    assert!(
+        ran.stderr.contains("the equations refused the file's own values") && ran.stderr.contains("_rad"),
+        "{}",
+        ran.stderr
+    );
+    folder.run("init equations --overwrite").ends(0);
+    folder.run("simulate --sim equations.toml --out swing.csv").ends(0);
+    let json = folder.run("tune --sim equations.toml swing.csv --json").ends(0).json();
+    assert!(!codes(&json).iter().any(|code| code.contains("refused")), "{json:#}");
+}
