@@ -357,8 +357,9 @@ fn a_program_forgets_recordings_beyond_128_and_gets_them_anew() {
         writeln!(manifest, "[[observation]]\nfile = \"rec{number}.csv\"").unwrap();
     }
     folder.write("runs.toml", manifest);
-    // Pairs go through all recordings and begin again with the first one.
-    folder.run("gen process --sim scene.toml --allow-process --manifest runs.toml --pairs 160 --out a.mcap").ends(0);
+    // Pairs go through all recordings and begin again with the first one, several times: on any number of threads some recordings that
+    // were forgotten come again.
+    folder.run("gen process --sim scene.toml --allow-process --manifest runs.toml --pairs 520 --out a.mcap").ends(0);
     let (mut known, mut forgotten, mut anew) = (Vec::new(), Vec::new(), 0);
     for line in folder.text("log").lines().skip(1) {
         let line: serde_json::Value = serde_json::from_str(line).unwrap();
