@@ -5,7 +5,7 @@ use crate::diagnose::Progress;
 use crate::diagnose::hypothesis::candidate_scores::CandidateFit;
 use crate::diagnose::hypothesis::candidate_scores::{gain, score_candidates};
 use crate::diagnose::hypothesis::confusable_set;
-use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::context::{Context, Hypothesis, SINGLE_MOTION_MARGIN};
 use crate::diagnose::hypothesis::plausibility::{OutOfRange, is_required};
 use crate::diagnose::hypothesis::plausibility::{holds_only_required, needs_no_evidence, required_model};
 use crate::diagnose::hypothesis::structure::Global;
@@ -142,6 +142,9 @@ pub(in crate::diagnose) fn search<'a>(
         stages.push(Stage { model, trials });
         best = Some(more);
     }
+    if let Some(better) = best.as_ref().map(|model| surpassing(context, &alone, model)).transpose()?.flatten() {
+        best = Some(better);
+    }
     let mut places = Vec::new();
     for _ in 0..MOST_SWAPS {
         let Some(model) = best.take() else { break };
@@ -170,6 +173,24 @@ pub(in crate::diagnose) fn search<'a>(
         }
     }
     Ok(Selection { base, alone, best, places })
+}
+
+/// What explains far more alone than required effects do that nothing could be added to: with it they would need a coefficient that is not
+/// physical. That they are there is certain; that the recordings show them is not.
+fn surpassing<'a>(
+    context: &Context<'a>,
+    alone: &[CandidateFit<'a>],
+    model: &Hypothesis<'a>,
+) -> Result<Option<Hypothesis<'a>>> {
+    let effects = &model.structure.effects;
+    if context.required_first || !effects.iter().all(|&entry| is_required(context, entry)) {
+        return Ok(None);
+    }
+    let far = SINGLE_MOTION_MARGIN * context.settings.margin;
+    let mut others = alone.iter().filter(|trial| trial.excluded.is_none() && !effects.contains(&trial.entry));
+    let found = others.find_map(|trial| trial.model.as_ref());
+    let ahead = |other: &&Hypothesis<'a>| gain(context, model, other, model.scale()) > far;
+    found.filter(ahead).map(|other| other.again(context)).transpose()
 }
 
 /// How many effects a structure like `model` may have. A single motion shows one at most in addition to what has to be
