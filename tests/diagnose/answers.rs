@@ -42,6 +42,25 @@ fn codes(json: &Value) -> Vec<&str> {
 }
 
 #[test]
+fn a_limit_on_rollouts_leaves_no_answer_and_a_quick_search_one() {
+    let folder = with_throws();
+    let line = "diagnose --sim scene.toml 1.csv 2.csv 3.csv 4.csv --held-out 5.csv --out-ranges ranges.json --json";
+    let limited = folder.run(&format!("{line} --max-rollouts 100 --out improved.toml")).ends(3).json();
+    assert_eq!((&limited["verdict"], &limited["rollouts"]), (&"insufficient".into(), &100.into()));
+    assert!(codes(&limited).contains(&"rollouts.limit") && !folder.path("ranges.json").exists());
+    assert!(!folder.path("improved.toml").exists());
+    let quick = folder.run(&format!("{line} --quick")).ends(0).json();
+    assert_eq!((&quick["verdict"], &quick["effects"][0]["name"]), (&"named".into(), &"quadratic_drag".into()));
+    assert!(codes(&quick).contains(&"fit.quick"));
+    let written: Value = serde_json::from_str(&folder.text("ranges.json")).unwrap();
+    let ranges = list(&written, "ranges");
+    let of = |name: &str| ranges.iter().find(|one| one["name"] == name).unwrap_or_else(|| panic!("{written:#}"));
+    let drag = of("effects.quadratic_drag.c_1_m");
+    assert!(drag["low"].as_f64() < Some(0.1317) && drag["high"].as_f64() > Some(0.1317), "{drag}");
+    assert_eq!((&of("restitution")["unit"], &written["verdict"]), (&"1".into(), &"named".into()));
+}
+
+#[test]
 fn a_missing_effect_is_named_and_written_and_proven() {
     let folder = with_throws();
     let line = "diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv 4.csv --held-out 5.csv --out improved.toml";
@@ -86,7 +105,7 @@ fn a_missing_effect_is_named_and_written_and_proven() {
 fn the_answer_for_people_names_what_was_found() {
     let folder = with_throws();
     let ran = folder.run("diagnose --sim scene.toml --observation 1.csv 2.csv 3.csv --held-out 5.csv").ends(0);
-    for part in ["NAMED  quadratic_drag in flight", "held out", "adequacy"] {
+    for part in ["NAMED  quadratic_drag in flight", "held out", "residual tests passed"] {
         assert!(ran.stdout.contains(part), "no `{part}` in\n{}", ran.stdout);
     }
     assert!(ran.stderr.contains("read     3 recordings, 1 held out, 864 samples"), "{}", ran.stderr);
@@ -100,7 +119,8 @@ fn what_is_excluded_is_told() {
     let json = folder.run(&format!("{line} --json")).ends(0).json();
     let text = folder.run(line).ends(0).stdout;
     let told = text.split_once("  excluded: ").expect("a line of them").1;
-    let told = told.split_once("adequacy").expect("the next line").0.split_whitespace().collect::<Vec<_>>().join(" ");
+    let told =
+        told.split_once("  next best").expect("the next line").0.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut count = 0;
     for score in list(&json, "scores").iter().filter(|score| score["excluded"].is_string()) {
         let [name, why] = ["name", "excluded"].map(|key| score[key].as_str().expect("text"));

@@ -7,7 +7,7 @@ finding_kinds! {
         "no recording can be used for the fit",
         "see the notes of each recording";
     warning RECORDINGS_SHORT = "recordings.short",
-        "no more values than fitted parameters, so any fit is exact",
+        "`tune`: no more values than fitted parameters, so any fit is exact; `diagnose`: fewer than 12 values more than unknowns",
         "use longer recordings, or more of them";
     note SAMPLES_EXCLUDED = "samples.excluded",
         "samples after the end of the motion, and outliers, do not count; says which share of all samples counts",
@@ -25,11 +25,11 @@ finding_kinds! {
         "a parameter was estimated from the contacts only, because the full fit is poor; all figures are of that value, and the result of the full fit is reported",
         "resolve `fit.poor`";
     warning ROLLOUTS_LIMIT = "rollouts.limit",
-        "the limit on rollouts ended the fit, or the searches and checks after it",
+        "the limit on rollouts ended the fit, or the searches and checks after it; `diagnose` has no answer if it ends the first search",
         "allow more rollouts";
     note FIT_QUICK = "fit.quick",
-        "only the first fit was made, and intervals are those of the curvature",
-        "none needed; without it, intervals are checked";
+        "`tune`: only the first fit was made, and intervals are those of the curvature; `diagnose`: whole recordings were searched once",
+        "none needed; without `--quick`, intervals are checked and all searches are made";
     warning PARAMETER_NOT_IDENTIFIABLE = "parameter.not_identifiable",
         "the data do not determine a parameter",
         "use a recording that depends on it";
@@ -55,7 +55,7 @@ finding_kinds! {
         "the noise is autocorrelated; residuals were prewhitened. Above a correlation of 0.7 a model error looks the same: the search is then repeated with white noise, and its answer is taken if the effects found remove the correlation; without any effect the answer is `unknown`, never `none`",
         "none needed below 0.7; more recordings above";
     note ADEQUACY_PRACTICAL = "adequacy.practical",
-        "a small discrepancy remains; the effects remove most of it, and held-out recordings confirm them",
+        "the residual exceeds the noise; the effects remove most of the misfit, and held-out recordings confirm them where there are any",
         "none needed; the coefficients absorb a small part of what remains";
     warning CONTACT_UNEXPLAINED = "contact.unexplained",
         "the named effects explain the motion between contacts; contacts leave a discrepancy that no effect explains",

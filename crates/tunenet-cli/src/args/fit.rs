@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tunenet_core::diagnose::Settings;
 use tunenet_core::tune::Detail;
 use tunenet_core::{Error, Origin};
 
@@ -118,6 +119,9 @@ pub struct Tune {
     /// Write the simulation file with the tuned values
     #[arg(short, long, value_name = "TUNED.toml")]
     pub out: Option<PathBuf>,
+    /// Write the 95 % intervals as ranges for domain randomisation (JSON)
+    #[arg(long, value_name = "RANGES.json", conflicts_with = "each")]
+    pub out_ranges: Option<PathBuf>,
     /// Write an HTML report; its profile likelihoods take further rollouts
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
@@ -160,15 +164,24 @@ pub struct Diagnose {
     #[arg(long, value_name = "FILE.toml", conflicts_with = "observation")]
     pub manifest: Option<PathBuf>,
     /// Diagnose each recording separately
-    #[arg(long, conflicts_with_all = ["manifest", "held_out", "out", "out_urdf", "report"])]
+    #[arg(long, conflicts_with_all = ["manifest", "held_out", "out", "out_urdf", "out_ranges", "report"])]
     pub each: bool,
     #[command(flatten)]
     pub apart: Apart,
     #[command(flatten)]
     pub reading: Reading,
+    /// Most rollouts; a search that takes more ends without an answer
+    #[arg(long, value_name = "N", value_parser = rollouts)]
+    pub max_rollouts: Option<usize>,
+    /// Search whole recordings once; single recordings and the next experiment are left out
+    #[arg(long)]
+    pub quick: bool,
     /// Write the simulation file with the tuned values and the named effects; a folder for several objects
     #[arg(short, long, value_name = "IMPROVED.toml")]
     pub out: Option<PathBuf>,
+    /// Write the 95 % intervals as ranges for domain randomisation (JSON)
+    #[arg(long, value_name = "RANGES.json")]
+    pub out_ranges: Option<PathBuf>,
     /// Write an HTML report
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
@@ -179,6 +192,14 @@ pub struct Diagnose {
     pub writing: Writing,
     #[command(flatten)]
     pub common: Common,
+}
+
+impl Diagnose {
+    /// How the library is to diagnose.
+    pub fn settings(&self) -> Settings {
+        let Self { max_rollouts, quick, .. } = *self;
+        Settings { seed: self.common.seed, max_rollouts, quick, ..Settings::default() }
+    }
 }
 
 fn rollouts(text: &str) -> Result<usize, String> {

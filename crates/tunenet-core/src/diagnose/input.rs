@@ -39,13 +39,26 @@ pub struct Settings {
     pub most_effects: usize,
     /// Whether recordings may be set aside to judge by where none is given.
     pub set_aside: bool,
+    /// Most rollouts; a search that takes more has no answer.
+    pub max_rollouts: Option<usize>,
+    /// Whether whole recordings are searched once, without refinements, strategies and the next experiment.
+    pub quick: bool,
     /// What texts say of things whose motion may have segments between events.
     pub wording: &'static Wording,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 0, significance: 0.002, margin: 6.0, most_effects: 3, set_aside: true, wording: &GENERAL }
+        Self {
+            seed: 0,
+            significance: 0.002,
+            margin: 6.0,
+            most_effects: 3,
+            set_aside: true,
+            max_rollouts: None,
+            quick: false,
+            wording: &GENERAL,
+        }
     }
 }
 

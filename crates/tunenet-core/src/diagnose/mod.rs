@@ -42,13 +42,12 @@ pub use judge::Test;
 pub use judge::validation_doubt::Doubt;
 pub use pipeline::{Explanation, Problem, Strategy};
 
-use std::sync::Arc;
-use std::sync::atomic::Ordering;
-
+use crate::estimate::RolloutLog;
 use crate::findings;
 use crate::observation::Note;
 use crate::simulator::Preparation;
 use crate::{Error, Origin, Result};
+use answer::insufficient::too_few_rollouts;
 use evidence::copies;
 use evidence::recording::Set;
 use evidence::validation_split::{hold_end_out, set_aside};
@@ -108,7 +107,7 @@ pub fn diagnose_with(
     }
     copies::label(&mut sets);
     let mut notes = Vec::new();
-    if settings.set_aside && !sets.iter().any(|s| s.held_out) && sets.iter().all(Set::driven) {
+    if settings.set_aside && !sets.is_empty() && !sets.iter().any(|s| s.held_out) && sets.iter().all(Set::driven) {
         let ends = sets.iter_mut().map(hold_end_out).collect::<Result<Vec<_>>>()?;
         sets.extend(ends.into_iter().flatten());
         let text = "the last third of each recording is held out for validation";
@@ -129,15 +128,31 @@ pub fn diagnose_with(
         }
     }
     let preparations = Preparations { uses, notes };
-    let rollouts = Arc::default();
+    let rollouts = RolloutLog::new(settings.max_rollouts, None, None);
     let problem = Problem::new((subjects, recordings), (settings, progress), (&sets, &preparations), &rollouts);
-    let mut best = problem.as_recorded()?;
-    for strategy in strategies {
-        if strategy.applies(&problem, &best)
-            && let Some(better) = strategy.attempt(&problem, &best)?
-        {
-            best = better;
-        }
+    let first = problem.as_recorded();
+    // What the limit ended is not used, not even in part: what it had reached depends on the number of threads.
+    if let Some(most) = settings.max_rollouts.filter(|_| rollouts.was_short()) {
+        let Preparations { uses, notes } = &preparations;
+        return Ok(Diagnosis { rollouts: most, ..too_few_rollouts(settings, most, uses, notes) });
     }
-    Ok(Diagnosis { rollouts: rollouts.load(Ordering::Relaxed), ..best.diagnosis })
+    let mut best = first?;
+    for strategy in strategies.iter().filter(|_| !settings.quick) {
+        if !strategy.applies(&problem, &best) {
+            continue;
+        }
+        let found = strategy.attempt(&problem, &best);
+        if let Some(most) = settings.max_rollouts.filter(|_| rollouts.was_short()) {
+            let text = format!("the limit of {most} rollouts ended the search for a better explanation");
+            best.diagnosis.notes.push(Note::new(findings::ROLLOUTS_LIMIT, text, "allow more rollouts"));
+            break;
+        }
+        best = found?.unwrap_or(best);
+    }
+    if settings.quick {
+        let text =
+            "whole recordings were searched once; segments, single recordings and the next experiment were left out";
+        best.diagnosis.notes.push(Note::new(findings::FIT_QUICK, text, "leave out the option for the full search"));
+    }
+    Ok(Diagnosis { rollouts: rollouts.count(), ..best.diagnosis })
 }

@@ -1,8 +1,5 @@
 //! The pipeline: evidence → attempt by refinements → judgement → diagnosis, and strategies for what that leaves in doubt.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicUsize;
-
 use super::answer::assemble::assemble;
 use super::answer::insufficient::too_little;
 use super::answer::judgement::Judgement;
@@ -15,6 +12,7 @@ use super::hypothesis::context::Context;
 use super::input::{Progress, Recording, Settings, Subject};
 use super::strategy::explain;
 use crate::Result;
+use crate::estimate::RolloutLog;
 use crate::observation::Note;
 use crate::simulator::{Effect, Simulator};
 
@@ -43,7 +41,7 @@ pub struct Problem<'a> {
     recordings: &'a [PreparedRecording],
     preparations: &'a Preparations,
     /// Counts the rollouts of all explanations, also of those that lead to nothing.
-    rollouts: &'a Arc<AtomicUsize>,
+    rollouts: &'a RolloutLog,
 }
 
 /// What became of the recordings before anything was fitted.
@@ -68,7 +66,7 @@ impl<'a> Problem<'a> {
         (subjects, given): (&'a [Subject<'a>], &'a [Recording<'a>]),
         (settings, progress): (&'a Settings, &'a dyn Fn(Progress)),
         (recordings, preparations): (&'a [PreparedRecording], &'a Preparations),
-        rollouts: &'a Arc<AtomicUsize>,
+        rollouts: &'a RolloutLog,
     ) -> Self {
         Self { subjects, given, settings, progress, recordings, preparations, rollouts }
     }
@@ -126,7 +124,7 @@ impl<'a> Problem<'a> {
         let mut catalogue = catalogue(self.subjects);
         catalogue.retain(|entry| may(&entry.of[0]));
         let new = Context::new(self.subjects, Evidence::new(recordings), catalogue, self.settings);
-        let context = Context { rollouts: Arc::clone(self.rollouts), ..new };
+        let context = Context { rollouts: self.rollouts.clone(), ..new };
         let Preparations { uses, mut notes } = self.preparations.clone();
         if let Some(diagnosis) = too_little(&context, &uses, &notes) {
             return Ok(Explanation { diagnosis, events_open: false, odd: None });

@@ -10,6 +10,9 @@ use crate::statistics::{UPPER_95, fisher_quantile, student_quantile};
 
 /// The level of every interval that is stated.
 pub const LEVEL: f64 = 0.95;
+/// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
+/// 95 % interval of 0.95.
+pub(crate) const UNINFORMATIVE_SHARE: f64 = 0.9;
 /// Residuals that follow each other (ρ above 2/√n, where white noise stays below) carry less than they count.
 const WORST_CORRELATION: f64 = 0.95;
 /// A channel whose squared residuals are below this share of the largest channel's is exact.

@@ -49,7 +49,7 @@ pub use adequacy::Adequacy;
 pub use contour::{Contour, contour};
 pub use information::{Direction, Information};
 pub use interval::{End, Interval, LEVEL, ScaleEstimate, ends};
-pub(crate) use interval::{curved, ends_with};
+pub(crate) use interval::{UNINFORMATIVE_SHARE, curved, ends_with};
 pub(crate) use misfit_grid::{GridPoint, MisfitGrid};
 pub use noise_model::channel_noise;
 pub(crate) use noise_model::{floor, weights};

@@ -9,8 +9,8 @@ use super::levenberg_marquardt::{Settings, full_step, minimise};
 use super::normal_equations::normal_equations;
 use super::problem::{LeastSquares, Point, leading_samples, prior_cost, residuals, robust_scale};
 use super::rollout_log::RolloutLog;
-use crate::Result;
 use crate::simulator::{Parameter, Prepared, Simulator, predict};
+use crate::{Error, Result};
 
 /// What a fit ended with.
 #[derive(Debug, Clone)]
@@ -123,6 +123,11 @@ impl Linearisation {
 impl Problem<'_> {
     fn window(&self, horizon: f64) -> Window<'_> {
         Window { problem: self, recordings: (0..self.recordings.len()).collect(), horizon }
+    }
+
+    /// What is wrong where a first step takes more rollouts than are allowed.
+    pub(crate) fn unaffordable(&self) -> Error {
+        self.window(1.0).unaffordable()
     }
 
     /// Weighted residuals of every recording, over the first share `horizon` of each.

@@ -9,8 +9,8 @@ use std::fmt::Debug;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::Result;
 use crate::simulator::{Prepared, Simulator, predict};
+use crate::{Error, Origin, Result};
 
 /// Numbers kept in memory at most, 64 MB; beyond, the log begins anew at the next fit.
 const MOST_NUMBERS: usize = 8_000_000;
@@ -99,6 +99,24 @@ impl RolloutLog {
     /// Counts rollouts that were made without this log.
     pub(crate) fn add(&self, rollouts: usize) {
         self.shared.count.fetch_add(rollouts, Ordering::Relaxed);
+    }
+
+    /// Counts a rollout that is made without this log.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] where the allowance is spent: that rollout must not be made.
+    pub(crate) fn spend(&self) -> Result<()> {
+        let before = self.shared.count.fetch_add(1, Ordering::Relaxed);
+        let Some(allowance) = self.shared.allowance.filter(|allowance| before >= *allowance) else { return Ok(()) };
+        self.shared.count.fetch_sub(1, Ordering::Relaxed);
+        self.shared.short.store(true, Ordering::Relaxed);
+        let expected = "more rollouts than that".into();
+        Err(Error::Setting { origin: Origin::Flag, name: "max_rollouts", expected, found: allowance.to_string() })
+    }
+
+    /// An empty log with what is left of the allowance, for work whose end does not concern this log's.
+    pub(crate) fn remainder(&self) -> Self {
+        Self::new(self.shared.allowance.map(|allowance| allowance.saturating_sub(self.count())), None, None)
     }
 
     /// Whether the allowance still holds so many rollouts; what does not fit is remembered, see [`was_short`](Self::was_short).
@@ -214,6 +232,7 @@ mod tests {
         ask(&log, 1, &values);
         ask(&log.variant(1), 1, &values);
         assert!(log.count() == 3 && !log.was_short() && log.affords(0) && !log.affords(1) && log.was_short());
+        assert_eq!((log.remainder().spend().is_err(), log.spend().is_err(), log.count()), (true, true, 3));
         values[0] += 1.0;
         assert_ne!(ask(&log, 0, &values), first);
         // A new log with the same store is answered from there, and counts as if it had simulated.

@@ -6,14 +6,11 @@ use nalgebra::DMatrix;
 use super::Tuning;
 use super::outcome::{Estimate, Status, Verdict};
 use super::starts::local_estimate;
-use crate::estimate::{Adequacy, Fit, Information, Interval, Point, ScaleEstimate, floor};
+use crate::estimate::{Adequacy, Fit, Information, Interval, Point, ScaleEstimate, UNINFORMATIVE_SHARE, floor};
 use crate::observation::{Kind, Note, three_digits, with_decimals};
 use crate::simulator::Parameter;
 use crate::statistics::NORMAL_95;
 
-/// An interval as wide as this share of the bounds says no more than the bounds do: a value drawn evenly from them has a
-/// 95 % interval of 0.95.
-const UNINFORMATIVE_SHARE: f64 = 0.9;
 /// One-sided level of the score test at a bound: a truth exactly on its bound is called wrong once in a thousand
 /// recordings.
 const BOUND_LEVEL: f64 = 0.999;

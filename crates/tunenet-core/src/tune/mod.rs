@@ -41,6 +41,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use crate::estimate::{GridPoint, curved, ends_with, weights};
+use crate::findings;
 use crate::network::Model;
 use crate::observation::{Note, Observation};
 use crate::simulator::{Preparation, Prepared, Simulator};
@@ -176,6 +177,7 @@ pub fn tune(
     outcome.notes.splice(0..0, notes);
     (outcome.used, outcome.preflight) = (used, preflight);
     if let Some(point) = &outcome.point {
+        let noted = log.was_short();
         let mut all = Vec::new();
         for (d, (recording, nuisances)) in recordings.iter().zip(&point.nuisances).enumerate() {
             let at = (point.parameters.as_slice(), nuisances.as_slice());
@@ -183,6 +185,10 @@ pub fn tune(
         }
         outcome.notes.extend(observable_nuisances::silent_states(&recordings, &all));
         outcome.nuisances = all;
+        if let Some(most) = settings.max_rollouts.filter(|_| log.was_short() && !noted) {
+            let text = format!("the limit of {most} rollouts left none to see which start states the recordings show");
+            outcome.notes.push(Note::new(findings::ROLLOUTS_LIMIT, text, "allow more rollouts"));
+        }
     }
     outcome.rollouts = log.count();
     outcome.recordings = recordings;
@@ -221,8 +227,8 @@ fn agrees(model: &Model, simulator: &dyn Simulator) -> Result<()> {
     Err(Error::Model { what: "tunes other parameters".into(), expected: asked.join(", "), found: learned.join(", ") })
 }
 
-/// The estimates of [`tune`] from where another fit of the same recordings ended, without a search for starts, and the rollouts that they
-/// took; `None` where the recordings leave more than their noise explains.
+/// The estimates of [`tune`] from where another fit of the same recordings ended, without a search for starts, with rollouts counted in
+/// `log`; `None` where the recordings leave more than their noise explains.
 ///
 /// # Errors
 /// Where the simulator refuses.
@@ -230,21 +236,20 @@ pub(crate) fn estimates_near(
     simulator: &dyn Simulator,
     mut recordings: Vec<Prepared>,
     near: &Point,
-) -> Result<(Option<Vec<Estimate>>, usize)> {
+    log: &RolloutLog,
+) -> Result<Option<Vec<Estimate>>> {
     let free = free(simulator.parameters(), &recordings);
-    let log = RolloutLog::default();
-    channel_weights::weigh(simulator, &mut recordings, &free, &log)?;
+    channel_weights::weigh(simulator, &mut recordings, &free, log)?;
     let noise: Vec<Vec<f64>> = recordings.iter().map(weights).collect();
     let settings = &Settings::default();
-    let tuning =
-        Tuning { simulator, recordings: &recordings, numbers: &[], noise: &noise, free: &free, settings, log: &log };
+    let tuning = Tuning { simulator, recordings: &recordings, numbers: &[], noise: &noise, free: &free, settings, log };
     let mut fit = tuning.problem().fit(near.clone(), 1.0)?;
     let Uncertainty { scale, known, interval95, .. } = tuning.uncertainty(&mut fit, &[])?;
     if tuning.poor(&fit) {
-        return Ok((None, log.count()));
+        return Ok(None);
     }
     let found = tuning.standings(&fit, &known, &scale, &interval95);
-    Ok((Some(tuning.estimates(near, &mut fit, &found, &mut Vec::new())), log.count()))
+    Ok(Some(tuning.estimates(near, &mut fit, &found, &mut Vec::new())))
 }
 
 /// How well the free parameters of a fit are known.
@@ -426,7 +431,10 @@ impl Tuning<'_> {
         if poor && self.settings.finish {
             self.settle_on_local(&mut fit, &mut found, &mut notes)?;
         }
-        self.report_misfit(&fit, poor, &mut notes);
+        if !cut_short {
+            // What an unfinished fit leaves says nothing of the model.
+            self.report_misfit(&fit, poor, &mut notes);
+        }
         let gap = Gap {
             unit: self.simulator.channels()[0].unit.clone(),
             before: gap_before,

@@ -12,7 +12,8 @@ const NUDGE: f64 = 1e-6;
 /// A change counts from this share of the noise on: rounding stays below.
 const LEAST: f64 = 1e-5;
 
-/// The nuisance parameters of a recording, with their values `nuisances`, on which a measured channel depends.
+/// The nuisance parameters of a recording, with their values `nuisances`, on which a measured channel depends; all of them where
+/// fewer rollouts are allowed than it takes to find out.
 ///
 /// # Errors
 /// Where the simulator refuses the values themselves.
@@ -25,6 +26,10 @@ pub(super) fn observable_nuisances(
 ) -> Result<Vec<Parameter>> {
     if nuisances.is_empty() {
         return Ok(Vec::new());
+    }
+    let valued = |(i, p): (usize, &Parameter)| Parameter { value: nuisances[i], ..p.clone() };
+    if !log.affords(2 * nuisances.len() + 1) {
+        return Ok(recording.nuisances.iter().enumerate().map(valued).collect());
     }
     let predict =
         |nuisances: &[f64]| log.predict(simulator, (d, recording), parameters, nuisances, recording.seen.len());
@@ -49,7 +54,7 @@ pub(super) fn observable_nuisances(
         moves(*i, step) && moves(*i, -step)
     };
     let kept = recording.nuisances.iter().enumerate().filter(seen);
-    Ok(kept.map(|(i, p)| Parameter { value: nuisances[i], ..p.clone() }).collect())
+    Ok(kept.map(valued).collect())
 }
 
 /// What is said of initial states that no recording shows, where `observable` are the nuisance parameters that each shows.

@@ -114,7 +114,7 @@ impl Tuning<'_> {
                 break;
             }
         }
-        best.ok_or_else(nowhere)
+        best.ok_or_else(|| if self.log.was_short() { problem.unaffordable() } else { nowhere() })
     }
 
     /// Fits from `start` over growing shares of the record, and keeps the result where it is better.
@@ -154,9 +154,13 @@ impl Tuning<'_> {
         starts
     }
 
-    /// The starts that can be simulated, each with its distance from the data, the nearest first.
-    fn ranked(&self, starts: Vec<Point>) -> Vec<(f64, Point)> {
+    /// The starts that can be simulated, each with its distance from the data, the nearest first; where so many rollouts are not
+    /// allowed, the first of them.
+    fn ranked(&self, mut starts: Vec<Point>) -> Vec<(f64, Point)> {
         let problem = self.problem();
+        if !self.log.affords(starts.len() * self.recordings.len()) {
+            starts.truncate(1);
+        }
         let distance = |start: Point| Some((problem.rmse(&problem.residuals(&start, 1.0).ok()?), start));
         let mut ranked: Vec<_> = starts.into_iter().filter_map(distance).collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -43,12 +43,15 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     let loaded = load::load(options, &sources)?;
     text::read(&loaded);
     let began = Instant::now();
-    let diagnosis = pool(options.jobs)?.install(|| ask(&loaded, options.common.seed))?;
+    let diagnosis = pool(options.jobs)?.install(|| ask(&loaded, &options.settings()))?;
     let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
     let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks };
     let wrote = improve::write(options, &answer)?;
     if let Some(path) = improve::write_urdf(options, &answer)? {
         stage("urdf", &path.display().to_string());
+    }
+    if let Some(path) = improve::write_ranges(options, &answer)? {
+        stage("ranges", &path.display().to_string());
     }
     text::answer(&answer).show(options.common.json, || json::object(&answer))?;
     text::end(options.out.as_deref(), options.common.seed, &answer, &wrote);
@@ -68,6 +71,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
     let run = json!({
         "simulation": file.text(), "urdf": super::load::urdf_hash(&options.simulation)?,
         "reading": format!("{:?}", options.reading), "reference": reference, "seed": options.common.seed,
+        "quick": options.quick, "max_rollouts": options.max_rollouts,
     });
     let (observation, jobs, json) = (&options.observation, options.jobs, options.common.json);
     let (apart, overwrite) = (&options.apart, options.writing.overwrite);
@@ -78,7 +82,7 @@ fn each(options: &Diagnose) -> Result<Exit> {
         let sources = alone(path);
         let loaded = load::load(options, &sources)?;
         let began = Instant::now();
-        let diagnosis = ask(&loaded, options.common.seed)?;
+        let diagnosis = ask(&loaded, &options.settings())?;
         let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
         let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks };
         Ok(Answered { object: json::object(&answer), line: text::sentence(&answer), case: None })
@@ -87,12 +91,11 @@ fn each(options: &Diagnose) -> Result<Exit> {
 }
 
 /// Asks the library, showing what it does.
-fn ask(loaded: &Loaded, seed: u64) -> Result<Diagnosis> {
+fn ask(loaded: &Loaded, settings: &Settings) -> Result<Diagnosis> {
     let subjects: Vec<Subject> =
         loaded.objects.iter().map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() }).collect();
     let working = crate::view::text::working("diagnosing");
-    let settings = Settings { seed, ..Settings::default() };
-    let diagnosis = diagnose(&subjects, &loaded.recordings(), &settings, &|at| text::progress(&working, at));
+    let diagnosis = diagnose(&subjects, &loaded.recordings(), settings, &|at| text::progress(&working, at));
     working.finish_and_clear();
     // A program that is gone says more than that the fit failed.
     loaded.objects.iter().try_for_each(|object| object.session.settle())?;

@@ -1,13 +1,11 @@
 //! The diagnosis put together from a judgement.
 
-use std::sync::atomic::Ordering;
-
 use crate::Result;
 use crate::diagnose::answer::driven_experiment;
 use crate::diagnose::answer::intervals::Intervals;
 use crate::diagnose::answer::judgement::{Judgement, root_mean_square};
 use crate::diagnose::answer::next_experiment;
-use crate::diagnose::answer::notes::note_excluded;
+use crate::diagnose::answer::notes::{note_excluded, note_undetermined};
 use crate::diagnose::answer::per_object::{Spared, by_object, gaps, without_unneeded};
 use crate::diagnose::answer::residual_description::describe;
 use crate::diagnose::answer::{
@@ -21,7 +19,7 @@ use crate::diagnose::hypothesis::wording::words;
 use crate::diagnose::judge::held_out_proof::HeldOut;
 use crate::diagnose::judge::validation_doubt::Doubt;
 use crate::diagnose::{Recording, Subject};
-use crate::estimate::Point;
+use crate::estimate::{Point, RolloutLog};
 use crate::findings;
 use crate::observation::Note;
 use crate::simulator::{Parameter, Phase, Preparation, Prepared};
@@ -52,21 +50,23 @@ pub(in crate::diagnose) fn assemble(
     let narrower = narrower.transpose()?;
     let numbers = Numbers { model: last, intervals: &intervals, spared: narrower.as_ref() };
     let explained = explained(judged, spared.as_ref(), recordings)?;
+    let parameters = as_tuned(judged, recordings, parameters(context, found, &numbers))?;
+    note_undetermined(context, judged.best(), &parameters, &mut notes);
     Ok(Diagnosis {
         conclusion: conclusion(judged, &numbers)?,
         objects,
         candidates: candidates(context, found, &judged.control.ratios),
         gap: Some(gap(judged, spared.as_ref())?),
         gaps: gaps(&explained),
-        next_experiment: next(judged)?,
+        next_experiment: next(judged, &mut notes)?,
         margin: decision.margin,
         least_gain: context.settings.margin,
-        parameters: as_tuned(judged, recordings, parameters(context, found, &numbers))?,
+        parameters,
         explained,
         adequacy: judged.tests.clone(),
         uses,
         notes,
-        rollouts: context.rollouts.load(Ordering::Relaxed),
+        rollouts: context.rollouts.count(),
     })
 }
 
@@ -109,9 +109,23 @@ fn conclusion(judged: &Judgement, numbers: &Numbers) -> Result<Conclusion> {
     })
 }
 
-/// What to measure next.
-fn next(judged: &Judgement) -> Result<Option<NextExperiment>> {
-    let context = &judged.context;
+/// What to measure next, as far as the rollouts that are left allow; a quick diagnosis spends none on it.
+fn next(judged: &Judgement, notes: &mut Vec<Note>) -> Result<Option<NextExperiment>> {
+    let Context { settings, rollouts, .. } = &judged.context;
+    let rest = if settings.quick { RolloutLog::new(Some(0), None, None) } else { rollouts.remainder() };
+    let found = next_within(judged, &Context { rollouts: rest.clone(), ..judged.context.clone() });
+    rollouts.add(rest.count());
+    if !rest.was_short() {
+        return found;
+    }
+    if let Some(most) = settings.max_rollouts.filter(|_| !settings.quick) {
+        let text = format!("the limit of {most} rollouts was reached before a next experiment was found");
+        notes.push(Note::new(findings::ROLLOUTS_LIMIT, text, "allow more rollouts"));
+    }
+    Ok(None)
+}
+
+fn next_within(judged: &Judgement, context: &Context) -> Result<Option<NextExperiment>> {
     let plain = |text: &str| Some(NextExperiment { text: text.into(), settings: Vec::new() });
     Ok(match judged.decision.verdict {
         Verdict::OneOf => match check_settings(judged) {
@@ -260,9 +274,14 @@ fn as_tuned(judged: &Judgement, recordings: &[Recording], mut parameters: Vec<Tu
         if prepared.is_empty() {
             continue;
         }
-        let (estimates, rollouts) = estimates_near(subject.simulator, prepared, &point)?;
-        context.rollouts.fetch_add(rollouts, Ordering::Relaxed);
-        for estimate in estimates.into_iter().flatten().filter(|estimate| estimate.identified) {
+        let rest = context.rollouts.remainder();
+        let estimates = estimates_near(subject.simulator, prepared, &point, &rest);
+        context.rollouts.add(rest.count());
+        if rest.was_short() {
+            // The curvature of the diagnosis's own fit does.
+            continue;
+        }
+        for estimate in estimates?.into_iter().flatten().filter(|estimate| estimate.identified) {
             for tuned in parameters.iter_mut().filter(|t| t.object == object && t.name == estimate.name) {
                 (tuned.before, tuned.value, tuned.interval95) = (estimate.value, estimate.value, estimate.interval95);
             }

@@ -1,16 +1,18 @@
 //! What a person should know of a diagnosis besides its answer.
 
 use crate::diagnose::Recording;
-use crate::diagnose::answer::Use;
 use crate::diagnose::answer::judgement::Judgement;
 use crate::diagnose::answer::verdict::in_place_of;
+use crate::diagnose::answer::{Tuned, Use};
 use crate::diagnose::evidence::unmeasured::SILENT;
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::plausibility::{Exclusion, OutOfRange, implausible_reason, out_of_range};
 use crate::diagnose::hypothesis::wording::words;
+use crate::estimate::UNINFORMATIVE_SHARE;
 use crate::findings;
 use crate::observation::{Note, three_digits, with_decimals};
+use crate::simulator::Parameter;
 
 /// Where across its bounds a parameter is tried.
 const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
@@ -18,11 +20,9 @@ const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
 /// What is to be noted of `judged`.
 pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) {
     if judged.practical {
-        notes.push(Note::new(
-            findings::ADEQUACY_PRACTICAL,
-            "a small discrepancy beyond noise remains; the effects remove most of the misfit",
-            "",
-        ));
+        let ratio = with_decimals(judged.left / judged.floor.sqrt(), 1);
+        let text = format!("the residual is {ratio} times the noise (RMS); the effects remove most of the misfit");
+        notes.push(Note::new(findings::ADEQUACY_PRACTICAL, text, ""));
     }
     if judged.events_open() {
         let words = words(&judged.context);
@@ -115,6 +115,35 @@ fn note_unidentifiable(context: &Context<'_>, model: &Hypothesis, notes: &mut Ve
                 remedy,
             )
         });
+    }
+}
+
+/// Says which parameters have an interval as wide as their bounds, less those of `model` on which the recordings do not depend at
+/// all: these are noted [already](note_unidentifiable).
+pub(in crate::diagnose) fn note_undetermined(
+    context: &Context<'_>,
+    model: &Hypothesis,
+    tuned: &[Tuned],
+    notes: &mut Vec<Note>,
+) {
+    let silent = |one: &Tuned| {
+        let mut globals = model.structure.globals.iter().enumerate();
+        let same = globals.find(|(_, g)| g.object.unwrap_or(0) == one.object && g.parameter.name == one.name);
+        same.is_some_and(|(g, _)| !model.fit.covariance[(g, g)].is_finite())
+    };
+    for one in tuned.iter().filter(|one| !silent(one)) {
+        let parameters = context.subjects[one.object].simulator.parameters();
+        let (low, high) = one.interval95;
+        let wide = |p: &Parameter| p.name == one.name && high - low >= UNINFORMATIVE_SHARE * p.span();
+        if parameters.iter().any(wide) {
+            let interval = format!("{} to {}", three_digits(low), three_digits(high));
+            let text = format!(
+                "the recordings do not determine `{}`: its interval is {interval}, as wide as its bounds",
+                one.name
+            );
+            let remedy = "bring a recording in which it matters";
+            notes.push(Note::new(findings::PARAMETER_NOT_IDENTIFIABLE, text, remedy));
+        }
     }
 }
 

@@ -2,7 +2,6 @@
 //! it with a changed field.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicUsize;
 
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
@@ -13,6 +12,7 @@ use crate::diagnose::hypothesis::catalogue::Entry;
 use crate::diagnose::hypothesis::joint::{Effort, Joint, Outcome, Point, spread};
 use crate::diagnose::hypothesis::structure::{FixedEffect, Structure};
 use crate::diagnose::{Settings, Subject};
+use crate::estimate::RolloutLog;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::information_criterion::{bic_gain, likelihood_gain};
 
@@ -51,8 +51,8 @@ pub(in crate::diagnose) struct Context<'a> {
     pub spared: Arc<[(usize, usize)]>,
     /// Whether what is physically required is part of every hypothesis from the start.
     pub required_first: bool,
-    /// Counts rollouts.
-    pub rollouts: Arc<AtomicUsize>,
+    /// Counts rollouts against the allowance.
+    pub rollouts: RolloutLog,
 }
 
 /// A hypothesis: effects, parameters and nuisance parameters, with their fit.
@@ -94,7 +94,7 @@ impl<'a> Context<'a> {
             given: Arc::new([]),
             spared: Arc::new([]),
             required_first: false,
-            rollouts: Arc::default(),
+            rollouts: RolloutLog::default(),
         }
     }
 

@@ -3,11 +3,11 @@
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::structure::Structure;
 use crate::Result;
 use crate::diagnose::evidence::recording::Set;
+use crate::estimate::RolloutLog;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::jacobian::{Columns, jacobian};
 use crate::estimate::levenberg_marquardt::{Settings, minimise};
@@ -97,8 +97,8 @@ pub(in crate::diagnose) struct Part {
 pub(in crate::diagnose) struct Joint<'a> {
     pub structure: &'a Structure<'a>,
     pub sets: &'a [Set],
-    /// Counts rollouts.
-    pub rollouts: &'a AtomicUsize,
+    /// Counts rollouts against the allowance.
+    pub rollouts: &'a RolloutLog,
 }
 
 /// A part of a joint problem.
@@ -183,7 +183,7 @@ impl Joint<'_> {
     /// Measured − predicted of one recording in its own unit, over its first `samples`.
     pub fn plain(&self, d: usize, globals: &[f64], nuisances: &[f64], samples: usize) -> Result<Vec<f64>> {
         let set = &self.sets[d];
-        self.rollouts.fetch_add(1, Ordering::Relaxed);
+        self.rollouts.spend()?;
         let mut parameters = self.structure.parameters(set.object, globals);
         let simulator = self.structure.simulator(set.object);
         let nuisances = set.with_deviation(&mut parameters, simulator.parameters(), nuisances);

@@ -74,8 +74,8 @@ pub(in crate::diagnose) fn random_tilts(context: &Context<'_>, model: &Hypothesi
         };
         let straight = predict(simulator, &set.prepared, &parameters, &nuisances(None), set.clock())?;
         for k in 0..tilts.len() {
+            context.rollouts.spend()?;
             let tilted = predict(simulator, &set.prepared, &parameters, &nuisances(Some(k)), set.clock())?;
-            context.rollouts.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             let mut change: Vec<f64> = straight.iter().zip(&tilted).map(|(a, b)| (a - b) / STEP_RAD).collect();
             set.filter.apply(&mut change);
             let mut column = vec![0.0; total];

@@ -177,7 +177,8 @@ pub(super) fn explain<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
     progress(Progress::Tuning);
     let mut attempt = Attempt::tuned(context)?;
     for refinement in REFINEMENTS {
-        if refinement.applies(&attempt) {
+        let enough = context.settings.quick && attempt.scope != Scope::Tuned;
+        if !enough && refinement.applies(&attempt) {
             attempt = refinement.attempt(attempt, progress)?;
         }
     }

@@ -1,8 +1,6 @@
 //! Recordings apart: every recording as an object of its own, so that nothing has to be the same in two of them; what then differs is
 //! tested by Cochran's Q (Cochran 1954).
 
-use std::sync::Arc;
-
 use crate::Result;
 use crate::diagnose::evidence::Evidence;
 use crate::diagnose::evidence::recording::Set;
@@ -140,7 +138,7 @@ pub(in crate::diagnose) fn explain_apart(
     let training = sets.iter().enumerate().map(|(d, set)| Set { object: d, ..set.clone() }).collect();
     let evidence = Evidence { training, validation: Vec::new(), noise: context.evidence.noise };
     let catalogue = context.catalogue.iter().map(entry).collect();
-    let rollouts = Arc::clone(&context.rollouts);
+    let rollouts = context.rollouts.clone();
     let apart = Context { rollouts, ..Context::new(&subjects, evidence, catalogue, context.settings) };
     let effects = &model.structure.effects;
     let structure = apart.structure(effects)?;

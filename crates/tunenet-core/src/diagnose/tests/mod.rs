@@ -147,6 +147,34 @@ fn the_number_of_threads_changes_no_bit() {
     assert_eq!(with(1), with(4));
 }
 
+/// A limit holds whatever it ends, on any number of threads; what it ends is no answer, and one that suffices changes none.
+#[test]
+fn a_limit_on_rollouts_is_kept() {
+    let seen = glides(Truth { drag: 0.15, ..Truth::default() }, 3, 180, 9);
+    let limited = |most: Option<usize>, threads: usize| {
+        let settings = Settings { max_rollouts: most, ..Settings::default() };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| ask(&[&seen], &settings))
+    };
+    let whole = limited(None, 2);
+    for most in [1, 60, whole.rollouts / 2] {
+        let short = limited(Some(most), 1);
+        assert_eq!((short.verdict(), short.rollouts), (Verdict::Insufficient, most));
+        assert!(short.notes.iter().any(|note| note.kind == crate::findings::ROLLOUTS_LIMIT), "{:?}", short.notes);
+        assert_eq!(format!("{short:?}"), format!("{:?}", limited(Some(most), 4)));
+    }
+    assert_eq!(format!("{whole:?}"), format!("{:?}", limited(Some(whole.rollouts), 2)));
+}
+
+#[test]
+fn a_quick_diagnosis_takes_fewer_rollouts_and_names_the_same() {
+    let seen = glides(Truth { drag: 0.15, ..Truth::default() }, 1, 180, 9);
+    let [whole, quick] = [false, true].map(|quick| ask(&[&seen], &Settings { quick, ..Settings::default() }));
+    assert!(whole.next_experiment.is_some() && quick.next_experiment.is_none());
+    assert_eq!((whole.verdict(), whole.names()), (quick.verdict(), quick.names()));
+    assert!(quick.rollouts < whole.rollouts, "{} {}", quick.rollouts, whole.rollouts);
+}
+
 #[test]
 fn settings_out_of_range_are_refused() {
     let glider = Glider::new();
