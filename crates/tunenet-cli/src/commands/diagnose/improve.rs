@@ -15,6 +15,7 @@ use tunenet_sim::replayed_arm::{ReplayedArm, replays};
 use crate::answers::diagnose::Answer;
 use crate::answers::improved::{UNFITTED, Written, improved, why_not};
 use crate::args::Diagnose;
+use crate::view::json::ranges;
 use crate::view::toml::diagnose::provenance;
 
 /// Writes the files that were asked for, one for each object that has an answer.
@@ -42,6 +43,16 @@ pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
 
 fn put(path: &Path, file: &SimulationFile) -> Result<()> {
     Ok(write_atomically(path, |out| out.write_all(file.text().as_bytes()))?)
+}
+
+/// Writes the intervals of parameters and coefficients where the answer has any; the path, where it was written.
+pub fn write_ranges<'a>(options: &'a Diagnose, answer: &Answer) -> Result<Option<&'a Path>> {
+    let Some(out) = options.out_ranges.as_deref().filter(|_| why_not(answer.diagnosis).is_none()) else {
+        return Ok(None);
+    };
+    let text = format!("{:#}\n", ranges::of_diagnosis(answer));
+    write_atomically(out, |file| file.write_all(text.as_bytes()))?;
+    Ok(Some(out))
 }
 
 /// Writes the URDF of the first object with the friction that was found in it; the path, where there was some.

@@ -26,6 +26,7 @@ pub fn writable(options: &Diagnose, sources: &[Source]) -> Result<()> {
     }
     options.out_urdf.iter().try_for_each(|out| names::require_ending(out, "--out-urdf", &["urdf", "xml", "xacro"]))?;
     outputs.extend(options.out_urdf.iter().map(|out| Output::new(out, "--out-urdf", Product::Unmarked)));
+    outputs.extend(options.out_ranges.iter().map(|out| Output::new(out, "--out-ranges", Product::Answer)));
     outputs.extend(options.report.iter().map(|report| Output::new(report, "--report", Product::Page)));
     let inputs = sources.iter().map(|s| s.path.as_path()).chain([options.simulation.sim.as_path()]);
     let references = sources.iter().filter_map(|s| s.reference.as_deref());

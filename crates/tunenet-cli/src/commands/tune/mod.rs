@@ -36,10 +36,9 @@ use tunenet_sim::Session;
 pub use self::manifest::entries;
 use self::paths::{inputs, outputs, provenance};
 use self::read::read;
-use self::written::write_tuned;
+use self::written::{write_ranges, write_tuned};
 use super::load::{self, Setups};
-use super::start;
-use super::video::TrackFailure;
+use super::{start, video::TrackFailure};
 use crate::answers::tune::{Fitted, Spent};
 use crate::args::{Tune, pool};
 use crate::failure::Exit;
@@ -83,6 +82,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     render_start(&options.observation, &outcome, &chosen);
     let names: Vec<String> = options.observation.iter().map(|path| names::file_name(path)).collect();
     printout(&outcome, &names).show(options.common.json, || json::object(&outcome, &names, &chosen, spent))?;
+    write_ranges(options, &outcome)?;
     render_end(options.out.as_deref(), options.common.seed, &outcome, spent);
     let exit = Exit::from(outcome.verdict);
     if let Some(report) = &options.report {

@@ -38,7 +38,8 @@ pub fn outputs(options: &Tune) -> Vec<Output> {
     let out = options.out.iter().map(|out| Output::new(out, "--out", Product::Simulation));
     let report = options.report.iter().map(|report| Output::new(report, "--report", Product::Page));
     let kept = options.checkpoint.iter().map(|kept| Output::new(kept, "--checkpoint", Product::Rollouts));
-    out.chain(report).chain(kept).collect()
+    let ranges = options.out_ranges.iter().map(|ranges| Output::new(ranges, "--out-ranges", Product::Answer));
+    out.chain(report).chain(kept).chain(ranges).collect()
 }
 
 /// What a report says of its origin.

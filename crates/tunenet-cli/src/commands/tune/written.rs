@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use toml_edit::{Array, InlineTable};
-use tunenet_core::tune::Outcome;
+use tunenet_core::tune::{Outcome, Verdict};
 use tunenet_formats::{Recording, write_atomically};
 use tunenet_sim::simulation_file::Domain;
 
@@ -12,6 +12,8 @@ use crate::answers::tune::is_written;
 use crate::args::Tune;
 use crate::commands::load::{self, Setups};
 use crate::files::hash;
+use crate::view::json::ranges;
+use crate::view::text::stage;
 use crate::view::toml::tune::{Inputs, provenance};
 
 /// Writes the tuned file; `out` never holds half of one.
@@ -43,6 +45,17 @@ pub fn write_tuned(
     tuned.set_provenance(made.entries());
     tuned.move_program(out);
     write_atomically(out, |file| file.write_all(tuned.text().as_bytes()))?;
+    Ok(())
+}
+
+/// Writes the intervals of the tuned parameters, where they were asked for; those of a poor fit are none to draw from.
+pub fn write_ranges(options: &Tune, outcome: &Outcome) -> Result<()> {
+    let Some(out) = options.out_ranges.as_deref().filter(|_| outcome.verdict == Verdict::Tuned) else {
+        return Ok(());
+    };
+    let text = format!("{:#}\n", ranges::of_tuning(outcome));
+    write_atomically(out, |file| file.write_all(text.as_bytes()))?;
+    stage("ranges", &out.display().to_string());
     Ok(())
 }
 

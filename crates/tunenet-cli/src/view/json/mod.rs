@@ -2,6 +2,7 @@
 
 pub(crate) mod diagnose;
 pub(crate) mod plan;
+pub(crate) mod ranges;
 pub(crate) mod track;
 pub(crate) mod tune;
 
