@@ -1,5 +1,5 @@
-//! Flights only: where recordings differ by what no effect explains (the ball spins, a racket hits it), each flight between
-//! contacts still says what acts in flight, from a start and with a spin of its own.
+//! Segment-wise fit of free flights: each flight has its own initial state and spin, so that what happens at contacts (an unknown
+//! spin, a racket) does not matter. Strategy for recordings whose contacts no effect explains.
 
 use crate::findings;
 use tunenet_core::Result;
@@ -7,7 +7,7 @@ use tunenet_core::diagnose::{
     Conclusion, Diagnosis, Explanation, GapOf, NextExperiment, PreparedRecording, Problem, Settings, Strategy, Tuned,
     Verdict,
 };
-use tunenet_core::observation::{Note, Observation};
+use tunenet_core::observation::{LocalEstimate, Note, Observation};
 use tunenet_core::simulator::{Effect, Preparation, Simulator, Text};
 use tunenet_core::statistics::NORMAL_95;
 
@@ -132,15 +132,8 @@ fn next_to_contacts(tuned: &Tuned, problem: &Problem) -> Tuned {
     let Some(i) = parameters.iter().position(|p| p.name == tuned.name) else { return tuned.clone() };
     let mine = problem.recordings().iter().filter(|r| r.object() == tuned.object && !r.held_out());
     let each: Vec<_> = mine.filter_map(|r| r.prepared().local[i]).collect();
-    let weight: f64 = each.iter().map(|l| l.sd.powi(-2)).sum();
-    let value = each.iter().map(|l| l.value * l.sd.powi(-2)).sum::<f64>() / weight;
-    if !value.is_finite() {
-        return tuned.clone();
-    }
-    let squares: f64 = each.iter().map(|l| ((l.value - value) / l.sd).powi(2)).sum();
-    // Where recordings differ by more than they should, the mean is known less well.
-    let variance = (squares / (each.len() as f64 - 1.0).max(1.0)).max(1.0);
-    let half_width = NORMAL_95 * (variance / weight).sqrt();
+    let Some(LocalEstimate { value, sd }) = LocalEstimate::mean(&each) else { return tuned.clone() };
+    let half_width = NORMAL_95 * sd;
     let p = &parameters[i];
     let interval95 = ((value - half_width).max(p.min), (value + half_width).min(p.max));
     Tuned { value: value.clamp(p.min, p.max), interval95, ..tuned.clone() }
