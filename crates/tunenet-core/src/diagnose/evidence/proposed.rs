@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::Result;
 use crate::diagnose::evidence::ar1_prewhitening::Filter;
 use crate::diagnose::evidence::recording::Set;
-use crate::observation::{Channel, Circumstances, Input, Observation};
+use crate::observation::{Circumstances, Input, Observation};
 use crate::simulator::{Parameter, Prepared, STATE, Simulator, predict};
 
 /// Heights of release (m) and speeds (m/s), along x, along y, between them, and upwards, that are compared.
@@ -192,8 +192,7 @@ fn circumstances(set: &Set, nuisances: &[f64]) -> Result<Vec<Start>> {
         for shift in SHIFTS {
             let mut start = same();
             start[i] = state.value + shift * reach(set, name, state);
-            let state = Channel::new(name, state.unit.clone());
-            let change = Change::Start { state: state.header(), value: start[i], unit: state.unit };
+            let change = Change::Start { state: name.to_owned(), value: start[i], unit: state.unit.clone() };
             all.push((change, Some(Arc::clone(known)), start));
         }
     }
@@ -214,7 +213,7 @@ fn reach(set: &Set, name: &str, state: &Parameter) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::observation::{Hold, Kind};
+    use crate::observation::{Channel, Hold, Kind};
     use crate::simulator::{FnSimulator, Preparation, StartState, StartValue};
 
     /// x(t) = start + u(t): what is proposed shows the changed input or the changed start.
@@ -241,7 +240,7 @@ mod tests {
         assert_eq!(of("u_v constant at -2.000 V"), [-1.0; 4]);
         assert_eq!(of("played at 2 times the speed"), [1.0, -3.0, 2.0, 2.0]);
         // Half the range of x is 3 m.
-        let moved = of("from x_m = 3.400 m");
+        let moved = of("from x = 3.400 m");
         assert!(moved.iter().zip([3.4, 5.4, -0.6, 4.4]).all(|(a, b)| (a - b).abs() < 1e-12), "{moved:?}");
         assert!(all.iter().any(|one| one.change.settings() == [("inputs.u_v.scale".to_owned(), 2.0)]));
     }
