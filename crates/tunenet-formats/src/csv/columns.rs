@@ -420,10 +420,14 @@ fn joints_agree(header: &Header<'_>, wanted: &[Quantity]) -> Result<()> {
 
 /// A column is missing; where one has its name with another unit, that is what is said.
 fn missing<T>(header: &Header<'_>, found: &Found, what: &str, quantity: Option<Quantity>) -> Result<T> {
+    const PIXELS: [Quantity; 2] = [Quantity::U, Quantity::V];
+    // A column `u_v` is a voltage unless the other columns are of a picture.
+    let picture = PIXELS.iter().any(|pixel| found.contains_key(pixel));
     for (index, cell) in header.cells().iter().enumerate() {
         if let Meaning::WrongUnit(wrong, unit) = meaning(cell.text)
             && header.named
             && !found.contains_key(&wrong)
+            && (picture || !PIXELS.contains(&wrong))
             && quantity.is_none_or(|quantity| quantity == wrong)
         {
             let units = list(wrong.units().iter().map(|(unit, _)| *unit), 6);
