@@ -83,6 +83,8 @@ fn ball(options: &Simulate, file: &mut SimulationFile) -> Result<Observation> {
             ball.impacts_within(&parameters, &nuisances, file.record().clock().last().copied().unwrap_or(0.0))?;
         let index: Vec<f64> = (0..count).map(|i| i as f64).collect();
         let times = rollout(&seen, &parameters, &nuisances, &index)?;
+        // Where the ball was between its bounces is not in the list.
+        warn_all(&ball.formula_notes(&[], &[]));
         tunenet_ball::bounce_times(times)?
     } else {
         let clock = file.record().clock();
