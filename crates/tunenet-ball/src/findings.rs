@@ -55,7 +55,7 @@ finding_kinds! {
         "the ball leaves the view upwards and comes back",
         "move the camera back";
     note SURFACE_UNKNOWN = "surface.unknown",
-        "never; reports the estimated surface height",
+        "the height of the surface is not given; it was estimated",
         "none needed";
     warning SURFACE_DISAGREES = "surface.disagrees",
         "the contacts are not where `surface.height_m` and `ball.radius_m` put them",

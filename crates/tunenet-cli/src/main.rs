@@ -1,4 +1,4 @@
-//! `tunenet`: makes a simulator behave like a measured real thing.
+//! `tunenet`: system identification for simulators, from the command line.
 
 fn main() -> std::process::ExitCode {
     tunenet_cli::main()

@@ -1,13 +1,12 @@
-//! The mathematics and the data of tunenet: what was seen, what could be, what has been learned, what fits.
+//! Observations, simulators, networks, estimation and diagnosis: the part of tunenet that is the same for every simulator.
 //!
-//! The aim is a simulator that behaves like a measured real thing. This crate holds everything that is the same for every
-//! simulator; it knows no physics engine, no video and no terminal. Six wings, each standing on the ones before it:
+//! It knows no physics engine, no video and no terminal. Six modules, each importing only those above it:
 //!
-//! | wing | question | start reading at |
+//! | module | question | start reading at |
 //! |---|---|---|
-//! | [`observation`] | what was seen? | [`observation::Observation`] |
-//! | [`simulator`] | what could be? | [`simulator::Simulator`] |
-//! | [`network`] | what has been learned? | the two-branch network |
+//! | [`observation`] | what was measured? | [`observation::Observation`] |
+//! | [`simulator`] | which simulator, with which parameters? | [`simulator::Simulator`] |
+//! | [`network`] | which parameter error do residuals show? | the two-branch network |
 //! | [`estimate`] | which values fit best, and how surely? | [`estimate::Problem`] |
 //! | [`tune`] | what fits? | Algorithm 1 |
 //! | [`diagnose`] | what is missing? | [`diagnose::diagnose`] |

@@ -37,43 +37,43 @@ finding_kinds! {
         "samples after the end of the motion are left out",
         "raise `motion.duration_s`";
     warning JOINTS_COUNT = "joints.count",
-        "positions exist for as many joints as the URDF has between base and payload",
+        "the number of joints with positions differs from that of the URDF between base and payload",
         "number or map the columns in the order of the URDF";
     warning JOINTS_CLOCK = "joints.clock",
-        "samples cover at least half of the log",
+        "samples cover less than half of the log",
         "cut it at its gaps";
     warning JOINTS_EFFORT = "joints.effort",
-        "torques exist, or currents with their constants",
+        "there are neither torques nor currents with their constants",
         "record efforts; set `arm.current_gain_nm_a`";
     warning JOINTS_UNITS = "joints.units",
-        "angles and speeds are in radians, the clock in seconds: no angle far beyond the limits, speeds as large as the slopes of the positions",
+        "angles far beyond the limits, or speeds that are not the slopes of the positions: degrees instead of radians, or a clock that is not in seconds",
         "name columns `q1_deg`, `dq1_deg_s`, `t_ms`";
     warning JOINTS_LIMITS = "joints.limits",
-        "no joint exceeds its limits by more than 0.05 rad; `not_run` if the URDF gives none",
+        "a joint exceeds its limits by more than 0.05 rad (`not_run` if the URDF gives none)",
         "check order and zero of the joints, and the URDF";
     warning JOINTS_SPEEDS = "joints.speeds",
-        "measured speeds are the slopes of the positions (`noticed` only)",
+        "measured speeds are not the slopes of the positions (`noticed` only)",
         "check order and signs";
     warning JOINTS_SHORT = "joints.short",
-        "at least 20 windows remain",
+        "fewer than 20 windows remain",
         "record longer, without gaps";
     warning JOINTS_SIGNS = "joints.signs",
-        "no joint's torque has the opposite sign of the arm's",
+        "the torque of a joint has the opposite sign of the simulated arm's",
         "change the sign of the column; with currents, use a negative `arm.current_gain_nm_a`";
     warning REFERENCE_SWAPPED = "reference.swapped",
-        "the run needs more torque than its reference, not less",
+        "the run needs less torque than its reference",
         "give the loaded run to `--observation`, the bare one to `--reference`";
     warning PAYLOAD_GAIN = "payload.gain",
-        "mass and gain are not tuned together (`noticed` only; with their correlation)",
+        "mass and gain are tuned together (`noticed` only; with their correlation)",
         "calibrate the gain first, with a known payload and a reference";
     warning PAYLOAD_ALONE = "payload.alone",
-        "a reference is given, or the URDF explains the torques (`noticed` only)",
+        "there is no reference, and the URDF alone does not explain the torques (`noticed` only)",
         "record the same motion without payload, and give it with `--reference`";
     warning PAYLOAD_PLACE = "payload.place",
-        "the centre of mass lies where a payload of that mass can have one: within 0.2 m, or half the edge of a cube of 5 kg/m³ (`noticed` only)",
+        "the centre of mass lies where no payload of that mass can have one: beyond 0.2 m and half the edge of a cube of 5 kg/m³ (`noticed` only)",
         "check order, zeros and constants of the joints; record a reference";
     warning PAYLOAD_MOVED = "payload.moved",
-        "the centre of mass agrees with the one tuned before, in `[provenance]` (`noticed` only)",
+        "the centre of mass differs from the one tuned before, in `[provenance]` (`noticed` only)",
         "check how the payload was mounted, and the zeros and signs of both logs";
     note REFERENCE_ALIGNED = "reference.aligned",
         "by which lag the reference was aligned",

@@ -4,7 +4,7 @@ use super::Expected;
 use super::gravity::ApparentGravity;
 use crate::findings;
 use tunenet_core::finding::FindingKind;
-use tunenet_core::observation::Check;
+use tunenet_core::observation::{Check, three_digits};
 
 /// How many times too large a length is where it stands in this unit instead of metres.
 const LENGTHS: [(&str, &str, f64); 5] = [
@@ -54,8 +54,9 @@ pub(crate) fn check(found: Option<&ApparentGravity>, expected: &Expected) -> Che
     match best {
         Some((unit, column, _)) => {
             let text = format!(
-                "{unit}: free flight falls at {:.3e} m/s², {ratio:.3e} times as fast as expected",
-                found.value_m_s2
+                "{unit}: the acceleration of free flight is {} m/s², {} times the expected one",
+                three_digits(found.value_m_s2),
+                three_digits(ratio)
             );
             let remedy = if column.is_empty() {
                 "convert the columns to metres".into()

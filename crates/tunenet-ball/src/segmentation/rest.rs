@@ -1,4 +1,4 @@
-//! Where a body has come to rest, or rolls: what follows says nothing of flight or contact, however many samples it has.
+//! End of the motion: the first sample from which the height follows a straight line, because the ball rests or rolls.
 
 use tunenet_core::observation::{Kind, Observation};
 

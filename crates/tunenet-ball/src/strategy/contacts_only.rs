@@ -1,5 +1,5 @@
-//! Contacts only: where flights are not understood, as of a video before an unknown camera, the speed that a contact takes
-//! along the surface still shows, right before it and right after it.
+//! Contacts only: the change of velocity along the surface, fitted from the samples right before and after each contact. Strategy for
+//! recordings whose flights no effect explains, such as a video of an unknown camera.
 
 use crate::findings;
 use tunenet_core::Result;

@@ -4,6 +4,7 @@ use toml_edit::{Array, InlineTable};
 use tunenet_core::diagnose::{
     self, Diagnosis, Doubt, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Value, Verdict,
 };
+use tunenet_core::finding::FindingKind;
 use tunenet_core::findings;
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
@@ -224,6 +225,13 @@ pub fn gap_of(gap: &Gap) -> &'static str {
         GapOf::Segments => "flights",
         GapOf::Events => "contacts",
     }
+}
+
+/// Why an answer is `insufficient`.
+pub fn why_insufficient(diagnosis: &Diagnosis) -> &str {
+    const WHY: [FindingKind; 3] = [findings::RECORDINGS_NONE, findings::RECORDINGS_SHORT, findings::ROLLOUTS_LIMIT];
+    let why = diagnosis.notes.iter().find(|note| WHY.contains(&note.kind));
+    why.map_or("the recordings do not suffice for an answer", |note| &note.text)
 }
 
 /// The value of an object, or the one that all share.

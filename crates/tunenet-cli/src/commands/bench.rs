@@ -24,7 +24,12 @@ pub fn run(arguments: &[impl AsRef<OsStr>], flags: impl IntoIterator<Item = &'st
     let program = programs::sibling(BENCH)?;
     if !program.is_file() {
         let message = format!("expected the benchmark program next to tunenet, found no `{BENCH}`");
-        return Err(Error::file(program, message, "`make build` makes it").into());
+        return Err(Error::file(
+            program,
+            message,
+            "build it in the folder of the sources: `cargo install --locked --path crates/tunenet-bench`",
+        )
+        .into());
     }
     let mut command = Command::new(&program);
     command.args(flags).args(arguments);

@@ -1,4 +1,4 @@
-//! What could be: a simulator with parameters, seen only through its rollouts.
+//! Simulators: parameters, channels and rollouts.
 
 mod assumed;
 mod declared;

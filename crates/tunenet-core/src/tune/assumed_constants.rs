@@ -38,8 +38,8 @@ fn note(problem: &Problem, assumed: &Assumed, (parameter, moved, half_width): (u
     let Assumed { setting, value, range: (low, high), unit, .. } = assumed;
     let name = &problem.simulator.parameters()[parameter].name;
     let text = format!(
-        "`{setting}` = {value} {unit} is a usual value; a local value from {low} to {high} {unit} moves `{name}` by up to {}, which \
-         its 95 % interval of ± {} does not include",
+        "`{setting}` = {value} {unit} is assumed, not measured: a local value from {low} to {high} {unit} moves `{name}` by up to {}, \
+         which its 95 % interval of ± {} does not account for",
         three_digits(moved),
         three_digits(half_width)
     );

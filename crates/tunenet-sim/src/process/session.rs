@@ -89,7 +89,7 @@ impl Session {
             1 => format!("`{beginning}…` (1 more character, which `tunenet inspect {path}` shows)"),
             more => format!("`{beginning}…` ({more} more characters, which `tunenet inspect {path}` shows)"),
         };
-        let expected = format!("permission to run {named}, the program of {path}, which has all your rights");
+        let expected = format!("permission to run the external program {named} of {path}, with all your rights");
         let found = "none; give this flag if you trust the file".into();
         Err(tunenet_core::Error::Setting { origin: Origin::Caller, name: "--allow-process", expected, found }.into())
     }

@@ -9,7 +9,7 @@ use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
 use super::{four_digits, in_words, list, note, rolled_out, rounded, stage, verbose};
-use crate::answers::diagnose::{Answer, Loaded, NOT_IN_CATALOGUE, is_per_joint};
+use crate::answers::diagnose::{Answer, Loaded, NOT_IN_CATALOGUE, is_per_joint, why_insufficient};
 use crate::answers::improved::Written;
 use crate::view::answer::Printout;
 
@@ -161,7 +161,7 @@ pub fn sentence(answer: &Answer) -> String {
             let nearest = answer.candidates().first().map(|n| format!(" (nearest: {n})")).unwrap_or_default();
             format!("UNKNOWN  something is missing, and no known effect explains it{nearest}")
         }
-        Verdict::Insufficient => "INSUFFICIENT  the data are insufficient for an answer".into(),
+        Verdict::Insufficient => format!("INSUFFICIENT  {}", why_insufficient(diagnosis)),
     }
 }
 
@@ -279,7 +279,7 @@ fn excluded(diagnosis: &Diagnosis) -> Vec<String> {
     let first = all.iter().enumerate().filter(|(i, (_, why))| all[..*i].iter().all(|(_, other)| other != why));
     let one = |(_, (_, why)): (usize, &(&str, String))| {
         let names: Vec<&str> = all.iter().filter(|(_, other)| other == why).map(|(name, _)| *name).collect();
-        format!("{} ({why})", names.join(" and "))
+        format!("{} ({why})", names.join(", "))
     };
     first.map(one).collect()
 }
@@ -295,7 +295,7 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
         return None;
     }
     let passed = diagnosis.adequacy.iter().filter(|t| t.passed).count();
-    let mut line = format!("adequacy {passed}/{}", diagnosis.adequacy.len());
+    let mut line = format!("{passed} of {} residual tests passed", diagnosis.adequacy.len());
     let failed: Vec<&str> = diagnosis.adequacy.iter().filter(|t| !t.passed).map(|t| t.name).collect();
     if !failed.is_empty() {
         line = format!("{line} (failed: {})", failed.join(", "));
@@ -304,7 +304,7 @@ fn margins(diagnosis: &Diagnosis) -> Option<String> {
         diagnosis.effects().iter().filter_map(|e| Some((e.evidence.runner_up.as_ref()?, e.evidence.runner_up_bic_gap)));
     if let Some((name, gap)) = runners_up.min_by(|a, b| a.1.total_cmp(&b.1)) {
         // What is ahead was passed over for another reason than its evidence.
-        let place = if gap < 0.0 { "as good".into() } else { format!("{} behind", whole(gap)) };
+        let place = if gap < 0.0 { format!("{} ahead", whole(-gap)) } else { format!("{} behind", whole(gap)) };
         line = format!("next best: {name}, {place}; candidates within ΔBIC {:.0} are kept; {line}", diagnosis.margin);
     }
     Some(line)

@@ -1,4 +1,5 @@
-//! Segment-wise: where the tuned simulation is far beyond noise, what lies between events is explained first, then the events.
+//! Segment-wise fit: if the tuned simulation leaves far more than noise, the segments between events are explained first, then the
+//! events, with the effects of the segments fixed.
 
 use super::{Attempt, Refinement, Scope};
 use crate::Result;
@@ -65,12 +66,12 @@ struct Events {
     alone: Vec<NamedScore>,
 }
 
-/// A fit that leaves this many times the noise is not mended by any effect that is as good as exact.
-const HOPELESS: f64 = 50.0;
+/// A residual of this many times the noise (RMS) is searched by segments before whole recordings.
+const FAR_BEYOND: f64 = 50.0;
 
 /// Whether what `model` leaves is so far beyond noise that whole recordings need not be searched first.
 fn is_far_beyond_noise(context: &Context<'_>, model: &Hypothesis) -> bool {
-    model.deviance(f64::MAX) > HOPELESS * HOPELESS * context.count() as f64
+    model.deviance(f64::MAX) > FAR_BEYOND * FAR_BEYOND * context.count() as f64
 }
 
 /// Judges segments and events apart. `None` where the segments are not understood.

@@ -7,7 +7,7 @@ use tunenet_sim::phase;
 
 use super::numbers::in_short;
 use super::plain;
-use crate::answers::diagnose::{Answer, NOT_IN_CATALOGUE};
+use crate::answers::diagnose::{Answer, NOT_IN_CATALOGUE, why_insufficient};
 use crate::view::html::verdict::{CROSS, NOTICE, PLUS, QUESTION, Shape, TICK, capital, prose, quantity, shape};
 
 pub fn finding(answer: &Answer) -> Markup {
@@ -95,7 +95,7 @@ pub fn sentence(answer: &Answer) -> String {
             let place = diagnosis.conclusion.remains().map(|p| format!(" {}", phase::name(p))).unwrap_or_default();
             format!("Something is missing{place}; no known effect explains it.")
         }
-        Verdict::Insufficient => "The data are insufficient for an answer.".into(),
+        Verdict::Insufficient => format!("The data are insufficient for an answer: {}.", why_insufficient(diagnosis)),
     }
 }
 
