@@ -29,7 +29,7 @@ finding_kinds! {
         "allow more rollouts";
     note FIT_QUICK = "fit.quick",
         "`tune`: only the first fit was made, and intervals are those of the curvature; `diagnose`: whole recordings were searched once",
-        "none needed; without `--quick`, intervals are checked and all searches are made";
+        "none needed; a fit that is not quick checks intervals and makes all searches";
     warning PARAMETER_NOT_IDENTIFIABLE = "parameter.not_identifiable",
         "the data do not determine a parameter",
         "use a recording that depends on it";

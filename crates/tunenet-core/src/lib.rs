@@ -1,4 +1,4 @@
-//! Observations, simulators, networks, estimation and diagnosis: the part of tunenet that is the same for every simulator.
+//! Observations, simulators, networks, estimation and diagnosis: the part of the tool that is the same for every simulator.
 //!
 //! It knows no physics engine, no video and no terminal. Six modules, each importing only those above it:
 //!
