@@ -70,6 +70,8 @@ pub struct RolloutLog {
 #[derive(Debug, Default)]
 struct Shared {
     allowance: Option<usize>,
+    /// Whether a rollout beyond the allowance is refused; otherwise only what asks beforehand is ended.
+    strict: bool,
     store: Option<Arc<dyn RolloutStore>>,
     watch: Option<Arc<dyn Watch>>,
     answered: Mutex<HashMap<Request, Vec<f64>>>,
@@ -114,9 +116,10 @@ impl RolloutLog {
         Err(Error::Setting { origin: Origin::Flag, name: "max_rollouts", expected, found: allowance.to_string() })
     }
 
-    /// An empty log with what is left of the allowance, for work whose end does not concern this log's.
+    /// An empty log with what is left of the allowance and no rollout beyond it, for work without which the answer stands.
     pub(crate) fn remainder(&self) -> Self {
-        Self::new(self.shared.allowance.map(|allowance| allowance.saturating_sub(self.count())), None, None)
+        let allowance = self.shared.allowance.map(|allowance| allowance.saturating_sub(self.count()));
+        Self { shared: Arc::new(Shared { allowance, strict: true, ..Shared::default() }), variant: 0 }
     }
 
     /// Whether the allowance still holds so many rollouts; what does not fit is remembered, see [`was_short`](Self::was_short).
@@ -174,9 +177,13 @@ impl RolloutLog {
         if let Some(known) = self.answered().get(&request) {
             return Ok(known.clone());
         }
-        let count = self.shared.count.fetch_add(1, Ordering::Relaxed) + 1;
+        if self.shared.strict {
+            self.spend()?;
+        } else {
+            self.add(1);
+        }
         if let Some(watch) = &self.shared.watch {
-            watch.rollouts(count);
+            watch.rollouts(self.count());
         }
         let kept = self.shared.store.as_ref().and_then(|store| store.recall(&request));
         let answer = if let Some(kept) = kept {
@@ -232,7 +239,11 @@ mod tests {
         ask(&log, 1, &values);
         ask(&log.variant(1), 1, &values);
         assert!(log.count() == 3 && !log.was_short() && log.affords(0) && !log.affords(1) && log.was_short());
-        assert_eq!((log.remainder().spend().is_err(), log.spend().is_err(), log.count()), (true, true, 3));
+        assert_eq!((log.spend().is_err(), log.count()), (true, 3));
+        // What is left of it allows nothing new.
+        let rest = log.remainder();
+        let refused = rest.predict(&simulator, (0, &prepared), &values, &[0.5], 10).is_err();
+        assert!(refused && rest.was_short() && rest.count() == 0);
         values[0] += 1.0;
         assert_ne!(ask(&log, 0, &values), first);
         // A new log with the same store is answered from there, and counts as if it had simulated.

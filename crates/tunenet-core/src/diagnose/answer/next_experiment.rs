@@ -116,7 +116,8 @@ fn across(design: &Proposed) -> f64 {
 fn designs(context: &Context, best: &Hypothesis) -> Result<Vec<Proposed>> {
     let set = &context.sets()[0];
     let parameters = best.structure.parameters(set.object, &best.fit.point.parameters);
-    proposed(set, best.structure.simulator(set.object), &parameters, &best.fit.point.nuisances[0])
+    let point = (parameters.as_slice(), best.fit.point.nuisances[0].as_slice());
+    proposed(set, best.structure.simulator(set.object), point, &context.rollouts)
 }
 
 /// For each design and each other explanation: the expected difference of logarithmic likelihood, half the square of what

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::Result;
 use crate::diagnose::evidence::ar1_prewhitening::Filter;
 use crate::diagnose::evidence::recording::Set;
+use crate::estimate::RolloutLog;
 use crate::observation::{Circumstances, Input, Observation};
 use crate::simulator::{Parameter, Prepared, STATE, Simulator, predict};
 
@@ -82,12 +83,13 @@ pub(in crate::diagnose) struct Proposed {
 pub(in crate::diagnose) fn proposed(
     set: &Set,
     simulator: &dyn Simulator,
-    parameters: &[f64],
-    nuisances: &[f64],
+    (parameters, nuisances): (&[f64], &[f64]),
+    rollouts: &RolloutLog,
 ) -> Result<Vec<Proposed>> {
     let mut all = Vec::new();
     for (change, circumstances, start) in releases(set, nuisances).into_iter().chain(circumstances(set, nuisances)?) {
         let prepared = Prepared { circumstances, ..set.prepared.clone() };
+        rollouts.spend()?;
         // What cannot be simulated is no proposal.
         let Ok(values) = predict(simulator, &prepared, parameters, &start, set.clock()) else { continue };
         let mut whole = Prepared::whole(set.prepared.seen.with_values(values)?, parameters.len());
@@ -230,7 +232,7 @@ mod tests {
         let seen = seen.unwrap().under(Arc::new(Circumstances::driven_by(vec![input.unwrap()])));
         let Preparation::Usable(prepared) = follower.prepare(&seen).unwrap() else { panic!("usable") };
         let set = Set::new(0, 0, false, *prepared);
-        let all = proposed(&set, &follower, &[], &[1.0]).unwrap();
+        let all = proposed(&set, &follower, (&[], &[1.0]), &RolloutLog::default()).unwrap();
         let of = |text: &str| {
             let found = all.iter().find(|one| one.change.words().is_some_and(|words| words.ends_with(text)));
             found.unwrap_or_else(|| panic!("{text}")).set.prepared.seen.values().to_vec()

@@ -175,8 +175,8 @@ pub(in crate::diagnose) fn search<'a>(
     Ok(Selection { base, alone, best, places })
 }
 
-/// What explains far more alone than required effects do that nothing could be added to: with it they would need a coefficient that is not
-/// physical. That they are there is certain; that the recordings show them is not.
+/// The effect that explains far more than required effects, if these are all that was found. Nothing was added to them because with it
+/// their coefficients would not be physical or its gain would be too small; they are present, but they need not be what is seen.
 fn surpassing<'a>(
     context: &Context<'a>,
     alone: &[CandidateFit<'a>],

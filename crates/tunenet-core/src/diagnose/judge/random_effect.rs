@@ -72,6 +72,7 @@ pub(in crate::diagnose) fn random_tilts(context: &Context<'_>, model: &Hypothesi
             let tilts = (0..tilts.len()).map(|k| if tilted == Some(k) { STEP_RAD } else { 0.0 });
             model.fit.point.nuisances[d].iter().copied().chain(tilts).collect()
         };
+        context.rollouts.spend()?;
         let straight = predict(simulator, &set.prepared, &parameters, &nuisances(None), set.clock())?;
         for k in 0..tilts.len() {
             context.rollouts.spend()?;

@@ -147,7 +147,7 @@ fn the_number_of_threads_changes_no_bit() {
     assert_eq!(with(1), with(4));
 }
 
-/// A limit holds whatever it ends, on any number of threads; what it ends is no answer, and one that suffices changes none.
+/// A limit holds on any number of threads and leaves no answer; one that suffices does not change the answer.
 #[test]
 fn a_limit_on_rollouts_is_kept() {
     let seen = glides(Truth { drag: 0.15, ..Truth::default() }, 3, 180, 9);
