@@ -8,7 +8,7 @@ use tunenet_formats::{Error, Result};
 
 use super::domain::Domain;
 use super::schema::{Key, PARAMETER_KEYS, item_number, lookup};
-use super::{declared_schema, equations_schema, process_schema};
+use super::{declared_check, equations_schema, process_schema};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing. What it describes comes back.
 pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> {
@@ -75,7 +75,7 @@ pub(super) fn contradiction(domain: Domain, root: &Table) -> Option<(String, Ran
     let of_kind = match domain {
         Domain::Process => process_schema::contradiction(root),
         Domain::Equations => equations_schema::contradiction(root),
-        Domain::Ball | Domain::Arm => declared_schema::contradiction(root, domain.declared()),
+        Domain::Ball | Domain::Arm => declared_check::contradiction(root, domain.declared()),
     };
     if of_kind.is_some() {
         return of_kind;

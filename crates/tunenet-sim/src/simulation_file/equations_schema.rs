@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use toml_edit::{DocumentMut, Item, Table, Value};
 
-use super::declared_schema::{self, Declares};
+use super::declared_check;
+use super::declared_schema::Declares;
 use super::schema::{Definition, lookup};
 use crate::equations::{Misfit, System};
 use crate::scene::EquationsScene;
@@ -33,7 +34,7 @@ pub(super) const SAMPLES: &[Definition] = &[
 
 /// The first thing that no key alone shows to be wrong: its path, its place, what is expected and what is found.
 pub(super) fn contradiction(root: &Table) -> Option<(String, Range<usize>, String, String)> {
-    declared_schema::contradiction(root, Declares::Equations).or_else(|| equations(root))
+    declared_check::contradiction(root, Declares::Equations).or_else(|| equations(root))
 }
 
 fn equations(root: &Table) -> Option<(String, Range<usize>, String, String)> {

@@ -6,6 +6,7 @@ mod arm_schema;
 mod assignment;
 pub(crate) mod check;
 mod declared;
+mod declared_check;
 pub(crate) mod declared_schema;
 mod document;
 mod domain;

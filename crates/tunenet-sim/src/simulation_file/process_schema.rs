@@ -8,7 +8,8 @@ use toml_edit::{Item, Table, Value};
 use tunenet_core::observation::{Channel, Kind};
 use tunenet_core::simulator::measurement_effects;
 
-use super::declared_schema::{self, Declares};
+use super::declared_check;
+use super::declared_schema::Declares;
 use super::schema::{Definition, Key, LONGEST_NAME, Shape, key, lookup, texts};
 
 const LONGEST_S: f64 = 86_400.0;
@@ -142,7 +143,7 @@ pub(super) fn contradiction(root: &Table) -> Option<(String, Range<usize>, Strin
     }
     let settings = at("settings").filter(|item| !item.is_none());
     let unsaid = settings.and_then(unsayable).and_then(|found| wrong("settings", "what JSON can say", found));
-    unsaid.or_else(|| declared_schema::contradiction(root, Declares::Program))
+    unsaid.or_else(|| declared_check::contradiction(root, Declares::Program))
 }
 
 /// Text of a stranger's file for a message: no control characters, and no more than a line.
