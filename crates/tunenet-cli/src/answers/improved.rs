@@ -22,7 +22,7 @@ pub enum Written {
 pub fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
     match diagnosis.verdict() {
         Verdict::Unknown => Some("no known effect explains the recordings"),
-        Verdict::Insufficient => Some("the recordings do not suffice for an answer"),
+        Verdict::Insufficient => Some("there is no answer"),
         Verdict::None | Verdict::Named | Verdict::OneOf => diagnosis.gap.is_none().then_some(UNFITTED),
     }
 }

@@ -50,8 +50,7 @@ pub fn write_ranges<'a>(options: &'a Diagnose, answer: &Answer) -> Result<Option
     let Some(out) = options.out_ranges.as_deref().filter(|_| why_not(answer.diagnosis).is_none()) else {
         return Ok(None);
     };
-    let text = format!("{:#}\n", ranges::of_diagnosis(answer));
-    write_atomically(out, |file| file.write_all(text.as_bytes()))?;
+    ranges::write(out, &ranges::of_diagnosis(answer))?;
     Ok(Some(out))
 }
 

@@ -53,8 +53,7 @@ pub fn write_ranges(options: &Tune, outcome: &Outcome) -> Result<()> {
     let Some(out) = options.out_ranges.as_deref().filter(|_| outcome.verdict == Verdict::Tuned) else {
         return Ok(());
     };
-    let text = format!("{:#}\n", ranges::of_tuning(outcome));
-    write_atomically(out, |file| file.write_all(text.as_bytes()))?;
+    ranges::write(out, &ranges::of_tuning(outcome))?;
     stage("ranges", &out.display().to_string());
     Ok(())
 }

@@ -1,17 +1,28 @@
 //! 95 % intervals as ranges for domain randomisation, as JSON; docs/files.md lists the keys.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
-use tunenet_core::tune::Outcome;
+use tunenet_core::tune::{Estimate, LEVEL, Outcome};
+use tunenet_formats::{Result, write_atomically};
 
 use crate::answers::diagnose::{Answer, Object, value_of};
 
 const SCHEMA: &str = "tunenet.ranges/1";
 
+/// Writes ranges to a file, which never holds half of them.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write(out: &Path, ranges: &Value) -> Result<()> {
+    write_atomically(out, |file| file.write_all(format!("{ranges:#}\n").as_bytes()))
+}
+
 /// The ranges of the parameters of a tuning, with their correlations where there are several.
 pub fn of_tuning(outcome: &Outcome) -> Value {
-    let one = |p: &tunenet_core::tune::Estimate| range(&p.name, &p.unit, p.value, p.interval95);
+    let one = |p: &Estimate| range(&p.name, &p.unit, p.value, p.interval95);
     let ranges: Vec<Value> = outcome.parameters.iter().filter(|p| p.identified).map(one).collect();
-    let mut object = json!({ "schema": SCHEMA, "verdict": outcome.verdict, "level": 0.95, "ranges": ranges });
+    let mut object = json!({ "schema": SCHEMA, "verdict": outcome.verdict, "level": LEVEL, "ranges": ranges });
     if outcome.correlation.nrows() > 1 {
         let rows: Vec<Vec<f64>> = outcome.correlation.row_iter().map(|r| r.iter().copied().collect()).collect();
         object["correlation"] = json!({ "parameters": outcome.free, "matrix": rows });
@@ -21,7 +32,7 @@ pub fn of_tuning(outcome: &Outcome) -> Value {
 
 /// The ranges of the parameters and of the effects' coefficients of a diagnosis; of several objects each has a list.
 pub fn of_diagnosis(answer: &Answer) -> Value {
-    let mut object = json!({ "schema": SCHEMA, "verdict": answer.diagnosis.verdict(), "level": 0.95 });
+    let mut object = json!({ "schema": SCHEMA, "verdict": answer.diagnosis.verdict(), "level": LEVEL });
     let objects = &answer.loaded.objects;
     if objects.len() == 1 {
         object["ranges"] = of_object(answer, 0);
