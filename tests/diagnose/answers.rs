@@ -101,6 +101,24 @@ fn a_missing_effect_is_named_and_written_and_proven() {
     assert!(folder.read("improved.toml") == first);
 }
 
+/// Drag of a body of known mass comes first; it does not hide what explains the throw: friction 0.2, restitution 0.75, no air.
+#[test]
+fn what_explains_a_throw_comes_before_the_drag_that_has_to_be_there() {
+    let folder = Folder::new();
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
+    folder.write("ball.toml", std::fs::read(assets.join("ball.toml")).unwrap());
+    folder.write("throw.csv", std::fs::read(assets.join("observations/throw.csv")).unwrap());
+    let json = folder.run("diagnose --sim ball.toml throw.csv --json").ends(3).json();
+    assert_eq!((&json["verdict"], &json["effects"][0]["name"]), (&"one_of".into(), &"bounce_friction".into()));
+    let restitution = &json["parameters"]["restitution"];
+    let mu = &json["effects"][0]["coefficients"]["mu"];
+    for (found, truth) in [(restitution, 0.75), (mu, 0.2)] {
+        let (low, high) = (found["interval95"][0].as_f64().unwrap(), found["interval95"][1].as_f64().unwrap());
+        assert!(low < truth && truth < high && high - low < 0.05, "{truth}: {json:#}");
+    }
+    assert!(json["gap"]["after"].as_f64().unwrap() < 0.004, "{json:#}");
+}
+
 #[test]
 fn the_answer_for_people_names_what_was_found() {
     let folder = with_throws();
