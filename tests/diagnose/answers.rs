@@ -110,7 +110,7 @@ fn what_explains_a_throw_comes_before_the_drag_that_has_to_be_there() {
     folder.write("throw.csv", std::fs::read(assets.join("observations/throw.csv")).unwrap());
     let json = folder.run("diagnose --sim ball.toml throw.csv --json").ends(3).json();
     assert_eq!((&json["verdict"], &json["effects"][0]["name"]), (&"one_of".into(), &"bounce_friction".into()));
-    let restitution = &json["parameters"]["restitution"];
+    let restitution = &json["parameters"][0];
     let mu = &json["effects"][0]["coefficients"]["mu"];
     for (found, truth) in [(restitution, 0.75), (mu, 0.2)] {
         let (low, high) = (found["interval95"][0].as_f64().unwrap(), found["interval95"][1].as_f64().unwrap());
