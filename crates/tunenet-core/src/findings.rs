@@ -81,6 +81,9 @@ finding_kinds! {
     warning RECORDINGS_ODD = "recordings.odd",
         "one recording disagrees with all others; the answer is that of the others",
         "check what differs in it: the object, the units, the frame rate";
+    warning EFFECT_OMITTED = "effect.omitted",
+        "the simulation leaves out an effect that every real body shows, the recordings show some of it, and a parameter moves with it by more than half of its interval; the interval includes its value with the effect",
+        "search for the missing effect with a diagnosis of the same recordings";
     note CONSTANT_ASSUMED = "constant.assumed",
         "a constant stands at its usual value, as gravity at 9.81 m/s²; what it may be in this place moves a parameter by more than half of its interval",
         "set it to the local value, with four digits; 9.8, 9.81 and 9.80665 m/s² count as usual values of gravity";

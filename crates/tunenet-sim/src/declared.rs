@@ -68,6 +68,7 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
         plausible: candidate.coefficients.values().map(|c| c.plausible.unwrap_or((c.min, c.max))).collect(),
         plausible_rests_on: Vec::new(),
         sentence: own(&candidate.sentence),
+        always: false,
         random: false,
         mistaken_for: candidate.mistaken_for.iter().map(|name| own(name)).collect(),
         implausible: None,

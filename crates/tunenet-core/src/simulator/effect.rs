@@ -86,6 +86,9 @@ pub struct Effect {
     pub plausible_rests_on: Vec<Text>,
     /// One sentence for users: what it is and what it does.
     pub sentence: Text,
+    /// Whether every real thing of this kind shows it, however little: [`tune`](crate::tune::tune) then allows for it where the simulation
+    /// leaves it out.
+    pub always: bool,
     /// Whether it is a random effect: every event draws its own value, and the coefficient is their standard deviation.
     pub random: bool,
     /// Names of effects that some recordings cannot distinguish from it.
@@ -112,6 +115,7 @@ impl Effect {
             coefficients,
             plausible_rests_on: Vec::new(),
             sentence: sentence.into(),
+            always: false,
             random: false,
             mistaken_for: Vec::new(),
             implausible: None,
@@ -167,6 +171,7 @@ mod tests {
             coefficients: vec![Coefficient::new("c", "1", 0.0, (0.0, 10.0), 0.1)],
             plausible: vec![(low, high)],
             sentence: "".into(),
+            always: false,
             random: false,
             mistaken_for: Vec::new(),
             plausible_rests_on: Vec::new(),

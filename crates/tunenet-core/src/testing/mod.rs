@@ -227,6 +227,7 @@ fn effect(name: &'static str, key: &'static str, unit: &'static str, bounds: (f6
         coefficients: vec![Coefficient::new(key, unit, 0.0, bounds, typical)],
         plausible: vec![bounds],
         sentence: "".into(),
+        always: false,
         random: false,
         mistaken_for: Vec::new(),
         plausible_rests_on: Vec::new(),

@@ -62,6 +62,12 @@ impl CalibrationUncertainty {
         Ok(all)
     }
 
+    /// Adds what something else does to the estimates: how far it moves each, and what the user should know of it.
+    pub fn add(&mut self, moves: Vec<f64>, note: Note) {
+        self.moves.push(moves);
+        self.notes.push(note);
+    }
+
     /// Widens the joint region of the free parameters at the places `joint` likewise.
     pub fn widen_region(&self, region: &mut Region, joint: &[usize]) {
         for moves in &self.moves {

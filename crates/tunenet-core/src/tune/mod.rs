@@ -17,6 +17,7 @@ mod fixed_parameter;
 mod judge;
 mod local_minima;
 mod observable_nuisances;
+mod omitted_effect;
 mod outcome;
 mod pool;
 mod secant;
@@ -342,7 +343,12 @@ impl Tuning<'_> {
         let scale = ScaleEstimate::of(&problem, fit, &linear);
         let known = Information::of(&problem, fit, &linear, &scale);
         fit.covariance = known.covariance.clone();
-        let (interval95, calibration) = self.intervals(fit, &scale, grid)?;
+        let (mut interval95, mut calibration) = self.intervals(fit, &scale, grid)?;
+        // A residual that is more than noise names an effect by other means; the paper's fit knows no effects.
+        if self.settings.finish && !self.settings.quick && !fit.cut_short && !self.poor(fit) {
+            let omissions = omitted_effect::widen(&problem, fit, &scale, &mut interval95)?;
+            omissions.into_iter().for_each(|one| calibration.add(one.moves, one.note));
+        }
         Ok(Uncertainty { scale, known, interval95, calibration })
     }
 

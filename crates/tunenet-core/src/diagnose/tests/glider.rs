@@ -31,6 +31,7 @@ fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64
         coefficients: vec![Coefficient::new(key, "1", 0.0, range, typical)],
         plausible: vec![plausible],
         sentence: "".into(),
+        always: false,
         random: false,
         mistaken_for: Vec::new(),
         plausible_rests_on: Vec::new(),

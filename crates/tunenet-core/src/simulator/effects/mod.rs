@@ -72,6 +72,7 @@ impl MeasurementEffect {
             coefficients: self.coefficients.to_vec(),
             plausible: self.plausible.to_vec(),
             sentence: self.sentence.into(),
+            always: false,
             random: false,
             mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
             plausible_rests_on: Vec::new(),

@@ -91,6 +91,7 @@ impl ArmEffect {
             coefficients: self.coefficients.iter().flat_map(of_joints).collect(),
             plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
             sentence: self.sentence.into(),
+            always: false,
             random: false,
             mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
             plausible_rests_on: Vec::new(),

@@ -142,6 +142,7 @@ impl BallEffect {
                 MASS_AND_SIZE.map(Text::from).to_vec()
             },
             sentence: self.sentence.into(),
+            always: self.name == DRAG && body.in_air,
             random: self.name == bounce_scatter::EFFECT.name,
             mistaken_for: self.mistaken_for.iter().map(|name| (*name).into()).collect(),
             implausible: (self.implausible)(body).map(Text::from),
