@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use tunenet_core::tune::{Iteration, Outcome, Verdict, over_recordings};
+use tunenet_core::tune::{Estimate, Iteration, Outcome, Verdict, over_recordings};
 use tunenet_sim::ChosenNetwork;
 
 use super::{between, four_digits, in_words, list, note, rolled_out, rounded, stage, tally, verbose};
@@ -10,37 +10,63 @@ use crate::answers::tune::{Spent, Use, forced, is_written, reason};
 use crate::files::names;
 use crate::view::answer::Printout;
 
-/// The verdict in one sentence.
-pub fn sentence(outcome: &Outcome) -> String {
+/// The verdict in capitals.
+fn verdict_word(outcome: &Outcome) -> String {
     let word = match outcome.verdict {
         Verdict::Tuned => "TUNED",
         Verdict::Rejected => "REJECTED",
         Verdict::PoorFit => "POOR FIT",
         Verdict::NotIdentifiable => "NOT IDENTIFIABLE",
     };
+    if forced(outcome) { format!("FORCED, {word}") } else { word.into() }
+}
+
+/// The verdict in one sentence.
+pub fn sentence(outcome: &Outcome) -> String {
     let values: Vec<String> = outcome
         .parameters
         .iter()
         .map(|p| {
-            let (low, high) = p.interval95;
-            let half = (high - low) / 2.0;
-            let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+            let [value, range, before] = figures(p);
             if p.identified {
-                let range = between(&rounded(low, half), &rounded(high, half));
-                let before = four_digits(p.before);
-                format!("{} {}{unit} (95 %: {range}), was {before}", p.name, rounded(p.value, half))
+                format!("{} {value} (95 %: {range}), was {before}", p.name)
             } else {
                 format!("{} unknown", p.name)
             }
         })
         .collect();
-    let reason = reason(outcome);
-    let forced = if forced(outcome) { "FORCED, " } else { "" };
-    match (values.is_empty(), reason) {
-        (true, Some(note)) => format!("{word}  {}", note.text),
-        (false, Some(note)) => format!("{forced}{word}  {}: {}", values.join(", "), note.text),
-        _ => format!("{forced}{word}  {}", values.join(", ")),
+    titled(outcome, &values.join(", "))
+}
+
+/// The verdict, what it is about, and the reason where it is not the best one.
+fn titled(outcome: &Outcome, what: &str) -> String {
+    let word = verdict_word(outcome);
+    match (what, reason(outcome)) {
+        ("", Some(note)) => format!("{word}  {}", note.text),
+        (what, Some(note)) => format!("{word}  {what}: {}", note.text),
+        (what, None) => format!("{word}  {what}"),
     }
+}
+
+/// Value, 95 % interval and value before, with the decimals that the interval warrants.
+fn figures(p: &Estimate) -> [String; 3] {
+    let (low, high) = p.interval95;
+    let half = (high - low) / 2.0;
+    let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+    let range = between(&rounded(low, half), &rounded(high, half));
+    [format!("{}{unit}", rounded(p.value, half)), range, four_digits(p.before)]
+}
+
+/// A row for each of several parameters.
+fn parameters(outcome: &Outcome) -> Vec<Vec<String>> {
+    let head = ["parameter", "value", "95 %", "was"].map(String::from).to_vec();
+    let row = |p: &Estimate| {
+        let [value, range, before] = figures(p);
+        let value = if p.identified { value } else { "unknown".into() };
+        let range = if p.identified { range } else { String::new() };
+        vec![p.name.clone(), value, range, before]
+    };
+    std::iter::once(head).chain(outcome.parameters.iter().map(row)).collect()
 }
 
 /// Which checks the recordings passed and which network was used, on standard error.
@@ -56,7 +82,16 @@ pub fn render_start(paths: &[PathBuf], outcome: &Outcome, chosen: &ChosenNetwork
 /// The answer for readers; `names` are those of all recordings that were given.
 pub fn printout(outcome: &Outcome, names: &[String]) -> Printout {
     let mut shown = Printout::default();
-    shown.verdict(&sentence(outcome));
+    match outcome.parameters.len() {
+        0 | 1 => shown.verdict(&sentence(outcome)),
+        several => {
+            let known = outcome.parameters.iter().filter(|p| p.identified).count();
+            let of = if known == several { String::new() } else { format!("{known} of ") };
+            shown.verdict(&titled(outcome, &format!("{of}{several} parameters")));
+            shown.table(&parameters(outcome));
+            shown.line("");
+        }
+    }
     let use_of = Use::of(outcome, names);
     if let Some(text) = use_of.sentence() {
         shown.line(&format!("  {text}"));
