@@ -37,6 +37,9 @@ pub(crate) fn parse(text: &str) -> Result<Tree, FormulaError> {
     let mut whole = (sum, multispace0).map(|(tree, _)| tree);
     let tree = whole.parse(LocatingSlice::new(text)).map_err(|error| {
         let at = error.offset();
+        if let Some(unknown) = unknown_function(text, at) {
+            return unknown;
+        }
         let said = error.inner().context().find_map(|context| match context {
             StrContext::Expected(value) => Some(value.to_string()),
             _ => None,
@@ -45,6 +48,19 @@ pub(crate) fn parse(text: &str) -> Result<Tree, FormulaError> {
     })?;
     called(&tree)?;
     Ok(tree)
+}
+
+/// What is wrong where values in brackets follow a word that is no function.
+fn unknown_function(text: &str, at: usize) -> Option<FormulaError> {
+    let before = text.get(..at).filter(|_| text[at..].starts_with('('))?.trim_end();
+    let start = before.char_indices().rev().take_while(|(_, c)| c.is_alphanumeric() || *c == '_').last()?.0;
+    let word = &before[start..];
+    if word.starts_with(|c: char| c.is_numeric()) {
+        return None;
+    }
+    let names: Vec<&str> = Function::NAMED.iter().map(|(name, _)| *name).collect();
+    let expected = format!("one of the functions {}", names.join(", "));
+    Some(FormulaError::new(start..before.len(), expected, found(text, start)))
 }
 
 /// Refuses what is too long or too deep to be followed.
@@ -230,6 +246,13 @@ mod tests {
             ("min(a; b)", 5, "expected an operator, `,` or `)`, found `;`"),
             ("min(a)", 0, "expected 2 values for `min`, found 1 value"),
             ("sin(a, b)", 0, "expected 1 value for `sin`, found 2 values"),
+            (
+                "a * sine (x)",
+                4,
+                "expected one of the functions abs, sign, min, max, sqrt, cbrt, exp, ln, sin, cos, \
+                 tan, atan2, tanh, clamp, delay, found `sine`",
+            ),
+            ("2(x)", 1, "expected an operator or the end of the formula, found `(`"),
             ("a = b", 2, "expected an operator or the end of the formula, found `=`"),
             ("--a ----- b", 8, "expected at most 4 signs in a row, found 5"),
             ("1e999", 0, "expected a number, a name, a function or `(`, found `1e999`"),

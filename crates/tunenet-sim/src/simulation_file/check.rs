@@ -6,6 +6,7 @@ use std::path::Path;
 use toml_edit::{Item, Table, TableLike};
 use tunenet_formats::{Error, Result};
 
+use super::declared_check::Wrong;
 use super::domain::Domain;
 use super::schema::{Key, PARAMETER_KEYS, item_number, lookup};
 use super::{declared_check, equations_schema, process_schema};
@@ -33,16 +34,14 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> 
             return Err(Error::file(path, message, "a parameter needs value, min and max"));
         }
     }
-    if let Some((key, span, expected, found)) = contradiction(domain, root) {
-        return Err(located(
-            path,
-            text,
-            span,
-            format!("`{key}`: expected {expected}, found {found}"),
-            "correct the value or its bounds",
-        ));
+    let entry = contradiction_of_kind(domain, root).map(|wrong| (wrong, "correct this entry"));
+    let bounds = || contradiction_of_bounds(domain, root).map(|wrong| (wrong, "correct the value or its bounds"));
+    match entry.or_else(bounds) {
+        Some(((key, span, expected, found), hint)) => {
+            Err(located(path, text, span, format!("`{key}`: expected {expected}, found {found}"), hint))
+        }
+        None => Ok(domain),
     }
-    Ok(domain)
 }
 
 /// What the file describes.
@@ -71,15 +70,21 @@ pub(super) fn names(domain: Domain, root: &Table) -> Vec<&str> {
 }
 
 /// The first value that contradicts another, a parameter's its bounds, say: its path, place, what is expected and found.
-pub(super) fn contradiction(domain: Domain, root: &Table) -> Option<(String, Range<usize>, String, String)> {
-    let of_kind = match domain {
+pub(super) fn contradiction(domain: Domain, root: &Table) -> Option<Wrong> {
+    contradiction_of_kind(domain, root).or_else(|| contradiction_of_bounds(domain, root))
+}
+
+/// Contradictions between entries that only one kind of file has.
+fn contradiction_of_kind(domain: Domain, root: &Table) -> Option<Wrong> {
+    match domain {
         Domain::Process => process_schema::contradiction(root),
         Domain::Equations => equations_schema::contradiction(root),
         Domain::Ball | Domain::Arm => declared_check::contradiction(root, domain.declared()),
-    };
-    if of_kind.is_some() {
-        return of_kind;
     }
+}
+
+/// Values of parameters outside their bounds, and bounds that are none.
+fn contradiction_of_bounds(domain: Domain, root: &Table) -> Option<Wrong> {
     for name in names(domain, root) {
         let table = lookup(root, &format!("parameters.{name}")).and_then(Item::as_table_like);
         let Some(table) = table else { continue };

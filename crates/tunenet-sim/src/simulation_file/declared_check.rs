@@ -11,7 +11,7 @@ use crate::formula_effect::FormulaEffect;
 use crate::scene::Candidate;
 
 /// What is wrong: the path, its place, what is expected and what is found.
-type Wrong = (String, Range<usize>, String, String);
+pub(super) type Wrong = (String, Range<usize>, String, String);
 
 /// The first thing that no key alone shows to be wrong.
 pub(super) fn contradiction(root: &Table, declares: Declares) -> Option<Wrong> {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml_edit::{DocumentMut, Item, Table, Value};
 
-use super::declared_check;
+use super::declared_check::{self, Wrong};
 use super::declared_schema::Declares;
 use super::schema::{Definition, lookup};
 use crate::equations::{Misfit, System};
@@ -33,11 +33,11 @@ pub(super) const SAMPLES: &[Definition] = &[
 ];
 
 /// The first thing that no key alone shows to be wrong: its path, its place, what is expected and what is found.
-pub(super) fn contradiction(root: &Table) -> Option<(String, Range<usize>, String, String)> {
+pub(super) fn contradiction(root: &Table) -> Option<Wrong> {
     declared_check::contradiction(root, Declares::Equations).or_else(|| equations(root))
 }
 
-fn equations(root: &Table) -> Option<(String, Range<usize>, String, String)> {
+fn equations(root: &Table) -> Option<Wrong> {
     if lookup(root, "derivatives").is_none() || lookup(root, "states").is_none() {
         let missing = if lookup(root, "states").is_none() { "states" } else { "derivatives" };
         return Some((missing.into(), 0..0, format!("a table [{missing}]"), "none".into()));

@@ -1,14 +1,13 @@
 //! The keys of the simulation file of a custom program, and what no key alone can say of it.
 
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::LazyLock;
 
 use toml_edit::{Item, Table, Value};
 use tunenet_core::observation::{Channel, Kind};
 use tunenet_core::simulator::measurement_effects;
 
-use super::declared_check;
+use super::declared_check::{self, Wrong};
 use super::declared_schema::Declares;
 use super::schema::{Definition, Key, LONGEST_NAME, Shape, key, lookup, texts};
 
@@ -102,7 +101,7 @@ pub(super) const SAMPLES: &[Definition] = &[
 ];
 
 /// The first thing that no key alone shows to be wrong: its path, its place, what is expected and what is found.
-pub(super) fn contradiction(root: &Table) -> Option<(String, Range<usize>, String, String)> {
+pub(super) fn contradiction(root: &Table) -> Option<Wrong> {
     let at = |path: &str| lookup(root, path);
     let place = |path: &str| at(path).and_then(Item::span).unwrap_or(0..0);
     let wrong = |path: &str, expected: &str, found: String| Some((path.into(), place(path), expected.into(), found));
