@@ -1,6 +1,6 @@
 //! Observations, simulators, networks, estimation and diagnosis: the part of the tool that is the same for every simulator.
 //!
-//! It knows no physics engine, no video and no terminal. Six modules, each importing only those above it:
+//! It knows no physics engine, no video and no terminal. Seven modules, each importing only those above it:
 //!
 //! | module | question | start reading at |
 //! |---|---|---|
@@ -10,6 +10,7 @@
 //! | [`estimate`] | which values fit best, and how surely? | [`estimate::Problem`] |
 //! | [`tune`] | what fits? | Algorithm 1 |
 //! | [`diagnose`] | what is missing? | [`diagnose::diagnose`] |
+//! | [`law`] | which formula is missing, where no known effect is? | [`law::search`] |
 //!
 //! # A simulator of your own
 //!
@@ -30,6 +31,7 @@ pub mod error;
 pub mod estimate;
 pub mod finding;
 pub mod findings;
+pub mod law;
 pub mod network;
 pub mod observation;
 pub mod simulator;

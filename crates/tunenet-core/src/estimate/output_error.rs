@@ -106,6 +106,11 @@ impl Linearisation {
         if self.rollouts { self.columns.iter().map(Columns::count).sum() } else { 0 }
     }
 
+    /// The columns of each recording.
+    pub(crate) fn columns(&self) -> &[Columns] {
+        &self.columns
+    }
+
     /// The columns of these shared parameters, and of all nuisance parameters.
     fn of(&self, free: &[usize]) -> Vec<Columns> {
         let kept = |one: &Columns| {
@@ -188,6 +193,17 @@ impl Problem<'_> {
     pub(crate) fn fit_briefly(&self, start: Point, near: Option<&Linearisation>) -> Result<Fit> {
         let settings = Settings { steps: 2, ends_measured: false, ..Settings::RESOLVED };
         self.fit_with(start, 1.0, near, &settings)
+    }
+
+    /// At most so many steps from `start`, and derivatives measured so often: enough to rank it, where it is one of many.
+    pub(crate) fn fit_steps(&self, start: Point, steps: usize, derivatives: usize) -> Result<Fit> {
+        let settings = Settings { steps, derivatives, ends_measured: false, tolerance: 0.05, ..Settings::RESOLVED };
+        self.fit_with(start, 1.0, None, &settings)
+    }
+
+    /// Where the derivatives at `fit` lead to if `residuals` are left there instead of its own.
+    pub(crate) fn stepped(&self, fit: &Fit, linear: &Linearisation, residuals: &[Vec<f64>]) -> Point {
+        full_step(&self.window(1.0), &fit.point, residuals, &linear.columns, robust_scale(residuals))
     }
 
     /// As [`fit`](Problem::fit), but ends as well where no more than `enough` of the cost is left to gain: a profile needs its

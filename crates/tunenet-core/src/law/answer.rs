@@ -1,0 +1,209 @@
+//! What a search for a law ends with.
+
+use serde::Serialize;
+
+use super::shape::Role;
+use super::space::Carried;
+use super::term::Term;
+
+/// The answer in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing is missing that these recordings could show.
+    None,
+    /// One law, which held-out recordings confirm.
+    Law,
+    /// Several laws, or one without held-out recordings.
+    OneOf,
+    /// What the catalogue names explains the recordings as well, or is the law.
+    Named,
+    /// Something is missing, and no law of the table explains it.
+    Unknown,
+}
+
+/// Why a law is not the answer, or not alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reason {
+    /// Held-out recordings are predicted worse than noise allows.
+    HeldOut,
+    /// There are no held-out recordings.
+    NoHeldOut,
+    /// More than noise is left.
+    ResidualForce,
+    /// Recordings differ: something unmeasured.
+    Heterogeneity,
+    /// It depends on the time, and fails a test.
+    Time,
+    /// The allowance of rollouts ended the search.
+    Rollouts,
+    /// Several laws explain the recordings.
+    Several,
+    /// No shape of the table gains what it costs.
+    Grammar,
+    /// An effect of the catalogue explains the recordings as well.
+    Catalogue,
+}
+
+/// What the tests of a law measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Gates {
+    /// Evidence of a force that is left, in nats; at most 3.
+    pub residual_force_nats: f64,
+    /// Probability that recordings differ so much by chance; at least 0.001. `None` of a single recording.
+    pub heterogeneity_p: Option<f64>,
+    /// Error on held-out recordings over the noise; at most 1.05. `None` without any.
+    pub held_out_ratio: Option<f64>,
+    /// The same of the model without the law.
+    pub held_out_base: Option<f64>,
+}
+
+impl Gates {
+    /// The first test that fails.
+    #[must_use]
+    pub fn failed(&self) -> Option<Reason> {
+        use super::judge::{LEAST_PROBABILITY, MOST_FORCE, MOST_HELD_OUT};
+        let worse = |ratio: f64| ratio > MOST_HELD_OUT || self.held_out_base.is_some_and(|base| ratio > base);
+        // What fails on held-out recordings, and what differs between recordings, says more than what is left.
+        if self.heterogeneity_p.is_some_and(|p| p < LEAST_PROBABILITY) {
+            Some(Reason::Heterogeneity)
+        } else if self.residual_force_nats > MOST_FORCE {
+            Some(Reason::ResidualForce)
+        } else if self.held_out_ratio.is_some_and(worse) {
+            Some(Reason::HeldOut)
+        } else {
+            None
+        }
+    }
+}
+
+/// One number of a law.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Number {
+    /// Its key in the formula.
+    pub key: String,
+    /// Its value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Its 95 % interval, wider by what the choice of the form leaves open.
+    pub interval95: (f64, f64),
+    /// What it is inside a factor; `None` of a coefficient.
+    #[serde(skip)]
+    pub role: Option<Role>,
+}
+
+/// An exponent that was rounded, with its interval before.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Rounded {
+    /// The rounded value.
+    pub value: f64,
+    /// The interval of the fitted one.
+    pub interval95: (f64, f64),
+}
+
+/// A term of a law.
+#[derive(Debug, Clone, Serialize)]
+pub struct FoundTerm {
+    /// The term.
+    #[serde(skip)]
+    pub term: Term,
+    /// The product of its factors as a formula; empty of a constant.
+    pub formula: String,
+    /// The names of its components.
+    pub components: Vec<String>,
+    /// Its numbers.
+    pub numbers: Vec<Number>,
+    /// Of each factor, its rounded constant.
+    pub rounded: Vec<Option<Rounded>>,
+    /// The variables that its factors use: their positions and names.
+    #[serde(skip)]
+    pub variables: Vec<(usize, String)>,
+    /// How the host carries it: the bounds of its numbers.
+    #[serde(skip)]
+    pub carried: Carried,
+}
+
+/// A law.
+#[derive(Debug, Clone, Serialize)]
+pub struct Member {
+    /// Its terms.
+    pub terms: Vec<FoundTerm>,
+    /// The effect of the catalogue that it is.
+    pub alias: Option<&'static str>,
+    /// Gain of the information criterion, and with the price of its structure.
+    pub bic_gain: f64,
+    /// The latter.
+    pub score: f64,
+    /// How far its gain is behind the best.
+    pub behind_best: f64,
+    /// The length of its description.
+    pub bits: f64,
+    /// What its tests measured.
+    pub gates: Gates,
+    /// Between which values of each variable that it uses it was seen: position of the variable, and the range.
+    pub valid: Vec<(String, (f64, f64))>,
+    /// Whether it depends on the clock.
+    pub depends_on_time: bool,
+    /// Whether rollouts over one and a half times that range stay finite.
+    pub bounded: bool,
+    /// The parameters of the simulator with it, in its order, and their 95 % intervals.
+    pub parameters: Vec<(f64, (f64, f64))>,
+}
+
+/// A law that a test refused.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Refused {
+    /// It, in words.
+    pub text: String,
+    /// Its gain of the information criterion.
+    pub bic_gain: f64,
+    /// The test.
+    pub gate: Reason,
+}
+
+/// The answer.
+#[derive(Debug, Clone, Serialize)]
+pub struct Answer {
+    /// In one word.
+    pub verdict: Verdict,
+    /// Why not more than that.
+    pub reason: Option<Reason>,
+    /// The laws, best first.
+    pub members: Vec<Member>,
+    /// Laws within the margin that a test refused.
+    pub refused: Vec<Refused>,
+    /// Evidence of a missing force about the model without a law, nats.
+    pub base_force_nats: f64,
+    /// What the catalogue's answer gains in the information criterion on the same recordings.
+    pub rival_bic_gain: Option<f64>,
+    /// How many recordings were held out.
+    pub held_out: usize,
+    /// Root mean square of the residuals in units of the noise, without a law and with the best.
+    pub left: (f64, f64),
+    /// Rollouts in all.
+    pub rollouts: usize,
+}
+
+impl Member {
+    /// It in words: coefficients, formulas and directions.
+    #[must_use]
+    pub fn text(&self) -> String {
+        self.terms.iter().map(FoundTerm::text).collect::<Vec<_>>().join(" + ")
+    }
+}
+
+impl FoundTerm {
+    /// It in words: `a * speed^p along v`.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let along = self.components.join(", ");
+        let sign = if self.components.len() == 1 { "a" } else { "(a)" };
+        if self.formula.is_empty() {
+            format!("{sign} along {along}")
+        } else {
+            format!("{sign} * {} along {along}", self.formula)
+        }
+    }
+}

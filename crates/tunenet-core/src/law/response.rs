@@ -1,0 +1,332 @@
+//! Linearised response (Ljung 1999, section 4.5): how the residuals of a fit answer to a piecewise-constant acceleration, with initial
+//! states and parameters projected out (Frisch and Waugh 1933).
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::shape::{Range, Shape};
+use super::space::{Host, Visit};
+use super::term::{Factor, Term};
+use crate::Result;
+use crate::estimate::jacobian::Columns;
+use crate::estimate::{Fit, RolloutLog};
+use crate::simulator::{Prepared, every, predict};
+use crate::statistics::quantile;
+
+/// Samples in a piece of constant acceleration, and most pieces of a recording.
+const SAMPLES: usize = 3;
+const MOST_PIECES: usize = 50;
+/// Directions of the acceleration that change the record by less than this share of the strongest are left out.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// One recording's part.
+pub(super) struct Part {
+    /// What the middle of each piece visits.
+    pub visits: Vec<Visit>,
+    /// Response of the prediction in units of the noise, shape `[value, axis · piece]`.
+    response: DMatrix<f64>,
+    /// The response that is left, in its own coordinates, for each direction and component: shape `[coordinate, piece]`.
+    reduced: Vec<Vec<DMatrix<f64>>>,
+    /// The same for each axis.
+    pub axes: Vec<DMatrix<f64>>,
+    /// What of each coordinate the shared parameters explain, shape `[parameter, coordinate]`.
+    explained: DMatrix<f64>,
+    /// The orthonormal coordinates among the values.
+    basis: DMatrix<f64>,
+    /// An orthonormal basis of the nuisance parameters' columns.
+    own: DMatrix<f64>,
+    /// The residuals in the coordinates.
+    pub residual: DVector<f64>,
+}
+
+/// What a term changes, in the coordinates of all recordings, and what of it the shared parameters explain.
+#[derive(Debug, Clone)]
+pub(super) struct Column {
+    coordinates: DVector<f64>,
+    explained: DVector<f64>,
+}
+
+impl Column {
+    pub fn dot(&self, other: &Self) -> f64 {
+        self.coordinates.dot(&other.coordinates) - self.explained.dot(&other.explained)
+    }
+}
+
+/// The response of all recordings.
+pub(super) struct Response {
+    pub parts: Vec<Part>,
+    /// The residuals as a column.
+    pub left: Column,
+    /// Their sum of squares after initial states and parameters.
+    pub squares: f64,
+    /// How many values there are.
+    pub count: usize,
+    /// Between which values the recordings move each variable.
+    pub ranges: Vec<Range>,
+    /// The values of each variable at all pieces of all recordings, and its side of 0.
+    variables: Vec<Vec<f64>>,
+}
+
+/// What is measured: recordings with their noise and the fit to them.
+pub(super) struct Fitted<'a> {
+    pub recordings: &'a [Prepared],
+    pub noise: &'a [Vec<f64>],
+    pub fit: &'a Fit,
+    pub columns: &'a [Columns],
+}
+
+impl Response {
+    /// Measures it by rollouts, one for each piece, axis and recording.
+    pub fn measure(host: &dyn Host, of: &Fitted, log: &RolloutLog) -> Result<Self> {
+        let space = host.space();
+        let base = host.carrying(&[])?;
+        let mut parts = Vec::new();
+        for (d, recording) in of.recordings.iter().enumerate() {
+            let clock = recording.seen.clock();
+            let pieces = (clock.len() / SAMPLES).clamp(2, MOST_PIECES);
+            let (first, last) = (clock[0], clock[clock.len() - 1]);
+            let span_s = (last - first) / pieces as f64;
+            let middles: Vec<f64> = (0..pieces).map(|b| first + span_s * (b as f64 + 0.5)).collect();
+            let point = &of.fit.point;
+            let visits = base.visits(recording, &point.parameters, &point.nuisances[d], &middles)?;
+            log.add(1);
+            let response = response(host, of, d, (first, span_s, pieces), log)?;
+            parts.push((visits, response));
+        }
+        let visited: Vec<&[Visit]> = parts.iter().map(|(visits, _)| visits.as_slice()).collect();
+        let ranges = ranges(&visited, space.variables.len());
+        Ok(Self::reduced(parts, of, ranges, space.axes.len()))
+    }
+
+    fn reduced(parts: Vec<(Vec<Visit>, DMatrix<f64>)>, of: &Fitted, ranges: Vec<Range>, axes: usize) -> Self {
+        let shared = of.columns.first().map_or(0, |c| c.shared.len());
+        let count: usize = of.fit.residuals.iter().map(Vec::len).sum();
+        let owns: Vec<DMatrix<f64>> = of.columns.iter().map(|c| orthonormal(&c.nuisances)).collect();
+        let clean = |d: usize, m: DMatrix<f64>| {
+            let projected = &owns[d] * (owns[d].transpose() * &m);
+            m - projected
+        };
+        let matrix = |columns: &[Vec<f64>], rows: usize| DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]);
+        let tangents: Vec<DMatrix<f64>> = of
+            .columns
+            .iter()
+            .zip(&of.fit.residuals)
+            .enumerate()
+            .map(|(d, (c, r))| clean(d, matrix(&c.shared, r.len())))
+            .collect();
+        // The inverse root of the parameters' normal matrix makes their columns orthonormal.
+        let normal = tangents.iter().fold(DMatrix::zeros(shared, shared), |sum, t| sum + t.transpose() * t);
+        let root = inverse_root(&normal);
+        let mut variables = vec![Vec::new(); ranges.len()];
+        let (mut made, mut explained, mut squares) = (Vec::new(), DVector::zeros(root.ncols()), 0.0);
+        for (d, (visits, response)) in parts.into_iter().enumerate() {
+            let residual = clean(d, DMatrix::from_column_slice(of.fit.residuals[d].len(), 1, &of.fit.residuals[d]));
+            let cleaned = clean(d, response.clone());
+            let basis = basis(&cleaned);
+            let along = basis.transpose() * &cleaned;
+            let orthonormal = &tangents[d] * &root;
+            explained += orthonormal.transpose() * residual.column(0);
+            squares += residual.norm_squared();
+            for visit in &visits {
+                variables.iter_mut().zip(&visit.variables).for_each(|(all, value)| all.push(*value));
+            }
+            let pieces = visits.len();
+            let axis = |a: usize| along.columns(a * pieces, pieces).into_owned();
+            let axes: Vec<DMatrix<f64>> = (0..axes).map(axis).collect();
+            let component = |direction: usize, c: usize| {
+                let mut sum = DMatrix::zeros(along.nrows(), pieces);
+                for (a, of_axis) in axes.iter().enumerate() {
+                    for (b, visit) in visits.iter().enumerate() {
+                        let share = visit.components[direction][c][a];
+                        if share != 0.0 {
+                            sum.column_mut(b).axpy(share, &of_axis.column(b), 1.0);
+                        }
+                    }
+                }
+                sum
+            };
+            let shape: Vec<usize> = visits.first().map_or(Vec::new(), |v| v.components.iter().map(Vec::len).collect());
+            let reduced = (0..shape.len()).map(|k| (0..shape[k]).map(|c| component(k, c)).collect()).collect();
+            made.push(Part {
+                reduced,
+                axes,
+                explained: orthonormal.transpose() * &basis,
+                residual: basis.transpose() * residual.column(0),
+                own: owns[d].clone(),
+                visits,
+                response,
+                basis,
+            });
+        }
+        let left = Column { coordinates: stacked(made.iter().map(|p| &p.residual)), explained };
+        let squares = squares - left.explained.norm_squared();
+        Self { parts: made, left, squares, count, ranges, variables }
+    }
+
+    /// The values of a factor at all pieces.
+    pub fn factor(&self, factor: &Factor, constants: &[f64]) -> Vec<f64> {
+        let term = Term::new(0, 0, vec![Factor { variable: 0, ..factor.clone() }]);
+        let each = self.variables[factor.variable].iter();
+        each.map(|x| term.product(constants, &[*x], &[x.signum()])).collect()
+    }
+
+    /// What a direction times these values at all pieces changes: a column for each of its components.
+    pub fn columns(&self, direction: usize, values: &[f64]) -> Vec<Column> {
+        let components = self.parts[0].reduced[direction].len();
+        let one = |c: usize| {
+            let mut at = 0;
+            let mut coordinates = Vec::new();
+            let mut explained = DVector::zeros(self.left.explained.len());
+            for part in &self.parts {
+                let pieces = part.visits.len();
+                let own = DVector::from_column_slice(&values[at..at + pieces]);
+                at += pieces;
+                let along = &part.reduced[direction][c] * own;
+                explained += &part.explained * &along;
+                coordinates.extend(along.iter());
+            }
+            Column { coordinates: DVector::from_vec(coordinates), explained }
+        };
+        (0..components).map(one).collect()
+    }
+
+    /// What a further column of derivatives of the residuals is in the coordinates.
+    pub fn tangent(&self, derivative: &[Vec<f64>]) -> DVector<f64> {
+        let each = self.parts.iter().zip(derivative).map(|(part, of)| {
+            let of = DVector::from_column_slice(of);
+            part.basis.transpose() * (&of - &part.own * (part.own.transpose() * &of))
+        });
+        stacked(each.collect::<Vec<_>>().iter())
+    }
+
+    /// Residuals of another fit in the coordinates.
+    pub fn coordinates(&self, residuals: &[Vec<f64>]) -> DVector<f64> {
+        self.tangent(residuals)
+    }
+
+    /// How the prediction of each recording answers to a term with these numbers.
+    pub fn answer(&self, term: &Term, numbers: &[f64]) -> Vec<Vec<f64>> {
+        let each = self.parts.iter().map(|part| {
+            let pieces = part.visits.len();
+            let axes = part.response.ncols() / pieces;
+            let mut acceleration = DVector::zeros(part.response.ncols());
+            for (b, visit) in part.visits.iter().enumerate() {
+                let sides: Vec<f64> = visit.variables.iter().map(|x| x.signum()).collect();
+                let product = term.product(numbers, &visit.variables, &sides);
+                for (component, coefficient) in visit.components[term.direction].iter().zip(numbers) {
+                    for a in 0..axes {
+                        acceleration[a * pieces + b] += coefficient * product * component[a];
+                    }
+                }
+            }
+            (&part.response * acceleration).iter().copied().collect()
+        });
+        each.collect()
+    }
+
+    /// How many coordinates all recordings have together.
+    pub fn dimension(&self) -> usize {
+        self.left.coordinates.len()
+    }
+}
+
+/// The response of one recording by rollouts with a window of acceleration along each axis.
+fn response(
+    host: &dyn Host,
+    of: &Fitted,
+    d: usize,
+    (first, span_s, pieces): (f64, f64, usize),
+    log: &RolloutLog,
+) -> Result<DMatrix<f64>> {
+    let space = host.space();
+    let (recording, noise, point) = (&of.recordings[d], &of.noise[d], &of.fit.point);
+    let clock = recording.seen.clock();
+    let weigh =
+        |values: Vec<f64>| -> Vec<f64> { values.iter().enumerate().map(|(i, v)| v / noise[i % noise.len()]).collect() };
+    let mut columns = Vec::new();
+    let anywhere = Range { low: first, high: clock[clock.len() - 1], least: first, greatest: 1.0 };
+    for &direction in &space.axes {
+        let clock_variable = space.variables.iter().position(|v| v.nature == super::space::Nature::Clock).unwrap_or(0);
+        let term = Term::new(direction, 1, vec![Factor::new(Shape::Window, clock_variable)]);
+        let ranges = vec![anywhere; space.variables.len()];
+        let with = host.carrying(&[term.carried(host, &ranges, 0, f64::MAX.sqrt())])?;
+        let run = |a: f64, b: usize| {
+            let (from, to) = (first + span_s * b as f64, first + span_s * (b + 1) as f64);
+            let numbers: Vec<f64> = point.parameters.iter().copied().chain([a, from, to]).collect();
+            predict(with.as_ref(), recording, &numbers, &point.nuisances[d], clock).map(weigh)
+        };
+        // The size that moves the record by about its noise: measured with a first piece, then used for all.
+        let still = run(0.0, 0)?;
+        let guess = 1e-6 / (span_s * span_s).max(1e-12);
+        let moved = run(guess, 0)?;
+        let most = moved.iter().zip(&still).map(|(a, b)| (a - b).abs()).fold(1e-12, f64::max);
+        let size = guess * (1.0 / most).clamp(1e-9, 1e9);
+        log.add(pieces + 2);
+        let column = |b: usize| -> Result<Vec<f64>> {
+            let one = |a: f64| Ok(run(a, b)?.iter().zip(&still).map(|(m, s)| (m - s) / a).collect());
+            one(size).or_else(|_: crate::Error| one(-size))
+        };
+        columns.extend(every((0..pieces).into_par_iter().map(column))?);
+    }
+    let rows = clock.len() * recording.seen.channels().len();
+    Ok(DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]))
+}
+
+/// Between which values of each variable these visits lie.
+pub(super) fn ranges(recordings: &[&[Visit]], variables: usize) -> Vec<Range> {
+    let one = |v: usize| {
+        let all = || recordings.iter().copied().flatten().map(move |visit| visit.variables[v]);
+        Range {
+            low: quantile(all(), 0.01).unwrap_or(0.0),
+            high: quantile(all(), 0.99).unwrap_or(1.0),
+            least: all().fold(f64::INFINITY, f64::min),
+            greatest: all().fold(0.0, |most, x| most.max(x.abs())),
+        }
+    };
+    (0..variables).map(one).collect()
+}
+
+fn stacked<'a>(parts: impl Iterator<Item = &'a DVector<f64>>) -> DVector<f64> {
+    DVector::from_vec(parts.flat_map(|part| part.iter().copied()).collect())
+}
+
+/// An orthonormal basis of these columns.
+fn orthonormal(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    let rows = columns.first().map_or(0, Vec::len);
+    if columns.is_empty() {
+        return DMatrix::zeros(rows, 0);
+    }
+    let m = DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]);
+    let root = inverse_root(&(m.transpose() * &m));
+    m * root
+}
+
+/// A matrix R with Rᵀ M R = 1 on the span of the symmetric M.
+pub(super) fn inverse_root(m: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = m.nrows();
+    if n == 0 {
+        return DMatrix::zeros(0, 0);
+    }
+    let scale = DVector::from_fn(n, |i, _| m[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip());
+    let scaled = DMatrix::from_fn(n, n, |i, j| m[(i, j)] * scale[i] * scale[j]);
+    if scaled.iter().any(|v| !v.is_finite()) {
+        return DMatrix::zeros(n, 0);
+    }
+    let eigen = scaled.symmetric_eigen();
+    let kept: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] > 1e-10).collect();
+    DMatrix::from_fn(n, kept.len(), |i, j| {
+        scale[i] * eigen.eigenvectors[(i, kept[j])] / eigen.eigenvalues[kept[j]].sqrt()
+    })
+}
+
+/// The left singular vectors of a response that matter.
+fn basis(response: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = (response.transpose() * response).symmetric_eigen();
+    let greatest = eigen.eigenvalues.iter().fold(0.0_f64, |most, v| most.max(*v));
+    let least = (LEAST_SHARE * LEAST_SHARE * greatest).max(f64::MIN_POSITIVE);
+    let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&i| eigen.eigenvalues[i] > least).collect();
+    let right = DMatrix::from_fn(response.ncols(), kept.len(), |i, j| {
+        eigen.eigenvectors[(i, kept[j])] / eigen.eigenvalues[kept[j]].sqrt()
+    });
+    response * right
+}

@@ -1,0 +1,55 @@
+//! A second term where the first leaves a force: forms on what it leaves, and pairs of single forms.
+
+use nalgebra::DVector;
+
+use super::evidence::residual_force;
+use super::judge::MOST_FORCE;
+use super::linear::{Candidate, Search};
+use super::refit::{Law, Session};
+use super::response::Response;
+use super::simplify::simplify;
+
+/// How many forms are fitted in addition to the first term, how many pairs, and of how many single forms these are.
+const MORE: usize = 5;
+const PAIRS: usize = 6;
+const PAIRED: usize = 24;
+const STEPS: usize = 6;
+/// What a second term has to gain.
+const LEAST_GAIN: f64 = 6.0;
+/// Steps of differences, as shares.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Laws of two terms that gain enough over `first`.
+pub(super) fn second(session: &Session, response: &Response, singles: &[Candidate], first: &mut Law) -> Vec<Law> {
+    let Ok(linear) = session.linearise(response, first) else { return Vec::new() };
+    let shared = linear.columns().first().map_or(0, |c| c.shared.len());
+    let tangents: Vec<DVector<f64>> = (0..shared)
+        .map(|j| response.tangent(&linear.columns().iter().map(|c| c.shared[j].clone()).collect::<Vec<_>>()))
+        .collect();
+    let force = residual_force(response, &response.coordinates(&first.fit.residuals), &tangents);
+    if force <= MOST_FORCE || first.terms.len() > 1 {
+        return Vec::new();
+    }
+    let mut search = Search::new(session.host.space(), response);
+    let (term, numbers) = (&first.terms[0], &first.numbers()[0]);
+    search.known = search.columns(term, numbers);
+    for i in term.components..numbers.len() {
+        let mut moved = numbers.clone();
+        moved[i] += DIFFERENCE * moved[i].abs().max(1e-3);
+        // The difference of two columns that lie close together spans with them what the constant changes.
+        search.known.extend(search.columns(term, &moved));
+    }
+    let more = search.singles().into_iter().take(MORE).map(|c| Candidate {
+        terms: vec![term.clone(), c.terms[0].clone()],
+        numbers: vec![numbers.clone(), c.numbers[0].clone()],
+        score: c.score,
+    });
+    let more: Vec<Candidate> = more.collect();
+    let alone = Search::new(session.host.space(), response);
+    let pairs = alone.pairs(&singles[..singles.len().min(PAIRED)]);
+    let begun = more.iter().chain(pairs.iter().take(PAIRS));
+    let mut found: Vec<Law> = begun.filter_map(|c| session.fit(response, c, STEPS)).collect();
+    found.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let best = found.into_iter().take(2).map(|law| simplify(session, response, law));
+    best.filter(|law| law.score > first.score + LEAST_GAIN).collect()
+}

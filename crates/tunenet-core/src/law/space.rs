@@ -1,0 +1,100 @@
+//! What a simulator offers to a search for a law: directions in which a term may act, and variables that it may depend on.
+
+use crate::Result;
+use crate::simulator::{Effect, Prepared, Simulator};
+
+use super::Term;
+
+/// What a variable is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Nature {
+    /// A number of either sign; where the recordings visit positive values only, it is treated as positive.
+    Number,
+    /// The time on the clock of a recording.
+    Clock,
+}
+
+/// A variable that a term may depend on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Its name in formulas.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What it is.
+    pub nature: Nature,
+    /// Whether motion can stop where it is 0, so that a term may jump there: a rate.
+    pub rate: bool,
+}
+
+/// A direction: one component, or several that share a factor, each with a coefficient of its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Direction {
+    /// The names of its components, of which each is a direction of the simulator.
+    pub components: Vec<String>,
+}
+
+/// Directions and variables.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Space {
+    /// The directions, each component with an acceleration of every axis (see [`Visit`]).
+    pub directions: Vec<Direction>,
+    /// The variables.
+    pub variables: Vec<Variable>,
+    /// Positions of the directions that are the axes: of one component each, they span every acceleration.
+    pub axes: Vec<usize>,
+}
+
+/// What one instant of a rollout visits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Visit {
+    /// The values of all variables.
+    pub variables: Vec<f64>,
+    /// What a unit of each component adds to each axis, shape `[direction][component][axis]`.
+    pub components: Vec<Vec<Vec<f64>>>,
+}
+
+/// A term with its entry of the catalogue: the name and the bounds of its numbers, in the order of [`Term::constants`].
+#[derive(Debug, Clone)]
+pub struct Carried {
+    /// How it acts.
+    pub term: Term,
+    /// Its entry.
+    pub effect: Effect,
+}
+
+/// A simulator that says what its rollouts visit.
+pub trait Visiting: Simulator {
+    /// What a rollout visits at these instants (s, rising, on the clock of the recording).
+    ///
+    /// # Errors
+    /// Where the simulator refuses these values.
+    fn visits(
+        &self,
+        recording: &Prepared,
+        parameters: &[f64],
+        nuisances: &[f64],
+        instants_s: &[f64],
+    ) -> Result<Vec<Visit>>;
+}
+
+/// A simulator whose equations of motion take further terms.
+pub trait Host: Send + Sync {
+    /// Directions and variables.
+    fn space(&self) -> &Space;
+
+    /// The simulator with these terms: their numbers follow its parameters, each at its absent value.
+    ///
+    /// # Errors
+    /// Where a term cannot be carried.
+    fn carrying(&self, terms: &[Carried]) -> Result<Box<dyn Visiting>>;
+
+    /// The unit of a coefficient along a direction that multiplies powers of variables (variable, exponent).
+    fn unit(&self, direction: usize, powers: &[(usize, f64)]) -> String;
+
+    /// The effect of the catalogue that a term is where its one open or rounded exponent has this value, if any.
+    fn alias(&self, term: &Term, exponent: Option<f64>) -> Option<&'static str> {
+        let _ = (term, exponent);
+        None
+    }
+}

@@ -1,0 +1,106 @@
+//! Searches on a point that moves along a line: truths are closed forms, which share nothing with its integrator.
+
+mod line;
+
+use line::{Line, observed};
+
+use super::{Settings, Shape, Verdict, search};
+use crate::observation::Observation;
+use crate::simulator::{Preparation, Prepared, Simulator};
+
+const NOISE_M: f64 = 1e-3;
+const SECONDS: f64 = 1.5;
+/// Initial speeds (m/s) of recordings to fit, and of held-out ones.
+const SPEEDS: [f64; 3] = [-0.5, 2.0, -3.0];
+const AHEAD: [f64; 2] = [1.0, -2.0];
+
+/// Falls with quadratic resistance: v = −u tanh(g t/u + b), where tanh is replaced by tan while the point rises.
+fn quadratic(g: f64, u: f64, v0: f64, t: f64) -> f64 {
+    let falling = |v: f64, t: f64| {
+        let b = (-v / u).atanh();
+        -(u * u / g) * ((g * t / u + b).cosh() / b.cosh()).ln()
+    };
+    if v0 <= 0.0 {
+        return falling(v0, t);
+    }
+    let b = (v0 / u).atan();
+    let top = b * u / g;
+    let risen = |t: f64| (u * u / g) * ((b - g * t / u).cos() / b.cos()).ln();
+    if t < top { risen(t) } else { risen(top) + falling(0.0, t - top) }
+}
+
+fn prepared(host: &Line, seen: &[Observation]) -> Vec<Prepared> {
+    let one = |seen: &Observation| match host.simulator().prepare(seen).unwrap() {
+        Preparation::Usable(prepared) => *prepared,
+        Preparation::Rejected(rejected) => panic!("{:?}", rejected.note),
+    };
+    seen.iter().map(one).collect()
+}
+
+fn recordings(speeds: &[f64], seed: u64, path: &dyn Fn(usize, f64, f64) -> f64) -> Vec<Observation> {
+    let one = |(i, v0): (usize, &f64)| observed(SECONDS, NOISE_M, seed + i as u64, &|t| path(i, *v0, t));
+    speeds.iter().enumerate().map(one).collect()
+}
+
+fn asked(path: &dyn Fn(usize, f64, f64) -> f64, seed: u64, settings: &Settings) -> super::Answer {
+    let host = Line::new();
+    let fitted = prepared(&host, &recordings(&SPEEDS, seed, path));
+    let ahead = prepared(&host, &recordings(&AHEAD, seed + 100, path));
+    search(&host, &fitted, &ahead, settings).unwrap()
+}
+
+#[test]
+fn a_fall_without_resistance_has_no_law() {
+    let answer = asked(&|_, v0, t| v0 * t - 0.5 * 9.8 * t * t, 3, &Settings::default());
+    assert_eq!(answer.verdict, Verdict::None);
+    assert!(answer.base_force_nats < 3.0, "{}", answer.base_force_nats);
+}
+
+#[test]
+fn quadratic_resistance_is_found_with_its_exponent_and_its_coefficient() {
+    let u = 12.0;
+    let answer = asked(&|_, v0, t| quadratic(9.8, u, v0, t), 5, &Settings::default());
+    let best = &answer.members[0];
+    assert!(matches!(answer.verdict, Verdict::Law | Verdict::OneOf), "{answer:?}");
+    let is = |m: &super::Member| {
+        m.terms.len() == 1
+            && matches!(&m.terms[0].term.factors[..], [f] if f.shape == Shape::OddPower && f.variable == 1)
+    };
+    let found = answer.members.iter().find(|m| is(m)).unwrap_or_else(|| panic!("{}", best.text()));
+    let (low, high) = match found.terms[0].rounded[0] {
+        Some(rounded) => rounded.interval95,
+        None => found.terms[0].numbers[1].interval95,
+    };
+    assert!(low <= 2.0 && 2.0 <= high, "{low} {high}");
+    if found.terms[0].rounded[0].is_some() {
+        let (low, high) = found.terms[0].numbers[0].interval95;
+        let wanted = -9.8 / (u * u);
+        assert!(low <= wanted && wanted <= high, "{low} {wanted} {high}");
+    }
+    assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
+}
+
+/// A resistance that differs from recording to recording is no law.
+#[test]
+fn an_unmeasured_difference_between_recordings_is_never_a_law_alone() {
+    let strength = [9.0, 14.0, 30.0];
+    let answer = asked(&|i, v0, t| quadratic(9.8, strength[i], v0, t), 7, &Settings::default());
+    assert_ne!(answer.verdict, Verdict::Law, "{answer:?}");
+    assert!(answer.rollouts <= 10_000, "{}", answer.rollouts);
+}
+
+#[test]
+fn without_held_out_recordings_no_law_stands_alone() {
+    let host = Line::new();
+    let path = |_: usize, v0: f64, t: f64| quadratic(9.8, 12.0, v0, t);
+    let fitted = prepared(&host, &recordings(&SPEEDS, 9, &path));
+    let answer = search(&host, &fitted, &[], &Settings::default()).unwrap();
+    assert_ne!(answer.verdict, Verdict::Law);
+}
+
+#[test]
+fn the_allowance_of_rollouts_ends_a_search() {
+    let settings = Settings { rollouts: Some(600), ..Settings::default() };
+    let answer = asked(&|_, v0, t| quadratic(9.8, 12.0, v0, t), 5, &settings);
+    assert!(answer.rollouts <= 1_000, "{}", answer.rollouts);
+}
