@@ -13,6 +13,7 @@
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
 //! | [`open_drag`] | the drag that recordings leave open |
 //! | [`formula_effect`] | effects that a user writes as formulas |
+//! | [`law`] | balls and equations as hosts of a search for a law |
 //! | [`phase`] | where effects act, in words |
 //! | [`declared`] | channels, inputs, initial states and candidates that a file declares itself |
 //! | [`equations`] | a simulator of formulas that stand in the file itself |
@@ -32,6 +33,7 @@ pub mod drawn;
 pub mod equations;
 pub mod findings;
 pub mod formula_effect;
+pub mod law;
 pub mod network;
 pub mod observed;
 pub mod observed_arm;

@@ -20,6 +20,14 @@ pub type EquationsSimulator = Declared<EquationsModel>;
 /// # Panics
 /// Where `files` is empty.
 pub fn equations(files: &[&SimulationFile]) -> Result<EquationsSimulator> {
+    equations_of(files, &|_, system| system)
+}
+
+/// As [`equations`], the system of each file changed by `change` before it simulates.
+pub(crate) fn equations_of(
+    files: &[&SimulationFile],
+    change: &dyn Fn(&SimulationFile, System) -> System,
+) -> Result<EquationsSimulator> {
     let file = files[0];
     let (parameters, channels) = (file.parameters()?, declared::channels(file)?);
     declared::refuse_scale_without_lengths(file, &channels)?;
@@ -31,7 +39,7 @@ pub fn equations(files: &[&SimulationFile]) -> Result<EquationsSimulator> {
             let message = "recordings of one object: expected the same outputs and states in every setup, found others";
             return Err(Error::file(file.path(), message, "give recordings that differ in them another `object`"));
         }
-        systems.push(system(other)?);
+        systems.push(change(other, system(other)?));
     }
     let states = files.iter().map(|file| declared::states(file)).collect::<Result<Vec<_>>>()?;
     declared::with_candidates(Declared::new(EquationsModel::new(systems), parameters, channels).setups(states), file)

@@ -15,6 +15,7 @@
 //! | `switching` | which side of a switching surface, or between both |
 //! | `event` | impacts, and when they have come to rest |
 //! | `crossing` | where within a step something crosses zero |
+//! | `law` | terms of a law that is searched, evaluated natively |
 //! | `rate` | how fast a formula changes along the motion |
 //! | `rollout` | from the start to the last instant |
 //! | `model` | as a simulator that core tunes and diagnoses |
@@ -27,6 +28,7 @@
 
 mod crossing;
 mod event;
+pub(crate) mod law;
 mod lower;
 mod model;
 mod motion;

@@ -52,6 +52,10 @@ pub(super) struct Motion<'a> {
     rates: Vec<f64>,
     /// What candidates that are there add.
     added: Vec<(usize, &'a Program)>,
+    /// The numbers of terms of a law.
+    law_numbers: Vec<f64>,
+    /// An instant of the present piece between the ends of windows, s.
+    pub window_s: f64,
     /// Positions and pieces of inputs and delayed inputs.
     pub pieces: Vec<(usize, Piece)>,
     pub sides: Vec<Side>,
@@ -77,12 +81,14 @@ impl<'a> Motion<'a> {
         let mut values = vec![0.0; slots.count];
         values[slots.parameters.clone()].copy_from_slice(parameters);
         values[slots.constants.clone()].copy_from_slice(&system.constants);
+        let (coefficients, law_numbers) = coefficients.split_at(slots.coefficients.len());
         values[slots.coefficients.clone()].copy_from_slice(coefficients);
         system.fix(&mut values);
         let there = |adds: &super::system::Adds| values[adds.coefficients.clone()] != adds.absent;
-        let acting: Vec<bool> = system.candidates.iter().map(there).collect();
+        let mut acting: Vec<bool> = system.candidates.iter().map(there).collect();
         let terms = system.candidates.iter().zip(&acting).filter(|(_, acts)| **acts).flat_map(|(adds, _)| &adds.terms);
         let added = terms.map(|term| (term.state, &term.program)).collect();
+        acting.extend(system.laws.iter().map(|_| true));
         let used = |owner: &Option<usize>| owner.is_none_or(|number| acting[number]);
         let sides = system
             .surfaces
@@ -93,6 +99,8 @@ impl<'a> Motion<'a> {
             start_s,
             rates: vec![0.0; slots.count],
             added,
+            law_numbers: law_numbers.to_vec(),
+            window_s: start_s,
             pieces: Vec::new(),
             sides: sides.collect(),
             greatest: vec![0.0; system.surfaces.len()],
@@ -135,6 +143,25 @@ impl<'a> Motion<'a> {
         for (state, program) in &self.added {
             out[*state] += program.value(&self.values);
         }
+        let mut numbers = self.law_numbers.as_slice();
+        for law in &self.system.laws {
+            let (own, rest) = numbers.split_at(law.numbers());
+            law.add(own, &self.values, self.window_s, out);
+            numbers = rest;
+        }
+    }
+
+    /// The instants at which windows of a law's terms begin and end, s since the start, rising.
+    pub fn window_ends(&self) -> Vec<f64> {
+        let (mut numbers, mut ends) = (self.law_numbers.as_slice(), Vec::new());
+        for law in &self.system.laws {
+            let (own, rest) = numbers.split_at(law.numbers());
+            ends.extend(law.window(own).into_iter().flatten().map(|t| t - self.start_s));
+            numbers = rest;
+        }
+        ends.retain(|t| *t > 0.0);
+        ends.sort_by(f64::total_cmp);
+        ends
     }
 
     /// Those that hold all constraints.

@@ -39,6 +39,8 @@ struct Rollout<'a> {
     /// Inputs and delayed inputs, in the order of the pieces of the motion.
     signals: Vec<Signal<'a>>,
     inputs: Vec<(&'a Input, f64)>,
+    /// When windows of a law's terms begin and end, s; those ahead.
+    windows: std::collections::VecDeque<f64>,
     watches: Vec<Watch>,
     /// The greatest magnitudes of the events' formulas.
     heights: Vec<f64>,
@@ -67,7 +69,10 @@ impl<'a> Rollout<'a> {
         let signals: Vec<Signal> = all.iter().map(|(_, input, by_s)| Signal::new(input, start_s, *by_s)).collect();
         motion.pieces = all.iter().zip(&signals).map(|((slot, ..), signal)| (*slot, signal.piece())).collect();
         let n = start.len();
+        let windows: std::collections::VecDeque<f64> = motion.window_ends().into();
+        motion.window_s = start_s + windows.front().map_or(0.0, |end| 0.5 * end);
         Ok(Self {
+            windows,
             stepper: Stepper::new(&start),
             signals,
             inputs: all.iter().map(|(_, input, by_s)| (*input, *by_s)).collect(),
@@ -120,6 +125,7 @@ impl<'a> Rollout<'a> {
         let wish = self.stepper.proposed;
         let mut h = wish;
         let ends = self.signals.iter().map(Signal::ends).fold(f64::INFINITY, f64::min);
+        let ends = self.windows.front().map_or(ends, |end| end.min(ends));
         loop {
             let t = self.stepper.t;
             let until = if t + h >= ends { ends } else { t + h };
@@ -204,6 +210,11 @@ impl<'a> Rollout<'a> {
                 self.most_evaluations += EVALUATIONS_PER_BREAK * signal.pass(t);
                 *piece = signal.piece();
             }
+        }
+        while self.windows.front().is_some_and(|end| *end <= t) {
+            self.windows.pop_front();
+            self.most_evaluations += EVALUATIONS_PER_BREAK;
+            self.motion.window_s = self.motion.start_s + self.windows.front().map_or(t + 1.0, |end| 0.5 * (t + end));
         }
         self.stepper.proposed = self.stepper.proposed.max(wish);
         if !self.watches.is_empty() {

@@ -7,6 +7,7 @@ use tunenet_core::observation::Channel;
 use tunenet_formula::{CONSTANTS, Formula, FormulaError, Function, Name, Program, Unit};
 
 use super::Misfit;
+use super::law::LawTerm;
 use super::lower::Lowering;
 use super::parts::{Compiled, Delayed, Slots, Surface, is_name_within};
 use crate::scene::{Candidate, EquationsScene};
@@ -56,6 +57,8 @@ pub struct System {
     pub(super) derivatives: Vec<Program>,
     pub(super) outputs: Vec<Program>,
     pub(super) candidates: Vec<Adds>,
+    /// Terms of a law that is searched; their numbers follow the coefficients of the candidates.
+    pub(super) laws: Vec<LawTerm>,
     pub(super) events: Vec<EventOf>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) delayed: Vec<Delayed>,
@@ -150,6 +153,7 @@ impl System {
             derivatives,
             outputs,
             candidates,
+            laws: Vec::new(),
             events,
             surfaces,
             delayed,

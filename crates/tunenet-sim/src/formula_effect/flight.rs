@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use rapier3d::math::Vector;
+use tunenet_core::law::Term;
 use tunenet_formula::Formula;
 
 use super::layout::Layout;
@@ -57,11 +58,22 @@ impl Direction {
     }
 }
 
+/// What says how large a force is.
+#[derive(Debug, Clone, PartialEq)]
+enum Size {
+    /// A formula of the file.
+    Formula { formula: Formula, layout: Layout },
+    /// A term of a law that is searched, evaluated natively: with a coefficient for each direction.
+    Law(Term),
+}
+
+/// What a term of a law may depend on, as positions among the variables: those of [`LAW_VARIABLES`].
+pub(crate) const LAW_VARIABLES: [usize; 5] = [0, 1, 2, 6, 7];
+
 /// The force.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FlightForce {
-    formula: Formula,
-    layout: Layout,
+    size: Size,
     directions: Vec<Direction>,
     centre: Vector,
     /// What turns the formula's value into an acceleration.
@@ -124,17 +136,45 @@ impl FlightForce {
         Ok(Self {
             valid: candidate.valid.iter().map(range).collect::<Result<_, _>>()?,
             depends_on_time: formula.uses(TIME),
-            formula,
-            layout,
+            size: Size::Formula { formula, layout },
             directions,
             centre: Vector::from_array(candidate.centre.unwrap_or_default()),
             factor,
         })
     }
 
-    /// As it was written.
-    pub fn formula(&self) -> &Formula {
-        &self.formula
+    /// A term of a law, along the directions of these names, which all are words of `along`.
+    pub fn law(term: Term, along: &[String]) -> Option<Self> {
+        let direction = |word: &String| match word.as_str() {
+            "v" => Some(Direction::Velocity),
+            "x" => Some(Direction::Axis(0)),
+            "y" => Some(Direction::Axis(1)),
+            "z" => Some(Direction::Axis(2)),
+            "across" => Some(Direction::Across),
+            _ => None,
+        };
+        let clock = |factor: &tunenet_core::law::Factor| LAW_VARIABLES[factor.variable] == TIME;
+        Some(Self {
+            directions: along.iter().map(direction).collect::<Option<_>>()?,
+            depends_on_time: term.factors.iter().any(clock),
+            size: Size::Law(term),
+            centre: Vector::ZERO,
+            factor: 1.0,
+            valid: Vec::new(),
+        })
+    }
+
+    /// As it was written, where a formula says its size.
+    pub fn formula(&self) -> Option<&Formula> {
+        match &self.size {
+            Size::Formula { formula, .. } => Some(formula),
+            Size::Law(_) => None,
+        }
+    }
+
+    /// What each direction adds to the acceleration along x, y and z.
+    pub fn vectors(&self, x: Vector, v: Vector) -> Vec<Vec<f64>> {
+        self.directions.iter().map(|d| d.vector(x - self.centre, v).to_array().to_vec()).collect()
     }
 
     /// How many directions it has; `spin` counts as three.
@@ -157,6 +197,11 @@ impl FlightForce {
     }
 }
 
+/// The values of [`LAW_VARIABLES`].
+pub(crate) fn law_variables(t: f64, x: Vector, v: Vector) -> [f64; LAW_VARIABLES.len()] {
+    [x.x, x.y, x.z, v.length(), t]
+}
+
 /// The force with its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppliedForce {
@@ -166,7 +211,13 @@ pub struct AppliedForce {
 
 impl AppliedForce {
     pub(crate) fn new(force: &Arc<FlightForce>, values: &[f64]) -> Self {
-        debug_assert_eq!(values.len(), force.layout.numbers());
+        debug_assert_eq!(
+            values.len(),
+            match &force.size {
+                Size::Formula { layout, .. } => layout.numbers(),
+                Size::Law(term) => term.constants(),
+            }
+        );
         Self { force: Arc::clone(force), values: values.to_vec() }
     }
 
@@ -189,12 +240,23 @@ impl AppliedForce {
     pub(crate) fn acceleration(&self, t: f64, x: Vector, v: Vector) -> Vector {
         let force = &*self.force;
         let away = x - force.centre;
-        let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
-        names[..COUNT].copy_from_slice(&force.variables(t, x, v));
         let mut sum = Vector::ZERO;
-        for (i, direction) in force.directions.iter().enumerate() {
-            force.layout.fill(&self.values, i, &mut names[COUNT..COUNT + force.layout.coefficients()]);
-            sum += direction.vector(away, v) * force.formula.program().value(&names);
+        match &force.size {
+            Size::Formula { formula, layout } => {
+                let mut names = [0.0; COUNT + MOST_COEFFICIENTS];
+                names[..COUNT].copy_from_slice(&force.variables(t, x, v));
+                for (i, direction) in force.directions.iter().enumerate() {
+                    layout.fill(&self.values, i, &mut names[COUNT..COUNT + layout.coefficients()]);
+                    sum += direction.vector(away, v) * formula.program().value(&names);
+                }
+            }
+            Size::Law(term) => {
+                let variables = law_variables(t, x, v);
+                let product = term.product(&self.values, &variables, &variables.map(f64::signum));
+                for (direction, coefficient) in force.directions.iter().zip(&self.values) {
+                    sum += direction.vector(away, v) * (coefficient * product);
+                }
+            }
         }
         sum * force.factor
     }

@@ -110,14 +110,23 @@ impl FormulaEffect {
         Ok(Self::made(name, candidate, count, Acts::Joint(Arc::new(torque))))
     }
 
+    /// A term of a law that is searched: `effect` is its entry, `along` the directions of its components. Nothing where one of
+    /// them is none of a flight's.
+    pub(crate) fn of_law(effect: Effect, term: tunenet_core::law::Term, along: &[String]) -> Option<Self> {
+        let force = FlightForce::law(term, along)?;
+        Some(Self { effect, acts: Acts::Flight(Arc::new(force)), powers: Vec::new() })
+    }
+
     fn made(name: &str, candidate: &Candidate, directions: usize, acts: Acts) -> Self {
         let formula = match &acts {
             Acts::Flight(force) => force.formula(),
-            Acts::Contact(contact) => contact.formula(),
-            Acts::Joint(torque) => torque.formula(),
+            Acts::Contact(contact) => Some(contact.formula()),
+            Acts::Joint(torque) => Some(torque.formula()),
         };
-        let written = |place: &Range<usize>| formula.text().get(place.clone()).unwrap_or_default().to_owned();
-        let powers = formula.powers_of_units().iter().map(written).collect();
+        let powers = formula.map_or_else(Vec::new, |formula| {
+            let written = |place: &Range<usize>| formula.text().get(place.clone()).unwrap_or_default().to_owned();
+            formula.powers_of_units().iter().map(written).collect()
+        });
         Self { effect: entry(name, candidate, directions), acts, powers }
     }
 

@@ -11,7 +11,7 @@ use crate::formula_effect::{Acts, FormulaEffect};
 
 /// The effect.
 #[derive(Debug, Clone)]
-pub(super) enum Acting {
+pub(crate) enum Acting {
     BuiltIn(BallEffect),
     Formula(FormulaEffect),
 }

@@ -37,12 +37,18 @@ impl ObservedBall {
     }
 
     /// The effect of this name.
-    pub(super) fn find_effect(&self, name: &str) -> Option<Acting> {
+    pub(crate) fn find_effect(&self, name: &str) -> Option<Acting> {
         self.known_effects().find(|effect| effect.name() == name)
     }
 
+    /// The same ball with one more formula among the effects that it can take on.
+    pub(crate) fn with_formula(mut self, formula: crate::formula_effect::FormulaEffect) -> Self {
+        self.formulas.push(formula);
+        self
+    }
+
     /// The same ball with the coefficients of these effects as further parameters.
-    pub(super) fn freed(&self, names: &[&str]) -> Result<Self> {
+    pub(crate) fn freed(&self, names: &[&str]) -> Result<Self> {
         let mut ball = self.clone();
         for name in names {
             let new = |e: &Acting| self.can_take(e) && !ball.free.iter().any(|f| f.name() == e.name());

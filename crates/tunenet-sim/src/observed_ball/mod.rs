@@ -183,6 +183,11 @@ impl ObservedBall {
         (scene, start, time_s)
     }
 
+    /// When a rollout whose first instant is `first_s` begins, s.
+    pub(crate) fn begins_s(&self, first_s: f64) -> f64 {
+        self.release.time_s.unwrap_or(first_s)
+    }
+
     /// The nuisance parameters of a rollout that is not compared with anything: released at `time_s` above the origin.
     #[must_use]
     pub fn nuisances_at_rest(&self, time_s: f64) -> Vec<f64> {
@@ -269,7 +274,7 @@ impl Simulator for ObservedBall {
     fn rollout(&self, parameters: &[f64], nuisances: &[f64], clock: &[f64], values: &mut [f64]) -> RolloutResult {
         let (scene, start, time_s) = self.world(parameters, nuisances);
         if self.kind == Kind::Positions {
-            let begin = self.release.time_s.unwrap_or(clock[0]);
+            let begin = self.begins_s(clock[0]);
             return Ok(positions(&scene, &start, begin, clock, values)?);
         }
         let last = clock[clock.len() - 1].max(0.0);
