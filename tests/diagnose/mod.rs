@@ -4,4 +4,5 @@ mod answers;
 mod contacts_alone;
 mod effects;
 mod formulas;
+mod laws;
 mod real;

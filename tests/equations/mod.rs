@@ -1,5 +1,6 @@
 //! Simulators whose equations stand in the simulation file.
 
 mod emps;
+mod law;
 mod swing;
 mod wrong;

@@ -6,10 +6,13 @@ use tunenet_core::diagnose::{
 };
 use tunenet_core::finding::FindingKind;
 use tunenet_core::findings;
+use tunenet_core::law::Member;
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
 use tunenet_sim::arm::effects::ArmEffect;
 use tunenet_sim::{Session, SimulationFile};
+
+use super::law::{self, Found, Law};
 
 /// What could be in the place of a lone effect that earns no name.
 pub const NOT_IN_CATALOGUE: &str = "what is in no catalogue";
@@ -79,9 +82,22 @@ pub struct Answer<'a> {
     pub seconds: f64,
     /// Rollouts that programs were asked for again, to test that they are deterministic.
     pub re_asks: u64,
+    /// The search for a law, where there was one.
+    pub law: Option<&'a Law>,
 }
 
 impl Answer<'_> {
+    /// The answer in one word, as programs read it.
+    pub fn word(&self) -> &'static str {
+        law::word(self.diagnosis.verdict(), self.law)
+    }
+
+    /// The best law, where it is the answer.
+    pub fn found(&self) -> Option<(&Found, &Member)> {
+        let found = self.law?.decides(self.diagnosis.verdict())?;
+        Some((found, found.answer.members.first()?))
+    }
+
     /// Names to choose from: of a set, or the nearest where nothing fits.
     pub fn candidates(&self) -> Vec<&str> {
         match self.diagnosis.verdict() {

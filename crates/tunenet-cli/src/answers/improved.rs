@@ -19,7 +19,15 @@ pub enum Written {
 }
 
 /// Why there is no improved file.
-pub fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
+pub fn why_not(answer: &Answer) -> Option<&'static str> {
+    match answer.found() {
+        Some((_, law)) if law.bounded => None,
+        Some(_) => Some("the law grows without bound outside the range in which it was seen"),
+        None => why_not_of(answer.diagnosis),
+    }
+}
+
+fn why_not_of(diagnosis: &Diagnosis) -> Option<&'static str> {
     match diagnosis.verdict() {
         Verdict::Unknown => Some("no known effect explains the recordings"),
         Verdict::Insufficient => Some("there is no answer"),
@@ -31,6 +39,9 @@ pub fn why_not(diagnosis: &Diagnosis) -> Option<&'static str> {
 pub fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
     let diagnosis = answer.diagnosis;
     let mut file = answer.loaded.objects[number].file.clone();
+    if let Some((found, law)) = answer.found() {
+        return Ok(tunenet_sim::law::written(&file, &found.parameters, law)?);
+    }
     if file.domain() == Domain::Arm {
         return improved_arm(answer, number, file);
     }
@@ -86,7 +97,7 @@ pub const UNFITTED: &str = "nothing could be fitted";
 
 /// What the answer changes in the simulation file of every object, or why it changes nothing.
 pub fn edits(given: &SimulationFile, answer: &Answer) -> Result<std::result::Result<Vec<Edited>, &'static str>> {
-    if let Some(why) = why_not(answer.diagnosis) {
+    if let Some(why) = why_not(answer) {
         return Ok(Err(why));
     }
     let given = without_provenance(&given.text())?;

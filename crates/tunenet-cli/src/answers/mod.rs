@@ -2,6 +2,7 @@
 
 pub(crate) mod diagnose;
 pub(crate) mod improved;
+pub(crate) mod law;
 pub(crate) mod motion;
 pub(crate) mod plan;
 pub mod tune;

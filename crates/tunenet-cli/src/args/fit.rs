@@ -176,6 +176,9 @@ pub struct Diagnose {
     /// Search whole recordings once; single recordings and the next experiment are left out
     #[arg(long)]
     pub quick: bool,
+    /// Search a formula for the missing force as well [default: only where no known effect explains the recordings]
+    #[arg(long, conflicts_with_all = ["quick", "max_rollouts"])]
+    pub law: bool,
     /// Write the simulation file with the tuned values and the named effects; a folder for several objects
     #[arg(short, long, value_name = "IMPROVED.toml")]
     pub out: Option<PathBuf>,

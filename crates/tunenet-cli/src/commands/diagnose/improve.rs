@@ -17,12 +17,13 @@ use crate::answers::improved::{UNFITTED, Written, improved, why_not};
 use crate::args::Diagnose;
 use crate::view::json::ranges;
 use crate::view::toml::diagnose::provenance;
+use crate::view::toml::law::provenance as law_provenance;
 
 /// Writes the files that were asked for, one for each object that has an answer.
 pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
     let Some(out) = &options.out else { return Ok(Written::NotAsked) };
     let diagnosis = answer.diagnosis;
-    let gap = match (&diagnosis.gap, why_not(diagnosis)) {
+    let gap = match (&diagnosis.gap, why_not(answer)) {
         (_, Some(why)) => return Ok(Written::Not(why)),
         (None, None) => return Ok(Written::Not(UNFITTED)),
         (Some(gap), None) => gap,
@@ -30,7 +31,10 @@ pub fn write(options: &Diagnose, answer: &Answer) -> Result<Written> {
     let mut written = Vec::new();
     for (number, object) in answer.loaded.objects.iter().enumerate() {
         let mut file = improved(answer, number)?;
-        let made = provenance(options.common.seed, answer, gap, number, &file)?;
+        let made = match answer.found() {
+            Some((found, law)) => law_provenance(options.common.seed, answer, found, law)?,
+            None => provenance(options.common.seed, answer, gap, number, &file)?,
+        };
         file.set_provenance(made.entries());
         let path =
             if answer.loaded.objects.len() == 1 { out.clone() } else { out.join(format!("{}.toml", object.name)) };
@@ -47,7 +51,7 @@ fn put(path: &Path, file: &SimulationFile) -> Result<()> {
 
 /// Writes the intervals of parameters and coefficients where the answer has any; the path, where it was written.
 pub fn write_ranges<'a>(options: &'a Diagnose, answer: &Answer) -> Result<Option<&'a Path>> {
-    let Some(out) = options.out_ranges.as_deref().filter(|_| why_not(answer.diagnosis).is_none()) else {
+    let Some(out) = options.out_ranges.as_deref().filter(|_| why_not(answer).is_none()) else {
         return Ok(None);
     };
     ranges::write(out, &ranges::of_diagnosis(answer))?;
@@ -63,7 +67,7 @@ pub fn write_urdf(options: &Diagnose, answer: &Answer) -> Result<Option<PathBuf>
         return Err(Error::Setting { origin: Origin::Flag, name: "--out-urdf", expected, found }.into());
     }
     let found = answer.diagnosis.effects().iter().any(|e| e.effect.name.ends_with("_friction"));
-    if why_not(answer.diagnosis).is_some() || !found {
+    if why_not(answer).is_some() || !found {
         return Ok(None);
     }
     let arm = ReplayedArm::from_file(&improved(answer, 0)?)?;

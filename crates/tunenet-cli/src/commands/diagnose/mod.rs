@@ -5,6 +5,7 @@
 //! ```
 
 mod improve;
+mod law;
 mod load;
 mod outputs;
 mod sources;
@@ -45,7 +46,8 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
     let began = Instant::now();
     let diagnosis = pool(options.jobs)?.install(|| ask(&loaded, &options.settings()))?;
     let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
-    let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks };
+    let law = law::search_law(options, &loaded, &diagnosis)?;
+    let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };
     let wrote = improve::write(options, &answer)?;
     if let Some(path) = improve::write_urdf(options, &answer)? {
         stage("urdf", &path.display().to_string());
@@ -60,7 +62,11 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         html::diagnose::write(path, &answer, &edits, &outputs::provenance(options, &sources))?;
         stage("report", &path.display().to_string());
     }
-    Ok(diagnosis.verdict().into())
+    Ok(match answer.word() {
+        "law" => Exit::Done,
+        _ if answer.found().is_some() => Exit::Inconclusive,
+        _ => diagnosis.verdict().into(),
+    })
 }
 
 /// Each recording on its own.
@@ -84,7 +90,8 @@ fn each(options: &Diagnose) -> Result<Exit> {
         let began = Instant::now();
         let diagnosis = ask(&loaded, &options.settings())?;
         let (seconds, re_asks) = (began.elapsed().as_secs_f64(), loaded.re_asks());
-        let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks };
+        let law = law::search_law(options, &loaded, &diagnosis)?;
+        let answer = Answer { loaded: &loaded, diagnosis: &diagnosis, seconds, re_asks, law: law.as_ref() };
         Ok(Answered { object: json::object(&answer), line: text::sentence(&answer), case: None })
     })?;
     Ok(exit)

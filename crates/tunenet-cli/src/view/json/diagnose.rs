@@ -14,7 +14,7 @@ pub fn object(answer: &Answer) -> Json {
     let warnings: Vec<Json> = answer.notes().iter().map(warning).collect();
     let mut object = json!({
         "schema": "tunenet.diagnose/1",
-        "verdict": diagnosis.verdict(),
+        "verdict": answer.word(),
         "objects": answer.objects().map(of_object).collect::<Vec<_>>(),
         "effects": diagnosis.effects().iter().map(|e| effect(answer, e)).collect::<Vec<_>>(),
         "candidates": answer.candidates(),
@@ -38,6 +38,9 @@ pub fn object(answer: &Answer) -> Json {
     });
     if answer.re_asks > 0 {
         object["re_asks"] = json!(answer.re_asks);
+    }
+    if let Some(law) = answer.law {
+        object["law"] = super::law::object(law);
     }
     object
 }

@@ -1,6 +1,7 @@
 //! What standard output holds: the one JSON object of a command, or a text that is its answer.
 
 pub(crate) mod diagnose;
+pub(crate) mod law;
 pub(crate) mod plan;
 pub(crate) mod ranges;
 pub(crate) mod track;

@@ -87,6 +87,9 @@ pub fn answer(answer: &Answer) -> Printout {
     if !aside.is_empty() {
         shown.line(&format!("  held out for validation: {}", aside.join(", ")));
     }
+    if let Some(law) = answer.law {
+        super::law::lines(&mut shown, answer, law);
+    }
     if let Some(next) = &diagnosis.next_experiment {
         shown.line(&format!("  next: {}", next.text));
     }
@@ -102,7 +105,9 @@ pub fn end(out: Option<&Path>, seed: u64, answer: &Answer, written: &Written) {
         Written::Files(files) => {
             let paths: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
             let several = diagnosis.verdict() == Verdict::OneOf;
-            let with = if several {
+            let with = if let Some((_, law)) = answer.found() {
+                format!(" with {}", law.text())
+            } else if several {
                 format!(" with {}, the best of them", answer.chosen().join(" and "))
             } else {
                 String::new()
@@ -148,6 +153,9 @@ fn given_as_held_out(answer: &Answer, name: &str) -> bool {
 /// The verdict in one sentence.
 pub fn sentence(answer: &Answer) -> String {
     let diagnosis = answer.diagnosis;
+    if let Some(law) = super::law::sentence(answer) {
+        return law;
+    }
     match diagnosis.verdict() {
         Verdict::None => "NONE  nothing is missing that these recordings could show".into(),
         Verdict::Named => format!("NAMED  {}", diagnosis.effects().iter().map(lone).collect::<Vec<_>>().join(" and ")),

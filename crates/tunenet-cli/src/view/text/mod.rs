@@ -2,6 +2,7 @@
 
 pub(crate) mod diagnose;
 mod fit;
+pub(crate) mod law;
 mod plain;
 pub(crate) mod plan;
 pub(crate) mod track;

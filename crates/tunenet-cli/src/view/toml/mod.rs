@@ -2,5 +2,6 @@
 
 pub mod alternatives;
 pub(crate) mod diagnose;
+pub(crate) mod law;
 pub mod provenance;
 pub(crate) mod tune;

@@ -3,6 +3,7 @@
 mod candidates;
 mod change;
 mod finding;
+mod law;
 mod left_over;
 mod numbers;
 mod pairs;
@@ -37,6 +38,7 @@ pub fn write(
         (seen(answer))
         (evidence(answer))
         (numbers(answer))
+        (law::section(answer))
         (apart(answer))
         h2 { "Changes to the simulation file" }
         (change::change(edits))

@@ -1,0 +1,91 @@
+//! What a search for a law changes of the answer of `tunenet diagnose`.
+
+use tunenet_core::diagnose;
+use tunenet_core::law::{self, Member, Reason};
+use tunenet_core::simulator::Parameter;
+
+/// A search for a law, or why there was none.
+pub struct Law {
+    /// Whether it was asked for.
+    pub asked: bool,
+    pub seconds: f64,
+    pub found: Result<Found, &'static str>,
+}
+
+/// What a search found.
+pub struct Found {
+    pub answer: law::Answer,
+    /// The parameters of the simulator in which it was searched.
+    pub parameters: Vec<Parameter>,
+}
+
+impl Law {
+    /// What the search found, where it is the answer: a law, or several.
+    pub fn decides(&self, diagnosis: diagnose::Verdict) -> Option<&Found> {
+        let found = self.found.as_ref().ok()?;
+        let open = matches!(diagnosis, diagnose::Verdict::Unknown);
+        let decides = match found.answer.verdict {
+            law::Verdict::Law | law::Verdict::OneOf => true,
+            // What the catalogue names only in the form of a law: the catalogue's own answer says more where it has one.
+            law::Verdict::Named => open && !found.answer.members.is_empty(),
+            law::Verdict::None | law::Verdict::Unknown => false,
+        };
+        decides.then_some(found)
+    }
+}
+
+/// The word of the answer.
+pub fn word(diagnosis: diagnose::Verdict, law: Option<&Law>) -> &'static str {
+    match law.and_then(|law| law.decides(diagnosis)).map(|found| found.answer.verdict) {
+        Some(law::Verdict::Law) => "law",
+        Some(_) => "one_of",
+        None => match diagnosis {
+            diagnose::Verdict::None => "none",
+            diagnose::Verdict::Named => "named",
+            diagnose::Verdict::OneOf => "one_of",
+            diagnose::Verdict::Unknown => "unknown",
+            diagnose::Verdict::Insufficient => "insufficient",
+        },
+    }
+}
+
+/// Why a search has no law, or not one alone.
+pub fn why(reason: Reason) -> &'static str {
+    match reason {
+        Reason::HeldOut => "held-out recordings are predicted worse than noise allows: something unmeasured may differ",
+        Reason::NoHeldOut => "without held-out recordings no law stands alone: hold out at least one",
+        Reason::ResidualForce => "it leaves more than noise: a force of another form remains",
+        Reason::Heterogeneity => "recordings differ in what they need: something unmeasured changes between them",
+        Reason::Time => "what fits depends on the time and fails a test: something unmeasured changes",
+        Reason::Rollouts => "the allowance of rollouts ended the search",
+        Reason::Several => "the recordings do not distinguish these laws",
+        Reason::Grammar => "no product of two shapes of the table explains what is missing",
+        Reason::Catalogue => "an effect of the catalogue explains the recordings as well",
+    }
+}
+
+/// A law that equals an effect of the catalogue, in words: `quadratic drag, exponent 1.96 ± 0.05`.
+pub fn alias(member: &Member) -> Option<String> {
+    let name = member.alias?.replace('_', " ");
+    let term = member.terms.first()?;
+    let rounded = term.rounded.first().copied().flatten();
+    let exponent = term.numbers.iter().find(|number| number.role == Some(law::Role::Exponent));
+    let (value, (low, high)) = match (rounded, exponent) {
+        (Some(rounded), _) => (f64::midpoint(rounded.interval95.0, rounded.interval95.1), rounded.interval95),
+        (None, Some(number)) => (number.value, number.interval95),
+        (None, None) => return Some(name),
+    };
+    Some(format!("{name}, exponent {value:.2} ± {:.2}", (high - low) / 2.0))
+}
+
+/// Sentences of a member that a reader has to know before relying on it.
+pub fn cautions(member: &Member) -> Vec<String> {
+    let mut all = Vec::new();
+    if member.depends_on_time {
+        all.push("it depends on the time: it holds for the clock of these recordings only".to_owned());
+    }
+    if !member.bounded {
+        all.push("beyond the range in which it was seen it grows without bound: no file is written".to_owned());
+    }
+    all
+}

@@ -1,0 +1,74 @@
+//! Searches a law where it is asked for, or where no known effect explains the recordings.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use tunenet_core::diagnose::{Diagnosis, Verdict};
+use tunenet_core::law::{Settings, search};
+use tunenet_core::simulator::{Preparation, Prepared, Simulator};
+
+use crate::answers::diagnose::Loaded;
+use crate::answers::law::{Found, Law};
+use crate::args::Diagnose;
+
+/// The search that these options and this diagnosis ask for; nothing where they ask for none.
+pub fn search_law(options: &Diagnose, loaded: &Loaded, diagnosis: &Diagnosis) -> Result<Option<Law>> {
+    let by_itself = diagnosis.verdict() == Verdict::Unknown && !options.quick && options.max_rollouts.is_none();
+    if !options.law && !by_itself {
+        return Ok(None);
+    }
+    let began = Instant::now();
+    let found = match searched(options, loaded, diagnosis) {
+        Ok(found) => found,
+        // A search that nobody asked for does not end a diagnosis.
+        Err(_) if !options.law => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    if !options.law && found.is_err() {
+        return Ok(None);
+    }
+    Ok(Some(Law { asked: options.law, seconds: began.elapsed().as_secs_f64(), found }))
+}
+
+fn searched(
+    options: &Diagnose,
+    loaded: &Loaded,
+    diagnosis: &Diagnosis,
+) -> Result<std::result::Result<Found, &'static str>> {
+    let [object] = loaded.objects.as_slice() else {
+        return Ok(Err("a law is searched in recordings of one object only"));
+    };
+    if loaded.recorded.iter().any(|recorded| !recorded.own.is_empty()) {
+        return Ok(Err("a law is searched in recordings of one setup only"));
+    }
+    if diagnosis.verdict() == Verdict::Insufficient {
+        return Ok(Err("the recordings do not suffice for a law"));
+    }
+    let present = object.file.effects();
+    let present: Vec<&str> = present.iter().map(|effect| effect.name.as_str()).collect();
+    let kind = loaded.recorded[0].seen.kind();
+    let host = match tunenet_sim::law::host(&[&object.file], kind, &present)? {
+        Ok(host) => host,
+        Err(why) => return Ok(Err(why)),
+    };
+    let base = host.carrying(&[])?;
+    let (mut fitted, mut held_out): (Vec<Prepared>, Vec<Prepared>) = (Vec::new(), Vec::new());
+    for (recorded, used) in loaded.recorded.iter().zip(&diagnosis.uses) {
+        if let (true, Preparation::Usable(prepared)) = (used.used, base.prepare(&recorded.seen)?) {
+            if used.held_out { held_out.push(*prepared) } else { fitted.push(*prepared) }
+        }
+    }
+    if fitted.is_empty() {
+        return Ok(Err("no recording can be used for a law"));
+    }
+    let known = |name: &&str| base.with_effects(&[*name]).is_ok();
+    let rival: Vec<&str> = diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).collect();
+    // Where the catalogue's answer needs an effect of the measurement that a law's simulator has not, it does not compete.
+    let rival =
+        if rival.iter().all(known) { rival.iter().map(|name| (*name).to_owned()).collect() } else { Vec::new() };
+    let settings = Settings { rival, ..Settings::default() };
+    let working = crate::view::text::working("searching a law");
+    let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));
+    working.finish_and_clear();
+    Ok(Ok(Found { answer: answer?, parameters: base.parameters().to_vec() }))
+}

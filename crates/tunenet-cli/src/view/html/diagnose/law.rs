@@ -1,0 +1,132 @@
+//! The law that was found: its form, its numbers, its tests, its course along its variable, and what was refused.
+
+use maud::{Markup, html};
+use tunenet_core::law::Member;
+
+use crate::answers::diagnose::Answer;
+use crate::answers::law::{Law, alias, cautions, why};
+use crate::view::html::axis::Axis;
+use crate::view::html::svg::{Anchor, Svg};
+use crate::view::html::verdict::{capital, signed};
+use crate::view::text::rounded;
+
+/// Points of a course.
+const POINTS: u8 = 80;
+const WIDTH: f64 = 420.0;
+const HEIGHT: f64 = 200.0;
+
+/// The section, where a law was searched.
+pub fn section(answer: &Answer) -> Markup {
+    let Some(law) = answer.law else { return html! {} };
+    html! {
+        h2 { "Law of the missing force" }
+        (content(answer, law))
+    }
+}
+
+fn content(answer: &Answer, law: &Law) -> Markup {
+    let found = match &law.found {
+        Ok(found) => found,
+        Err(why) => return html! { p { (capital(why)) "." } },
+    };
+    let decides = law.decides(answer.diagnosis.verdict()).is_some();
+    html! {
+        @if let Some(reason) = found.answer.reason { p { (capital(why(reason))) "." } }
+        @if !decides && found.answer.reason.is_none() { p { "Nothing is left that a law could explain." } }
+        @for member in &found.answer.members {
+            h3 { code { (member.text()) } @if let Some(alias) = alias(member) { " \u{b7} " (alias) } }
+            (numbers(member))
+            (course(member))
+            (tests(member))
+            @for caution in cautions(member) { p { (capital(&caution)) "." } }
+        }
+        @if !found.answer.refused.is_empty() {
+            h3 { "Refused" }
+            ul.plain { @for refused in &found.answer.refused { li { code { (refused.text) } ": " (why(refused.gate)) } } }
+        }
+        p.how { (found.answer.rollouts) " rollouts of the search." }
+    }
+}
+
+fn numbers(member: &Member) -> Markup {
+    let all = || member.terms.iter().flat_map(|term| &term.numbers);
+    html! {
+        table {
+            thead { tr { th { "number" } th { "value" } th { "95 % interval" } th { "unit" } } }
+            tbody {
+                @for n in all() {
+                    @let half = (n.interval95.1 - n.interval95.0) / 2.0;
+                    @let of = |v: f64| signed(&rounded(v, half));
+                    tr {
+                        th scope="row" { code { (n.key) } }
+                        td.number data-name="value" { (of(n.value)) }
+                        td.number data-name="95 % interval" { (of(n.interval95.0)) " to " (of(n.interval95.1)) }
+                        td data-name="unit" { @if n.unit != "1" { (n.unit) } }
+                    }
+                }
+            }
+        }
+        @if !member.valid.is_empty() {
+            p { "Seen for " @for (i, (name, (low, high))) in member.valid.iter().enumerate() { @if i > 0 { ", " } code { (name) } (format!(" {low:.3} to {high:.3}")) } "." }
+        }
+    }
+}
+
+fn tests(member: &Member) -> Markup {
+    let gates = &member.gates;
+    html! {
+        table {
+            thead { tr { th { "test" } th { "value" } th { "passes" } } }
+            tbody {
+                tr { th scope="row" { "residual force" } td.number { (format!("{:.2} nats", gates.residual_force_nats)) } td { "at most 3" } }
+                @if let Some(p) = gates.heterogeneity_p {
+                    tr { th scope="row" { "recordings agree" } td.number { (format!("p {p:.3}")) } td { "at least 0.001" } }
+                }
+                @if let Some(ratio) = gates.held_out_ratio {
+                    tr { th scope="row" { "held out, over noise" } td.number { (format!("{ratio:.3}")) } td { "at most 1.05" } }
+                }
+                tr { th scope="row" { "gain of BIC" } td.number { (format!("{:.0}", member.bic_gain)) } td { "more than 6" } }
+            }
+        }
+    }
+}
+
+/// The acceleration along the variable of a law of one factor, with the band of its coefficient.
+fn course(member: &Member) -> Markup {
+    let [term] = member.terms.as_slice() else { return html! {} };
+    let ([factor], [(_, name)], [(_, (low, high))]) =
+        (term.term.factors.as_slice(), term.variables.as_slice(), member.valid.as_slice())
+    else {
+        return html! {};
+    };
+    let values: Vec<f64> = term.numbers.iter().map(|n| n.value).collect();
+    let product = |x: f64| {
+        let mut variables = vec![0.0; factor.variable + 1];
+        variables[factor.variable] = x;
+        let sides: Vec<f64> = variables.iter().map(|v: &f64| v.signum()).collect();
+        term.term.product(&values, &variables, &sides)
+    };
+    let xs: Vec<f64> = (0..=POINTS).map(|i| low + (high - low) * f64::from(i) / f64::from(POINTS)).collect();
+    let (a, (least, most)) = (term.numbers[0].value, term.numbers[0].interval95);
+    let all = || xs.iter().flat_map(|x| [a, least, most].map(|c| c * product(*x)));
+    if !all().all(f64::is_finite) {
+        return html! {};
+    }
+    let x = Axis::new((*low, *high), (48.0, WIDTH - 8.0));
+    let y = Axis::around(all(), (HEIGHT - 36.0, 8.0), 0.08);
+    let mut svg = Svg::new(WIDTH, HEIGHT);
+    for (value, text) in y.ticks(5) {
+        svg.line("grid", (x.places().0, y.at(value)), (x.places().1, y.at(value)));
+        svg.text("tick", (44.0, y.at(value) + 4.0), Anchor::End, &text);
+    }
+    for (value, text) in x.ticks(6) {
+        svg.text("tick", (x.at(value), HEIGHT - 20.0), Anchor::Middle, &text);
+    }
+    let curve = |c: f64| xs.iter().map(|at| (x.at(*at), y.at(c * product(*at)))).collect::<Vec<_>>();
+    for bound in [least, most] {
+        svg.path("limit", &curve(bound), false);
+    }
+    svg.path("line after", &curve(a), false);
+    svg.text("name", (x.places().0, HEIGHT - 4.0), Anchor::Start, &format!("{name}; dotted: 95 % of the coefficient"));
+    html! { figure { figcaption.above { "Acceleration along " (term.components.join(", ")) } (svg.finish("small", "course of the law")) } }
+}

@@ -1,0 +1,82 @@
+//! A search for a law, for readers.
+
+use tunenet_core::law::{Member, Verdict};
+
+use super::rounded;
+use crate::answers::diagnose::Answer;
+use crate::answers::law::{Law, alias, cautions, why};
+use crate::view::answer::Printout;
+
+/// The verdict in one sentence, where the law is the answer.
+pub fn sentence(answer: &Answer) -> Option<String> {
+    let found = answer.law.and_then(|law| law.decides(answer.diagnosis.verdict()))?;
+    let texts: Vec<String> = found.answer.members.iter().map(name).collect();
+    Some(match (found.answer.verdict, found.answer.reason) {
+        (Verdict::Law, _) => format!("LAW  {}", texts.join("")),
+        (_, Some(reason)) => format!("ONE OF  {}: {}", texts.join("; or "), why(reason)),
+        (_, None) => format!("ONE OF  {}", texts.join("; or ")),
+    })
+}
+
+fn name(member: &Member) -> String {
+    alias(member).map_or_else(|| member.text(), |alias| format!("{} ({alias})", member.text()))
+}
+
+/// What a person wants to know of the search.
+pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
+    let found = match &law.found {
+        Ok(found) => found,
+        Err(why) => return shown.line(&format!("  law: {why}")),
+    };
+    let decides = law.decides(answer.diagnosis.verdict()).is_some();
+    // What a search by itself did not find is no news to somebody who did not ask for it.
+    if !decides && !law.asked {
+        return;
+    }
+    let members = &found.answer.members;
+    for member in if decides { members.as_slice() } else { &[] } {
+        shown.line(&format!("  {}: {}", name(member), numbers(member)));
+        let gates = &member.gates;
+        let p =
+            gates.heterogeneity_p.map_or_else(String::new, |p| format!(", recordings differ by chance with p {p:.2}"));
+        let ahead = gates.held_out_ratio.map_or_else(String::new, |r| format!(", held out ×{r:.3} of the noise"));
+        shown.line(&format!(
+            "    gain {:.0}, residual force {:.1} nats (at most 3){p}{ahead}",
+            member.bic_gain, gates.residual_force_nats
+        ));
+        if !member.valid.is_empty() {
+            let ranges: Vec<String> =
+                member.valid.iter().map(|(name, (low, high))| format!("{name} {low:.3} to {high:.3}")).collect();
+            shown.line(&format!("    seen for {}", ranges.join(", ")));
+        }
+        for caution in cautions(member) {
+            shown.line(&format!("    {caution}"));
+        }
+    }
+    for refused in &found.answer.refused {
+        shown.line(&format!("  law refused: {} ({})", refused.text, why(refused.gate)));
+    }
+    if !decides {
+        let said = match (found.answer.verdict, found.answer.reason) {
+            (Verdict::None, _) => "nothing is left that a law could explain".to_owned(),
+            (Verdict::Named, _) => match members.first().and_then(alias) {
+                Some(alias) => format!("the law is an effect of the catalogue: {alias}"),
+                None => "the effect of the catalogue explains the recordings as well as any law".to_owned(),
+            },
+            (_, Some(reason)) => why(reason).to_owned(),
+            (_, None) => "no law was found".to_owned(),
+        };
+        shown.line(&format!("  law: {said}"));
+    }
+    shown.line(&format!("  law: {} rollouts, {:.1} s", found.answer.rollouts, law.seconds));
+}
+
+fn numbers(member: &Member) -> String {
+    let all = member.terms.iter().flat_map(|term| &term.numbers);
+    let each = all.map(|n| {
+        let half = (n.interval95.1 - n.interval95.0) / 2.0;
+        let unit = if n.unit == "1" { String::new() } else { format!(" {}", n.unit) };
+        format!("{} {} ± {}{unit}", n.key, rounded(n.value, half), rounded(half, half))
+    });
+    each.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,68 @@
+//! A law of an oscillator in equations: found, written as what it adds to a derivative, and tuned with again.
+
+use std::fmt::Write as _;
+
+use crate::common::{Folder, Noise};
+
+const FILE: &str = "kind = \"equations\"\n[states]\n[states.q_rad]\n[states.dq_rad_s]\n[start.q_rad]\nvalue = \"first\"\nsd = 0.01\n\
+[start.dq_rad_s]\nvalue = 0.0\nmin = -20.0\nmax = 20.0\n[derivatives]\nq_rad = \"dq_rad_s\"\n\
+dq_rad_s = \"-stiffness*q_rad - damping*dq_rad_s\"\n[outputs]\nq_rad = \"q_rad\"\n\
+[parameters.stiffness]\nvalue = 8.0\nmin = 0.0\nmax = 30.0\nunit = \"1/s²\"\n\
+[parameters.damping]\nvalue = 0.2\nmin = 0.0\nmax = 5.0\nunit = \"1/s\"\n";
+
+/// A swing of 4 s at 50 Hz with noise of 2 mrad, by the midpoint rule in short steps.
+fn swing(number: u64, force: impl Fn(f64, f64) -> f64) -> String {
+    let mut noise = Noise(number);
+    let (mut q, mut v) = (noise.between(-1.5, 1.5), noise.between(-3.0, 3.0));
+    let mut text = String::from("t_s,q_rad\n");
+    let h = 1e-5;
+    for i in 0..200 {
+        writeln!(text, "{},{:.7}", f64::from(i) * 0.02, q + 0.002 * noise.normal()).unwrap();
+        for _ in 0..2000 {
+            let a = -9.0 * q - 0.3 * v + force(q, v);
+            let (at, middle) = (q + 0.5 * h * v, v + 0.5 * h * a);
+            let a = -9.0 * at - 0.3 * middle + force(at, middle);
+            q += h * (v + 0.5 * h * a);
+            v += h * a;
+        }
+    }
+    text
+}
+
+fn recorded(force: impl Fn(f64, f64) -> f64) -> Folder {
+    let folder = Folder::new();
+    folder.write("swing.toml", FILE);
+    for i in 0..5 {
+        folder.write(&format!("{i}.csv"), swing(3 + i, &force));
+    }
+    folder
+}
+
+#[test]
+fn a_hardening_spring_is_a_law_that_its_file_holds() {
+    let folder = recorded(|q, _| -0.5 * q * q * q);
+    let line = "diagnose --sim swing.toml 0.csv 1.csv 2.csv --held-out 3.csv 4.csv --law --out improved.toml --json";
+    let json = folder.run(line).json();
+    assert!(["law", "one_of"].contains(&json["verdict"].as_str().unwrap()), "{json:#}");
+    let cubic = |member: &serde_json::Value| {
+        let factor = &member["terms"][0]["factors"][0];
+        let interval = &factor["constants"][0]["interval95"];
+        factor["kind"] == "odd_power"
+            && factor["variable"] == "q_rad"
+            && interval[0].as_f64().unwrap() <= 3.0
+            && interval[1].as_f64().unwrap() >= 3.0
+    };
+    assert!(json["law"]["members"].as_array().unwrap().iter().any(cubic), "{json:#}");
+    let improved = folder.text("improved.toml");
+    assert!(improved.contains("adds.dq_rad_s = \"") && improved.contains("[effects.law]"), "{improved}");
+    folder.run("simulate --sim improved.toml --out again.csv").ends(0);
+    let tuned = folder.run("tune --sim improved.toml 0.csv 1.csv 2.csv --json").ends(0).json();
+    assert_eq!(tuned["verdict"], "tuned", "{tuned:#}");
+}
+
+#[test]
+fn a_linear_oscillator_has_no_law() {
+    let folder = recorded(|_, _| 0.0);
+    let json = folder.run("diagnose --sim swing.toml 0.csv 1.csv 2.csv --held-out 3.csv --law --json").ends(0).json();
+    assert_eq!((json["verdict"].as_str(), json["law"]["verdict"].as_str()), (Some("none"), Some("none")), "{json:#}");
+}
