@@ -346,8 +346,9 @@ impl Tuning<'_> {
         let (mut interval95, mut calibration) = self.intervals(fit, &scale, grid)?;
         // A residual that is more than noise names an effect by other means; the paper's fit knows no effects.
         if self.settings.finish && !self.settings.quick && !fit.cut_short && !self.poor(fit) {
-            let omissions = omitted_effect::widen(&problem, fit, &scale, &mut interval95)?;
-            omissions.into_iter().for_each(|one| calibration.add(one.moves, one.note));
+            for omission in omitted_effect::widen(&problem, fit, &scale, &mut interval95)? {
+                calibration.add(omission.moves, omission.note);
+            }
         }
         Ok(Uncertainty { scale, known, interval95, calibration })
     }
