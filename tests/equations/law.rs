@@ -55,7 +55,7 @@ fn a_hardening_spring_is_a_law_that_its_file_holds() {
     assert!(json["law"]["members"].as_array().unwrap().iter().any(cubic), "{json:#}");
     let improved = folder.text("improved.toml");
     assert!(improved.contains("adds.dq_rad_s = \"") && improved.contains("[effects.law]"), "{improved}");
-    folder.run("simulate --sim improved.toml --out again.csv").ends(0);
+    folder.run("simulate --sim improved.toml --set start.q_rad=0.5 --out again.csv").ends(0);
     let tuned = folder.run("tune --sim improved.toml 0.csv 1.csv 2.csv --json").ends(0).json();
     assert_eq!(tuned["verdict"], "tuned", "{tuned:#}");
 }

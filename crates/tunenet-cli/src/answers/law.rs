@@ -38,6 +38,7 @@ impl Law {
 pub fn word(diagnosis: diagnose::Verdict, law: Option<&Law>) -> &'static str {
     match law.and_then(|law| law.decides(diagnosis)).map(|found| found.answer.verdict) {
         Some(law::Verdict::Law) => "law",
+        Some(law::Verdict::Named) => "named",
         Some(_) => "one_of",
         None => match diagnosis {
             diagnose::Verdict::None => "none",

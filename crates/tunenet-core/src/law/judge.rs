@@ -16,7 +16,9 @@ pub(super) const MOST_FORCE: f64 = 3.0;
 /// Probability of recordings that differ so much by chance.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
 /// Error on held-out recordings over the noise.
-pub(super) const MOST_HELD_OUT: f64 = 1.05;
+const MOST_HELD_OUT: f64 = 1.05;
+/// Where few values are held out, noise alone exceeds that in more than one case of twenty: a normal quantile.
+const ONE_IN_TWENTY: f64 = 1.645;
 
 /// Recordings that were kept out of the fit.
 pub(super) struct HeldOut<'a> {
@@ -47,7 +49,10 @@ pub(super) fn judge(session: &Session, response: &Response, held_out: &HeldOut, 
         let base = session.host.carrying(&[])?;
         held_out_base = Some(of(base.as_ref(), &session.base.point.parameters));
     }
-    Ok(Gates { residual_force_nats, heterogeneity_p, held_out_ratio, held_out_base })
+    let values: usize = held_out.recordings.iter().map(|r| r.seen.values().len()).sum();
+    let by_chance = 1.0 + ONE_IN_TWENTY / (2.0 * values.max(1) as f64).sqrt();
+    let held_out_limit = MOST_HELD_OUT.max(by_chance);
+    Ok(Gates { residual_force_nats, heterogeneity_p, held_out_ratio, held_out_base, held_out_limit })
 }
 
 /// The root mean square of held-out residuals in units of the noise, of which only initial states are fitted; infinite where the

@@ -59,6 +59,8 @@ const SINGLES: usize = 25;
 const PRODUCTS: usize = 10;
 const FURTHER: usize = 12;
 const SIMPLIFIED: usize = 6;
+/// Twice the logarithmic likelihood that a simplification may lose before the form that it came from stays among the laws.
+const LOST: f64 = 4.0;
 /// Steps of the first fits and of the further ones.
 const FIRST_STEPS: usize = 4;
 const FURTHER_STEPS: usize = 12;
@@ -144,7 +146,11 @@ fn explore(session: &mut Session, response: &Response, most: usize) -> Vec<Law> 
     laws = ranked(laws);
     let simpler: Vec<Law> =
         laws.par_iter().take(SIMPLIFIED).map(|law| simplify(session, response, law.clone())).collect();
+    // A simpler form may win by its price although the recordings are explained worse: then it does not stand alone.
+    let loses = |(law, simple): &(&Law, &Law)| session.gain(law) - session.gain(simple) > LOST;
+    let richer: Vec<Law> = laws.iter().zip(&simpler).filter(loses).map(|(law, _)| law.clone()).collect();
     laws.splice(..simpler.len(), simpler);
+    laws.extend(richer);
     laws = distinct(ranked(laws));
     if within(session) && !laws.is_empty() {
         laws.extend(second::second(session, response, &singles, &mut laws[0].clone()));

@@ -61,7 +61,7 @@ pub(super) struct Session<'a> {
     variants: std::sync::atomic::AtomicUsize,
 }
 
-/// Shares of the recordings over which the base model is fitted one after the other, so that it finds the right valley.
+/// Shares of the recordings over which the base model is fitted one after the other, so that it ends in the right minimum.
 const HORIZONS: [f64; 3] = [0.45, 0.7, 1.0];
 
 impl<'a> Session<'a> {
@@ -205,6 +205,11 @@ impl<'a> Session<'a> {
         let linear = problem.linearise(&law.fit)?;
         self.log.add(linear.rollouts());
         Ok(linear)
+    }
+
+    /// Twice the gain in logarithmic likelihood over the base model.
+    pub fn gain(&self, law: &Law) -> f64 {
+        law.bic + price::constants(&law.terms) as f64 * (self.count as f64).ln()
     }
 
     /// The base model, or an effect of its catalogue, as a fit of the same recordings: what it gains in the information criterion.

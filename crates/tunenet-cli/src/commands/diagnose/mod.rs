@@ -1,9 +1,10 @@
 //! `tunenet diagnose`: where simulation and measurement disagree, which effect is missing, and the file with it.
 //!
 //! ```text
-//! sources → load → tunenet_ball::diagnose → improve, crate::view::{json, text, html}
+//! sources → load → ask (tunenet_ball::diagnose), law → improve, crate::view::{json, text, html}
 //! ```
 
+mod ask;
 mod improve;
 mod law;
 mod load;
@@ -15,15 +16,10 @@ use std::time::Instant;
 
 use anyhow::Result;
 use serde_json::json;
-use tunenet_ball::diagnose;
-use tunenet_core::diagnose::{Diagnosis, Settings, Subject};
-use tunenet_core::observation::Note;
 use tunenet_sim::SimulationFile;
-use tunenet_sim::simulation_file::Domain;
 
 use super::each::{Answered, Work};
-use super::refusal::{self, Asked};
-use crate::answers::diagnose::{Answer, Loaded};
+use crate::answers::diagnose::Answer;
 use crate::answers::improved::edits;
 use crate::args::{Diagnose, pool};
 use crate::failure::Exit;
@@ -33,6 +29,7 @@ use crate::view::html;
 use crate::view::json::diagnose as json;
 use crate::view::text::diagnose as text;
 use crate::view::text::stage;
+use ask::ask;
 
 pub fn run(options: &Diagnose) -> Result<Exit> {
     options.apart.check(options.each)?;
@@ -63,7 +60,7 @@ pub fn run(options: &Diagnose) -> Result<Exit> {
         stage("report", &path.display().to_string());
     }
     Ok(match answer.word() {
-        "law" => Exit::Done,
+        "law" | "named" => Exit::Done,
         _ if answer.found().is_some() => Exit::Inconclusive,
         _ => diagnosis.verdict().into(),
     })
@@ -95,32 +92,4 @@ fn each(options: &Diagnose) -> Result<Exit> {
         Ok(Answered { object: json::object(&answer), line: text::sentence(&answer), case: None })
     })?;
     Ok(exit)
-}
-
-/// Asks the library, showing what it does.
-fn ask(loaded: &Loaded, settings: &Settings) -> Result<Diagnosis> {
-    let subjects: Vec<Subject> =
-        loaded.objects.iter().map(|o| Subject { name: o.name.clone(), simulator: o.simulator.as_ref() }).collect();
-    let working = crate::view::text::working("diagnosing");
-    let diagnosis = diagnose(&subjects, &loaded.recordings(), settings, &|at| text::progress(&working, at));
-    working.finish_and_clear();
-    // A program that is gone says more than that the fit failed.
-    loaded.objects.iter().try_for_each(|object| object.session.settle())?;
-    let refusal =
-        |error: &tunenet_core::Error| refusal::of_program(&loaded.objects.first()?.file, Asked::Present, error);
-    if let Some(refusal) = diagnosis.as_ref().err().and_then(refusal) {
-        return Err(refusal.into());
-    }
-    let mut diagnosis = diagnosis?;
-    for object in &loaded.objects {
-        let which = if loaded.objects.len() > 1 { format!("{}: ", object.name) } else { String::new() };
-        let notes = object.session.notes().into_iter();
-        diagnosis.notes.extend(notes.map(|note| Note { text: format!("{which}{}", note.text), ..note }));
-    }
-    if loaded.objects.iter().any(|object| object.file.domain() == Domain::Process) {
-        // Equal requests were simulated once.
-        let all: u64 = loaded.objects.iter().map(|object| object.session.rollouts()).sum();
-        diagnosis.rollouts = usize::try_from(all).unwrap_or(usize::MAX);
-    }
-    Ok(diagnosis)
 }

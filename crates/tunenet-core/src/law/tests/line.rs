@@ -15,7 +15,7 @@ const RATE_HZ: f64 = 400.0;
 /// A recording of a path that starts at 0 m.
 pub fn observed(seconds: f64, noise_m: f64, seed: u64, path_m: &dyn Fn(f64) -> f64) -> Observation {
     let mut draw = ChaCha8Rng::seed_from_u64(seed);
-    let clock: Vec<f64> = (0..150_u32).map(|k| seconds * f64::from(k) / 150.0).collect();
+    let clock: Vec<f64> = (0..=150_u32).map(|k| f64::from(k) / 100.0).filter(|t| *t <= seconds).collect();
     let values = clock.iter().map(|t| path_m(*t) + noise_m * draw.sample::<f64, _>(StandardNormal)).collect();
     Observation::new(Kind::Other, vec![Channel::new("x", "m")], clock, values).unwrap()
 }

@@ -66,7 +66,11 @@ fn quadratic_resistance_is_found_with_its_exponent_and_its_coefficient() {
         m.terms.len() == 1
             && matches!(&m.terms[0].term.factors[..], [f] if f.shape == Shape::OddPower && f.variable == 1)
     };
-    let found = answer.members.iter().find(|m| is(m)).unwrap_or_else(|| panic!("{}", best.text()));
+    let found = answer
+        .members
+        .iter()
+        .find(|m| is(m))
+        .unwrap_or_else(|| panic!("{} {:?} {:?}", best.text(), best.gates, answer.refused));
     let (low, high) = match found.terms[0].rounded[0] {
         Some(rounded) => rounded.interval95,
         None => found.terms[0].numbers[1].interval95,
