@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Measures again what this folder holds, and pastes it into the pages that show it:
-#     results/make.sh [paper|shot|diagnose|arm|driven|intervals|regions|rollouts|preflight|grow|speed]…
+#     results/make.sh [paper|shot|diagnose|arm|driven|law|intervals|regions|rollouts|preflight|grow|speed]…
 # Each takes minutes; all but `speed`, `rollouts` and `grow` resume where they were stopped. Nothing else should run at the same time as these two.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -91,6 +91,10 @@ for what in "${@:-paper}"; do
         driven)
             measure driven bench diagnose --driven --seed "$seed"
             paste driven docs/evidence.md <(body results/driven/goals.md)
+            ;;
+        law)
+            measure law bench law --seed "$seed"
+            paste law docs/evidence.md <(body results/law/goals.md)
             ;;
         intervals)
             listen intervals bench intervals --seed "$seed"

@@ -62,6 +62,8 @@ pub enum Measured {
     Tuning(BenchTuning),
     /// Accuracy of `diagnose` on synthetic recordings
     Diagnose(BenchDiagnose),
+    /// Accuracy of `diagnose --law` on synthetic recordings with a law in them
+    Law(BenchLaw),
     /// Interval coverage and false-alarm rate of `tune`
     Intervals(BenchIntervals),
     /// Coverage of intervals and joint regions of several parameters
@@ -87,6 +89,13 @@ impl BenchPreflight {
     /// Records of each kind.
     pub fn count(&self) -> u32 {
         drawn(self.records, self.quick)
+    }
+}
+
+impl BenchLaw {
+    /// Sets of each law.
+    pub fn count(&self) -> u64 {
+        self.sets.unwrap_or(if self.quick { 1 } else { 20 })
     }
 }
 
@@ -305,6 +314,34 @@ pub struct BenchDiagnose {
     #[arg(long, conflicts_with_all = ["only", "arm"])]
     pub driven: bool,
     /// Quick run with few recordings of each kind
+    #[arg(long)]
+    pub quick: bool,
+    /// Number of threads [default: number of cores]
+    #[serde(skip)]
+    #[arg(long, value_parser = jobs)]
+    pub jobs: Option<usize>,
+    #[serde(skip)]
+    #[command(flatten)]
+    pub sharing: Sharing,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `tunenet bench law`.
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
+pub struct BenchLaw {
+    /// Folder for finished pieces, results, and the files of sets that were not answered right
+    #[serde(skip)]
+    #[arg(long, value_name = "FOLDER", default_value = "target/bench-law")]
+    pub out: PathBuf,
+    /// Run only these rows (`clean`, `coloured`, `outliers`, `ratio-3`, `ratio-10`, `ratio-30`, `hidden-state`, `outside`,
+    /// `discover`) and laws (`drag-2`)
+    #[arg(long, value_name = "ROW|LAW", num_args = 1.., hide_possible_values = true, value_parser = clap::builder::PossibleValuesParser::new(crate::law::names()))]
+    pub only: Vec<String>,
+    /// Number of sets of each law [default: 20; 1 with --quick]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub sets: Option<u64>,
+    /// Quick run with one set of each law
     #[arg(long)]
     pub quick: bool,
     /// Number of threads [default: number of cores]

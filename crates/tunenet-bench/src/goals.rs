@@ -76,6 +76,29 @@ pub const DRIVEN_FALSE_NAMES: f64 = 0.01;
 pub const DRIVEN_OPEN: f64 = 0.95;
 pub const DRIVEN_ROLLOUTS: f64 = 3000.0;
 
+/// `results/law`, shares of the sets: at 10 times the noise and above, least share with the law in the set and alone, greatest
+/// share of another law alone; the first and the last at 3 times the noise.
+pub const LAW_IN_SET: f64 = 0.95;
+pub const LAW_ALONE: f64 = 0.6;
+pub const LAW_ALONE_WRONG: f64 = 0.01;
+pub const LAW_IN_SET_AT_3: f64 = 0.75;
+pub const LAW_ALONE_WRONG_AT_3: f64 = 0.03;
+/// ... greatest share in which a law or a name stands alone where nothing is hidden, and where a hidden state is.
+pub const LAW_FALSE: f64 = 0.01;
+pub const LAW_HIDDEN_STATE: f64 = 0.0;
+/// ... error of held-out recordings over the true law's: the median, and what 9 of 10 stay below; the latter for recordings 1.5
+/// times faster.
+pub const LAW_HELD_OUT_MEDIAN: f64 = 1.01;
+pub const LAW_HELD_OUT_90: f64 = 1.03;
+pub const LAW_FASTER_90: f64 = 1.05;
+/// ... between these the share of 95 % intervals that hold the truth.
+pub const LAW_COVERAGE: (f64, f64) = (0.93, 0.97);
+/// ... laws of `DiscoverPhysics` that are outside the grammar: greatest error over the variance of the motions, unless refused.
+pub const LAW_DISCOVER_NMSE: f64 = 0.1;
+/// ... cost of an answer to three recordings: rollouts, and seconds on one thread, which are only reported.
+pub const LAW_ROLLOUTS: f64 = 10_000.0;
+pub const LAW_SECONDS: f64 = 5.0;
+
 /// `bench rollouts`, most rollouts: a cart with one recording and with six, a two-link arm, 20 parameters with 10 recordings, and a
 /// ball without noise.
 pub const CART_ROLLOUTS: usize = 80;

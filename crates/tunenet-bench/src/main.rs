@@ -7,6 +7,7 @@ mod diagnose;
 mod goals;
 mod grow;
 mod intervals;
+mod law;
 mod output;
 mod paper;
 mod preflight;
@@ -62,6 +63,7 @@ fn merged(mut bench: Measured, out: &Path, as_json: bool) -> Result<Exit> {
     let (folder, common) = match &mut bench {
         Measured::Tuning(options) => (&mut options.out, &mut options.common),
         Measured::Diagnose(options) => (&mut options.out, &mut options.common),
+        Measured::Law(options) => (&mut options.out, &mut options.common),
         Measured::Intervals(options) => (&mut options.out, &mut options.common),
         Measured::Regions(options) => (&mut options.out, &mut options.common),
         Measured::Preflight(options) => (&mut options.out, &mut options.common),
@@ -79,6 +81,7 @@ fn measure(bench: &Measured) -> Result<Exit> {
         Measured::Speed(options) => speed::run(options),
         Measured::Tuning(options) => tuning::run(options),
         Measured::Diagnose(options) => diagnose::run(options),
+        Measured::Law(options) => law::run(options),
         Measured::Intervals(options) => intervals::run(options),
         Measured::Regions(options) => regions::run(options),
         Measured::Rollouts(options) => rollouts::run(options),
