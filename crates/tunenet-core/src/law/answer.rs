@@ -53,20 +53,18 @@ pub struct Gates {
     pub residual_force_nats: f64,
     /// Probability that recordings differ so much by chance; at least 0.001. `None` of a single recording.
     pub heterogeneity_p: Option<f64>,
-    /// Error on held-out recordings over the noise. `None` without any.
+    /// Error on held-out recordings over the noise; at most 1.05. `None` without any.
     pub held_out_ratio: Option<f64>,
     /// The same of the model without the law.
     pub held_out_base: Option<f64>,
-    /// How large that error may be: 1.05, or what noise alone reaches in one case of twenty where few values are held out.
-    pub held_out_limit: f64,
 }
 
 impl Gates {
     /// The first test that fails.
     #[must_use]
     pub fn failed(&self) -> Option<Reason> {
-        use super::judge::{LEAST_PROBABILITY, MOST_FORCE};
-        let worse = |ratio: f64| ratio > self.held_out_limit || self.held_out_base.is_some_and(|base| ratio > base);
+        use super::judge::{LEAST_PROBABILITY, MOST_FORCE, MOST_HELD_OUT};
+        let worse = |ratio: f64| ratio > MOST_HELD_OUT || self.held_out_base.is_some_and(|base| ratio > base);
         // What fails on held-out recordings, and what differs between recordings, says more than what is left.
         if self.heterogeneity_p.is_some_and(|p| p < LEAST_PROBABILITY) {
             Some(Reason::Heterogeneity)

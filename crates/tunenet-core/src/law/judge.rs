@@ -16,9 +16,10 @@ pub(super) const MOST_FORCE: f64 = 3.0;
 /// Probability of recordings that differ so much by chance.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
 /// Error on held-out recordings over the noise.
-const MOST_HELD_OUT: f64 = 1.05;
-/// Where few values are held out, noise alone exceeds that in more than one case of twenty: a normal quantile.
-const ONE_IN_TWENTY: f64 = 1.645;
+pub(super) const MOST_HELD_OUT: f64 = 1.05;
+
+/// Shares of a held-out recording over which its initial state is fitted one after the other.
+const GROWING: [f64; 3] = [0.15, 0.35, 0.65];
 
 /// Recordings that were kept out of the fit.
 pub(super) struct HeldOut<'a> {
@@ -49,29 +50,30 @@ pub(super) fn judge(session: &Session, response: &Response, held_out: &HeldOut, 
         let base = session.host.carrying(&[])?;
         held_out_base = Some(of(base.as_ref(), &session.base.point.parameters));
     }
-    let values: usize = held_out.recordings.iter().map(|r| r.seen.values().len()).sum();
-    let by_chance = 1.0 + ONE_IN_TWENTY / (2.0 * values.max(1) as f64).sqrt();
-    let held_out_limit = MOST_HELD_OUT.max(by_chance);
-    Ok(Gates { residual_force_nats, heterogeneity_p, held_out_ratio, held_out_base, held_out_limit })
+    Ok(Gates { residual_force_nats, heterogeneity_p, held_out_ratio, held_out_base })
 }
 
-/// The root mean square of held-out residuals in units of the noise, of which only initial states are fitted; infinite where the
-/// simulator refuses.
+/// The root mean square of held-out residuals in units of the noise, of which only initial states are fitted, each recording on its own;
+/// infinite where the simulator refuses.
 fn ahead(held_out: &HeldOut, simulator: &dyn Simulator, parameters: &[f64], log: &RolloutLog) -> f64 {
-    let own = RolloutLog::default();
-    let problem =
-        Problem { simulator, recordings: held_out.recordings, noise: held_out.noise, free: &[], log: Some(&own) };
-    let mut point = Point::start(simulator, held_out.recordings);
-    point.parameters = parameters.to_vec();
-    let direct = problem.fit(point.clone(), 1.0).ok();
-    let grown = problem.fit(point, 0.45).ok().and_then(|fit| problem.fit(fit.point, 1.0).ok());
-    log.add(own.count());
-    let best = direct.into_iter().chain(grown).min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let Some(fit) = best else { return f64::INFINITY };
-    let values: usize = fit.residuals.iter().map(Vec::len).sum();
-    let fitted: usize = held_out.recordings.iter().map(|r| r.nuisances.len()).sum();
-    let squares: f64 = fit.residuals.iter().flatten().map(|r| r * r).sum();
-    (squares / values.saturating_sub(fitted).max(1) as f64).sqrt()
+    let (mut squares, mut freedom) = (0.0, 0_usize);
+    for (recording, noise) in held_out.recordings.iter().zip(held_out.noise) {
+        let (recordings, noise) = (std::slice::from_ref(recording), std::slice::from_ref(noise));
+        let own = RolloutLog::default();
+        let problem = Problem { simulator, recordings, noise, free: &[], log: Some(&own) };
+        let start = || Point { parameters: parameters.to_vec(), ..Point::start(simulator, recordings) };
+        let direct = problem.fit(start(), 1.0).ok();
+        // A start that is guessed badly is found from the first samples on.
+        let longer = |point: Point, horizon: &f64| Some(problem.fit(point, *horizon).ok()?.point);
+        let grown = GROWING.iter().try_fold(start(), longer).and_then(|point| problem.fit(point, 1.0).ok());
+        log.add(own.count());
+        let Some(fit) = direct.into_iter().chain(grown).min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
+            return f64::INFINITY;
+        };
+        squares += fit.residuals.iter().flatten().map(|r| r * r).sum::<f64>();
+        freedom += fit.residuals.iter().map(Vec::len).sum::<usize>().saturating_sub(recordings[0].nuisances.len());
+    }
+    (squares / freedom.max(1) as f64).sqrt()
 }
 
 /// The probability that shared parameters differ so much from recording to recording by chance.

@@ -13,7 +13,12 @@ use crate::args::Diagnose;
 
 /// The search that these options and this diagnosis ask for; nothing where they ask for none.
 pub fn search_law(options: &Diagnose, loaded: &Loaded, diagnosis: &Diagnosis) -> Result<Option<Law>> {
-    let by_itself = diagnosis.verdict() == Verdict::Unknown && !options.quick && options.max_rollouts.is_none();
+    let open = match diagnosis.verdict() {
+        Verdict::Unknown => true,
+        Verdict::Named | Verdict::OneOf => !adequate(diagnosis),
+        Verdict::None | Verdict::Insufficient => false,
+    };
+    let by_itself = open && !options.quick && options.max_rollouts.is_none();
     if !options.law && !by_itself {
         return Ok(None);
     }
@@ -28,6 +33,11 @@ pub fn search_law(options: &Diagnose, loaded: &Loaded, diagnosis: &Diagnosis) ->
         return Ok(None);
     }
     Ok(Some(Law { asked: options.law, seconds: began.elapsed().as_secs_f64(), found }))
+}
+
+/// Whether what the diagnosis leaves looks like noise.
+fn adequate(diagnosis: &Diagnosis) -> bool {
+    diagnosis.adequacy.iter().all(|test| test.passed)
 }
 
 fn searched(
@@ -63,9 +73,11 @@ fn searched(
     }
     let known = |name: &&str| base.with_effects(&[*name]).is_ok();
     let rival: Vec<&str> = diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).collect();
-    // Where the catalogue's answer needs an effect of the measurement that a law's simulator has not, it does not compete.
-    let rival =
-        if rival.iter().all(known) { rival.iter().map(|name| (*name).to_owned()).collect() } else { Vec::new() };
+    let competes = rival.iter().all(known);
+    if !competes && adequate(diagnosis) {
+        return Ok(Err("an effect of the measurement explains the recordings, and a law is a force"));
+    }
+    let rival = if competes { rival.into_iter().map(str::to_owned).collect() } else { Vec::new() };
     let settings = Settings { rival, ..Settings::default() };
     let working = crate::view::text::working("searching a law");
     let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));

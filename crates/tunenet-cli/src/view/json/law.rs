@@ -54,7 +54,6 @@ fn member(member: &Member) -> Json {
         "heterogeneity_p": gates.heterogeneity_p,
         "held_out_ratio": gates.held_out_ratio,
         "held_out_base": gates.held_out_base,
-        "held_out_limit": gates.held_out_limit,
         "valid": valid,
         "depends_on_time": member.depends_on_time,
         "bounded": member.bounded,
