@@ -135,11 +135,11 @@ impl Arena {
     }
 
     /// The start of an orbit of `DiscoverPhysics`: from 1 to 4 m, so fast that it is near a circle under the acceleration
-    /// `pull`, m/s², at its radius.
-    pub fn orbit(pull: impl Fn(f64) -> f64, random: &mut ChaCha8Rng) -> Run {
+    /// `inward`, m/s², at its radius.
+    pub fn orbit(inward: impl Fn(f64) -> f64, random: &mut ChaCha8Rng) -> Run {
         let turn: f64 = random.random_range(0.0..std::f64::consts::TAU);
         let from: f64 = random.random_range(1.0..4.0);
-        let speed = (from * pull(from).abs() * random.random_range(0.6..1.4)).sqrt();
+        let speed = (from * inward(from).abs() * random.random_range(0.6..1.4)).sqrt();
         let way = turn + if random.random() { 1.0 } else { -1.0 } * random.random_range(1.05..2.09);
         let start = [from * turn.cos(), from * turn.sin(), 0.0, speed * way.cos(), speed * way.sin(), 0.0];
         Run { start, own: [0.0; 2], input: Vec::new() }

@@ -87,9 +87,9 @@ fn simulation(arena: Arena, noise: f64) -> String {
             "\n[parameters.damping]\nvalue = 0.1\nmin = -1.0\nmax = 5.0\nunit = \"1/s\"\n",
         ),
         Arena::Centre => {
-            let pull = |axis: &str| format!("v{axis}_m_s = \"-strength*{axis}_m/(x_m^2 + y_m^2 + soft_m^2)\"\n");
+            let central = |axis: &str| format!("v{axis}_m_s = \"-strength*{axis}_m/(x_m^2 + y_m^2 + soft_m^2)\"\n");
             plane(
-                &format!("{}{}", pull("x"), pull("y")),
+                &format!("{}{}", central("x"), central("y")),
                 &format!(
                     "\n[constants]\nsoft_m = {SOFT_M}\n\n\
                      [parameters.strength]\nvalue = 1.0\nmin = 0.1\nmax = 5.0\nunit = \"m2/s2\"\n"

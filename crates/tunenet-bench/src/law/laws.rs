@@ -60,7 +60,7 @@ pub const HIDDEN_STATE: [(&str, Arena, Strange); 8] = [
     ("companion", Arena::Plane, Strange::Companion),
     ("friction-decays", Arena::Pendulum, Strange::FrictionDecays),
     ("bouc-wen", Arena::Pendulum, Strange::BoucWen),
-    ("unseen-mass", Arena::Pendulum, Strange::UnseenMass),
+    ("hidden-mass", Arena::Pendulum, Strange::HiddenMass),
 ];
 
 /// The single-body laws of `DiscoverPhysics`; the last two are outside the grammar.
@@ -136,7 +136,7 @@ pub fn strange(kind: Strange, random: &mut ChaCha8Rng) -> StrangeForce {
         Strange::FrictionDecays => (1.3, 2.6),
         Strange::Companion => (0.5, 1.2),
         Strange::BoucWen => (0.05, 0.15),
-        Strange::UnseenMass => (6.0, 12.0),
+        Strange::HiddenMass => (6.0, 12.0),
     };
     let scale = low + (high - low) * random.random::<f64>();
     let angle = random.random_range(0.0..TAU);
@@ -164,8 +164,8 @@ pub fn discover(name: &str) -> Force {
     }
 }
 
-/// The pull of such a law at a distance, without its change with time, m/s².
-pub fn discover_pull(name: &str, r: f64) -> f64 {
+/// The inward acceleration of such a law at a distance, without its change with time, m/s².
+pub fn discover_inward(name: &str, r: f64) -> f64 {
     let place = super::term::Place { time_s: 0.0, x: [r, 0.0, 0.0], v: [0.0; 3], side: 0.0 };
     match discover(name) {
         Force::Nothing => 0.0,
@@ -193,9 +193,9 @@ mod tests {
 
     #[test]
     fn laws_of_discover_physics_have_their_strengths() {
-        assert_eq!(discover_pull("gravity", 2.0), -0.8);
-        assert_eq!(discover_pull("coulomb", 2.0), -0.4);
+        assert_eq!(discover_inward("gravity", 2.0), -0.8);
+        assert_eq!(discover_inward("coulomb", 2.0), -0.4);
         // K1(1)/2 at a distance of one length.
-        assert!((discover_pull("yukawa", 2.0) + 1.6 * 0.601_907_230_197_234_6 / 2.0).abs() < 1e-9);
+        assert!((discover_inward("yukawa", 2.0) + 1.6 * 0.601_907_230_197_234_6 / 2.0).abs() < 1e-9);
     }
 }

@@ -47,11 +47,11 @@ impl Force {
         }
     }
 
-    fn at(&self, place: &Place, unseen: [f64; 2], own: [f64; 2]) -> [f64; 3] {
+    fn at(&self, place: &Place, hidden: [f64; 2], own: [f64; 2]) -> [f64; 3] {
         match self {
             Self::Nothing => [0.0; 3],
             Self::Law(term) => term.at(place),
-            Self::Strange(force) => force.at(place, unseen, own),
+            Self::Strange(force) => force.at(place, hidden, own),
         }
     }
 
@@ -115,9 +115,9 @@ impl Segment<'_> {
             return;
         }
         state[3] = 0.0;
-        let pull = self.acceleration(t, state, 0.0)[0];
-        let stays = self.mode != Mode::Rests && pull.abs() <= self.holds(t);
-        self.mode = if stays { Mode::Rests } else { Mode::Moves(pull.signum()) };
+        let net = self.acceleration(t, state, 0.0)[0];
+        let stays = self.mode != Mode::Rests && net.abs() <= self.holds(t);
+        self.mode = if stays { Mode::Rests } else { Mode::Moves(net.signum()) };
     }
 }
 
@@ -130,7 +130,7 @@ impl Motion for Segment<'_> {
             let held = if self.jointed() { 0 } else { 2 };
             (a[held], v[held]) = (0.0, 0.0);
         }
-        let unseen = match &self.world.force {
+        let hidden = match &self.world.force {
             Force::Strange(force) => {
                 let place =
                     Place { time_s: t, x: [state[0], state[1], state[2]], v: [state[3], state[4], state[5]], side };
@@ -138,7 +138,7 @@ impl Motion for Segment<'_> {
             }
             _ => [0.0; 2],
         };
-        [v[0], v[1], v[2], a[0], a[1], a[2], unseen[0], unseen[1]]
+        [v[0], v[1], v[2], a[0], a[1], a[2], hidden[0], hidden[1]]
     }
 
     fn gap(&self, t: f64, state: &State) -> f64 {
@@ -159,7 +159,7 @@ impl World {
         let mut state = [0.0; 8];
         state[..6].copy_from_slice(&run.start);
         if let Force::Strange(force) = &self.force {
-            state[6..].copy_from_slice(&force.unseen(run.start[0], run.own));
+            state[6..].copy_from_slice(&force.hidden(run.start[0], run.own));
         }
         out.extend_from_slice(&state[..channels]);
         let input = |i: usize| run.input.get(i).copied().unwrap_or_default();
@@ -268,8 +268,8 @@ mod tests {
     }
 
     #[test]
-    fn without_coupling_an_unseen_mass_changes_nothing() {
-        let force = StrangeForce { kind: Strange::UnseenMass, size: 0.0, scale: 7.0, angle: 0.0 };
+    fn without_coupling_an_hidden_mass_changes_nothing() {
+        let force = StrangeForce { kind: Strange::HiddenMass, size: 0.0, scale: 7.0, angle: 0.0 };
         let joint = world(Arena::Pendulum, [25.0, 0.0], Force::Strange(force));
         // With no coupling the joint is a pendulum: a small swing is a cosine.
         let seen = joint.seen(&run([1e-4, 0.0, 0.0, 0.0, 0.0, 0.0]), &[0.0, 0.25, 0.5]);

@@ -146,7 +146,7 @@ fn goals(trials: &[LawTrial]) -> Vec<Goal> {
     ];
     for (row, what) in [
         (LawRow::Clean, "nothing hidden: a law or a name alone"),
-        (LawRow::Coloured, "nothing hidden, coloured noise: a law or a name alone"),
+        (LawRow::Autocorrelated, "nothing hidden, autocorrelated noise: a law or a name alone"),
         (LawRow::Outliers, "nothing hidden, outliers: a law or a name alone"),
     ] {
         all.push(share(what, false, LAW_FALSE, &of_row(row), &wrong));
@@ -318,7 +318,7 @@ pub mod tests {
         assert_eq!(of("rollouts, median"), Some(true));
         // Times are reported only, and what was not measured has no line.
         assert_eq!(of("time on one thread, median"), None);
-        assert_eq!(of("coloured noise"), None);
+        assert_eq!(of("autocorrelated noise"), None);
     }
 
     #[test]

@@ -10,7 +10,7 @@ pub enum LawRow {
     /// No law.
     Clean,
     /// No law; autocorrelated noise.
-    Coloured,
+    Autocorrelated,
     /// No law; 1 % outliers.
     Outliers,
     /// A law, 3, 10 and 30 times the noise.
@@ -39,7 +39,7 @@ const CLEAN: (u64, u64) = (15, 4);
 const NOISY: (u64, u64) = (3, 4);
 /// Sets at the greatest ratio for each at the others.
 const GREATEST: (u64, u64) = (1, 4);
-/// How much of coloured noise the next sample keeps, and the share of outliers.
+/// How much of autocorrelated noise the next sample keeps, and the share of outliers.
 const COLOUR: f64 = 0.5;
 const OUTLIERS: f64 = 0.01;
 /// The ratio of what is outside the grammar and of hidden states.
@@ -48,7 +48,7 @@ const OTHER_RATIO: f64 = 10.0;
 impl LawRow {
     pub const ALL: [Self; 9] = [
         Self::Clean,
-        Self::Coloured,
+        Self::Autocorrelated,
         Self::Outliers,
         Self::Ratio3,
         Self::Ratio10,
@@ -62,7 +62,7 @@ impl LawRow {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Clean => "clean",
-            Self::Coloured => "coloured",
+            Self::Autocorrelated => "coloured",
             Self::Outliers => "outliers",
             Self::Ratio3 => "ratio-3",
             Self::Ratio10 => "ratio-10",
@@ -76,7 +76,7 @@ impl LawRow {
     /// The sets of this row, those of one law after the other, where a law has `sets` of them.
     fn sets(self, sets: u64) -> Vec<Asked> {
         let (colour, outliers) = match self {
-            Self::Coloured => (COLOUR, 0.0),
+            Self::Autocorrelated => (COLOUR, 0.0),
             Self::Outliers => (0.0, OUTLIERS),
             _ => (0.0, 0.0),
         };
@@ -93,7 +93,7 @@ impl LawRow {
                     ask(Hidden::Nothing(arena), 0.0, share(CLEAN));
                 }
             }
-            Self::Coloured | Self::Outliers => {
+            Self::Autocorrelated | Self::Outliers => {
                 for arena in ARENAS {
                     ask(Hidden::Nothing(arena), 0.0, share(NOISY));
                 }

@@ -114,7 +114,7 @@ impl BlindSet {
         let discover = matches!(recipe.hidden, Hidden::Discover(_));
         let (count, noise) = if discover { (DISCOVER_FITTED, DISCOVER_NOISE_M) } else { (FITTED, arena.noise()) };
         let mut run = |faster: f64| match recipe.hidden {
-            Hidden::Discover(name) => Arena::orbit(|r| laws::discover_pull(name, r), random),
+            Hidden::Discover(name) => Arena::orbit(|r| laws::discover_inward(name, r), random),
             _ => arena.draw(faster, random),
         };
         let fitted: Vec<Run> = (0..count).map(|_| run(1.0)).collect();

@@ -30,14 +30,14 @@ pub enum Strange {
     FanSlows,
     /// A charge that decays likewise.
     ChargeDecays,
-    /// An unseen body on a circle attracts.
+    /// An hidden body on a circle attracts.
     Companion,
     /// Coulomb friction that decays likewise.
     FrictionDecays,
     /// Hysteresis (Bouc 1967, Wen 1976).
     BoucWen,
-    /// An unseen mass on a spring.
-    UnseenMass,
+    /// An hidden mass on a spring.
+    HiddenMass,
 }
 
 /// One of them, with its numbers: what a scale and an angle mean depends on the kind.
@@ -55,12 +55,12 @@ pub struct StrangeForce {
 const IMAGES: i32 = 30;
 /// Half of the band's edges and of the square wave's, as a share.
 const EDGE: f64 = 0.05;
-/// Damping of the unseen mass, as a share of the critical one.
-const UNSEEN_DAMPING: f64 = 0.05;
+/// Damping of the hidden mass, as a share of the critical one.
+const HIDDEN_DAMPING: f64 = 0.05;
 
 impl StrangeForce {
-    /// The acceleration; `unseen` is the hidden state, `own` are two draws of the recording, from 0 to 1.
-    pub fn at(&self, place: &Place, unseen: [f64; 2], own: [f64; 2]) -> [f64; 3] {
+    /// The acceleration; `hidden` is the hidden state, `own` are two draws of the recording, from 0 to 1.
+    pub fn at(&self, place: &Place, hidden: [f64; 2], own: [f64; 2]) -> [f64; 3] {
         let Place { time_s: t, x, v, side } = *place;
         let (size, scale, angle) = (self.size, self.scale, self.angle);
         let level = |push: f64| [push * angle.cos(), push * angle.sin(), 0.0];
@@ -95,8 +95,8 @@ impl StrangeForce {
                 away.map(|u| size * u / (length(away).powi(2) + 0.09))
             }
             Strange::FrictionDecays => [-left * side, 0.0, 0.0],
-            Strange::BoucWen => [-size * unseen[0], 0.0, 0.0],
-            Strange::UnseenMass => [size * (unseen[0] - x[0]), 0.0, 0.0],
+            Strange::BoucWen => [-size * hidden[0], 0.0, 0.0],
+            Strange::HiddenMass => [size * (hidden[0] - x[0]), 0.0, 0.0],
         }
     }
 
@@ -107,10 +107,10 @@ impl StrangeForce {
     }
 
     /// The hidden state at the start of a recording that begins at `angle`.
-    pub fn unseen(&self, angle: f64, own: [f64; 2]) -> [f64; 2] {
+    pub fn hidden(&self, angle: f64, own: [f64; 2]) -> [f64; 2] {
         match self.kind {
             Strange::BoucWen => [0.6 * (2.0 * own[0] - 1.0), 0.0],
-            Strange::UnseenMass => [angle + 0.6 * (2.0 * own[0] - 1.0), 2.0 * (2.0 * own[1] - 1.0)],
+            Strange::HiddenMass => [angle + 0.6 * (2.0 * own[0] - 1.0), 2.0 * (2.0 * own[1] - 1.0)],
             _ => [0.0; 2],
         }
     }
@@ -124,9 +124,9 @@ impl StrangeForce {
                 let y = rate / self.scale;
                 [y - 0.5 * y.abs() * a * a.abs() - 0.5 * y * a * a, 0.0]
             }
-            Strange::UnseenMass => {
+            Strange::HiddenMass => {
                 let omega = self.scale;
-                [b, -omega * omega * (a - q) - 2.0 * UNSEEN_DAMPING * omega * b]
+                [b, -omega * omega * (a - q) - 2.0 * HIDDEN_DAMPING * omega * b]
             }
             _ => [0.0; 2],
         }

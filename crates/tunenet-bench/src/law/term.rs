@@ -154,8 +154,8 @@ mod tests {
             &[(Variable::Speed, Shape::Power(2.0)), (Variable::Height, Shape::Exp(4.0))],
         );
         assert_eq!(drag.at(&place()), [0.0, -4.0 * (-1.0_f64).exp(), 0.0]);
-        let pull = Term { size: -5.0, ..Term::new(Direction::Radial, &[(Variable::Radius, Shape::Power(-1.0))]) };
-        let at = pull.at(&place());
+        let inward = Term { size: -5.0, ..Term::new(Direction::Radial, &[(Variable::Radius, Shape::Power(-1.0))]) };
+        let at = inward.at(&place());
         assert!((at[0] + 0.6).abs() < 1e-12 && (at[2] + 0.8).abs() < 1e-12, "{at:?}");
     }
 

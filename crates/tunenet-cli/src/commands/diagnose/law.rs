@@ -18,7 +18,9 @@ pub fn search_law(options: &Diagnose, loaded: &Loaded, diagnosis: &Diagnosis) ->
         Verdict::Named | Verdict::OneOf => !adequate(diagnosis),
         Verdict::None | Verdict::Insufficient => false,
     };
-    let by_itself = open && !options.quick && options.max_rollouts.is_none();
+    // Without recordings that agree and others that confirm it, no law is an answer.
+    let count = |held_out: bool| diagnosis.uses.iter().filter(|one| one.used && one.held_out == held_out).count();
+    let by_itself = open && count(false) > 1 && count(true) > 0 && !options.quick && options.max_rollouts.is_none();
     if !options.law && !by_itself {
         return Ok(None);
     }
