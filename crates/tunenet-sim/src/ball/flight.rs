@@ -78,6 +78,12 @@ impl Field {
         self.formulas.as_deref().map_or(own, |all| all.iter().fold(own, |sum, one| sum + one.acceleration(t, x, v)))
     }
 
+    /// How fine the steps are that formulas need.
+    fn fineness(&self) -> step_size::Fineness {
+        let searched = self.formulas.as_deref().is_some_and(|all| all.iter().any(AppliedForce::is_searched));
+        if searched { step_size::Fineness::SEARCHED } else { step_size::Fineness::SIMULATED }
+    }
+
     /// Without formulas.
     fn of_velocity(&self, v: Vector) -> Vector {
         if !self.varies {
@@ -187,9 +193,10 @@ impl Path {
     fn bent(start: Motion, start_s: f64, field: &Field, bend: Bend) -> Self {
         if field.formulas.is_some() {
             let path = Self { start, start_s, horizon: LONGEST_STEP_S, slack: 0.0, bend };
-            let (horizon, slack) = step_size::by_doubling(LONGEST_STEP_S, (start.x, start.v), |t, x, v| {
-                path.bent_acceleration(start_s + t, x, v)
-            });
+            let (horizon, slack) =
+                step_size::by_doubling((LONGEST_STEP_S, field.fineness()), (start.x, start.v), |t, x, v| {
+                    path.bent_acceleration(start_s + t, x, v)
+                });
             return Self { horizon, slack, ..path };
         }
         let acceleration = field.of_velocity(start.v);

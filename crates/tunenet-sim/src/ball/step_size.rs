@@ -3,10 +3,22 @@
 
 use rapier3d::math::Vector;
 
-/// How far a step may be from two half steps, as a length, m, and as a velocity, m/s.
-const TOLERANCE: f64 = 1e-9;
-/// A step is halved at most so often; a force that needs more jumps.
-const MOST_HALVINGS: u32 = 10;
+/// How fine steps are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fineness {
+    /// How far a step may be from two half steps, as a length, m, and as a velocity, m/s.
+    tolerance: f64,
+    /// A step is halved at most so often; a force that needs more jumps.
+    halvings: u32,
+}
+
+impl Fineness {
+    /// Of forces that a file holds.
+    pub const SIMULATED: Self = Self { tolerance: 1e-9, halvings: 10 };
+    /// Of forms that a search tries by the thousand, some of which are steep: far below the noise of any recording.
+    pub const SEARCHED: Self = Self { tolerance: 1e-7, halvings: 5 };
+}
+
 /// What an acceleration may drift beyond what the stages of its step show.
 const MARGIN: f64 = 2.0;
 
@@ -29,18 +41,18 @@ pub(super) fn runge_kutta(
 
 /// The length of a step (s), at most `longest`, and how far the acceleration may drift within it, m/s².
 pub(super) fn by_doubling(
-    longest: f64,
+    (longest, fineness): (f64, Fineness),
     start: (Vector, Vector),
     a: impl Fn(f64, Vector, Vector) -> Vector,
 ) -> (f64, f64) {
     let mut step = longest;
-    for _ in 0..MOST_HALVINGS {
+    for _ in 0..fineness.halvings {
         let whole = runge_kutta(start, step, &a);
         let middle = runge_kutta(start, 0.5 * step, &a);
         let end = runge_kutta(middle, 0.5 * step, |t, x, v| a(t + 0.5 * step, x, v));
         let error = (whole.0 - end.0).length().max((whole.1 - end.1).length());
         // Of what is no number nothing can be said: a rollout ends there with a sentence.
-        if error <= TOLERANCE || error.is_nan() {
+        if error <= fineness.tolerance || error.is_nan() {
             let first = a(0.0, start.0, start.1);
             let drift = |t: f64, (x, v): (Vector, Vector)| (a(t, x, v) - first).length();
             return (step, MARGIN * drift(0.5 * step, middle).max(drift(step, end)));
@@ -62,7 +74,7 @@ mod tests {
         let mut state = (Vector::new(0.3, 0.0, 0.0), Vector::ZERO);
         let (mut t, mut steps) = (0.0, 0);
         while t < 1.0 {
-            let (step, drift) = by_doubling(1.0 / 60.0, state, |_, x, _| x * (-rate * rate));
+            let (step, drift) = by_doubling((1.0 / 60.0, Fineness::SIMULATED), state, |_, x, _| x * (-rate * rate));
             let step = step.min(1.0 - t);
             state = runge_kutta(state, step, |_, x, _| x * (-rate * rate));
             assert!(drift >= 0.0);
@@ -77,7 +89,9 @@ mod tests {
 
     #[test]
     fn an_even_acceleration_takes_the_longest_step() {
-        let (step, drift) = by_doubling(0.1, (Vector::ZERO, Vector::ZERO), |_, _, _| Vector::new(0.0, 0.0, -9.81));
+        let (step, drift) = by_doubling((0.1, Fineness::SIMULATED), (Vector::ZERO, Vector::ZERO), |_, _, _| {
+            Vector::new(0.0, 0.0, -9.81)
+        });
         assert_eq!((step, drift), (0.1, 0.0));
     }
 }

@@ -236,6 +236,11 @@ impl AppliedForce {
         self.force.valid.iter().find_map(beyond)
     }
 
+    /// Whether it is a term of a law that a search tries.
+    pub(crate) fn is_searched(&self) -> bool {
+        matches!(self.force.size, Size::Law(_))
+    }
+
     /// The acceleration (m/s²) at an instant, a place and a velocity.
     pub(crate) fn acceleration(&self, t: f64, x: Vector, v: Vector) -> Vector {
         let force = &*self.force;
