@@ -202,6 +202,9 @@ pub(crate) fn law_variables(t: f64, x: Vector, v: Vector) -> [f64; LAW_VARIABLES
     [x.x, x.y, x.z, v.length(), t]
 }
 
+/// A form that accelerates a ball more than this, 50 times as gravity does, is none: its rollout ends at once as one that is no number.
+const MOST_SEARCHED_M_S2: f64 = 500.0;
+
 /// The force with its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppliedForce {
@@ -260,6 +263,9 @@ impl AppliedForce {
                 let product = term.product(&self.values, &variables, &variables.map(f64::signum));
                 for (direction, coefficient) in force.directions.iter().zip(&self.values) {
                     sum += direction.vector(away, v) * (coefficient * product);
+                }
+                if sum.length() > MOST_SEARCHED_M_S2 {
+                    return Vector::splat(f64::NAN);
                 }
             }
         }
