@@ -117,8 +117,9 @@ fn alias(session: &Session, terms: &[FoundTerm]) -> Option<&'static str> {
                 (Some(value), _) => (value, value),
                 (None, _) => one.numbers[one.term.components].interval95,
             };
-            let mut within = [1.0, 2.0].into_iter().filter(|p| (interval.0..=interval.1).contains(p));
-            within.find_map(|p| session.host.alias(&one.term, Some(p)))
+            // An interval that holds several multiples of one half leaves open which of them it is.
+            let (first, last) = ((2.0 * interval.0).ceil(), (2.0 * interval.1).floor());
+            (first == last).then(|| session.host.alias(&one.term, Some(0.5 * first))).flatten()
         }
         _ => None,
     }

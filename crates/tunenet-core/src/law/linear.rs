@@ -36,6 +36,9 @@ pub(super) struct Search<'a> {
     pub known: Vec<Column>,
 }
 
+/// How many neighbours with one more factor are fitted.
+const MORE: usize = 6;
+
 impl<'a> Search<'a> {
     pub fn new(space: &'a Space, response: &'a Response) -> Self {
         Self { space, response, known: Vec::new() }
@@ -97,6 +100,43 @@ impl<'a> Search<'a> {
             }
         }
         kept
+    }
+
+    /// The neighbours of a term: each factor replaced by every other shape of its variable, and, of a term of less than two factors, the best
+    /// few with one more.
+    pub fn neighbours(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
+        let all = self.factors();
+        let grid = |factor: &Factor| factor.shape.grid(&self.response.ranges[factor.variable]);
+        let (mut own, mut inner) = (Vec::new(), Vec::new());
+        let mut at = term.components;
+        for factor in &term.factors {
+            // What was rounded is free again.
+            inner.push(factor.rounded.map_or_else(|| numbers[at..at + factor.constants()].to_vec(), |p| vec![p]));
+            own.push(Factor::new(factor.shape, factor.variable));
+            at += factor.constants();
+        }
+        let joined = |parts: &[Vec<f64>]| parts.concat();
+        let mut replaced = Vec::new();
+        for (f, factor) in term.factors.iter().enumerate() {
+            for other in all.iter().filter(|o| o.variable == factor.variable && o.shape != factor.shape) {
+                let (mut factors, mut parts) = (own.clone(), inner.clone());
+                factors[f] = other.clone();
+                let starts = grid(other).into_iter().map(|constants| {
+                    parts[f] = constants;
+                    joined(&parts)
+                });
+                let starts = starts.collect();
+                replaced.extend(self.best(term.direction, &factors, starts));
+            }
+        }
+        let more = |other: &Factor| {
+            let factors: Vec<Factor> = own.iter().chain([other]).cloned().collect();
+            let starts = grid(other).into_iter().map(|constants| joined(&[joined(&inner), constants])).collect();
+            self.best(term.direction, &factors, starts)
+        };
+        let room = term.factors.len() < 2;
+        let added = ranked(all.par_iter().filter(|_| room).filter_map(more).collect());
+        replaced.into_iter().chain(added.into_iter().take(MORE)).collect()
     }
 
     /// Pairs of these, solved together, best first.

@@ -152,6 +152,16 @@ fn explore(session: &mut Session, response: &Response, most: usize) -> Vec<Law> 
     laws.splice(..simpler.len(), simpler);
     laws.extend(richer);
     laws = distinct(ranked(laws));
+    if let Some(best) = laws.first().filter(|best| best.terms.len() == 1 && within(session)) {
+        let near = search.neighbours(&best.terms[0], &best.numbers()[0]);
+        let size = price::constants(&best.terms);
+        let rivals = near.par_iter().filter_map(|c| session.fit(response, c, FURTHER_STEPS));
+        // One with more constants is a rival if it explains more than they do by chance.
+        let rivals =
+            rivals.filter(|law| price::constants(&law.terms) <= size || session.gain(law) - session.gain(best) > LOST);
+        laws.extend(rivals.collect::<Vec<_>>());
+        laws = distinct(ranked(laws));
+    }
     if within(session) && !laws.is_empty() {
         laws.extend(second::second(session, response, &singles, &mut laws[0].clone()));
         laws = distinct(ranked(laws));
@@ -187,7 +197,9 @@ fn conclude(
     }
     let rival = answer.rival_bic_gain.is_some_and(|gain| gain >= best - settings.margin);
     (answer.verdict, answer.reason) = match answer.members.as_slice() {
-        _ if rival => (Verdict::Named, Some(Reason::Catalogue)),
+        [one] if rival && one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
+        [] if rival => (Verdict::Named, Some(Reason::Catalogue)),
+        _ if rival => (Verdict::OneOf, Some(Reason::Catalogue)),
         [] => (Verdict::Unknown, answer.refused.first().map(|refused| refused.gate)),
         [one] if one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
         [_] if held_out.recordings.is_empty() => (Verdict::OneOf, Some(Reason::NoHeldOut)),
