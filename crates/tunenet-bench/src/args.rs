@@ -336,7 +336,7 @@ pub struct BenchLaw {
     pub out: PathBuf,
     /// Run only these rows (`clean`, `coloured`, `outliers`, `ratio-3`, `ratio-10`, `ratio-30`, `hidden-state`, `outside`,
     /// `discover`) and laws (`drag-2`)
-    #[arg(long, value_name = "ROW|LAW", num_args = 1.., hide_possible_values = true, value_parser = clap::builder::PossibleValuesParser::new(crate::law::names()))]
+    #[arg(long, value_name = "ROW|LAW", num_args = 1.., hide_possible_values = true, value_parser = clap::builder::PossibleValuesParser::new(crate::law::rows::names()))]
     pub only: Vec<String>,
     /// Number of sets of each law [default: 20; 1 with --quick]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]

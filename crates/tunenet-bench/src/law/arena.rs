@@ -5,8 +5,16 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use super::motion::Run;
 use crate::scene::GRAVITY_M_S2;
+
+/// What differs from recording to recording: the start (position and velocity), two draws of the recording for what is hidden,
+/// and the input at each stamp, on straight lines between them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    pub start: [f64; 6],
+    pub own: [f64; 2],
+    pub input: Vec<f64>,
+}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Arena {

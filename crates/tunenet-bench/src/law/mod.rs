@@ -18,7 +18,7 @@ mod laws;
 mod motion;
 mod predict;
 mod results;
-mod rows;
+pub mod rows;
 mod set;
 mod strange;
 mod term;
@@ -35,7 +35,6 @@ use tunenet_cli::view::json::print_json;
 use tunenet_cli::view::text::{progress, stage};
 
 use self::results::LawResults;
-pub use self::rows::names;
 use self::rows::sets;
 use self::trial::{LawTrial, trial};
 use crate::args::{BenchLaw, Measured};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::arena::{Arena, Base, RADIUS_M};
+use super::arena::{Arena, Base, RADIUS_M, Run};
 use super::cash_karp::{Motion, State, follow};
 use super::strange::StrangeForce;
 use super::term::{Place, Term};
@@ -19,15 +19,6 @@ pub enum Force {
 pub struct World {
     pub base: Base,
     pub force: Force,
-}
-
-/// What differs from recording to recording: the start (position and velocity), two draws of the recording for what is hidden,
-/// and the input at each stamp, on straight lines between them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Run {
-    pub start: [f64; 6],
-    pub own: [f64; 2],
-    pub input: Vec<f64>,
 }
 
 /// Steps of at most this share of a sample.

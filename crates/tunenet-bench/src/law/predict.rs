@@ -105,7 +105,7 @@ pub fn over_truth(improved: &Improved, set: &BlindSet, recorded: &[Recorded]) ->
         recorded.iter().map(|one| squares_of(set.world.base.arena, one, |start| seen(one, start))).sum()
     };
     let truth = |one: &Recorded, start: &[f64; 6]| {
-        let run = super::motion::Run { start: *start, ..one.run.clone() };
+        let run = super::arena::Run { start: *start, ..one.run.clone() };
         Some(set.world.seen(&run, &set.clock))
     };
     let (Some(ours), Some(theirs)) = (left(&|one, start| improved.seen(set, one, start)), left(&truth)) else {
@@ -228,7 +228,7 @@ mod tests {
         let mut mean = 0.0;
         for one in set.fitted.iter().chain(&set.held_out).chain(&set.faster) {
             let seen = |start: &[f64; 6]| {
-                let run = crate::law::motion::Run { start: *start, ..one.run.clone() };
+                let run = crate::law::arena::Run { start: *start, ..one.run.clone() };
                 Some(set.world.seen(&run, &set.clock))
             };
             mean += squares_of(Arena::Flight, one, seen).unwrap() / 7.0;

@@ -5,9 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use sha2::{Digest, Sha256};
 
-use super::arena::{Arena, Base};
+use super::arena::{Arena, Base, Run};
 use super::laws;
-use super::motion::{Force, Run, World, apart};
+use super::motion::{Force, World, apart};
 use super::strange::Strange;
 
 /// Recordings that are fitted, held out, and faster than those. Of the faster ones the tool knows nothing.

@@ -6,6 +6,13 @@ use super::shape::Role;
 use super::space::Carried;
 use super::term::Term;
 
+/// Residual force, in nats: odds of twenty to one.
+pub(super) const MOST_FORCE: f64 = 3.0;
+/// Probability of recordings that differ so much by chance.
+pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
+/// Error on held-out recordings over the noise.
+pub(super) const MOST_HELD_OUT: f64 = 1.05;
+
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -63,7 +70,6 @@ impl Gates {
     /// The first test that fails.
     #[must_use]
     pub fn failed(&self) -> Option<Reason> {
-        use super::judge::{LEAST_PROBABILITY, MOST_FORCE, MOST_HELD_OUT};
         let worse = |ratio: f64| ratio > MOST_HELD_OUT || self.held_out_base.is_some_and(|base| ratio > base);
         // What fails on held-out recordings, and what differs between recordings, says more than what is left.
         if self.heterogeneity_p.is_some_and(|p| p < LEAST_PROBABILITY) {

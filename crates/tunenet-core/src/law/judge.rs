@@ -11,13 +11,6 @@ use crate::estimate::{Linearisation, Point, Problem, RolloutLog};
 use crate::simulator::{Prepared, Simulator};
 use crate::statistics::upper_chi_squared;
 
-/// Residual force, in nats: odds of twenty to one.
-pub(super) const MOST_FORCE: f64 = 3.0;
-/// Probability of recordings that differ so much by chance.
-pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
-/// Error on held-out recordings over the noise.
-pub(super) const MOST_HELD_OUT: f64 = 1.05;
-
 /// Shares of a held-out recording over which its initial state is fitted one after the other.
 const GROWING: [f64; 3] = [0.15, 0.35, 0.65];
 

@@ -2,8 +2,8 @@
 
 use nalgebra::DVector;
 
+use super::answer::MOST_FORCE;
 use super::evidence::residual_force;
-use super::judge::MOST_FORCE;
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
 use super::response::Response;

@@ -3,10 +3,6 @@
 use std::sync::Arc;
 
 use tunenet_core::law::{Shape, Term};
-use tunenet_formula::{Formula, Name};
-
-use super::parts::{Compiled, Surface};
-use super::system::System;
 
 /// Most variables of a law.
 pub(crate) const MOST_VARIABLES: usize = 24;
@@ -98,6 +94,11 @@ pub(super) struct LawTerm {
 }
 
 impl LawTerm {
+    /// A term, with the slot of the side of each factor's variable where the term jumps there.
+    pub fn new(term: &Term, reach: &Arc<Reach>, sides: Vec<Option<usize>>) -> Self {
+        Self { term: term.clone(), reach: Arc::clone(reach), sides }
+    }
+
     /// How many numbers it has.
     pub fn numbers(&self) -> usize {
         self.term.constants()
@@ -121,49 +122,5 @@ impl LawTerm {
         for (pointing, coefficient) in self.reach.directions[self.term.direction].iter().zip(numbers) {
             pointing.add(coefficient * product, values, out);
         }
-    }
-}
-
-impl System {
-    /// The same with terms of a law, whose numbers follow the coefficients of its candidates.
-    #[must_use]
-    pub(crate) fn with_law(mut self, terms: &[Term], reach: &Arc<Reach>) -> Self {
-        for term in terms {
-            let owner = self.candidates.len() + self.laws.len();
-            let mut sides = Vec::new();
-            for factor in &term.factors {
-                let slot = match &reach.quantities[factor.variable] {
-                    Quantity::Slot(slot) if factor.shape.jumps() => self.surface(*slot, owner),
-                    _ => None,
-                };
-                sides.push(slot);
-            }
-            self.laws.push(LawTerm { term: term.clone(), reach: Arc::clone(reach), sides });
-        }
-        self
-    }
-
-    /// The side of a state, as a switching surface of its own.
-    fn surface(&mut self, slot: usize, owner: usize) -> Option<usize> {
-        let of = Self::reading(slot)?;
-        let side = self.slots.count;
-        self.slots.count += 1;
-        self.surfaces.push(Surface { of, side, owners: vec![Some(owner)] });
-        Some(side)
-    }
-
-    /// A formula that reads one state or the clock.
-    fn reading(slot: usize) -> Option<Compiled> {
-        let names: Vec<Name> = (0..=slot).map(|i| Name::new(format!("value_{i}"), None)).collect();
-        let formula = Formula::parse(&format!("value_{slot}"), &names).ok()?;
-        Some(Compiled { tree: formula.tree().clone(), program: formula.program().clone() })
-    }
-
-    /// The same, which writes its states instead of its outputs.
-    #[must_use]
-    pub(crate) fn showing_states(mut self) -> Self {
-        self.outputs = (0..self.states.len()).filter_map(|i| Some(Self::reading(i)?.program)).collect();
-        self.outputs_switch = false;
-        self
     }
 }

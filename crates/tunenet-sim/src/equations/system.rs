@@ -1,13 +1,15 @@
 //! Equations of a file as programs over one array of values, with every name, unit and circle checked.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use indexmap::IndexMap;
+use tunenet_core::law::Term;
 use tunenet_core::observation::Channel;
 use tunenet_formula::{CONSTANTS, Formula, FormulaError, Function, Name, Program, Unit};
 
 use super::Misfit;
-use super::law::LawTerm;
+use super::law::{LawTerm, Quantity, Reach};
 use super::lower::Lowering;
 use super::parts::{Compiled, Delayed, Slots, Surface, is_name_within};
 use crate::scene::{Candidate, EquationsScene};
@@ -354,4 +356,48 @@ fn distinct(path: &str, name: &str, others: &[(String, Name)]) -> Result<(), Mis
         None => format!("`{name}`, which is the clock"),
     };
     Err(Misfit::new(path, "a name that nothing else has", found))
+}
+
+impl System {
+    /// The same with terms of a law, whose numbers follow the coefficients of its candidates.
+    #[must_use]
+    pub(crate) fn with_law(mut self, terms: &[Term], reach: &Arc<Reach>) -> Self {
+        for term in terms {
+            let owner = self.candidates.len() + self.laws.len();
+            let mut sides = Vec::new();
+            for factor in &term.factors {
+                let slot = match &reach.quantities[factor.variable] {
+                    Quantity::Slot(slot) if factor.shape.jumps() => self.surface(*slot, owner),
+                    _ => None,
+                };
+                sides.push(slot);
+            }
+            self.laws.push(LawTerm::new(term, reach, sides));
+        }
+        self
+    }
+
+    /// The side of a state, as a switching surface of its own.
+    fn surface(&mut self, slot: usize, owner: usize) -> Option<usize> {
+        let of = Self::reading(slot)?;
+        let side = self.slots.count;
+        self.slots.count += 1;
+        self.surfaces.push(Surface { of, side, owners: vec![Some(owner)] });
+        Some(side)
+    }
+
+    /// A formula that reads one state or the clock.
+    fn reading(slot: usize) -> Option<Compiled> {
+        let names: Vec<Name> = (0..=slot).map(|i| Name::new(format!("value_{i}"), None)).collect();
+        let formula = Formula::parse(&format!("value_{slot}"), &names).ok()?;
+        Some(Compiled { tree: formula.tree().clone(), program: formula.program().clone() })
+    }
+
+    /// The same, which writes its states instead of its outputs.
+    #[must_use]
+    pub(crate) fn showing_states(mut self) -> Self {
+        self.outputs = (0..self.states.len()).filter_map(|i| Some(Self::reading(i)?.program)).collect();
+        self.outputs_switch = false;
+        self
+    }
 }
