@@ -138,9 +138,9 @@ pub struct Member {
     pub terms: Vec<FoundTerm>,
     /// The effect of the catalogue that it is.
     pub alias: Option<&'static str>,
-    /// Gain of the information criterion, and with the price of its structure.
+    /// Gain of the information criterion.
     pub bic_gain: f64,
-    /// The latter.
+    /// The same less the price of its structure.
     pub score: f64,
     /// How far its gain is behind the best.
     pub behind_best: f64,
@@ -161,11 +161,11 @@ pub struct Member {
 /// A law that a test refused.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Refused {
-    /// It, in words.
+    /// The law in words.
     pub text: String,
     /// Its gain of the information criterion.
     pub bic_gain: f64,
-    /// The test.
+    /// The test that it failed.
     pub gate: Reason,
 }
 
@@ -193,7 +193,7 @@ pub struct Answer {
 }
 
 impl Member {
-    /// It in words: coefficients, formulas and directions.
+    /// The law in words: coefficients, formulas and directions.
     #[must_use]
     pub fn text(&self) -> String {
         self.terms.iter().map(FoundTerm::text).collect::<Vec<_>>().join(" + ")
@@ -201,7 +201,7 @@ impl Member {
 }
 
 impl FoundTerm {
-    /// It in words: `a * speed^p along v`.
+    /// The term in words: `a * speed^p along v`.
     #[must_use]
     pub fn text(&self) -> String {
         let along = self.components.join(", ");

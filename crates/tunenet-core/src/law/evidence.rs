@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::response::{Response, inverse_root};
+use crate::estimate::jacobian::Columns;
 
 /// Correlation lengths of the acceleration, as shares of a recording.
 const LENGTHS: [f64; 3] = [0.04, 0.12, 0.4];
@@ -10,10 +11,14 @@ const LENGTHS: [f64; 3] = [0.04, 0.12, 0.4];
 const VARIANCES: i32 = 33;
 const DECADES: (f64, f64) = (-5.0, 3.0);
 
-/// The greatest logarithm of the odds, in nats, for an acceleration that varies smoothly in time, about residuals in the coordinates of
-/// `response`; what the `tangents` explain does not count.
-pub(super) fn residual_force(response: &Response, residual: &DVector<f64>, tangents: &[DVector<f64>]) -> f64 {
+/// The greatest logarithm of the odds, in nats, for an acceleration that varies smoothly in time, about the residuals of a fit; what its
+/// shared parameters explain by their derivatives (`columns`) does not count.
+pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], columns: &[Columns]) -> f64 {
     let n = response.dimension();
+    let residual = response.coordinates(residuals);
+    let shared = columns.first().map_or(0, |c| c.shared.len());
+    let tangent = |j: usize| response.coordinates(&columns.iter().map(|c| c.shared[j].clone()).collect::<Vec<_>>());
+    let tangents: Vec<DVector<f64>> = (0..shared).map(tangent).collect();
     let columns = DMatrix::from_fn(n, tangents.len(), |i, j| tangents[j][i]);
     let known = &columns * inverse_root(&(columns.transpose() * &columns));
     let project = |m: DMatrix<f64>| {

@@ -9,10 +9,10 @@ use super::space::Visit;
 use super::term::Term;
 use crate::Result;
 use crate::simulator::{Prepared, predict};
+use crate::statistics::NORMAL_95;
 
 /// How much wider than their standard deviations intervals are: what the choice of the form adds, as measured on known laws.
 const WIDER: f64 = 1.15;
-const NORMAL: f64 = 1.96;
 /// How far beyond the range in which a law was seen its rollouts have to stay finite.
 const BEYOND: f64 = 1.5;
 /// A value beyond so many times the greatest that was measured is no longer bounded.
@@ -32,7 +32,7 @@ pub(super) fn member(session: &Session, response: &Response, law: &Law, gates: G
         let units = carried.effect.coefficients.iter().map(|c| c.unit.to_string());
         let each = term.keys(space).into_iter().zip(units).zip(values.iter().zip(sd));
         let found = each.map(|(((key, role), unit), (value, sd))| {
-            let half = NORMAL * WIDER * sd;
+            let half = NORMAL_95 * WIDER * sd;
             Number { key, value: *value, unit, interval95: (value - half, value + half), role }
         });
         let numbers: Vec<Number> = found.collect();
@@ -61,7 +61,7 @@ pub(super) fn member(session: &Session, response: &Response, law: &Law, gates: G
     let valid = valid.map(|v| (space.variables[v].name.clone(), (seen[v].low, seen[v].high))).collect();
     let bits = price::bits(space, session.factors, &law.terms);
     let own = session.free.iter().enumerate().map(|(i, &place)| {
-        let half = NORMAL * WIDER * law.fit.covariance[(i, i)].max(0.0).sqrt();
+        let half = NORMAL_95 * WIDER * law.fit.covariance[(i, i)].max(0.0).sqrt();
         (place, half)
     });
     let halves: Vec<(usize, f64)> = own.collect();
@@ -100,7 +100,7 @@ fn open(session: &Session, response: &Response, law: &Law, t: usize, rounded: Op
     let before: usize = terms[..t].iter().map(Term::constants).sum();
     let fitted = session.from(response, &terms, &numbers, law.fit.point.clone(), 6);
     let interval95 = fitted.map_or((value, value), |fitted| {
-        let (found, half) = (fitted.numbers()[t][at], NORMAL * WIDER * fitted.deviations()[before + at]);
+        let (found, half) = (fitted.numbers()[t][at], NORMAL_95 * WIDER * fitted.deviations()[before + at]);
         (found - half, found + half)
     });
     Some(Rounded { value, interval95 })

@@ -21,25 +21,15 @@ pub(super) struct HeldOut<'a> {
 }
 
 /// Tests a law.
-pub(super) fn judge(session: &Session, response: &Response, held_out: &HeldOut, law: &mut Law) -> Result<Gates> {
+pub(super) fn judge(session: &Session, response: &Response, held_out: &HeldOut, law: &Law) -> Result<Gates> {
     let linear = session.linearise(response, law)?;
-    let residual = response.coordinates(&law.fit.residuals);
-    let shared = linear.columns().first().map_or(0, |c| c.shared.len());
-    let tangents: Vec<DVector<f64>> = (0..shared)
-        .map(|j| response.tangent(&linear.columns().iter().map(|c| c.shared[j].clone()).collect::<Vec<_>>()))
-        .collect();
-    let residual_force_nats = residual_force(response, &residual, &tangents);
+    let residual_force_nats = residual_force(response, &law.fit.residuals, linear.columns());
     let heterogeneity_p = (session.recordings.len() > 1).then(|| heterogeneity(&linear, &law.fit.residuals));
     let (mut held_out_ratio, mut held_out_base) = (None, None);
     if !held_out.recordings.is_empty() {
         let simulator = session.carrying(response, &law.terms, &law.numbers())?;
-        let values: usize = law.fit.residuals.iter().map(Vec::len).sum();
-        let own: usize = session.recordings.iter().map(|r| r.nuisances.len()).sum::<usize>() + shared;
-        let squares: f64 = law.fit.residuals.iter().flatten().map(|r| r * r).sum();
-        // The noise is an estimate as well: the fit that is tested says what it is, where it leaves more.
-        let noise = (squares / values.saturating_sub(own).max(1) as f64).sqrt().clamp(1.0, 1.05);
         let of = |simulator: &dyn Simulator, parameters: &[f64]| ahead(held_out, simulator, parameters, session.log);
-        held_out_ratio = Some(of(simulator.as_ref(), &law.fit.point.parameters) / noise);
+        held_out_ratio = Some(of(simulator.as_ref(), &law.fit.point.parameters));
         let base = session.host.carrying(&[])?;
         held_out_base = Some(of(base.as_ref(), &session.base.point.parameters));
     }

@@ -32,6 +32,8 @@ type Evaluate<'a> = dyn Fn(&[f64]) -> Option<(f64, Vec<f64>)> + 'a;
 pub(super) struct Search<'a> {
     pub space: &'a Space,
     pub response: &'a Response,
+    /// All factors that a term may have.
+    pub factors: Vec<Factor>,
     /// What is there already: its tangent is projected out.
     pub known: Vec<Column>,
 }
@@ -41,25 +43,13 @@ const MORE: usize = 6;
 
 impl<'a> Search<'a> {
     pub fn new(space: &'a Space, response: &'a Response) -> Self {
-        Self { space, response, known: Vec::new() }
-    }
-
-    /// All factors.
-    pub fn factors(&self) -> Vec<Factor> {
-        let of = |(i, v): (usize, &super::space::Variable)| {
-            let shapes = Shape::of(v.nature == Nature::Clock, v.rate, &self.response.ranges[i]);
-            shapes.into_iter().map(move |shape| Factor::new(shape, i))
-        };
-        // What does not vary is no variable.
-        let varies = |i: usize| self.response.ranges[i].high > self.response.ranges[i].low;
-        self.space.variables.iter().enumerate().filter(|(i, _)| varies(*i)).flat_map(of).collect()
+        Self { space, response, factors: factors(space, response), known: Vec::new() }
     }
 
     /// Every direction with one factor or none, best first.
     pub fn singles(&self) -> Vec<Candidate> {
-        let factors = self.factors();
         let forms: Vec<(usize, Option<&Factor>)> = (0..self.space.directions.len())
-            .flat_map(|d| std::iter::once((d, None)).chain(factors.iter().map(move |f| (d, Some(f)))))
+            .flat_map(|d| std::iter::once((d, None)).chain(self.factors.iter().map(move |f| (d, Some(f)))))
             .collect();
         let one = |&(direction, factor): &(usize, Option<&Factor>)| {
             let factors: Vec<Factor> = factor.into_iter().cloned().collect();
@@ -71,9 +61,9 @@ impl<'a> Search<'a> {
 
     /// Products of the best of `singles` with every factor, best first.
     pub fn products(&self, singles: &[Candidate]) -> Vec<Candidate> {
-        let factors = self.factors();
         let seeds = singles.iter().filter(|c| !c.terms[0].factors.is_empty()).take(MULTIPLIED);
-        let pairs: Vec<(&Candidate, &Factor)> = seeds.flat_map(|seed| factors.iter().map(move |f| (seed, f))).collect();
+        let pairs: Vec<(&Candidate, &Factor)> =
+            seeds.flat_map(|seed| self.factors.iter().map(move |f| (seed, f))).collect();
         let one = |&(seed, factor): &(&Candidate, &Factor)| {
             let term = &seed.terms[0];
             let first = &term.factors[0];
@@ -105,7 +95,6 @@ impl<'a> Search<'a> {
     /// The neighbours of a term: each factor replaced by every other shape of its variable, and, of a term of less than two factors, the best
     /// few with one more.
     pub fn neighbours(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
-        let all = self.factors();
         let grid = |factor: &Factor| factor.shape.grid(&self.response.ranges[factor.variable]);
         let (mut own, mut inner) = (Vec::new(), Vec::new());
         let mut at = term.components;
@@ -115,27 +104,25 @@ impl<'a> Search<'a> {
             own.push(Factor::new(factor.shape, factor.variable));
             at += factor.constants();
         }
-        let joined = |parts: &[Vec<f64>]| parts.concat();
         let mut replaced = Vec::new();
         for (f, factor) in term.factors.iter().enumerate() {
-            for other in all.iter().filter(|o| o.variable == factor.variable && o.shape != factor.shape) {
+            for other in self.factors.iter().filter(|o| o.variable == factor.variable && o.shape != factor.shape) {
                 let (mut factors, mut parts) = (own.clone(), inner.clone());
                 factors[f] = other.clone();
                 let starts = grid(other).into_iter().map(|constants| {
                     parts[f] = constants;
-                    joined(&parts)
+                    parts.concat()
                 });
-                let starts = starts.collect();
-                replaced.extend(self.best(term.direction, &factors, starts));
+                replaced.extend(self.best(term.direction, &factors, starts.collect()));
             }
         }
         let more = |other: &Factor| {
             let factors: Vec<Factor> = own.iter().chain([other]).cloned().collect();
-            let starts = grid(other).into_iter().map(|constants| joined(&[joined(&inner), constants])).collect();
+            let starts = grid(other).into_iter().map(|constants| [inner.concat(), constants].concat()).collect();
             self.best(term.direction, &factors, starts)
         };
         let room = term.factors.len() < 2;
-        let added = ranked(all.par_iter().filter(|_| room).filter_map(more).collect());
+        let added = ranked(self.factors.par_iter().filter(|_| room).filter_map(more).collect());
         replaced.into_iter().chain(added.into_iter().take(MORE)).collect()
     }
 
@@ -183,7 +170,7 @@ impl<'a> Search<'a> {
         let (count, squares) = (self.response.count, self.response.squares);
         let likelihood = price::likelihood(count, squares, (squares - gain).max(0.05 * count as f64));
         let bic = price::bic(likelihood, count, price::constants(terms));
-        price::score(bic, price::bits(self.space, self.factors().len(), terms))
+        price::score(bic, price::bits(self.space, self.factors.len(), terms))
     }
 
     /// The best constants inside from these starts.
@@ -273,6 +260,17 @@ impl<'a> Search<'a> {
         linear.extend(inner);
         Some((gain, linear))
     }
+}
+
+/// All factors that a term may have.
+fn factors(space: &Space, response: &Response) -> Vec<Factor> {
+    let of = |(i, v): (usize, &super::space::Variable)| {
+        let shapes = Shape::of(v.nature == Nature::Clock, v.rate, &response.ranges[i]);
+        shapes.into_iter().map(move |shape| Factor::new(shape, i))
+    };
+    // What does not vary is no variable.
+    let varies = |i: usize| response.ranges[i].high > response.ranges[i].low;
+    space.variables.iter().enumerate().filter(|(i, _)| varies(*i)).flat_map(of).collect()
 }
 
 /// Best first.

@@ -98,7 +98,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
     let mut session = Session::new(host, recordings, noise, &log)?;
     let of = Fitted { recordings, noise, fit: &session.base, columns: session.linear.columns() };
     let response = Response::measure(host, &of, &log)?;
-    let base_force_nats = base_force(&session, &response);
+    let base_force_nats = residual_force(&response, &session.base.residuals, session.linear.columns());
     let left = rms(&session.base.residuals);
     let none = |verdict, reason| Answer {
         verdict,
@@ -131,7 +131,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
 /// Laws that were fitted and simplified, by their score, best first.
 fn explore(session: &mut Session, response: &Response, most: usize) -> Vec<Law> {
     let search = Search::new(session.host.space(), response);
-    session.factors = search.factors().len();
+    session.factors = search.factors.len();
     let singles = search.singles();
     let products = search.products(&singles);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
@@ -164,7 +164,7 @@ fn explore(session: &mut Session, response: &Response, most: usize) -> Vec<Law> 
         laws = distinct(ranked(laws));
     }
     if within(session) && !laws.is_empty() {
-        laws.extend(second::second(session, response, &singles, &mut laws[0].clone()));
+        laws.extend(second::second(session, response, &singles, &laws[0]));
         laws = distinct(ranked(laws));
     }
     laws
@@ -182,11 +182,11 @@ fn conclude(
     let best = laws[0].bic;
     let near = laws.into_iter().filter(|law| law.bic >= best - settings.margin);
     let near = near.map(|law| session.finish(response, &law).unwrap_or(law));
-    let near = without_nested(session.host.space(), distinct(ranked(near.collect())));
+    let near = without_nested(session, distinct(ranked(near.collect())));
     let best = near.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     answer.left.1 = near.first().map_or(answer.left.0, |law| rms(&law.fit.residuals));
-    for mut law in near.into_iter().filter(|law| law.bic >= best - settings.margin) {
-        let gates = judge(session, response, held_out, &mut law)?;
+    for law in near.into_iter().filter(|law| law.bic >= best - settings.margin) {
+        let gates = judge(session, response, held_out, &law)?;
         let member = found::member(session, response, &law, gates, best)?;
         match gates.failed() {
             None => answer.members.push(member),
@@ -208,15 +208,6 @@ fn conclude(
         _ => (Verdict::OneOf, Some(Reason::Several)),
     };
     Ok(())
-}
-
-/// Evidence of a missing force about the base model.
-fn base_force(session: &Session, response: &Response) -> f64 {
-    let columns = session.linear.columns();
-    let shared = columns.first().map_or(0, |c| c.shared.len());
-    let tangent = |j: usize| response.tangent(&columns.iter().map(|c| c.shared[j].clone()).collect::<Vec<_>>());
-    let tangents: Vec<_> = (0..shared).map(tangent).collect();
-    residual_force(response, &response.coordinates(&session.base.residuals), &tangents)
 }
 
 fn rms(residuals: &[Vec<f64>]) -> f64 {
@@ -256,8 +247,9 @@ fn distinct(laws: Vec<Law>) -> Vec<Law> {
     kept
 }
 
-/// Laws without those that hold a better one as a special case: what they have in addition, the recordings do not need.
-fn without_nested(space: &Space, laws: Vec<Law>) -> Vec<Law> {
+/// Laws without those that hold a better one as a special case and explain no more than chance does in addition.
+fn without_nested(session: &Session, laws: Vec<Law>) -> Vec<Law> {
+    let space = session.host.space();
     let components = |term: &Term| &space.directions[term.direction].components;
     let part_of = |small: &Term, large: &Term| {
         let held = |f: &Factor| large.factors.iter().any(|g| (f.variable, f.shape) == (g.variable, g.shape));
@@ -265,8 +257,10 @@ fn without_nested(space: &Space, laws: Vec<Law>) -> Vec<Law> {
     };
     let mut kept: Vec<Law> = Vec::new();
     for law in laws {
-        let nested =
-            |better: &Law| better.terms.iter().all(|small| law.terms.iter().any(|large| part_of(small, large)));
+        let nested = |better: &Law| {
+            let holds = better.terms.iter().all(|small| law.terms.iter().any(|large| part_of(small, large)));
+            holds && session.gain(&law) - session.gain(better) <= LOST
+        };
         if !kept.iter().any(nested) {
             kept.push(law);
         }

@@ -8,7 +8,7 @@ use super::term::Term;
 use crate::Result;
 use crate::estimate::huber::huber_cost;
 use crate::estimate::{Fit, Linearisation, Point, Problem, RolloutLog, free};
-use crate::simulator::Prepared;
+use crate::simulator::{Prepared, Simulator};
 
 /// How far the bounds of a coefficient reach, in units of what the linear stage found.
 const REACH: f64 = 40.0;
@@ -82,18 +82,12 @@ impl<'a> Session<'a> {
             point = fit.point.clone();
             base = Some(fit);
         }
-        // Where growing horizons lead astray, the first guesses may not.
+        // Growing horizons may end in another minimum than the first guesses do.
         let direct = problem.fit(Point::start(simulator.as_ref(), recordings), 1.0);
         let mut base = match (base, direct) {
-            (Some(a), Ok(b)) => {
-                if b.cost < a.cost {
-                    b
-                } else {
-                    a
-                }
-            }
-            (Some(a), Err(_)) => a,
-            (None, b) => b?,
+            (Some(grown), Ok(direct)) if grown.cost <= direct.cost => grown,
+            (Some(grown), Err(_)) => grown,
+            (_, direct) => direct?,
         };
         let linear = problem.settle(&mut base)?;
         let (squares, count) = (counted(&base), base.residuals.iter().map(Vec::len).sum());
@@ -101,16 +95,20 @@ impl<'a> Session<'a> {
         Ok(Self { host, recordings, noise, log, base, linear, free, squares, count, factors: 1, variants })
     }
 
-    /// The base model's problem.
+    /// The recordings as a problem for another simulator.
+    fn problem<'b>(
+        &'b self,
+        simulator: &'b dyn Simulator,
+        free: &'b [usize],
+        log: Option<&'b RolloutLog>,
+    ) -> Problem<'b> {
+        Problem { simulator, recordings: self.recordings, noise: self.noise, free, log }
+    }
+
+    /// The base model one linear step from its fit, towards these residuals.
     fn stepped(&self, residuals: &[Vec<f64>]) -> Result<Point> {
         let simulator = self.host.carrying(&[])?;
-        let problem = Problem {
-            simulator: simulator.as_ref(),
-            recordings: self.recordings,
-            noise: self.noise,
-            free: &self.free,
-            log: None,
-        };
+        let problem = self.problem(simulator.as_ref(), &self.free, None);
         Ok(problem.stepped(&self.base, &self.linear, residuals))
     }
 
@@ -167,13 +165,7 @@ impl<'a> Session<'a> {
         }
         let variant = self.variants.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let log = self.log.variant(variant);
-        let problem = Problem {
-            simulator: simulator.as_ref(),
-            recordings: self.recordings,
-            noise: self.noise,
-            free: &free,
-            log: Some(&log),
-        };
+        let problem = self.problem(simulator.as_ref(), &free, Some(&log));
         let fit = problem.fit_steps(start, steps, steps.div_ceil(2)).ok()?;
         Some(self.law(terms.to_vec(), fit, first))
     }
@@ -192,16 +184,10 @@ impl<'a> Session<'a> {
     }
 
     /// The derivatives at a law, in the order of its free parameters.
-    pub fn linearise(&self, response: &Response, law: &mut Law) -> Result<Linearisation> {
+    pub fn linearise(&self, response: &Response, law: &Law) -> Result<Linearisation> {
         let simulator = self.carrying(response, &law.terms, &law.numbers())?;
         let free: Vec<usize> = self.free.iter().copied().chain(law.first..simulator.parameters().len()).collect();
-        let problem = Problem {
-            simulator: simulator.as_ref(),
-            recordings: self.recordings,
-            noise: self.noise,
-            free: &free,
-            log: None,
-        };
+        let problem = self.problem(simulator.as_ref(), &free, None);
         let linear = problem.linearise(&law.fit)?;
         self.log.add(linear.rollouts());
         Ok(linear)
@@ -212,7 +198,7 @@ impl<'a> Session<'a> {
         law.bic + price::constants(&law.terms) as f64 * (self.count as f64).ln()
     }
 
-    /// The base model, or an effect of its catalogue, as a fit of the same recordings: what it gains in the information criterion.
+    /// What effects of the catalogue gain in the information criterion on the same recordings.
     pub fn rival(&self, names: &[&str]) -> Option<f64> {
         let base = self.host.carrying(&[]).ok()?;
         let simulator = base.with_effects(names).ok()?;
@@ -229,13 +215,7 @@ impl<'a> Session<'a> {
         start.parameters.extend((start.parameters.len()..simulator.parameters().len()).map(typical));
         let variant = self.variants.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let log = self.log.variant(variant);
-        let problem = Problem {
-            simulator: simulator.as_ref(),
-            recordings: self.recordings,
-            noise: self.noise,
-            free: &free,
-            log: Some(&log),
-        };
+        let problem = self.problem(simulator.as_ref(), &free, Some(&log));
         let fit = problem.fit(start, 1.0).ok()?;
         let gain = price::likelihood(self.count, self.squares, counted(&fit));
         Some(price::bic(gain, self.count, more))

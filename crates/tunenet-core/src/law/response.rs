@@ -190,18 +190,13 @@ impl Response {
         (0..components).map(one).collect()
     }
 
-    /// What a further column of derivatives of the residuals is in the coordinates.
-    pub fn tangent(&self, derivative: &[Vec<f64>]) -> DVector<f64> {
-        let each = self.parts.iter().zip(derivative).map(|(part, of)| {
+    /// Residuals of another fit, or their derivatives by a parameter, in the coordinates.
+    pub fn coordinates(&self, residuals: &[Vec<f64>]) -> DVector<f64> {
+        let each = self.parts.iter().zip(residuals).map(|(part, of)| {
             let of = DVector::from_column_slice(of);
             part.basis.transpose() * (&of - &part.own * (part.own.transpose() * &of))
         });
         stacked(each.collect::<Vec<_>>().iter())
-    }
-
-    /// Residuals of another fit in the coordinates.
-    pub fn coordinates(&self, residuals: &[Vec<f64>]) -> DVector<f64> {
-        self.tangent(residuals)
     }
 
     /// How the prediction of each recording answers to a term with these numbers.

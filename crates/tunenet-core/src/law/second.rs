@@ -1,7 +1,5 @@
 //! A second term where the first leaves a force: forms on what it leaves, and pairs of single forms.
 
-use nalgebra::DVector;
-
 use super::answer::MOST_FORCE;
 use super::evidence::residual_force;
 use super::linear::{Candidate, Search};
@@ -20,13 +18,9 @@ const LEAST_GAIN: f64 = 6.0;
 const DIFFERENCE: f64 = 1e-4;
 
 /// Laws of two terms that gain enough over `first`.
-pub(super) fn second(session: &Session, response: &Response, singles: &[Candidate], first: &mut Law) -> Vec<Law> {
+pub(super) fn second(session: &Session, response: &Response, singles: &[Candidate], first: &Law) -> Vec<Law> {
     let Ok(linear) = session.linearise(response, first) else { return Vec::new() };
-    let shared = linear.columns().first().map_or(0, |c| c.shared.len());
-    let tangents: Vec<DVector<f64>> = (0..shared)
-        .map(|j| response.tangent(&linear.columns().iter().map(|c| c.shared[j].clone()).collect::<Vec<_>>()))
-        .collect();
-    let force = residual_force(response, &response.coordinates(&first.fit.residuals), &tangents);
+    let force = residual_force(response, &first.fit.residuals, linear.columns());
     if force <= MOST_FORCE || first.terms.len() > 1 {
         return Vec::new();
     }

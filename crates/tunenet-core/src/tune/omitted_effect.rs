@@ -4,6 +4,8 @@
 //! excludes the truth. Everything is fitted again with its coefficient free; where that fit is better by more than chance, the interval
 //! reaches to where the other fit puts the parameter.
 
+use std::iter::repeat_n;
+
 use crate::Result;
 use crate::estimate::{Fit, Interval, Problem, ScaleEstimate};
 use crate::findings;
@@ -115,8 +117,8 @@ fn omission(
 /// The same recording for a simulator with so many further parameters.
 fn with_parameters(recording: &Prepared, more: usize) -> Prepared {
     let mut prepared = recording.clone();
-    prepared.local.extend((0..more).map(|_| None));
-    prepared.silent.extend((0..more).map(|_| None));
+    prepared.local.extend(repeat_n(None, more));
+    prepared.silent.extend(repeat_n(None, more));
     prepared
 }
 

@@ -40,7 +40,8 @@ pub fn host(files: &[&SimulationFile], kind: Kind, present: &[&str]) -> Result<P
             Some(host) => Ok(Box::new(host)),
             None => Err("these equations have no state to whose derivative a law could be added"),
         },
-        (Domain::Process | Domain::Equations, _) => {
+        (Domain::Equations, _) => Err("a law of equations is searched in recordings of their outputs only"),
+        (Domain::Process, _) => {
             Err("an external program has no place for a law: write the model as equations, or declare candidates")
         }
         (Domain::Arm, _) => Err("an arm has no place for a law yet: write formulas of its joints as candidates"),
