@@ -116,6 +116,10 @@ pub fn choose_network(
     if !file.parameters().is_ok_and(|all| all.iter().any(|p| p.tune)) {
         return ChosenNetwork::none("not needed: only effects are tuned");
     }
+    // Recordings to learn from would be drawn with the formula, whose force may run away from where it was seen.
+    if file.effects().iter().any(|effect| file.candidate(&effect.name).is_some()) {
+        return ChosenNetwork::none("none: a formula acts; the fit has its own starts");
+    }
     let usable = |recording: &Observation| match ball.prepare(recording) {
         Ok(Preparation::Usable(prepared)) => Some(prepared),
         _ => None,
