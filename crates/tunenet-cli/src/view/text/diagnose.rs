@@ -61,8 +61,14 @@ pub fn answer(answer: &Answer) -> Printout {
     if let Some(text) = used(diagnosis) {
         shown.line(&format!("  {text}"));
     }
+    let decides = answer.found().is_some();
+    if let Some(law) = answer.law.filter(|_| decides) {
+        super::law::lines(&mut shown, answer, law);
+        shown.line("  without a law, effects of the catalogue explain less:");
+    }
+    let indent = if decides { "    " } else { "  " };
     for line in details(answer) {
-        shown.line(&format!("  {line}"));
+        shown.line(&format!("{indent}{line}"));
     }
     let gaps = gaps(answer);
     if !gaps.is_empty() {
@@ -87,10 +93,11 @@ pub fn answer(answer: &Answer) -> Printout {
     if !aside.is_empty() {
         shown.line(&format!("  held out for validation: {}", aside.join(", ")));
     }
-    if let Some(law) = answer.law {
+    if let Some(law) = answer.law.filter(|_| !decides) {
         super::law::lines(&mut shown, answer, law);
     }
-    if let Some(next) = &diagnosis.next_experiment {
+    // What distinguishes effects of the catalogue is no longer the question where a law explains more than they do.
+    if let Some(next) = diagnosis.next_experiment.as_ref().filter(|_| !decides) {
         shown.line(&format!("  next: {}", next.text));
     }
     warnings(&mut shown, &answer.notes());

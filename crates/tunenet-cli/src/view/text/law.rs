@@ -36,6 +36,13 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
     let members = &found.answer.members;
     for member in if decides { members.as_slice() } else { &[] } {
         shown.line(&format!("  {}: {}", name(member), numbers(member)));
+        for (parameter, &(value, (low, high))) in found.parameters.iter().zip(&member.parameters) {
+            if parameter.tune && high > low {
+                let half = (high - low) / 2.0;
+                let [value, low, high] = [value, low, high].map(|v| rounded(v, half));
+                shown.line(&format!("    with {} {value} (95 %: {low} to {high})", parameter.name));
+            }
+        }
         let gates = &member.gates;
         let p =
             gates.heterogeneity_p.map_or_else(String::new, |p| format!(", recordings differ by chance with p {p:.2}"));
@@ -67,6 +74,14 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
             (_, None) => "no law was found".to_owned(),
         };
         shown.line(&format!("  law: {said}"));
+    }
+    if decides {
+        let (before, after) = found.answer.left;
+        shown.line(&format!(
+            "  residual {before:.2} → {after:.2} of the noise (RMS); {} rollouts, {:.1} s",
+            found.answer.rollouts, law.seconds
+        ));
+        return;
     }
     shown.line(&format!("  law: {} rollouts, {:.1} s", found.answer.rollouts, law.seconds));
 }

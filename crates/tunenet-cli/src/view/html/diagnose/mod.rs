@@ -269,7 +269,7 @@ fn apart(answer: &Answer) -> Markup {
                 }
             }
         }
-        @if let Some(next) = &diagnosis.next_experiment {
+        @if let Some(next) = diagnosis.next_experiment.as_ref().filter(|_| answer.found().is_none()) {
             h2 { "Next experiment" }
             p { (capital(&next.text)) "." }
             @if !next.settings.is_empty() {
