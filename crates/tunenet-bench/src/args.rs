@@ -283,6 +283,8 @@ pub enum DiagnoseRow {
     Three,
     /// An effect that is not in the catalogue
     Outside,
+    /// An effect that the simulation file declares as a formula, among others that do not act
+    Formulas,
     /// Drag, where the simulation file states a wrong mass
     WrongMass,
     /// One recording of another ball

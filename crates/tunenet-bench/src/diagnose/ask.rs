@@ -31,6 +31,56 @@ max = 2.0
 tune = false
 ";
 
+/// What a person would declare who suspects one of six causes: forms that are known up to their numbers, in this page's words.
+const FORMULAS: &str = "\
+[candidates.fan]
+sentence = \"a fan blows within a band of heights\"
+acts = \"flight\"
+along = [\"x\", \"y\"]
+formula = \"a * exp(-((z_m - h) / w)^2)\"
+per_direction = [\"a\"]
+coefficients.a = { unit = \"m/s²\", absent = 0.0, min = -10.0, max = 10.0 }
+coefficients.h = { unit = \"m\", min = 0.0, max = 2.0 }
+coefficients.w = { unit = \"m\", min = 0.05, max = 1.0 }
+
+[candidates.shear]
+sentence = \"a wind grows with height\"
+acts = \"flight\"
+along = [\"x\", \"y\"]
+formula = \"s * z_m\"
+per_direction = [\"s\"]
+coefficients.s = { unit = \"1/s²\", absent = 0.0, min = -10.0, max = 10.0 }
+
+[candidates.constant_brake]
+sentence = \"a brake of constant force\"
+acts = \"flight\"
+along = [\"v\"]
+formula = \"-b\"
+coefficients.b = { unit = \"m/s²\", absent = 0.0, min = 0.0, max = 10.0 }
+
+[candidates.vortex]
+sentence = \"air turns around a vertical axis\"
+acts = \"flight\"
+along = [\"around\"]
+formula = \"k * sqrt(x_m^2 + y_m^2)\"
+coefficients.k = { unit = \"1/s²\", absent = 0.0, min = -20.0, max = 20.0 }
+
+[candidates.magnet]
+sentence = \"a magnet under the floor\"
+acts = \"flight\"
+along = [\"z\"]
+formula = \"-m / (1 + (z_m / d)^2)^2\"
+coefficients.m = { unit = \"m/s²\", absent = 0.0, min = 0.0, max = 60.0 }
+coefficients.d = { unit = \"m\", min = 0.02, max = 0.5 }
+
+[candidates.updraught]
+sentence = \"an updraught that grows with the time\"
+acts = \"flight\"
+along = [\"z\"]
+formula = \"u * t_s\"
+coefficients.u = { unit = \"m/s³\", absent = 0.0, min = -10.0, max = 10.0 }
+";
+
 /// A throw that was asked for.
 pub struct RequestedThrow {
     pub position_m: [f64; 3],
@@ -44,15 +94,25 @@ pub struct Asked {
 
 impl Asked {
     pub fn new() -> Result<Self> {
-        Self::with_mass(None)
+        Self::of("", &[])
     }
 
-    /// Asks with the mass of the ball, kg, in the file, where it is known.
-    pub fn with_mass(mass_kg: Option<f64>) -> Result<Self> {
-        let mut file = SimulationFile::parse(Path::new("blind.toml"), &format!("ball.radius_m = {RADIUS_M}\n{SCENE}"))?;
+    /// Asks with the mass of the ball, kg, in the file.
+    pub fn with_mass(mass_kg: f64) -> Result<Self> {
+        Self::of("", &[format!("ball.mass_kg={mass_kg}")])
+    }
+
+    /// Asks with formulas of six effects in the file.
+    pub fn with_formulas() -> Result<Self> {
+        Self::of(FORMULAS, &[])
+    }
+
+    fn of(more: &str, keys: &[String]) -> Result<Self> {
+        let text = format!("ball.radius_m = {RADIUS_M}\n{SCENE}\n{more}");
+        let mut file = SimulationFile::parse(Path::new("blind.toml"), &text)?;
         file.set(&format!("world.gravity_m_s2={GRAVITY_M_S2}"))?;
-        if let Some(mass_kg) = mass_kg {
-            file.set(&format!("ball.mass_kg={mass_kg}"))?;
+        for key in keys {
+            file.set(key)?;
         }
         Ok(Self { simulator: simulator(&file, Kind::Positions, &Session::default())? })
     }

@@ -122,8 +122,12 @@ fn trial(asked: &Asked, cell: &DiagnoseCell, seed: u64, purpose: &str, number: u
     let truth: Vec<String> = cell.recipe.hidden.iter().map(|kind| kind.name().into()).collect();
     let mut trial = BlindTrial { truth, drops: cell.recipe.drops, answer: None, floor_m: None, then: None };
     let Some(set) = BlindSet::draw(&cell.recipe, &mut random)? else { return Ok(trial) };
-    let with_mass = set.stated_mass_kg.map(|mass| Asked::with_mass(Some(mass))).transpose()?;
-    let (answer, experiment) = with_mass.as_ref().unwrap_or(asked).ask(&set.seen, &set.held_out)?;
+    let other = match set.stated_mass_kg {
+        Some(mass_kg) => Some(Asked::with_mass(mass_kg)?),
+        None if cell.row == DiagnoseRow::Formulas => Some(Asked::with_formulas()?),
+        None => None,
+    };
+    let (answer, experiment) = other.as_ref().unwrap_or(asked).ask(&set.seen, &set.held_out)?;
     trial.answer = Some(answer);
     if cell.row == DiagnoseRow::Experiment {
         if let Some(throw) = experiment {

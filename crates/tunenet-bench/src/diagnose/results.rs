@@ -59,6 +59,7 @@ pub fn table(row: DiagnoseRow, trials: &[BlindTrial]) -> DiagnoseTable {
         row if row.is_clean() => clean(&answered),
         DiagnoseRow::Two => two(&answered),
         DiagnoseRow::Outside => outside(&answered),
+        DiagnoseRow::Formulas => formulas(&answered),
         DiagnoseRow::Three
         | DiagnoseRow::WrongMass
         | DiagnoseRow::OddBall
@@ -260,6 +261,26 @@ fn outside(trials: &[&BlindTrial]) -> Parts {
         at_most("wrong lone name, 3 drops or more, %", goals::WRONG_NAME, share(&many, &[Mark::Wrong])),
     ];
     (MARK_COLUMNS.to_vec(), by_drops(trials, marks), goals.into_iter().flatten().collect())
+}
+
+/// A line for each formula that acts, and one for sets in which none does.
+fn formulas(trials: &[&BlindTrial]) -> Parts {
+    let (clean, acting): (Vec<&BlindTrial>, Vec<&BlindTrial>) = trials.iter().partition(|t| t.truth.is_empty());
+    let named = percent(&clean, |t| t.answer.as_ref().is_some_and(Answer::names_something));
+    let goals = [
+        at_least("exact, %", goals::EXACT_ABOVE, share(&acting, &[Mark::Exact])),
+        at_most("wrong lone name, %", goals::WRONG_NAME, share(trials, &[Mark::Wrong])),
+        at_most("nothing hidden, and an effect named, %", goals::FALSE_NAMES, named),
+    ];
+    let mut truths: Vec<&[String]> = trials.iter().map(|t| t.truth.as_slice()).collect();
+    truths.sort_unstable();
+    truths.dedup();
+    let line = |truth: &[String]| {
+        let those: Vec<&BlindTrial> = trials.iter().filter(|t| t.truth == truth).copied().collect();
+        let label = truth.first().cloned().unwrap_or_else(|| "nothing".into());
+        DiagnoseLine { label, numbers: std::iter::once(those.len() as f64).chain(marks(&those)).collect() }
+    };
+    (MARK_COLUMNS.to_vec(), truths.into_iter().map(line).collect(), goals.into_iter().flatten().collect())
 }
 
 /// Sets with more against them than noise: what counts is that no wrong name is given.

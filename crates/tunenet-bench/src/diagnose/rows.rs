@@ -50,7 +50,7 @@ impl Counts {
 
 impl DiagnoseRow {
     /// Every row, in the order of the tables.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Clean,
         Self::Autocorrelated,
         Self::Outliers,
@@ -62,6 +62,7 @@ impl DiagnoseRow {
         Self::Two,
         Self::Three,
         Self::Outside,
+        Self::Formulas,
         Self::WrongMass,
         Self::OddBall,
         Self::Scatter,
@@ -83,6 +84,7 @@ impl DiagnoseRow {
             Self::Two => "two",
             Self::Three => "three",
             Self::Outside => "outside",
+            Self::Formulas => "formulas",
             Self::WrongMass => "wrong-mass",
             Self::OddBall => "odd-ball",
             Self::Scatter => "scatter",
@@ -106,6 +108,9 @@ impl DiagnoseRow {
             Self::Two => "two effects of the catalogue, each 10 times the noise",
             Self::Three => "three effects of the catalogue, each 10 times the noise",
             Self::Outside => "an effect that the catalogue does not hold, 3, 10 and 30 times the noise",
+            Self::Formulas => {
+                "one of six formulas that the file declares, 3, 10 and 30 times the noise, or nothing hidden"
+            }
             Self::WrongMass => "drag, 10 times the noise; the file states a fifth or five times the ball's mass",
             Self::OddBall => "nothing hidden; one of five recordings shows a ball of another restitution",
             Self::Scatter => "nothing hidden; the restitution differs from recording to recording",
@@ -181,6 +186,15 @@ impl DiagnoseRow {
                     for (ratio, drops) in [(3.0, 3), (10.0, 3), (30.0, 3), (10.0, 10)] {
                         let name = format!("{drops}-{}-at-{ratio}", kind.name());
                         cells.add(&name, vec![kind], ratio, drops, white, counts.outside);
+                    }
+                }
+            }
+            Self::Formulas => {
+                cells.add("3", vec![], 0.0, 3, white, 2 * counts.troubled);
+                for kind in EffectKind::DECLARED {
+                    for ratio in [3.0, 10.0, 30.0] {
+                        let name = format!("3-{}-at-{ratio}", kind.name());
+                        cells.add(&name, vec![kind], ratio, 3, white, counts.effect);
                     }
                 }
             }

@@ -113,6 +113,10 @@ impl EffectKind {
         Self::Conveyor,
     ];
 
+    /// Effects of no catalogue that a formula in a user's file describes; `ask` writes them.
+    pub const DECLARED: [Self; 6] =
+        [Self::Fan, Self::Magnet, Self::Updraught, Self::ConstantBrake, Self::Vortex, Self::Shear];
+
     /// Its name in answers.
     pub fn name(self) -> &'static str {
         match self {
