@@ -58,8 +58,8 @@ pub fn csv(bytes: &[u8]) {
     }
 }
 
-/// The kinds of message that are read, and one that is not.
-const SCHEMAS: [(&str, &str); 8] = [
+/// The kinds of message that are read, and one that is not. The last is read by its definition.
+const SCHEMAS: [(&str, &str); 10] = [
     ("geometry_msgs/msg/PointStamped", "cdr"),
     ("geometry_msgs/msg/PoseStamped", "cdr"),
     ("nav_msgs/msg/Odometry", "cdr"),
@@ -68,10 +68,27 @@ const SCHEMAS: [(&str, &str); 8] = [
     ("sensor_msgs/msg/CompressedImage", "cdr"),
     ("anything", "json"),
     ("other/msg/Thing", "cdr"),
+    ("trajectory_msgs/msg/JointTrajectory", "cdr"),
+    ("motor/msg/Status", "cdr"),
 ];
 
+/// Fields of every kind.
+const DEFINITION: &str = "\
+std_msgs/Header header
+bool on
+string[] names
+float64[] position
+float32[2] gains
+Axis[] axes
+================================================================================
+MSG: motor/Axis
+int16 count
+uint8[<=4] bytes
+string label
+";
+
 /// What reads a log: the listing, the recording, one topic of joints by name, the pictures, the pairs.
-const LOG_READERS: usize = 5;
+const LOG_READERS: usize = 6;
 
 /// A log: the first byte says which reader gets it, and whether these bytes are the file (even) or the file is well formed
 /// and only the messages in it are foreign: a byte for the kind, one for the length, one for the time, and so many bytes.
@@ -103,6 +120,13 @@ fn read_log(reader: usize, messages: bool, bytes: &[u8]) {
             }
         }
         3 => {
+            let columns = vec![("z_m".into(), "position.0".into())];
+            let options = ReadOptions { topic: Some("/9".into()), columns, ..ReadOptions::default() };
+            if let Ok(found) = read(&path, &options) {
+                sound(&found.observation);
+            }
+        }
+        4 => {
             if let Ok(all) = pictures(&path, None) {
                 all.take(100).for_each(drop);
             }
@@ -115,6 +139,23 @@ fn read_log(reader: usize, messages: bool, bytes: &[u8]) {
     }
 }
 
+/// A bag in SQLite: the listing, the recording, the numbers of a topic.
+pub fn bag(bytes: &[u8]) {
+    let path = file("a.db3", bytes);
+    let _ = contents_with(&path, &ReadOptions::default());
+    let numbers = ReadOptions {
+        topic: Some("/status".into()),
+        columns: vec![("z_m".into(), "position".into())],
+        definitions: vec![("Status".into(), "float64 position".into())],
+        ..ReadOptions::default()
+    };
+    for options in [ReadOptions::default(), numbers] {
+        if let Ok(found) = read(&path, &options) {
+            sound(&found.observation);
+        }
+    }
+}
+
 /// A well-formed log of these messages.
 pub fn log(mut rest: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -122,7 +163,8 @@ pub fn log(mut rest: &[u8]) -> Vec<u8> {
     let mut writer = options.create(Cursor::new(&mut bytes)).expect("a log in memory");
     let (mut log_time, mut sequence) = (0, 0);
     let ids = SCHEMAS.iter().enumerate().map(|(i, (schema, encoding))| {
-        let schema = writer.add_schema(schema, "ros2msg", b"text").expect("a schema");
+        let definition = if schema.starts_with("motor/") { DEFINITION } else { "text" };
+        let schema = writer.add_schema(schema, "ros2msg", definition.as_bytes()).expect("a schema");
         writer.add_channel(schema, &format!("/{i}"), encoding, &BTreeMap::new()).expect("a channel")
     });
     let ids: Vec<u16> = ids.collect();

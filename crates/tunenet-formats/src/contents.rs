@@ -7,9 +7,11 @@ use crate::csv::lines::{Lines, cells, named, separator};
 use crate::csv::own_columns;
 use crate::csv::scan::scan;
 use crate::format::{Format, format};
-use crate::mcap::topics::{Topic, survey};
+use crate::log::files::{files, is_bag};
+use crate::log::topics::{Topic, survey};
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::ranges::written_out;
+use crate::read::no_recording;
 use crate::recording::ReadOptions;
 use crate::source::unchanged;
 use crate::{Error, Result};
@@ -101,24 +103,30 @@ pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
 /// As [`contents`].
 pub fn contents_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Contents> {
     let path = path.as_ref();
-    unchanged(path, || contents_once(path, options))
+    let files = if path.is_dir() && is_bag(path) { files(path)? } else { vec![path.to_owned()] };
+    unchanged(&files, || contents_once(path, options))
 }
 
 fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
+    if path.is_dir() {
+        return if is_bag(path) { log(path, options) } else { Err(no_recording(path)) };
+    }
     match format(path)? {
         Format::Csv => table(path, options).map(Contents::Table),
-        Format::Mcap => {
-            let found = survey(path)?;
-            let remedy = found.ended.as_ref().and_then(Error::hint).unwrap_or_default().to_owned();
-            let ended = found.ended.map(|error| match error {
-                Error::File { message, .. } => message,
-                other => other.to_string(),
-            });
-            let span_s = found.log_ns.map(|(first, last)| last.saturating_sub(first) as f64 * 1e-9);
-            let (profile, library, topics) = (found.profile, found.library, found.topics);
-            Ok(Contents::Log(Log { profile, library, topics, span_s, ended, remedy }))
-        }
+        Format::Mcap | Format::PackedMcap | Format::Bag => log(path, options),
     }
+}
+
+fn log(path: &Path, options: &ReadOptions) -> Result<Contents> {
+    let found = survey(path, &options.definitions)?;
+    let remedy = found.ended.as_ref().and_then(Error::hint).unwrap_or_default().to_owned();
+    let ended = found.ended.map(|error| match error {
+        Error::File { message, .. } => message,
+        other => other.to_string(),
+    });
+    let span_s = found.log_ns.map(|(first, last)| last.saturating_sub(first) as f64 * 1e-9);
+    let (profile, library, topics) = (found.profile, found.library, found.topics);
+    Ok(Contents::Log(Log { profile, library, topics, span_s, ended, remedy }))
 }
 
 fn table(path: &Path, options: &ReadOptions) -> Result<Table> {

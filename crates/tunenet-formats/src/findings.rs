@@ -42,6 +42,9 @@ finding_kinds! {
     warning MESSAGES_NOT_FINITE = "messages.not_finite",
         "messages with a number that is not finite were left out",
         "none needed if they are few";
+    warning MESSAGES_LAYOUT = "messages.layout",
+        "messages whose arrays have another length than those of the first were left out",
+        "none needed if they are few";
     warning MESSAGES_REPEATED = "messages.repeated",
         "messages that repeat the previous one were left out",
         "none needed";

@@ -13,16 +13,26 @@ use crate::{Action, Error, Result};
 pub(crate) enum Format {
     Csv,
     Mcap,
+    /// An MCAP file, compressed as a whole.
+    PackedMcap,
+    /// A bag of ROS 2 in SQLite.
+    Bag,
 }
 
+/// The mark of an SQLite database, and how the names of bags that are compressed end.
+const SQLITE: &[u8] = b"SQLite format 3\0";
+const PACKED_BAG: &str = ".db3.zstd";
+const PACKED_MCAP: &str = ".mcap.zstd";
+
+const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
+
 /// Files of other kinds: where in them their mark stands, the mark, what they are, and what to do.
-const OTHERS: [(usize, &[u8], &str, &str); 15] = [
-    (0, b"SQLite format 3", "a ROS 2 bag in SQLite form", "convert it with `ros2 bag convert` to MCAP"),
+const OTHERS: [(usize, &[u8], &str, &str); 14] = [
     (0, b"#ROSBAG V2.0", "a ROS 1 bag", "convert it with `mcap convert` and record ROS 2 messages"),
     (0, b"PK\x03\x04", "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
     (0, b"\xd0\xcf\x11\xe0", "an old spreadsheet", "export the sheet as CSV"),
     (0, b"\x1f\x8b", "a gzip archive", "unpack it first"),
-    (0, b"\x28\xb5\x2f\xfd", "a zstd archive", "unpack it first"),
+    (0, ZSTD, "a zstd archive", "unpack it first"),
     (0, b"\xfd7zXZ\0", "an xz archive", "unpack it first"),
     (0, b"\x89PNG", "a picture", "give the numbers that were measured, as CSV"),
     (0, b"\xff\xd8\xff", "a picture", "give the numbers that were measured, as CSV"),
@@ -45,6 +55,18 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
         return Ok(Format::Mcap);
     }
     refuse_pointer(path, &start)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    if start.starts_with(SQLITE) || start.starts_with(ZSTD) && name.ends_with(PACKED_BAG) {
+        return with_logs(path, "a bag of ROS 2 in SQLite", Format::Bag);
+    }
+    if start.starts_with(ZSTD) && name.ends_with(PACKED_MCAP) {
+        return with_logs(path, "an MCAP file, compressed as a whole", Format::PackedMcap);
+    }
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("db3")) {
+        let found = if start.is_empty() { "an empty one" } else { "other bytes" };
+        let message = format!("expected a bag of ROS 2 in SQLite, found {found}");
+        return Err(Error::file(path, message, "copy the recording again, or name a text file `.csv`"));
+    }
     if named_mcap {
         let message = if start.is_empty() {
             "expected an MCAP file, found an empty one".to_owned()
@@ -68,4 +90,16 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
         return Err(Error::file(path, message, hint));
     }
     Ok(Format::Csv)
+}
+
+/// `format`, where this build reads it.
+///
+/// # Errors
+/// [`Error::File`] with what to build, where it does not.
+pub(crate) fn with_logs(path: &Path, what: &str, format: Format) -> Result<Format> {
+    if cfg!(feature = "logs") {
+        return Ok(format);
+    }
+    let message = format!("expected CSV or MCAP, which this build reads, found {what}");
+    Err(Error::file(path, message, "build tunenet with the feature `logs`: `cargo build --release --features logs`"))
 }

@@ -8,6 +8,8 @@ use crate::contents::{Contents, Log, contents_with};
 use crate::csv::own_columns;
 use crate::findings;
 use crate::format::{Format, format};
+use crate::log::columns;
+use crate::log::files::is_bag;
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Recording, Role};
 use crate::{Error, Result, read};
@@ -21,7 +23,7 @@ pub struct InputSource {
     pub channel: Channel,
     /// What the file calls it, where that is not its name.
     pub column: Option<String>,
-    /// The topic of an MCAP log that holds it.
+    /// The topic of a log that holds it.
     pub topic: Option<String>,
     /// The column of its own clock.
     pub time_column: Option<String>,
@@ -50,9 +52,9 @@ impl InputSource {
         };
         columns.extend(self.column(options).map(|theirs| (self.channel.header(), theirs.to_owned())));
         let topic = self.topic.clone().or_else(|| options.topic.clone());
-        let (skip_broken, channels) = (options.skip_broken, vec![self.channel.clone()]);
-        let others = options.channels.clone();
-        ReadOptions { columns, topic, skip_broken, channels, others, role: Role::Driving, ..ReadOptions::default() }
+        let channels = vec![self.channel.clone()];
+        let (others, joints) = (options.channels.clone(), Vec::new());
+        ReadOptions { columns, topic, channels, others, joints, role: Role::Driving, ..options.clone() }
     }
 
     /// Whether the file at `path` has no such column, or no such topic or channel of it.
@@ -72,10 +74,12 @@ impl InputSource {
     /// Whether a log has no such topic, or none of its channels is the input.
     fn is_not_in(&self, log: &Log, path: &Path, options: &ReadOptions) -> Result<bool> {
         let reading = self.reading(options);
-        if let Some(topic) = &reading.topic
-            && !log.topics.iter().any(|known| known.name == *topic)
-        {
-            return Ok(true);
+        if let Some(name) = &reading.topic {
+            match log.topics.iter().find(|known| known.name == *name) {
+                None => return Ok(true),
+                Some(topic) if columns::asked(topic, &reading) => return Ok(!columns::has_all(topic, &reading)),
+                Some(_) => {}
+            }
         }
         let whole = read(path, &ReadOptions { topic: reading.topic.clone(), ..ReadOptions::default() })?;
         Ok(own_columns::column_of(&whole.observation, &self.channel, &reading).is_none())
@@ -85,15 +89,19 @@ impl InputSource {
 /// An input, and what was noticed while it was read.
 pub type NotedInput = (Input, Vec<Note>);
 
-/// The input `source` from the CSV or MCAP file at `path`, with `options` for what the command line says of columns; what was
+/// The input `source` from the file or folder at `path`, with `options` for what the command line says of columns; what was
 /// noticed. `None` where the file does not have it and a [default](InputSource::default) stands in for it.
 ///
 /// # Errors
 /// As [`read`](crate::read()).
 pub fn read_input(path: &Path, options: &ReadOptions, source: &InputSource) -> Result<Option<NotedInput>> {
     // The topic on the command line is that of a log; this may be a table next to it.
-    let table = format(path)? == Format::Csv;
-    let options = &ReadOptions { topic: options.topic.clone().filter(|_| !table), ..options.clone() };
+    let log = if path.is_dir() {
+        is_bag(path)
+    } else {
+        matches!(format(path)?, Format::Mcap | Format::PackedMcap | Format::Bag)
+    };
+    let options = &ReadOptions { topic: options.topic.clone().filter(|_| log), ..options.clone() };
     if source.default.is_some() && source.lacks(path, options)? {
         return Ok(None);
     }

@@ -9,7 +9,11 @@
 //! | `source`, `encoding`, `format`, `documents` | the file itself: what is opened, how its text is written, which format it has, and which texts hold no table |
 //! | `quantity`, `ranges` | what a column is by its name and unit, and ranges of columns |
 //! | `csv` | lines and cells, the layout of the columns, guesses where names are unknown, the numbers, writing |
-//! | `mcap` | records and chunks, topics, ROS 2 and JSON messages, joints, pictures, writing |
+//! | `bag` | bags of ROS 2 in SQLite |
+//! | `mcap` | records and chunks, pictures, writing |
+//! | `ros` | ROS 2 and JSON messages, joints, stamps |
+//! | `log` | files of a log, topics of a log, and the series of one of them |
+//! | `sheet` | named columns of numbers from any file but a text |
 //! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
 //! | `model` | trained networks and checkpoints in safetensors |
 //! | `rollout_file` | answered rollouts of a tuning, from which it goes on |
@@ -19,6 +23,8 @@
 //! | `error` | what a file refuses, with its place and a hint |
 
 mod atomic;
+#[cfg(feature = "logs")]
+mod bag;
 mod clock_jump;
 mod contents;
 mod csv;
@@ -29,6 +35,7 @@ mod error;
 pub mod findings;
 mod format;
 mod inputs;
+mod log;
 mod mcap;
 mod model;
 mod quantity;
@@ -36,6 +43,8 @@ mod ranges;
 mod read;
 mod recording;
 mod rollout_file;
+mod ros;
+mod sheet;
 mod shown;
 mod source;
 #[cfg(test)]
@@ -50,13 +59,13 @@ pub use documents::{refuse_git_lfs_pointer, refuse_markup};
 pub use encoding::read_text;
 pub use error::{Error, Result};
 pub use inputs::{InputSource, NotedInput, read_input, under_inputs};
+pub use log::topics::Topic;
 pub use mcap::pictures;
-pub use mcap::topics::Topic;
 pub use mcap::trajectory::{JointPoint, write_approach};
 pub use mcap::write::write_mcap;
 pub use model::{load_model, model_from_bytes, model_to_bytes, save_model, train_file};
 pub use quantity::kind_name;
-pub use read::read;
+pub use read::{files_of, read};
 pub use recording::{LARGEST, MOST_NUMBERS, ReadOptions, Recording, Role};
 pub use rollout_file::{RolloutFile, RolloutFileUse};
 pub use shown::{shell_word, shown_path};

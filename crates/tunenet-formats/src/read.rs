@@ -1,18 +1,19 @@
 //! Reading a recording in any format.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tunenet_core::observation::{Kind, Observation};
 
 use crate::clock_jump::without_jumps;
 use crate::csv::own_columns;
 use crate::format::{Format, format};
-use crate::recording::{LARGEST, ReadOptions, Recording, Role};
+use crate::log::files::is_bag;
+use crate::recording::{LARGEST, ReadOptions, Recording};
 use crate::shown::shown_path;
 use crate::source::unchanged;
-use crate::{Error, Origin, Result, csv, mcap};
+use crate::{Error, Origin, Result, csv, log};
 
-/// The observation in a CSV or MCAP file.
+/// The observation in a file, or in a folder of one recording.
 ///
 /// # Errors
 /// [`Error::Io`] where the system refuses the file, [`Error::Text`] where a line of a CSV file cannot be used,
@@ -20,36 +21,56 @@ use crate::{Error, Origin, Result, csv, mcap};
 /// contradict themselves, and [`Observation`](tunenet_core::Error::Observation) where the numbers make no observation.
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Recording> {
     let path = path.as_ref();
-    let recording = unchanged(path, || read_once(path, options)).and_then(without_jumps)?;
+    let files = if path.is_dir() && is_bag(path) { files_of(path)? } else { vec![path.to_owned()] };
+    let recording = unchanged(&files, || read_once(path, options)).and_then(without_jumps)?;
     refuse_far(path, &recording.observation)?;
     Ok(recording)
 }
 
 fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
+    if path.is_dir() {
+        return folder(path, options);
+    }
     match format(path)? {
         Format::Csv if options.topic.is_some() => Err(tunenet_core::Error::Setting {
             origin: Origin::Flag,
             name: "topic",
-            expected: "an MCAP file".into(),
+            expected: "a log with topics (MCAP, ROS 2 bag)".into(),
             found: format!("the text file {}", shown_path(path)),
         }
         .into()),
         Format::Csv => csv::series::read(path, options),
-        Format::Mcap if !options.columns.is_empty() && options.role == Role::Predicted => {
-            Err(tunenet_core::Error::Setting {
-                origin: Origin::Flag,
-                name: "columns",
-                expected: "a CSV file".into(),
-                found: format!("the MCAP file {}", shown_path(path)),
-            }
-            .into())
-        }
-        Format::Mcap => {
-            let recording = mcap::series::read(path, options)?;
-            refuse_too_large(path, &recording.observation)?;
-            if options.channels.is_empty() { Ok(recording) } else { own_columns::chosen(path, recording, options) }
-        }
+        Format::Mcap | Format::PackedMcap | Format::Bag => log(path, options),
     }
+}
+
+/// A recording in a folder.
+fn folder(path: &Path, options: &ReadOptions) -> Result<Recording> {
+    if is_bag(path) {
+        return log(path, options);
+    }
+    Err(no_recording(path))
+}
+
+/// That a folder holds no recording.
+pub(crate) fn no_recording(folder: &Path) -> Error {
+    let message = "expected a recording, found a folder that holds none (ROS 2 bag)";
+    Error::file(folder, message, "name one file in it")
+}
+
+fn log(path: &Path, options: &ReadOptions) -> Result<Recording> {
+    let recording = log::series::read(path, options)?;
+    refuse_too_large(path, &recording.observation)?;
+    let as_asked = options.channels.is_empty() || recording.observation.channels() == options.channels;
+    if as_asked { Ok(recording) } else { own_columns::chosen(path, recording, options) }
+}
+
+/// The files in which the recording at `path` stands, each once and in their order.
+///
+/// # Errors
+/// [`Error::File`] where a folder holds none.
+pub fn files_of(path: impl AsRef<Path>) -> Result<Vec<PathBuf>> {
+    log::files::files(path.as_ref())
 }
 
 /// Farthest position from the origin, in m: beyond a planet, and near enough for a double to hold a hundredth of a micrometre.

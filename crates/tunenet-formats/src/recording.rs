@@ -26,10 +26,13 @@ pub struct ReadOptions {
     /// a column number from 1, with a `-` before it where its axis points the other way (`-z`); for joints also ranges,
     /// (`q1..6_rad`, `2..7`) or (`q1..6_rad`, `joint_*`). For CSV alone.
     pub columns: Vec<(String, String)>,
-    /// The MCAP topic to read; `None` takes the only one that can be used.
+    /// The topic of a log to read; `None` takes the only one that can be used.
     pub topic: Option<String>,
     /// Skip malformed lines of a CSV file, as long as they are few, instead of refusing the file.
     pub skip_broken: bool,
+    /// Definitions of ROS messages that a log does not define: the name of the type without its package, and the text of its `.msg`
+    /// file.
+    pub definitions: Vec<(String, String)>,
     /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them, and hints on the
     /// columns of a CSV file speak of them. Where empty, the first message decides.
     pub joints: Vec<String>,

@@ -1,7 +1,7 @@
 //! The file behind a recording: opened only where it is one, and the same from the first byte to the last.
 
 use std::fs::{File, Metadata};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crate::{Action, Error, Result};
@@ -68,14 +68,31 @@ fn device(_: &Metadata) -> &'static str {
     "a device"
 }
 
-/// Reads by `read`, and refuses the file where it was written to meanwhile: half of one recording and half of another fit
+/// Reads by `read`, and refuses a file of `paths` where it was written to meanwhile: half of one recording and half of another fit
 /// together too often.
-pub(crate) fn unchanged<T>(path: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
-    let before = Version::of(&open(path)?.metadata().map_err(|e| Error::io(path, Action::Opening, e))?);
+pub(crate) fn unchanged<T>(paths: &[PathBuf], read: impl FnOnce() -> Result<T>) -> Result<T> {
+    let state = |path: &PathBuf| {
+        if path.is_dir() {
+            return Ok(None);
+        }
+        let about = open(path)?.metadata().map_err(|e| Error::io(path, Action::Opening, e))?;
+        Ok(Some(Version::of(&about)))
+    };
+    let before = paths.iter().map(state).collect::<Result<Vec<Option<Version>>>>()?;
     let result = read();
-    // What the change broke is no news after the change itself.
+    for (path, before) in paths.iter().zip(before) {
+        if let Some(before) = before {
+            // What the change broke is no news after the change itself.
+            same(path, &before)?;
+        }
+    }
+    result
+}
+
+/// Refuses a file that is not as it was.
+fn same(path: &Path, before: &Version) -> Result<()> {
     match std::fs::metadata(path).map(|about| Version::of(&about)) {
-        Ok(after) if after == before => result,
+        Ok(after) if after == *before => Ok(()),
         Ok(after) => {
             let (found, expected) = (after.bytes, before.bytes);
             let what = if found == expected {
@@ -121,12 +138,12 @@ mod tests {
     #[test]
     fn a_change_is_reported_instead_of_what_it_broke() {
         let (_folder, path) = file("a.csv", "t_s,z_m\n0,1\n");
-        assert_eq!(unchanged(&path, || Ok(7)).unwrap(), 7);
+        assert_eq!(unchanged(std::slice::from_ref(&path), || Ok(7)).unwrap(), 7);
         let grows = || {
             std::fs::write(&path, "t_s,z_m\n0,1\n1,2\n").unwrap();
             Err::<(), _>(tunenet_core::Error::Stopped.into())
         };
-        let (message, hint) = error_text(&unchanged(&path, grows).unwrap_err());
+        let (message, hint) = error_text(&unchanged(std::slice::from_ref(&path), grows).unwrap_err());
         assert_eq!(message, "a.csv: the file changed while it was read: expected 12 bytes, found 16");
         assert_eq!(hint, "wait until the recording has ended, or read a copy");
     }
@@ -140,13 +157,13 @@ mod tests {
             std::fs::rename(other, &path).unwrap();
             Ok(())
         };
-        let (message, _) = error_text(&unchanged(&path, replaced).unwrap_err());
+        let (message, _) = error_text(&unchanged(std::slice::from_ref(&path), replaced).unwrap_err());
         assert!(message.starts_with("a.csv: the file changed while it was read: its contents"), "{message}");
         let removed = || {
             std::fs::remove_file(&path).unwrap();
             Ok(())
         };
-        let (message, _) = error_text(&unchanged(&path, removed).unwrap_err());
+        let (message, _) = error_text(&unchanged(std::slice::from_ref(&path), removed).unwrap_err());
         assert_eq!(message, "a.csv: the file changed while it was read: it is no longer there");
     }
 }

@@ -8,10 +8,10 @@ use byteorder::BigEndian;
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
 
-use crate::mcap::ros::{Header, JointState, OdometryStart, Point, PointStamped, Time, encode};
-use crate::mcap::stamps::split;
 use crate::read;
 use crate::recording::{ReadOptions, Recording};
+use crate::ros::cdr::{Header, JointState, OdometryStart, Point, PointStamped, Time, encode};
+use crate::ros::stamps::split;
 use crate::{Error, Result};
 
 /// A folder that goes away with the test, and a file in it.

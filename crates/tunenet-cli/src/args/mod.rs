@@ -198,13 +198,16 @@ impl Simulation {
 /// How files are read, wherever a command takes observations.
 #[derive(Debug, Default, Args)]
 pub struct Reading {
-    /// Map CSV columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header, and a minus for an axis
+    /// Map columns, such as `t_s=time,z_m=height`; use numbers from 1 for files without a header, and a minus for an axis
     /// that points the other way: `z_m=-depth`
     #[arg(long, value_name = "OURS=THEIRS,…", value_parser = pair, value_delimiter = ',')]
     pub columns: Vec<(String, String)>,
-    /// MCAP topic to read [default: the only suitable one]
+    /// Topic of a log to read [default: the only suitable one]
     #[arg(long)]
     pub topic: Option<String>,
+    /// Definition of a ROS message that a log names and does not define (may be repeated)
+    #[arg(long = "msg", value_name = "TYPE.msg")]
+    pub definitions: Vec<PathBuf>,
     /// True capture rate in frames per second, for slow-motion video or folders of images
     #[arg(long, value_name = "HZ", value_parser = track::positive)]
     pub camera_rate: Option<f64>,
@@ -292,7 +295,7 @@ pub struct Simulate {
 /// `tunenet inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
-    /// Files to describe: CSV, MCAP, video, simulation file, dataset or model; for several recordings, gravity is also estimated jointly
+    /// Files to describe: recordings, simulation files, datasets or models; for several recordings, gravity is also estimated jointly
     #[arg(value_name = "FILE", required_unless_present = "manifest")]
     pub files: Vec<PathBuf>,
     /// TOML list of recordings to describe, each with its keys of the scene, settings and initial states (requires --sim)

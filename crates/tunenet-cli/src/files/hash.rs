@@ -6,16 +6,20 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use sha2::{Digest, Sha256};
 use toml_edit::{Array, InlineTable};
-use tunenet_formats::{Action, Error, open};
+use tunenet_formats::{Action, Error, files_of, open};
 
 use super::names::{file_name, pictures};
 
-/// The SHA-256 of a file's bytes, in hexadecimal; of a folder of frames, that of all their bytes.
+/// The SHA-256 of a file's bytes, in hexadecimal; of a folder of frames or of a recording in several files, that of all their bytes.
 pub fn sha256(path: &Path) -> Result<String> {
     let mut hasher = Sha256::new();
     if path.is_dir() {
-        for picture in pictures(path).map_err(|source| Error::io(path, Action::Reading, source))? {
-            digest(&picture, &mut hasher)?;
+        let mut files = pictures(path).map_err(|source| Error::io(path, Action::Reading, source))?;
+        if files.is_empty() {
+            files = files_of(path)?;
+        }
+        for file in files {
+            digest(&file, &mut hasher)?;
         }
     } else {
         digest(path, &mut hasher)?;

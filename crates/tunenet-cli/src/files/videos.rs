@@ -9,7 +9,7 @@ use super::names;
 const ENDINGS: [&str; 9] = ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "3gp"];
 
 /// What the names of other recordings end in.
-const TABLES: [&str; 5] = ["csv", "tsv", "txt", "mcap", "json"];
+const TABLES: [&str; 6] = ["csv", "tsv", "txt", "mcap", "db3", "json"];
 
 /// How videos begin: where, and with which bytes.
 const MARKS: [(usize, &[u8]); 4] = [(4, b"ftyp"), (8, b"AVI "), (0, b"\x1a\x45\xdf\xa3"), (0, b"\x00\x00\x01\xba")];

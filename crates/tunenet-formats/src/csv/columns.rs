@@ -98,6 +98,8 @@ pub(crate) struct Header<'a> {
     pub named: bool,
     /// The joints of the arm that the table should be about, where there is one.
     pub joints: &'a [String],
+    /// The first rows, where they do not stand in a text.
+    pub rows: Option<&'a [Vec<Option<f64>>]>,
 }
 
 impl Header<'_> {
@@ -195,6 +197,9 @@ impl Header<'_> {
         };
         if !self.named {
             return Vec::new();
+        }
+        if let Some(rows) = self.rows {
+            return rows[..rows.len().min(most)].to_vec();
         }
         Lines::open(self.path).ok().and_then(first).unwrap_or_default()
     }

@@ -112,7 +112,7 @@ fn scan_at_most(path: &Path, options: &ReadOptions, most: usize) -> Result<Scan>
     let separator = separator(&first.text);
     let names = cells(&first.text, separator);
     let (width, named) = (names.len(), named(&names, separator));
-    let header = Header { path, line: &first, separator, named, joints: &options.joints };
+    let header = Header { path, line: &first, separator, named, joints: &options.joints, rows: None };
     let layout = if options.channels.is_empty() {
         layout(&header, &options.columns)?
     } else {

@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::mcap::records::{Fault, Messages, messages_up_to};
-use crate::mcap::ros::{LITTLE_ENDIAN, encode};
+use crate::ros::cdr::{LITTLE_ENDIAN, encode};
 use crate::{Action, Error, Result};
 
 /// Longest plausible record; a corrupted length would otherwise allocate all memory.

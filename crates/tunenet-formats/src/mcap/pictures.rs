@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::records::{ChannelInfo, Messages, messages};
-use super::ros::{Header, fields};
-use super::stamps::{joined, to_s};
+use super::records::{Messages, messages};
+use crate::ros::cdr::{Header, fields};
+use crate::ros::channel::ChannelInfo;
+use crate::ros::stamps::{joined, to_s};
 use crate::shown::shell_word;
 use crate::{Error, Result};
 

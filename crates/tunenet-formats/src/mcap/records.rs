@@ -13,8 +13,10 @@ use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, records::op};
 
-use super::message_definition::contradiction;
 use super::whole_chunks::{PIECE, WholeChunks};
+use crate::ros::channel::{ChannelInfo, RawMessage};
+use crate::ros::decoder::Described;
+use crate::ros::schema::Given;
 use crate::shown::{counted, shell_word};
 use crate::source::open;
 use crate::{Action, Error, Result};
@@ -39,36 +41,15 @@ fn longest_record(bytes: u64, most: usize) -> usize {
     usize::try_from(bytes.saturating_mul(MOST_GROWTH)).unwrap_or(usize::MAX).max(LONGEST_SMALL).min(most)
 }
 
-/// A channel of an MCAP file, with its schema.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct ChannelInfo {
-    /// Its number in the file.
-    pub id: u16,
-    pub topic: String,
-    /// `cdr`, `json`, …
-    pub message_encoding: String,
-    /// Empty where there is no schema.
-    pub schema_name: String,
-    /// What the schema's text says that contradicts its name.
-    pub contradiction: Option<String>,
-}
-
-/// One message, not decoded.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct RawMessage {
-    pub channel: Arc<ChannelInfo>,
-    /// When it was recorded, in ns.
-    pub log_time: u64,
-    pub data: Vec<u8>,
-}
-
 /// The messages of a file in the order in which they stand there. Ends after the first error.
 pub(crate) struct Messages {
     path: PathBuf,
     file: WholeChunks<File>,
     reader: LinearReader,
-    /// The name of each schema, and what its text says against it.
-    schemas: BTreeMap<u16, (String, Option<String>)>,
+    /// The name, the language and the text of each schema.
+    schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
+    /// Definitions of types that the file does not define.
+    given: Vec<(String, String)>,
     channels: BTreeMap<u16, Arc<ChannelInfo>>,
     library: String,
     profile: String,
@@ -107,6 +88,7 @@ fn messages_within(path: &Path, longest: usize, unpacked: u64) -> Result<Message
         file: WholeChunks::new(file),
         reader: LinearReader::new_with_options(options),
         schemas: BTreeMap::new(),
+        given: Vec::new(),
         channels: BTreeMap::new(),
         library: String::new(),
         profile: String::new(),
@@ -117,6 +99,17 @@ fn messages_within(path: &Path, longest: usize, unpacked: u64) -> Result<Message
 }
 
 impl Messages {
+    /// The same, with errors that name `path`: the messages stand in a copy.
+    #[cfg(feature = "logs")]
+    pub(crate) fn of(self, path: &Path) -> Self {
+        Self { path: path.into(), ..self }
+    }
+
+    /// The same, where `given` defines types that the file does not.
+    pub(crate) fn with_definitions(self, given: &Given) -> Self {
+        Self { given: given.to_vec(), ..self }
+    }
+
     /// The channels met so far, with or without messages.
     pub(crate) fn channels(&self) -> impl Iterator<Item = &Arc<ChannelInfo>> {
         self.channels.values()
@@ -199,20 +192,17 @@ impl Messages {
         match record {
             Record::Header(header) => (self.profile, self.library) = (header.profile, header.library),
             Record::Schema { header, data } => {
-                let contradiction = contradiction(&header.name, &header.encoding, &data);
-                self.schemas.insert(header.id, (header.name, contradiction));
+                self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
             }
             Record::Channel(channel) => {
                 // The summary at the end repeats every channel.
-                let (schema_name, contradiction) = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                let (given, schema) = (&self.given, self.schemas.get(&channel.schema_id));
                 self.channels.entry(channel.id).or_insert_with(|| {
-                    Arc::new(ChannelInfo {
-                        id: channel.id,
-                        topic: channel.topic,
-                        message_encoding: channel.message_encoding,
-                        schema_name,
-                        contradiction,
-                    })
+                    let (schema_name, schema_encoding, definition) =
+                        schema.map_or(("", "", &[][..]), |(name, encoding, text)| (name, encoding, text));
+                    let message_encoding = &channel.message_encoding;
+                    let described = Described { message_encoding, schema_name, schema_encoding, definition };
+                    Arc::new(ChannelInfo::new(channel.id, channel.topic.clone(), described, given))
                 });
             }
             Record::Message { header, data } => {

@@ -6,13 +6,12 @@ use std::path::Path;
 
 use mcap::McapError;
 use mcap::records::MessageHeader;
-use serde::Serialize;
 
-use super::definitions::{JOINT_STATE, JOINT_TRAJECTORY};
-use super::ros::{Header, JointState, Time, encode};
-use super::stamps::{split, to_ns};
 use super::write::{into_io, log};
 use crate::atomic::write_atomically;
+use crate::ros::cdr::{Header, JointState, JointTrajectory, Time, TrajectoryPoint, encode};
+use crate::ros::definitions::{JOINT_STATE, JOINT_TRAJECTORY};
+use crate::ros::stamps::{split, to_ns};
 use crate::{Error, Result};
 
 /// Where the joints are at one instant of a way.
@@ -26,31 +25,6 @@ pub struct JointPoint {
     pub velocities_rad_s: Vec<f64>,
     /// The rates of these, rad/s².
     pub accelerations_rad_s2: Vec<f64>,
-}
-
-/// `builtin_interfaces/msg/Duration`.
-#[derive(Debug, Clone, Copy, Serialize)]
-struct Duration {
-    sec: i32,
-    nanosec: u32,
-}
-
-/// `trajectory_msgs/msg/JointTrajectoryPoint`.
-#[derive(Debug, Serialize)]
-struct TrajectoryPoint {
-    positions: Vec<f64>,
-    velocities: Vec<f64>,
-    accelerations: Vec<f64>,
-    effort: Vec<f64>,
-    time_from_start: Duration,
-}
-
-/// `trajectory_msgs/msg/JointTrajectory`.
-#[derive(Debug, Serialize)]
-struct JointTrajectory {
-    header: Header,
-    joint_names: Vec<String>,
-    points: Vec<TrajectoryPoint>,
 }
 
 /// Writes a way of these joints as an MCAP file that Foxglove and ROS 2 tools open: the whole of it as one
@@ -102,7 +76,7 @@ fn write(
         velocities: point.velocities_rad_s.clone(),
         accelerations: point.accelerations_rad_s2.clone(),
         effort: Vec::new(),
-        time_from_start: Duration { sec: *sec, nanosec: *nanosec },
+        time_from_start: Time { sec: *sec, nanosec: *nanosec },
     };
     let message = JointTrajectory {
         header: header(0, 0),

@@ -8,10 +8,10 @@ use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Compression, McapError, WriteOptions, Writer};
 
-use super::definitions::{BOUNCE, JOINT_STATE, POINT_STAMPED};
-use super::ros::{Header, JointState, Point, PointStamped, Time, encode};
-use super::stamps::{split, to_ns};
 use crate::atomic::write_atomically;
+use crate::ros::cdr::{Header, JointState, Point, PointStamped, Time, encode};
+use crate::ros::definitions::{BOUNCE, JOINT_STATE, POINT_STAMPED};
+use crate::ros::stamps::{split, to_ns};
 use crate::{Error, Result};
 use tunenet_core::observation::{Kind, Observation};
 

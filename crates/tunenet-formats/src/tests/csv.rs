@@ -233,11 +233,6 @@ fn every_bad_table_says_what_and_where() {
             "a.csv: expected text, found a zero byte in line 3",
             "give a CSV or MCAP file, or write the line again",
         ),
-        (
-            "SQLite format 3\0",
-            "a.csv: expected CSV or MCAP, found a ROS 2 bag in SQLite form",
-            "convert it with `ros2 bag convert` to MCAP",
-        ),
     ] {
         assert_eq!(bad(text), (message.to_owned(), hint.to_owned()), "{text:?}");
     }
@@ -271,7 +266,10 @@ fn an_error_carries_the_line_itself() {
 fn a_folder_and_a_missing_file_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let error = crate::read(folder.path(), &ReadOptions::default()).unwrap_err();
-    assert!(error.to_string().ends_with(": expected a file, found a folder"), "{error}");
+    assert!(
+        error.to_string().ends_with(": expected a recording, found a folder that holds none (ROS 2 bag)"),
+        "{error}"
+    );
     let missing = folder.path().join("a.csv");
     let error = crate::read(&missing, &ReadOptions::default()).unwrap_err();
     assert_eq!(error_text(&error).0, "a.csv: no such file");
@@ -281,7 +279,10 @@ fn a_folder_and_a_missing_file_are_named() {
 fn a_topic_of_a_table_is_refused() {
     let options = ReadOptions { topic: Some("/a".into()), ..ReadOptions::default() };
     let error = read_as("a.csv", "t_s,z_m\n", &options).unwrap_err().to_string();
-    assert!(error.starts_with("`topic`: expected an MCAP file, found the text file "), "{error}");
+    assert!(
+        error.starts_with("`topic`: expected a log with topics (MCAP, ROS 2 bag), found the text file "),
+        "{error}"
+    );
 }
 
 #[test]

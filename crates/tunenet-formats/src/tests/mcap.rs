@@ -215,8 +215,9 @@ fn stamps_rule_where_they_are_set_and_rise() {
 }
 
 #[test]
-fn columns_of_an_mcap_file_are_refused() {
+fn columns_that_a_topic_does_not_have_are_refused() {
     let options = ReadOptions { columns: vec![("t_s".into(), "1".into())], topic: None, ..ReadOptions::default() };
     let error = read_as("a.mcap", bag(None, &[ball(3)]), &options).unwrap_err().to_string();
-    assert!(error.starts_with("`columns`: expected a CSV file, found the MCAP file "), "{error}");
+    let expected = "`columns`: expected numbers of `/ball/point` (`point.x`, `point.y`, `point.z`), found `1`";
+    assert!(error.starts_with(expected), "{error}");
 }

@@ -81,6 +81,70 @@ fn every_bag_is_counted_and_refused_with_a_reason() {
     }
 }
 
+/// A file or folder of public recordings.
+#[cfg(feature = "logs")]
+fn place(path: &str) -> Option<PathBuf> {
+    let place = std::env::var_os("TUNENET_MEASURED").map(|root| Path::new(&root).join(path)).filter(|p| p.exists());
+    if place.is_none() {
+        eprintln!("skipped: TUNENET_MEASURED names no folder with {path}");
+    }
+    place
+}
+
+/// Counts as `sqlite3` counts rows.
+#[cfg(feature = "logs")]
+#[test]
+fn bags_of_others_are_counted_and_read() {
+    let splits = "rosbag2-splits/rosbag2_py/test/resources/sqlite3";
+    for (path, expected) in [
+        (format!("{splits}/wbag"), 6074),
+        (format!("{splits}/reindex_test_bags/multiple_files"), 3177),
+        (format!("{splits}/talker"), 20),
+        ("rosbag2-splits/ros2bag/test/resources/empty_bag".into(), 0),
+        ("rosbag2-alltypes".into(), 188),
+        ("rosbag2-ur10/ur10_exciting_trajectory.db3".into(), 3441),
+    ] {
+        let Some(path) = place(&path) else { return };
+        let before = std::fs::read_dir(path.parent().unwrap()).unwrap().count();
+        let Contents::Log(log) = contents(&path).unwrap() else { panic!("{}", path.display()) };
+        assert_eq!(log.topics.iter().map(|topic| topic.messages).sum::<u64>(), expected, "{}", path.display());
+        assert_eq!((log.ended, std::fs::read_dir(path.parent().unwrap()).unwrap().count()), (None, before));
+    }
+    for (name, joints, samples) in [
+        ("ur10_exciting_trajectory", 6, 3441),
+        ("panda_exciting_trajectory", 7, 727),
+        ("validation_trajectory", 6, 3441),
+    ] {
+        let Some(path) = place(&format!("rosbag2-ur10/{name}.db3")) else { return };
+        let seen = read(&path, &ReadOptions::default()).unwrap().observation;
+        assert_eq!((seen.kind(), seen.len()), (Kind::Joints, samples), "{name}");
+        assert_eq!(seen.channels().iter().filter(|channel| channel.name.starts_with("tau")).count(), joints, "{name}");
+    }
+}
+
+#[cfg(feature = "logs")]
+#[test]
+fn numbers_and_unknown_types_of_bags_of_others_are_named() {
+    let Some(path) = place("rosbag2-odrive/rosbag2_2024_08_22-12_20_42") else { return };
+    let Contents::Log(log) = contents(&path).unwrap() else { panic!("a log") };
+    let undefined: Vec<&str> = log.topics.iter().filter_map(|topic| topic.undefined.as_deref()).collect();
+    assert!(undefined.contains(&"odrive_can/ControllerStatus"), "{undefined:?}");
+    let Some(path) = place("rosbag2-turtlesim/subset") else { return };
+    let Contents::Log(log) = contents(&path).unwrap() else { panic!("a log") };
+    let command = log.topics.iter().find(|topic| topic.schema == "geometry_msgs/msg/Twist").unwrap();
+    assert_eq!(command.columns[..3], ["linear.x", "linear.y", "linear.z"]);
+    let pose = log.topics.iter().find(|topic| topic.schema == "turtlesim/msg/Pose").unwrap();
+    assert_eq!(pose.undefined.as_deref(), Some("turtlesim/Pose"));
+    let definition = "float32 x\nfloat32 y\nfloat32 theta\nfloat32 linear_velocity\nfloat32 angular_velocity";
+    let options = ReadOptions {
+        topic: Some(pose.name.clone()),
+        definitions: vec![("Pose".into(), definition.into())],
+        columns: vec![("x_m".into(), "x".into()), ("z_m".into(), "y".into())],
+        ..ReadOptions::default()
+    };
+    assert_eq!(read(&path, &options).unwrap().observation.len() as u64, pose.messages);
+}
+
 #[test]
 fn foreign_tables_are_read_with_columns() {
     let read_with = |folder: &str, ending: &str, stem: &str, columns: &str| {

@@ -1,4 +1,4 @@
-//! An MCAP log: which of its topics can be used.
+//! A log: which of its topics can be used.
 
 use std::path::Path;
 
@@ -22,15 +22,16 @@ pub fn look(found: &Log, path: &Path, options: &Inspect, sim: Option<&Simulation
     let read = read.and_then(Result::ok);
     let notes = read.as_ref().map_or_else(Vec::new, |r| r.notes.clone());
     shown.warn_all(&notes);
+    let named = options.reading.topic.as_deref().filter(|_| read.is_some());
     let units = read.as_ref().and_then(|r| joints::units(&r.observation, shown));
     let motion = read.and_then(|r| Motion::of(&r.observation, expected(sim)));
     let rejected = refused.as_deref().or_else(|| motion.as_ref().and_then(Motion::rejected));
     if let Some(motion) = &motion {
         render::render(motion, shown);
     }
-    log::verdict(found, rejected, shown);
+    log::verdict(found, rejected, named, shown);
     let standing = match rejected {
-        _ if usable == 0 || found.ended.is_some() || refused.is_some() => Standing::Refused,
+        _ if usable == 0 && named.is_none() || found.ended.is_some() || refused.is_some() => Standing::Refused,
         Some(_) => Standing::Unusable,
         None => Standing::Usable,
     };

@@ -15,7 +15,7 @@ use crate::commands::load;
 /// # Errors
 /// Where its channels cannot be read.
 pub fn options(options: &Inspect, sim: Option<&SimulationFile>) -> Result<ReadOptions> {
-    let mut reading = load::reading(&options.reading);
+    let mut reading = load::reading(&options.reading)?;
     if let Some(file) = sim.filter(|file| file.domain().declares()) {
         reading.channels = declared::channels(file)?;
         reading.others = load::inputs::in_recording(file);

@@ -20,7 +20,7 @@ const MOST_OF_A_LOG: usize = 60_000;
 /// A log of the joints of the arm of `file`, matched by name where its messages have names; what its URDF leaves out is noted.
 pub fn log(file: &SimulationFile, path: &Path, reading: &Reading) -> Result<Recording> {
     let arm = ReplayedArm::from_file(file)?;
-    let options = ReadOptions { joints: arm.joint_names(), ..self::reading(reading) };
+    let options = ReadOptions { joints: arm.joint_names(), ..self::reading(reading)? };
     at_most(MOST_OF_A_LOG, read(path, &options)?)
 }
 

@@ -1,15 +1,28 @@
 //! The command line's say in how files are read.
 
-use tunenet_formats::ReadOptions;
+use std::path::Path;
+
+use anyhow::Result;
+use tunenet_formats::{ReadOptions, read_text};
 
 use crate::args::Reading;
 
 /// The command line's say in how files are read.
-pub fn reading(reading: &Reading) -> ReadOptions {
-    ReadOptions {
+///
+/// # Errors
+/// Where the definition of a message cannot be read.
+pub fn reading(reading: &Reading) -> Result<ReadOptions> {
+    Ok(ReadOptions {
         columns: reading.columns.clone(),
         topic: reading.topic.clone(),
         skip_broken: reading.skip_broken,
+        definitions: reading.definitions.iter().map(|path| definition(path)).collect::<Result<_>>()?,
         ..ReadOptions::default()
-    }
+    })
+}
+
+/// The name of a message's type, which its file is called after, and its fields.
+fn definition(path: &Path) -> Result<(String, String)> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok((name, read_text(path)?))
 }

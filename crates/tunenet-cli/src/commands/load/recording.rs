@@ -20,7 +20,7 @@ use crate::files::videos::is_video;
 
 /// A recording from a file of numbers, as `tune` and `inspect` alike look at it.
 pub fn recording(path: &Path, reading: &Reading) -> Result<Recording> {
-    at_most(MOST_SAMPLES, read(path, &read_options(reading))?)
+    at_most(MOST_SAMPLES, read(path, &read_options(reading)?)?)
 }
 
 /// A recording of what `file` simulates in this setup, from a file of numbers or a video, with at most so many samples.
@@ -39,7 +39,7 @@ pub fn recording_of(
         return of_channels(file, setup, path, reading, most);
     }
     if !is_video(path) {
-        return at_most(most, read(path, &read_options(reading))?);
+        return at_most(most, read(path, &read_options(reading)?)?);
     }
     if !reading.columns.is_empty() {
         let (expected, found) = ("a CSV file".into(), format!("the video {}", path.display()));
@@ -78,7 +78,7 @@ pub fn of_channels(
         return Err(Error::file(path, message, hint).into());
     }
     let inputs = inputs::in_recording(file);
-    let alone = ReadOptions { channels: declared::channels(file)?, ..read_options(reading) };
+    let alone = ReadOptions { channels: declared::channels(file)?, ..read_options(reading)? };
     let recording = read(path, &ReadOptions { others: inputs, ..alone.clone() })?;
     // What drives it is kept whole: only what is fitted is thinned.
     at_most(most, inputs::attach(file, path, recording, setup, &alone)?)

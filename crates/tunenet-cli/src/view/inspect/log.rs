@@ -1,4 +1,4 @@
-//! What `inspect` says of an MCAP log.
+//! What `inspect` says of a log.
 
 use serde_json::{Value, json};
 use tunenet_core::observation::{Check, Note};
@@ -26,10 +26,23 @@ pub fn contents(found: &Log, shown: &mut Printout) {
         })
         .collect();
     shown.table(&rows);
+    for topic in found.topics.iter().filter(|t| t.usable.is_err() && !t.columns.is_empty()).take(MOST_NUMBERED) {
+        shown.row("numbers", &format!("{}: {}", topic.name, numbers(&topic.columns)));
+    }
 }
 
-/// Whether it can be used: `rejected` says why its only recording cannot.
-pub fn verdict(found: &Log, rejected: Option<&str>, shown: &mut Printout) {
+/// Most topics whose numbers are listed, and most numbers of each.
+const MOST_NUMBERED: usize = 12;
+const MOST_NAMED: usize = 8;
+
+fn numbers(columns: &[String]) -> String {
+    let more = columns.len().saturating_sub(MOST_NAMED);
+    let named = columns[..columns.len() - more].join(", ");
+    if more == 0 { named } else { format!("{named} and {more} more") }
+}
+
+/// Whether it can be used: `rejected` says why its only recording cannot, and `named` is the topic that was read.
+pub fn verdict(found: &Log, rejected: Option<&str>, named: Option<&str>, shown: &mut Printout) {
     let usable: Vec<&_> = found.topics.iter().filter(|t| t.usable.is_ok()).collect();
     match (usable.as_slice(), &found.ended) {
         (_, Some(reason)) => {
@@ -39,8 +52,14 @@ pub fn verdict(found: &Log, rejected: Option<&str>, shown: &mut Printout) {
                 shown.line(&format!("  try: {}", found.remedy.strip_prefix("try ").unwrap_or(&found.remedy)));
             }
         }
-        ([], _) => shown.row("unusable", "no topic carries positions, joints or bounces"),
         _ if rejected.is_some() => shown.row("unusable", rejected.unwrap_or_default()),
+        _ if named.is_some() => shown.row("usable", named.unwrap_or_default()),
+        ([], _) => {
+            shown.row("unusable", "no topic carries positions, joints or bounces");
+            if found.topics.iter().any(|topic| !topic.columns.is_empty()) {
+                shown.line("  try: choose a topic with --topic, and name its numbers with --columns");
+            }
+        }
         ([one], _) => shown.row("usable", &one.name),
         (several, _) => shown.row("usable", &format!("{} topics, choose one with --topic", several.len())),
     }
@@ -58,7 +77,7 @@ pub fn object(
         "kind": "log", "profile": found.profile, "library": found.library,
         "topics": found.topics.iter().map(|t| json!({
             "name": t.name, "schema": t.schema, "encoding": t.encoding, "messages": t.messages,
-            "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(),
+            "usable": t.usable.as_ref().ok().map(|k| k.name()), "reason": t.usable.as_ref().err(), "columns": t.columns,
         })).collect::<Vec<_>>(),
         "ended": found.ended, "remedy": found.remedy,
         "warnings": notes.iter().map(warning).collect::<Vec<_>>(),

@@ -3,7 +3,7 @@
 use byteorder::{BigEndian, LittleEndian};
 use serde::{Deserialize, Serialize};
 
-use super::message::{Decoded, JointMessage, Sample};
+use super::message::{Decoded, JointMessage, Sample, Way};
 use super::stamps::joined;
 
 /// The mark of plain CDR, little-endian, as ROS 2 writes it before every message.
@@ -56,6 +56,24 @@ pub(crate) struct JointState {
     pub effort: Vec<f64>,
 }
 
+/// `trajectory_msgs/msg/JointTrajectoryPoint`. Its time is a `builtin_interfaces/msg/Duration`, which is written as a time is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct TrajectoryPoint {
+    pub positions: Vec<f64>,
+    pub velocities: Vec<f64>,
+    pub accelerations: Vec<f64>,
+    pub effort: Vec<f64>,
+    pub time_from_start: Time,
+}
+
+/// `trajectory_msgs/msg/JointTrajectory`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct JointTrajectory {
+    pub header: Header,
+    pub joint_names: Vec<String>,
+    pub points: Vec<TrajectoryPoint>,
+}
+
 /// The message types that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Type {
@@ -63,6 +81,7 @@ pub(crate) enum Type {
     Point,
     Odometry,
     JointState,
+    JointTrajectory,
 }
 
 impl Type {
@@ -72,6 +91,7 @@ impl Type {
             "geometry_msgs/PointStamped" | "geometry_msgs/PoseStamped" => Some(Self::Point),
             "nav_msgs/Odometry" => Some(Self::Odometry),
             "sensor_msgs/JointState" => Some(Self::JointState),
+            "trajectory_msgs/JointTrajectory" => Some(Self::JointTrajectory),
             _ => None,
         }
     }
@@ -91,6 +111,15 @@ pub(crate) fn decode(kind: Type, data: &[u8]) -> std::result::Result<Decoded, St
         Type::JointState => {
             let (JointState { header, name, position, velocity, effort }, _) = fields(data)?;
             (header, Sample::Joints(JointMessage { name, position, velocity, effort }))
+        }
+        Type::JointTrajectory => {
+            let (JointTrajectory { header, joint_names, points }, _) = fields(data)?;
+            let point = |TrajectoryPoint { positions, velocities, effort, time_from_start, .. }| {
+                let Time { sec, nanosec } = time_from_start;
+                (joined(i64::from(sec), i64::from(nanosec)).unwrap_or(i64::MAX), [positions, velocities, effort])
+            };
+            let points = points.into_iter().map(point).collect();
+            (header, Sample::Way(Way { name: joint_names, points }))
         }
     };
     let Time { sec, nanosec } = header.stamp;

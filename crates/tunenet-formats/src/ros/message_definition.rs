@@ -11,7 +11,7 @@ const KNOWN: [(&str, &[(&str, &str)]); 2] = [
 
 /// What a definition says of a known message that contradicts its name, to be read after the topic's name; `None` where it says the
 /// same, or nothing.
-pub(super) fn contradiction(schema_name: &str, encoding: &str, definition: &[u8]) -> Option<String> {
+pub(crate) fn contradiction(schema_name: &str, encoding: &str, definition: &[u8]) -> Option<String> {
     if !matches!(encoding, "ros2msg" | "ros1msg") {
         return None;
     }
@@ -46,8 +46,8 @@ fn field(line: &str) -> Option<(&str, &str)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::definitions::{JOINT_STATE, POINT_STAMPED};
     use super::*;
+    use crate::ros::definitions::{JOINT_STATE, POINT_STAMPED};
 
     const POINT: &str = "geometry_msgs/msg/PointStamped";
 

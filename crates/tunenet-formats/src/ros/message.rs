@@ -2,8 +2,13 @@
 
 use tunenet_core::observation::Kind;
 
+use super::numbers::Numbers;
+
 /// Why a message of another kind cannot be used.
 pub(crate) const NOTHING: &str = "carries no positions, joints or bounces";
+
+/// Why a message of numbers is not used by itself.
+pub(crate) const NUMBERS: &str = "carries numbers, which `--columns` has to name";
 
 /// One message of a kind that an observation can be made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,16 +25,28 @@ pub(crate) enum Sample {
     Joints(JointMessage),
     /// The number of an impact; its time is the stamp.
     Bounce(f64),
+    Way(Way),
+    /// Numbers of a message of another type.
+    Numbers(Numbers),
 }
 
 impl Sample {
     pub fn kind(&self) -> Kind {
         match self {
             Self::Position(_) => Kind::Positions,
-            Self::Joints(_) => Kind::Joints,
+            Self::Joints(_) | Self::Way(_) => Kind::Joints,
             Self::Bounce(_) => Kind::EventTimes,
+            Self::Numbers(_) => Kind::Other,
         }
     }
+}
+
+/// The points of a way, and whose joints they are.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Way {
+    pub name: Vec<String>,
+    /// The time after the stamp, in ns; positions, velocities and efforts, as in a [`JointMessage`].
+    pub points: Vec<(i64, [Vec<f64>; 3])>,
 }
 
 /// Joints by name; each array is as long as `name` or empty.

@@ -4,13 +4,16 @@ use crate::findings;
 use crate::quantity::{Quantity, kind_name};
 use std::path::Path;
 
-use super::decoder::Decoder;
-use super::joints::Joints;
-use super::message::{Decoded, Sample};
-use super::records::messages;
-use super::stamps::to_s;
-use super::topics::{Topic, choose, survey};
+use super::choice::choose;
+use super::columns;
+use super::files::files;
+use super::source::messages;
+use super::topics::{Topic, survey};
 use crate::recording::{MOST_NUMBERS, ReadOptions, Recording};
+use crate::ros::joints::Joints;
+use crate::ros::message::{Decoded, JointMessage, Sample, Way};
+use crate::ros::stamps::to_s;
+use crate::sheet::Sheet;
 use crate::shown::counted;
 use crate::{Error, Result};
 use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Note, Observation};
@@ -20,20 +23,31 @@ use tunenet_core::observation::{Channel, FEWEST_SAMPLES, Kind, Note, Observation
 const FEW: f64 = 0.01;
 
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
-    let survey = survey(path)?;
+    let survey = survey(path, &options.definitions)?;
     if let Some(error) = survey.ended {
         return Err(error);
     }
-    let topic = choose(path, &survey.topics, options.topic.as_deref(), options.role)?;
+    let topic = choose(path, &survey.topics, options)?;
+    let as_columns = columns::asked(topic, options);
+    if !as_columns {
+        columns::refuse_unused(topic, options)?;
+    }
     let mut series = Series::new(path, topic, &options.joints);
     let mut number = 0u64;
-    for message in messages(path)? {
+    for message in messages(&files(path)?, &options.definitions)? {
         let message = message?;
         if !topic.is(&message.channel) {
             continue;
         }
         number += 1;
-        let decoded = Decoder::of(&message.channel).and_then(|decoder| decoder.decode(&message.data));
+        let decoder = message.channel.decoder.as_ref().map_err(ToString::to_string);
+        let decoded = decoder.and_then(|decoder| {
+            if as_columns {
+                let found = decoder.numbers(&message.data, series.names.is_empty())?;
+                return Ok(Decoded { stamp_ns: found.stamp_ns, sample: Sample::Numbers(found) });
+            }
+            decoder.decode(&message.data, false)
+        });
         decoded.and_then(|decoded| series.add(number, decoded, message.log_time)).map_err(|why| {
             Error::file(path, format!("message {number} of `{}` cannot be used: {why}", topic.name), "")
         })?;
@@ -43,7 +57,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
             return Err(Error::file(path, text, "cut it with `mcap filter --start --end`"));
         }
     }
-    series.finish()
+    series.finish(options)
 }
 
 /// One topic's messages as they come.
@@ -57,6 +71,11 @@ struct Series<'a> {
     kind: Option<Kind>,
     rows: Vec<Row>,
     values: Vec<f64>,
+    /// The names of the columns, and the layout of the first message, where numbers are read as columns.
+    names: Vec<String>,
+    layout: Vec<u8>,
+    /// Messages with another layout.
+    other_layout: usize,
     /// Messages with a number that is not finite, and the first of them.
     not_finite: (usize, u64),
 }
@@ -80,6 +99,9 @@ impl<'a> Series<'a> {
             kind: None,
             rows: Vec::new(),
             values: Vec::new(),
+            names: Vec::new(),
+            layout: Vec::new(),
+            other_layout: 0,
             not_finite: (0, 0),
         }
     }
@@ -90,7 +112,21 @@ impl<'a> Series<'a> {
             return Err(format!("expected {}, found {}", self.kind.map_or("", kind_name), kind_name(kind)));
         }
         let start = self.values.len();
+        let log = i64::try_from(log_time).unwrap_or(i64::MAX);
         match decoded.sample {
+            Sample::Numbers(found) => {
+                if self.names.is_empty() {
+                    self.channels = found.names.iter().map(|name| Channel::new(name.clone(), "1")).collect();
+                    (self.names, self.layout) = (found.names, found.layout);
+                } else if self.layout != found.layout || self.names.len() != found.values.len() {
+                    self.other_layout += 1;
+                    return Ok(());
+                }
+                self.values.extend(found.values);
+                self.rows.push(Row { number, stamp: decoded.stamp_ns, log });
+                return Ok(());
+            }
+            Sample::Way(way) => return self.add_way(number, way, decoded.stamp_ns, log),
             Sample::Position(position) => {
                 if self.channels.is_empty() {
                     self.channels = Channel::positions();
@@ -103,24 +139,48 @@ impl<'a> Series<'a> {
                 self.values.push(number);
             }
             Sample::Joints(message) => {
-                if self.joints.is_none() {
-                    let joints = Joints::new(&message, self.wanted)?;
-                    self.channels = joints.channels();
-                    self.joints = Some(joints);
-                }
-                if !self.joints.as_mut().is_some_and(|joints| joints.row(&message, &mut self.values)) {
+                if !self.add_joints(&message)? {
                     return Ok(());
                 }
             }
         }
+        self.keep(start, Row { number, stamp: decoded.stamp_ns, log });
+        Ok(())
+    }
+
+    /// Appends the values of a message of joints; whether it has all that the first one had.
+    fn add_joints(&mut self, message: &JointMessage) -> std::result::Result<bool, String> {
+        if self.joints.is_none() {
+            let joints = Joints::new(message, self.wanted)?;
+            self.channels = joints.channels();
+            self.joints = Some(joints);
+        }
+        Ok(self.joints.as_mut().is_some_and(|joints| joints.row(message, &mut self.values)))
+    }
+
+    /// Adds every point of a way at its own time.
+    fn add_way(&mut self, number: u64, way: Way, stamp: Option<i64>, log: i64) -> std::result::Result<(), String> {
+        let mut message = JointMessage { name: way.name, ..JointMessage::default() };
+        for (after, arrays) in way.points {
+            let start = self.values.len();
+            [message.position, message.velocity, message.effort] = arrays;
+            if self.add_joints(&message)? {
+                let [stamp, log] = [stamp, Some(log)].map(|t| t.and_then(|t| t.checked_add(after)));
+                self.keep(start, Row { number, stamp, log: log.unwrap_or(i64::MAX) });
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps the values from `start` on as a row, where all are finite.
+    fn keep(&mut self, start: usize, row: Row) {
         if !self.values[start..].iter().all(|value| value.is_finite()) {
             self.values.truncate(start);
-            self.not_finite =
-                if self.not_finite.0 == 0 { (1, number) } else { (self.not_finite.0 + 1, self.not_finite.1) };
-            return Ok(());
+            let (count, first) = self.not_finite;
+            self.not_finite = (count + 1, if count == 0 { row.number } else { first });
+            return;
         }
-        self.rows.push(Row { number, stamp: decoded.stamp_ns, log: i64::try_from(log_time).unwrap_or(i64::MAX) });
-        Ok(())
+        self.rows.push(row);
     }
 
     fn refuse<T>(&self, message: String, hint: &str) -> Result<T> {
@@ -131,7 +191,7 @@ impl<'a> Series<'a> {
         (count as f64) < FEW * self.topic.messages as f64
     }
 
-    fn finish(self) -> Result<Recording> {
+    fn finish(self, options: &ReadOptions) -> Result<Recording> {
         let mut notes = self.joints.as_ref().map_or(Vec::new(), Joints::notes);
         let name = &self.topic.name;
         if let (count @ 1.., first) = self.not_finite {
@@ -144,6 +204,13 @@ impl<'a> Series<'a> {
             }
             let text = format!("{} left out for a number that is not finite", counted(count, "sample"));
             notes.push(Note::new(findings::MESSAGES_NOT_FINITE, text, ""));
+        }
+        if self.other_layout > 0 {
+            let text = format!(
+                "{} of `{name}` left out whose arrays have another length than the first",
+                counted(self.other_layout, "message")
+            );
+            notes.push(Note::new(findings::MESSAGES_LAYOUT, text, ""));
         }
         let width = self.channels.len();
         let clock = self.clock(&mut notes)?;
@@ -173,12 +240,32 @@ impl<'a> Series<'a> {
             return self.refuse(text, "record for longer, or choose another topic with `--topic`");
         }
         let time_s: Vec<f64> = clock.into_iter().map(to_s).collect();
+        if !self.names.is_empty() {
+            return self.into_columns(&time_s, &values, notes, options);
+        }
         let observation = match self.kind {
             // The clock of an impact is its number, and its value the time.
             Some(Kind::EventTimes) => Observation::new(Kind::EventTimes, self.channels, values, time_s)?,
             kind => Observation::new(kind.unwrap_or(Kind::Other), self.channels, time_s, values)?,
         };
         Ok(Recording { observation, notes })
+    }
+
+    /// What the numbers of its messages make, as the columns of a table do.
+    fn into_columns(
+        self,
+        time_s: &[f64],
+        values: &[f64],
+        notes: Vec<Note>,
+        options: &ReadOptions,
+    ) -> Result<Recording> {
+        let width = self.names.len();
+        let rows = time_s.iter().zip(values.chunks_exact(width));
+        let values = rows.flat_map(|(time, row)| std::iter::once(*time).chain(row.iter().copied())).collect();
+        let names = std::iter::once("t_s".to_owned()).chain(self.names).collect();
+        let found = Sheet { names, values }.recording(self.path, &columns::reading(self.topic, options))?;
+        let notes = notes.into_iter().chain(found.notes).collect();
+        Ok(Recording { notes, ..found })
     }
 
     /// The stamps where they are set and rise, otherwise the times of recording.

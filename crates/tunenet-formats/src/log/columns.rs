@@ -1,0 +1,127 @@
+//! Which of the numbers in a topic's messages are meant, where they are read as columns.
+
+use tunenet_core::observation::Channel;
+
+use super::topics::Topic;
+use crate::quantity::{Meaning, Quantity, meaning};
+use crate::recording::{ReadOptions, Role};
+use crate::shown::list;
+use crate::{Origin, Result};
+
+/// How the columns of `topic` are read: with what follows from the names of joints, or from there being one column only.
+pub(crate) fn reading(topic: &Topic, options: &ReadOptions) -> ReadOptions {
+    let mut columns = options.columns.clone();
+    for channel in &options.channels {
+        let header = channel.header();
+        if columns.iter().any(|(ours, _)| *ours == header) {
+            continue;
+        }
+        let of_joint = of_joint(topic, channel);
+        let only = topic.columns.first().filter(|_| topic.columns.len() == 1 && options.role == Role::Driving);
+        if let Some(theirs) = of_joint.or_else(|| only.cloned()) {
+            columns.push((header, theirs));
+        }
+    }
+    ReadOptions { columns, ..options.clone() }
+}
+
+/// The column of the joint that a channel is named after: `elbow` in rad is `position.elbow`.
+fn of_joint(topic: &Topic, channel: &Channel) -> Option<String> {
+    let array = match channel.unit.as_str() {
+        "rad" | "m" => "position",
+        "rad/s" | "m/s" => "velocity",
+        "N·m" | "N" => "effort",
+        _ => return None,
+    };
+    let name = format!("{array}.{}", channel.name);
+    topic.columns.contains(&name).then_some(name)
+}
+
+/// Whether what is asked for are columns of `topic`, rather than what its messages make by themselves.
+pub(crate) fn asked(topic: &Topic, options: &ReadOptions) -> bool {
+    let is_column = |theirs: &str| {
+        let bare = theirs.strip_prefix('-').unwrap_or(theirs);
+        let pattern = bare.split_once('*').is_some_and(|(start, end)| {
+            topic.columns.iter().any(|name| name.starts_with(start) && name.ends_with(end))
+        });
+        pattern || topic.columns.iter().any(|name| name == bare)
+    };
+    let mapped = options.columns.iter().any(|(_, theirs)| is_column(theirs));
+    let by_joint = !options.channels.is_empty() && options.channels.iter().all(|c| of_joint(topic, c).is_some());
+    !topic.columns.is_empty() && (topic.usable.is_err() || mapped || by_joint)
+}
+
+/// Refuses `--columns` that no message of `topic` has, where its messages make an observation by themselves.
+pub(crate) fn refuse_unused(topic: &Topic, options: &ReadOptions) -> Result<()> {
+    let Some((_, theirs)) = options.columns.first().filter(|_| options.channels.is_empty()) else { return Ok(()) };
+    let numbers = list(topic.columns.iter().map(String::as_str), 6);
+    let (expected, found) = (format!("numbers of `{}` ({numbers})", topic.name), format!("`{theirs}`"));
+    Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "columns", expected, found }.into())
+}
+
+/// Whether `topic` has a column for everything that is asked for, its clock apart.
+pub(crate) fn has_all(topic: &Topic, options: &ReadOptions) -> bool {
+    let read = reading(topic, options);
+    let mapped = |header: &str| {
+        read.columns.iter().any(|(ours, theirs)| {
+            let bare = theirs.strip_prefix('-').unwrap_or(theirs);
+            ours == header && topic.columns.iter().any(|name| name == bare)
+        })
+    };
+    let named = |channel: &Channel| mapped(&channel.header()) || topic.columns.contains(&channel.header());
+    let is_time = |ours: &str| matches!(meaning(ours), Meaning::Known(Quantity::Time, _));
+    match options.channels.as_slice() {
+        [] => !options.columns.is_empty() && options.columns.iter().all(|(ours, _)| is_time(ours) || mapped(ours)),
+        channels => channels.iter().all(named),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tunenet_core::observation::Kind;
+
+    fn topic(columns: &[&str], usable: bool) -> Topic {
+        Topic {
+            name: "/a".into(),
+            schema: String::new(),
+            encoding: "cdr".into(),
+            messages: 9,
+            usable: if usable { Ok(Kind::Joints) } else { Err("no".into()) },
+            columns: columns.iter().map(|name| (*name).to_owned()).collect(),
+            undefined: None,
+        }
+    }
+
+    fn options(channels: &[&str], columns: &[(&str, &str)], role: Role) -> ReadOptions {
+        ReadOptions {
+            channels: channels.iter().map(|header| Channel::from_header(header).unwrap()).collect(),
+            columns: columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect(),
+            role,
+            ..ReadOptions::default()
+        }
+    }
+
+    #[test]
+    fn joints_are_found_by_their_names_and_a_single_number_by_itself() {
+        let joints = topic(&["position.elbow", "velocity.elbow"], true);
+        let by_name = options(&["elbow_rad", "elbow_rad_s"], &[], Role::Predicted);
+        assert!(asked(&joints, &by_name));
+        let pairs = reading(&joints, &by_name).columns;
+        assert_eq!(pairs[1], ("elbow_rad_s".into(), "velocity.elbow".into()));
+        assert!(!asked(&joints, &options(&["q1_rad"], &[], Role::Predicted)));
+        let single = topic(&["data"], false);
+        let input = options(&["force_n"], &[], Role::Driving);
+        assert_eq!(reading(&single, &input).columns, [("force_n".to_owned(), "data".to_owned())]);
+        assert_eq!(reading(&single, &ReadOptions { role: Role::Predicted, ..input }).columns, []);
+    }
+
+    #[test]
+    fn columns_that_are_named_are_read_as_columns() {
+        let joints = topic(&["position.elbow"], true);
+        for theirs in ["position.elbow", "-position.elbow", "position.*"] {
+            assert!(asked(&joints, &options(&[], &[("q1_rad", theirs)], Role::Predicted)), "{theirs}");
+        }
+        assert!(!asked(&joints, &options(&[], &[("q1_rad", "other")], Role::Predicted)));
+    }
+}

@@ -1,0 +1,14 @@
+//! ROS messages, in any file.
+
+pub(crate) mod cdr;
+pub(crate) mod channel;
+pub(crate) mod decoder;
+pub(crate) mod definitions;
+pub(crate) mod joints;
+mod json;
+pub(crate) mod message;
+mod message_definition;
+mod numbers;
+pub(crate) mod schema;
+pub(crate) mod stamps;
+mod standard;

@@ -1,0 +1,215 @@
+//! Named columns of numbers, from any file but a text: the same rules as for a CSV file make an observation of them.
+
+use std::path::Path;
+
+use crate::csv::columns::{Header, Layout, Source, layout};
+use crate::csv::lines::Line;
+use crate::csv::own_columns;
+use crate::findings;
+use crate::recording::{LARGEST, ReadOptions, Recording};
+use crate::shown::counted;
+use crate::{Error, Result};
+use tunenet_core::observation::{FEWEST_SAMPLES, Kind, Note, Observation};
+
+/// Largest share of rows that may repeat the time before them, as in a CSV file.
+const MOST_REPEATED: f64 = 0.05;
+
+/// Rows that are examined where names alone do not decide.
+const EXAMINED: usize = 10_000;
+
+/// Columns of numbers with their names; a number that is not finite stands for a missing one.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Sheet {
+    pub names: Vec<String>,
+    /// Row by row.
+    pub values: Vec<f64>,
+}
+
+impl Sheet {
+    pub fn rows(&self) -> usize {
+        self.values.len() / self.names.len().max(1)
+    }
+
+    fn row(&self, row: usize) -> &[f64] {
+        let width = self.names.len();
+        &self.values[row * width..(row + 1) * width]
+    }
+
+    /// The names as the header of a table.
+    fn line(&self) -> Line {
+        let cell = |name: &String| -> String {
+            name.chars().map(|c| if c.is_control() || c == '"' { '_' } else { c }).collect()
+        };
+        Line { number: 1, text: self.names.iter().map(cell).collect::<Vec<_>>().join("\t") }
+    }
+
+    /// How its columns make an observation.
+    ///
+    /// # Errors
+    /// [`Error::File`] where they make none.
+    pub fn layout(&self, path: &Path, options: &ReadOptions) -> Result<Layout> {
+        let line = self.line();
+        let first = (0..self.rows().min(EXAMINED)).map(|row| self.row(row).iter().map(|v| Some(*v)).collect());
+        let rows: Vec<Vec<Option<f64>>> = first.collect();
+        let separator = Some('\t');
+        let header = Header { path, line: &line, separator, named: true, joints: &options.joints, rows: Some(&rows) };
+        let made = if options.channels.is_empty() {
+            layout(&header, &options.columns)
+        } else {
+            own_columns::layout(&header, options)
+        };
+        made.map_err(|error| without_line(path, error))
+    }
+
+    /// The observation that its columns make.
+    ///
+    /// # Errors
+    /// [`Error::File`] where the columns make none, or a number cannot be used.
+    pub fn recording(&self, path: &Path, options: &ReadOptions) -> Result<Recording> {
+        let layout = self.layout(path, options)?;
+        let mut taken = Taken::default();
+        for row in 0..self.rows() {
+            taken.add(path, &layout, row, self.row(row))?;
+        }
+        taken.finish(path, self, layout)
+    }
+}
+
+/// An error of the header, which has no line here.
+fn without_line(path: &Path, error: Error) -> Error {
+    match error {
+        Error::Text { message, hint, .. } => Error::file(path, message, hint),
+        other => other,
+    }
+}
+
+/// The rows that were taken.
+#[derive(Default)]
+struct Taken {
+    clock: Vec<f64>,
+    values: Vec<f64>,
+    /// Rows left out for a missing number, and the first of them from 1.
+    missing: (usize, usize),
+    same: usize,
+    /// Rows at the time of the one before that say something else, and the first of them from 1.
+    repeated: (usize, usize),
+}
+
+impl Taken {
+    fn add(&mut self, path: &Path, layout: &Layout, row: usize, cells: &[f64]) -> Result<()> {
+        let read = |source: &Source| {
+            let value = source.value(cells[source.column]);
+            if value.is_finite() && value.abs() > LARGEST {
+                let (name, row) = (layout.header(source), row + 1);
+                let message =
+                    format!("`{name}` in row {row} is too large: expected at most {LARGEST:e}, found {value:e}");
+                return Err(Error::file(path, message, "check the unit"));
+            }
+            Ok(value)
+        };
+        let time = layout.clock.as_ref().map(read).transpose()?;
+        let sample = layout.values.iter().map(|source| source.as_ref().map_or(Ok(0.0), read));
+        let sample = sample.collect::<Result<Vec<f64>>>()?;
+        if !time.iter().chain(&sample).all(|value| value.is_finite()) {
+            self.missing = (self.missing.0 + 1, if self.missing.0 == 0 { row + 1 } else { self.missing.1 });
+            return Ok(());
+        }
+        // Without a clock, the values themselves are times.
+        let now = time.unwrap_or_else(|| sample[0]);
+        match self.clock.last() {
+            Some(last) if now < *last => {
+                let name = layout.clock.or(layout.values[0]).map_or_else(String::new, |source| layout.header(&source));
+                let message = format!("`{name}` falls in row {}: expected more than {last:?}, found {now:?}", row + 1);
+                Err(Error::file(path, message, "sort the rows by time, or give the parts as files of their own"))
+            }
+            Some(last) if now == *last => {
+                if self.values.ends_with(&sample) {
+                    self.same += 1;
+                } else {
+                    self.repeated = (self.repeated.0 + 1, if self.repeated.0 == 0 { row + 1 } else { self.repeated.1 });
+                }
+                Ok(())
+            }
+            _ => {
+                self.clock.push(now);
+                self.values.extend(sample);
+                Ok(())
+            }
+        }
+    }
+
+    fn finish(self, path: &Path, sheet: &Sheet, layout: Layout) -> Result<Recording> {
+        let rows = sheet.rows();
+        let mut notes = layout.notes;
+        if let (count @ 1.., first) = self.missing {
+            let text = format!("{} left out for a missing number, the first in row {first}", counted(count, "row"));
+            notes.push(Note::new(findings::ROWS_EMPTY_CELL, text, ""));
+        }
+        if self.same > 0 {
+            let text = format!("{} left out that repeat the row before", counted(self.same, "row"));
+            notes.push(Note::new(findings::ROWS_REPEATED, text, ""));
+        }
+        if let (count @ 1.., first) = self.repeated {
+            if count as f64 > MOST_REPEATED * rows as f64 {
+                let message =
+                    format!("the time repeats in {count} of {rows} rows, first in row {first}: expected a rising time");
+                return Err(Error::file(path, message, "write the time with more digits, or choose another clock"));
+            }
+            let text =
+                format!("{} left out at the time of the row before, the first in row {first}", counted(count, "row"));
+            notes.push(Note::new(findings::CLOCK_REPEATED, text, "record the time with more digits"));
+        }
+        if self.clock.len() < FEWEST_SAMPLES {
+            let message = format!("expected at least {FEWEST_SAMPLES} samples, found {}", self.clock.len());
+            return Err(Error::file(path, message, "record for longer"));
+        }
+        let observation = match (layout.kind, layout.clock) {
+            (Kind::EventTimes, None) => Observation::event_times(&layout.channels[0].name, self.values)?,
+            (kind, _) => Observation::new(kind, layout.channels, self.clock, self.values)?,
+        };
+        Ok(Recording { observation, notes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{error_text, file};
+
+    fn sheet(names: &[&str], values: &[f64]) -> Sheet {
+        Sheet { names: names.iter().map(|name| (*name).to_owned()).collect(), values: values.to_vec() }
+    }
+
+    fn read(sheet: &Sheet, columns: &[(&str, &str)]) -> Result<Recording> {
+        let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+        sheet.recording(Path::new("/a.parquet"), &ReadOptions { columns, ..ReadOptions::default() })
+    }
+
+    /// The same numbers as a text give the same observation.
+    #[test]
+    fn columns_mean_what_they_mean_in_a_text() {
+        let (_folder, path) = file("a.csv", "t_ms,z_cm\n0,100\n500,50\n1000,0\n");
+        let text = crate::read(&path, &ReadOptions::default()).unwrap();
+        let found = read(&sheet(&["t_ms", "z_cm"], &[0.0, 100.0, 500.0, 50.0, 1000.0, 0.0]), &[]).unwrap();
+        assert_eq!(found, text);
+        let named = sheet(&["when", "linear.x"], &[0.0, 1.0, 1.0, 2.0, 2.0, 4.0]);
+        let mapped = read(&named, &[("t_s", "when"), ("z_m", "-linear.x")]).unwrap();
+        assert_eq!(mapped.observation.column(2).collect::<Vec<_>>(), [-1.0, -2.0, -4.0]);
+    }
+
+    #[test]
+    fn rows_without_a_number_are_left_out_and_a_falling_clock_is_refused() {
+        let names = ["t_s", "z_m"];
+        let found = read(&sheet(&names, &[0.0, 1.0, 0.5, f64::NAN, 1.0, 2.0, 2.0, 3.0, 2.0, 3.0]), &[]).unwrap();
+        assert_eq!(found.observation.clock(), [0.0, 1.0, 2.0]);
+        let kinds: Vec<_> = found.notes.iter().map(|note| note.kind).collect();
+        assert_eq!(kinds, [findings::COLUMNS_ABSENT, findings::ROWS_EMPTY_CELL, findings::ROWS_REPEATED]);
+        let (message, _) = error_text(&read(&sheet(&names, &[0.0, 1.0, 2.0, 2.0, 1.0, 3.0]), &[]).unwrap_err());
+        assert_eq!(message, "a.parquet: `t_s` falls in row 3: expected more than 2.0, found 1.0");
+        let (message, _) = error_text(&read(&sheet(&names, &[0.0, 1.0, 1.0, 1e11, 2.0, 3.0]), &[]).unwrap_err());
+        assert_eq!(message, "a.parquet: `z_m` in row 2 is too large: expected at most 1e10, found 1e11");
+        let (message, hint) = error_text(&read(&sheet(&["a", "b"], &[0.0, 1.0]), &[]).unwrap_err());
+        assert!(message.starts_with("a.parquet: expected columns `t_s` and `z_m`"), "{message}");
+        assert!(hint.contains("--columns"), "{hint}");
+    }
+}
