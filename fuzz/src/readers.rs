@@ -12,7 +12,7 @@ use tunenet_core::observation::{Kind, Observation};
 use tunenet_core::simulator::Scale;
 use tunenet_formats::dataset::DatasetReader;
 use tunenet_formats::pictures::pictures;
-use tunenet_formats::{ReadOptions, contents_with, read};
+use tunenet_formats::{ReadOptions, UnitRule, contents_with, read};
 use tunenet_formats::{model_from_bytes, model_to_bytes};
 use tunenet_sim::shot::Task;
 use tunenet_sim::{Session, SimulationFile, simulator};
@@ -153,6 +153,34 @@ pub fn bag(bytes: &[u8]) {
         if let Ok(found) = read(&path, &options) {
             sound(&found.observation);
         }
+    }
+}
+
+/// A table in Parquet.
+pub fn parquet(bytes: &[u8]) {
+    let path = file("a.parquet", bytes);
+    let _ = contents_with(&path, &ReadOptions::default());
+    let columns = vec![("t_s".into(), "timestamp".into()), ("z_m".into(), "action.0".into())];
+    if let Ok(found) = read(&path, &ReadOptions { columns, ..ReadOptions::default() }) {
+        sound(&found.observation);
+    }
+}
+
+/// A data set of LeRobot: what describes it and, behind a NUL, its only file.
+pub fn lerobot(bytes: &[u8]) {
+    let split = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+    let (info, data) = (&bytes[..split], bytes.get(split + 1..).unwrap_or_default());
+    let folder = file("dataset", b"").with_extension("folder");
+    let make = |part: &str| std::fs::create_dir_all(folder.join(part)).expect("a folder of this process");
+    make("meta");
+    make("data/chunk-000");
+    std::fs::write(folder.join("meta/info.json"), info).expect("a file of this process");
+    std::fs::write(folder.join("data/chunk-000/episode_000000.parquet"), data).expect("a file of this process");
+    let _ = contents_with(&folder, &ReadOptions::default());
+    let channels = vec![tunenet_core::observation::Channel::new("a", "rad")];
+    let units = vec![UnitRule::parse("deg").expect("a unit")];
+    if let Ok(found) = read(folder.join("episode_0"), &ReadOptions { channels, units, ..ReadOptions::default() }) {
+        sound(&found.observation);
     }
 }
 

@@ -79,6 +79,8 @@ fn no_reader_panics_or_takes_memory_out_of_proportion() {
     holds("csv", readers::csv);
     holds("mcap", readers::mcap_by_all);
     holds("bag", readers::bag);
+    holds("parquet", readers::parquet);
+    holds("lerobot", readers::lerobot);
     holds("simulation", readers::simulation);
     holds("task", readers::task);
     holds("model", readers::model);

@@ -149,6 +149,12 @@ fn snippet(path: &str, line: usize, column: usize, width: usize, source: &str, m
     Renderer::styled().render(&report)
 }
 
+/// Why something is refused, and what to try.
+pub fn refusal(error: &anyhow::Error) -> String {
+    let hint = error.downcast_ref::<tunenet_formats::Error>().and_then(tunenet_formats::Error::hint);
+    hint.map_or_else(|| sentence(error), |hint| format!("{}; try: {hint}", sentence(error)))
+}
+
 #[cfg(test)]
 mod tests {
     use anyhow::Context;

@@ -9,12 +9,14 @@ use crate::csv::scan::scan;
 use crate::format::{Format, format};
 use crate::log::files::{files, is_bag};
 use crate::log::topics::{Topic, survey};
+use crate::others;
+use crate::place::{Place, is_data_set};
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::ranges::written_out;
-use crate::read::no_recording;
-use crate::recording::ReadOptions;
+use crate::recording::{ReadOptions, Recording};
+use crate::sheet::Sheet;
 use crate::source::unchanged;
-use crate::{Error, Result};
+use crate::{Episodes, Error, Result};
 use tunenet_core::observation::{Kind, Note};
 use tunenet_core::statistics::median;
 
@@ -25,6 +27,8 @@ pub enum Contents {
     Table(Table),
     /// An MCAP file.
     Log(Log),
+    /// Recordings in several episodes.
+    Episodes(Episodes),
 }
 
 /// A column of a text table.
@@ -103,17 +107,77 @@ pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
 /// As [`contents`].
 pub fn contents_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Contents> {
     let path = path.as_ref();
-    let files = if path.is_dir() && is_bag(path) { files(path)? } else { vec![path.to_owned()] };
-    unchanged(&files, || contents_once(path, options))
+    if path.is_dir() {
+        return folder(path, options);
+    }
+    let place = Place::of(path);
+    if place.episode.is_some() {
+        return others::listing(&place, options).map(Contents::Episodes);
+    }
+    unchanged(&[path.to_owned()], || contents_once(path, options))
+}
+
+fn folder(path: &Path, options: &ReadOptions) -> Result<Contents> {
+    if is_data_set(path) {
+        return others::listing(&Place::of(path), options).map(Contents::Episodes);
+    }
+    if is_bag(path) {
+        return unchanged(&files(path)?, || log(path, options));
+    }
+    Err(others::no_recording(path))
 }
 
 fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
-    if path.is_dir() {
-        return if is_bag(path) { log(path, options) } else { Err(no_recording(path)) };
-    }
     match format(path)? {
         Format::Csv => table(path, options).map(Contents::Table),
         Format::Mcap | Format::PackedMcap | Format::Bag => log(path, options),
+        other => Ok(Contents::Table(sheet_table(path, &others::table(path, other)?, options)?)),
+    }
+}
+
+/// What is in a table that is no text.
+fn sheet_table(path: &Path, sheet: &Sheet, options: &ReadOptions) -> Result<Table> {
+    let read_as = |name: &str| match meaning(name) {
+        Meaning::Known(quantity, _) => Some(quantity.header()),
+        _ => own_columns::header_of(name, &options.channels).or_else(|| own_columns::input_of(name, &options.others)),
+    };
+    let mapped = |name: &str| options.columns.iter().find(|(_, theirs)| theirs == name).map(|(ours, _)| ours.clone());
+    let column = |name: &String| Column { name: name.clone(), read_as: mapped(name).or_else(|| read_as(name)) };
+    let mut table = Table {
+        columns: sheet.names.iter().map(column).collect(),
+        usable: Err(String::new()),
+        remedy: String::new(),
+        rows: sheet.rows(),
+        samples: 0,
+        span_s: None,
+        median_rate_hz: None,
+        largest_gap_s: None,
+        broken: Vec::new(),
+        broken_count: 0,
+        notes: Vec::new(),
+    };
+    match sheet.recording(path, options) {
+        Ok(Recording { observation, notes }) => {
+            let of_times = observation.kind() == Kind::EventTimes;
+            let times = if of_times { observation.values() } else { observation.clock() };
+            table.usable = Ok(observation.kind());
+            table.samples = times.len();
+            table.spans(times);
+            table.notes = notes;
+        }
+        Err(Error::File { message, hint, .. }) => (table.usable, table.remedy) = (Err(message), hint),
+        Err(error) => return Err(error),
+    }
+    Ok(table)
+}
+
+impl Table {
+    /// Takes in when its samples were.
+    fn spans(&mut self, times: &[f64]) {
+        self.span_s = times.first().copied().zip(times.last().copied());
+        let intervals = times.windows(2).map(|pair| pair[1] - pair[0]);
+        self.largest_gap_s = intervals.clone().max_by(f64::total_cmp);
+        self.median_rate_hz = median(intervals).map(|interval| 1.0 / interval);
     }
 }
 
@@ -161,10 +225,8 @@ fn table(path: &Path, options: &ReadOptions) -> Result<Table> {
     let times = if scan.layout.kind == Kind::EventTimes { &scan.values } else { &scan.clock };
     table.rows = scan.rows;
     table.samples = times.len();
-    table.span_s = times.first().copied().zip(times.last().copied());
-    let intervals = times.windows(2).map(|pair| pair[1] - pair[0]);
-    table.largest_gap_s = intervals.clone().max_by(f64::total_cmp);
-    table.median_rate_hz = median(intervals).map(|interval| 1.0 / interval);
+    let times = times.clone();
+    table.spans(&times);
     table.notes = scan.notes();
     table.broken_count = scan.broken_count;
     table.broken = scan.broken.into_iter().map(|b| BrokenLine { line: b.line, message: b.message }).collect();

@@ -69,6 +69,15 @@ finding_kinds! {
     note JOINTS_OTHERS = "joints.others",
         "joints in the messages that the arm does not have between base and payload",
         "none needed";
+    note CLOCK_COMPUTED = "clock.computed",
+        "the stamps were computed from the rate: the recorder's jitter is not in them",
+        "record the time of each frame where delays matter";
+    warning STATE_CONSTANT = "state.constant",
+        "a state or a command does not change: the robot stands still",
+        "choose an episode in which it moves";
+    warning EPISODES_MISSING = "episodes.missing",
+        "not all of the episodes that a data set lists are there",
+        "download the others where they are needed";
     note INPUT_LATE = "inputs.late",
         "an input begins after the recording; its first value holds before",
         "record the input from the start";

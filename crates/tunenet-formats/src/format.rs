@@ -17,17 +17,19 @@ pub(crate) enum Format {
     PackedMcap,
     /// A bag of ROS 2 in SQLite.
     Bag,
+    Parquet,
 }
 
 /// The mark of an SQLite database, and how the names of bags that are compressed end.
 const SQLITE: &[u8] = b"SQLite format 3\0";
 const PACKED_BAG: &str = ".db3.zstd";
+const PARQUET: &[u8] = b"PAR1";
 const PACKED_MCAP: &str = ".mcap.zstd";
 
 const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 
 /// Files of other kinds: where in them their mark stands, the mark, what they are, and what to do.
-const OTHERS: [(usize, &[u8], &str, &str); 14] = [
+const OTHERS: [(usize, &[u8], &str, &str); 13] = [
     (0, b"#ROSBAG V2.0", "a ROS 1 bag", "convert it with `mcap convert` and record ROS 2 messages"),
     (0, b"PK\x03\x04", "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
     (0, b"\xd0\xcf\x11\xe0", "an old spreadsheet", "export the sheet as CSV"),
@@ -41,7 +43,6 @@ const OTHERS: [(usize, &[u8], &str, &str); 14] = [
     (0, b"\x89HDF", "an HDF5 file", "export the series as CSV"),
     (0, b"MATLAB 5.0", "a MATLAB file", "export the series as CSV"),
     (0, b"\x93NUMPY", "a NumPy array", "save it as CSV, for example with `numpy.savetxt`"),
-    (0, b"PAR1", "a Parquet file", "save it as CSV"),
 ];
 
 /// Content first: an MCAP file under any name is read as one, and a text file named `.mcap` is not called empty.
@@ -58,6 +59,9 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     if start.starts_with(SQLITE) || start.starts_with(ZSTD) && name.ends_with(PACKED_BAG) {
         return with_logs(path, "a bag of ROS 2 in SQLite", Format::Bag);
+    }
+    if start.starts_with(PARQUET) {
+        return with_logs(path, "a Parquet file", Format::Parquet);
     }
     if start.starts_with(ZSTD) && name.ends_with(PACKED_MCAP) {
         return with_logs(path, "an MCAP file, compressed as a whole", Format::PackedMcap);

@@ -10,6 +10,7 @@ use crate::findings;
 use crate::format::{Format, format};
 use crate::log::columns;
 use crate::log::files::is_bag;
+use crate::place::{Place, is_data_set};
 use crate::quantity::{Meaning, Quantity, meaning};
 use crate::recording::{ReadOptions, Recording, Role};
 use crate::{Error, Result, read};
@@ -62,6 +63,11 @@ impl InputSource {
         let table = match contents_with(path, &ReadOptions::default())? {
             Contents::Table(table) => table,
             Contents::Log(log) => return self.is_not_in(&log, path, options),
+            Contents::Episodes(found) => {
+                let wanted = self.column(options).map(|name| name.trim_start_matches('-'));
+                let is = |name: &str| wanted.map_or_else(|| own_columns::is_meant(name, &self.channel), |w| w == name);
+                return Ok(!found.columns.iter().any(|column| is(&column.name)));
+            }
         };
         let Some(wanted) = self.column(options) else {
             let is = |name: &str| own_columns::is_meant(name, &self.channel);
@@ -96,10 +102,11 @@ pub type NotedInput = (Input, Vec<Note>);
 /// As [`read`](crate::read()).
 pub fn read_input(path: &Path, options: &ReadOptions, source: &InputSource) -> Result<Option<NotedInput>> {
     // The topic on the command line is that of a log; this may be a table next to it.
-    let log = if path.is_dir() {
-        is_bag(path)
+    let place = Place::of(path);
+    let log = if place.path.is_dir() {
+        is_bag(&place.path) && !is_data_set(&place.path)
     } else {
-        matches!(format(path)?, Format::Mcap | Format::PackedMcap | Format::Bag)
+        matches!(format(&place.path)?, Format::Mcap | Format::PackedMcap | Format::Bag)
     };
     let options = &ReadOptions { topic: options.topic.clone().filter(|_| log), ..options.clone() };
     if source.default.is_some() && source.lacks(path, options)? {

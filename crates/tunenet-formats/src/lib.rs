@@ -13,6 +13,9 @@
 //! | `mcap` | records and chunks, pictures, writing |
 //! | `ros` | ROS 2 and JSON messages, joints, stamps |
 //! | `log` | files of a log, topics of a log, and the series of one of them |
+//! | `parquet`, `lerobot` | Parquet files, and data sets of LeRobot in them |
+//! | `place`, `episodes` | where a recording stands, and recordings in several episodes |
+//! | `units`, `unstated`, `proposal` | units of columns whose file states none |
 //! | `sheet` | named columns of numbers from any file but a text |
 //! | `dataset` | the pairs that a network learns from, as one MCAP file or in shards |
 //! | `model` | trained networks and checkpoints in safetensors |
@@ -31,13 +34,22 @@ mod csv;
 pub mod dataset;
 mod documents;
 mod encoding;
+mod episodes;
 mod error;
 pub mod findings;
 mod format;
 mod inputs;
+#[cfg(feature = "logs")]
+mod lerobot;
 mod log;
 mod mcap;
 mod model;
+mod others;
+#[cfg(feature = "logs")]
+mod parquet;
+mod place;
+#[cfg(feature = "logs")]
+mod proposal;
 mod quantity;
 mod ranges;
 mod read;
@@ -51,12 +63,16 @@ mod source;
 mod testing;
 #[cfg(test)]
 mod tests;
+mod units;
+#[cfg(feature = "logs")]
+mod unstated;
 
 pub use atomic::write_atomically;
 pub use contents::{BrokenLine, Column, Contents, Log, Table, contents, contents_with};
 pub use csv::write::write_csv;
 pub use documents::{refuse_git_lfs_pointer, refuse_markup};
 pub use encoding::read_text;
+pub use episodes::{EpisodeColumn, EpisodeLength, Episodes, Selection, episodes};
 pub use error::{Error, Result};
 pub use inputs::{InputSource, NotedInput, read_input, under_inputs};
 pub use log::topics::Topic;
@@ -72,3 +88,4 @@ pub use shown::{shell_word, shown_path};
 pub use source::{open, read_bytes};
 pub use tunenet_core::Action;
 pub(crate) use tunenet_core::Origin;
+pub use units::UnitRule;

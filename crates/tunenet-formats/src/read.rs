@@ -8,6 +8,8 @@ use crate::clock_jump::without_jumps;
 use crate::csv::own_columns;
 use crate::format::{Format, format};
 use crate::log::files::is_bag;
+use crate::others;
+use crate::place::{Place, is_data_set};
 use crate::recording::{LARGEST, ReadOptions, Recording};
 use crate::shown::shown_path;
 use crate::source::unchanged;
@@ -21,15 +23,19 @@ use crate::{Error, Origin, Result, csv, log};
 /// contradict themselves, and [`Observation`](tunenet_core::Error::Observation) where the numbers make no observation.
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Recording> {
     let path = path.as_ref();
-    let files = if path.is_dir() && is_bag(path) { files_of(path)? } else { vec![path.to_owned()] };
-    let recording = unchanged(&files, || read_once(path, options)).and_then(without_jumps)?;
+    let place = Place::of(path);
+    let recording = unchanged(&watched(&place)?, || read_once(path, &place, options)).and_then(without_jumps)?;
     refuse_far(path, &recording.observation)?;
     Ok(recording)
 }
 
-fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
-    if path.is_dir() {
-        return folder(path, options);
+fn read_once(path: &Path, place: &Place, options: &ReadOptions) -> Result<Recording> {
+    if place.path.is_dir() {
+        return folder(path, place, options);
+    }
+    if place.episode.is_some() {
+        let message = "expected episodes in the file, found a single recording";
+        return Err(Error::file(&place.path, message, "give the file itself"));
     }
     match format(path)? {
         Format::Csv if options.topic.is_some() => Err(tunenet_core::Error::Setting {
@@ -41,21 +47,25 @@ fn read_once(path: &Path, options: &ReadOptions) -> Result<Recording> {
         .into()),
         Format::Csv => csv::series::read(path, options),
         Format::Mcap | Format::PackedMcap | Format::Bag => log(path, options),
+        other => others::table(path, other)?.recording(path, options),
     }
 }
 
 /// A recording in a folder.
-fn folder(path: &Path, options: &ReadOptions) -> Result<Recording> {
-    if is_bag(path) {
+fn folder(path: &Path, place: &Place, options: &ReadOptions) -> Result<Recording> {
+    if is_data_set(&place.path) {
+        return others::episode(path, place, options);
+    }
+    if is_bag(&place.path) {
         return log(path, options);
     }
-    Err(no_recording(path))
+    Err(others::no_recording(&place.path))
 }
 
-/// That a folder holds no recording.
-pub(crate) fn no_recording(folder: &Path) -> Error {
-    let message = "expected a recording, found a folder that holds none (ROS 2 bag)";
-    Error::file(folder, message, "name one file in it")
+/// The files that must not change while the recording at a place is read.
+fn watched(place: &Place) -> Result<Vec<PathBuf>> {
+    let of_files = place.path.is_dir() && (is_data_set(&place.path) || is_bag(&place.path));
+    if of_files { others::files(place) } else { Ok(vec![place.path.clone()]) }
 }
 
 fn log(path: &Path, options: &ReadOptions) -> Result<Recording> {
@@ -70,7 +80,7 @@ fn log(path: &Path, options: &ReadOptions) -> Result<Recording> {
 /// # Errors
 /// [`Error::File`] where a folder holds none.
 pub fn files_of(path: impl AsRef<Path>) -> Result<Vec<PathBuf>> {
-    log::files::files(path.as_ref())
+    others::files(&Place::of(path.as_ref()))
 }
 
 /// Farthest position from the origin, in m: beyond a planet, and near enough for a double to hold a hundredth of a micrometre.

@@ -2,6 +2,8 @@
 
 use tunenet_core::observation::{Channel, Note, Observation};
 
+use crate::units::UnitRule;
+
 /// Most numbers of one observation, its clock apart: ten million positions and a third more. A file with more is refused,
 /// since it would take gigabytes of memory.
 pub const MOST_NUMBERS: usize = 40_000_000;
@@ -20,7 +22,7 @@ pub struct Recording {
 }
 
 /// How to read a file that does not speak this project's names.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
     /// Pairs (ours, theirs): ours is a column name with its unit (`t_s`, `z_mm`), theirs a name from the file's header, or
     /// a column number from 1, with a `-` before it where its axis points the other way (`-z`); for joints also ranges,
@@ -33,6 +35,10 @@ pub struct ReadOptions {
     /// Definitions of ROS messages that a log does not define: the name of the type without its package, and the text of its `.msg`
     /// file.
     pub definitions: Vec<(String, String)>,
+    /// Units of columns whose file states none; the last one about a column counts.
+    pub units: Vec<UnitRule>,
+    /// Frames per second, for files without a time base.
+    pub rate_hz: Option<f64>,
     /// Names of joints, in the order in which they are to be numbered: those of messages are matched to them, and hints on the
     /// columns of a CSV file speak of them. Where empty, the first message decides.
     pub joints: Vec<String>,

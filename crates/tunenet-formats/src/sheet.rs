@@ -23,6 +23,8 @@ pub(crate) struct Sheet {
     pub names: Vec<String>,
     /// Row by row.
     pub values: Vec<f64>,
+    /// Whether the columns have no names, only numbers.
+    pub unnamed: bool,
 }
 
 impl Sheet {
@@ -52,7 +54,8 @@ impl Sheet {
         let first = (0..self.rows().min(EXAMINED)).map(|row| self.row(row).iter().map(|v| Some(*v)).collect());
         let rows: Vec<Vec<Option<f64>>> = first.collect();
         let separator = Some('\t');
-        let header = Header { path, line: &line, separator, named: true, joints: &options.joints, rows: Some(&rows) };
+        let (joints, rows) = (options.joints.as_slice(), Some(rows.as_slice()));
+        let header = Header { path, line: &line, separator, named: !self.unnamed, joints, rows };
         let made = if options.channels.is_empty() {
             layout(&header, &options.columns)
         } else {
@@ -177,7 +180,7 @@ mod tests {
     use crate::testing::{error_text, file};
 
     fn sheet(names: &[&str], values: &[f64]) -> Sheet {
-        Sheet { names: names.iter().map(|name| (*name).to_owned()).collect(), values: values.to_vec() }
+        Sheet { names: names.iter().map(|name| (*name).to_owned()).collect(), values: values.to_vec(), unnamed: false }
     }
 
     fn read(sheet: &Sheet, columns: &[(&str, &str)]) -> Result<Recording> {

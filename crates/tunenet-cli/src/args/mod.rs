@@ -12,6 +12,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde::{Deserialize, Serialize};
+use tunenet_formats::{Selection, UnitRule};
 
 pub use device::DeviceChoice;
 pub use fit::{Apart, Diagnose, Tune};
@@ -208,6 +209,15 @@ pub struct Reading {
     /// Definition of a ROS message that a log names and does not define (may be repeated)
     #[arg(long = "msg", value_name = "TYPE.msg")]
     pub definitions: Vec<PathBuf>,
+    /// Episodes of a data set, such as 0-7 or 0,2,5 [default: all]
+    #[arg(long, value_name = "NUMBERS")]
+    pub episodes: Option<Selection>,
+    /// Units of columns whose file states none, such as `elbow=deg` or `wrist=1.0122deg`; `inspect` proposes them
+    #[arg(long, value_name = "COLUMN=UNIT,…", value_parser = UnitRule::parse, value_delimiter = ',')]
+    pub units: Vec<UnitRule>,
+    /// Rows per second of a file without a time base
+    #[arg(long = "rate", value_name = "HZ", value_parser = track::positive)]
+    pub rate_hz: Option<f64>,
     /// True capture rate in frames per second, for slow-motion video or folders of images
     #[arg(long, value_name = "HZ", value_parser = track::positive)]
     pub camera_rate: Option<f64>,

@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod diagnose;
 mod each;
+mod episodes;
 mod generate;
 mod globs;
 mod init;
@@ -34,13 +35,15 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
     match arguments.command {
         Command::Tune(mut options) => {
             options.observation = recordings(options.recordings.drain(..), &options.observation)?;
+            options.observation = episodes::each(&options.observation, options.reading.episodes.as_ref())?;
             let entries = tune::entries(&options)?;
             options.observation.extend(entries.into_iter().map(|entry| entry.path));
             tune::run(&options)
         }
         Command::Diagnose(mut options) => {
             options.observation = recordings(options.recordings.drain(..), &options.observation)?;
-            options.held_out = globs::expanded(&options.held_out, "--held-out")?;
+            options.observation = episodes::each(&options.observation, options.reading.episodes.as_ref())?;
+            options.held_out = episodes::each(&globs::expanded(&options.held_out, "--held-out")?, None)?;
             diagnose::run(&options)
         }
         Command::Plan(options) => plan::run(&options),
@@ -48,6 +51,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Exit> {
         Command::Simulate(options) => simulate::run(&options),
         Command::Inspect(mut options) => {
             options.files = globs::expanded(&options.files, "FILE")?;
+            if let Some(chosen) = &options.reading.episodes {
+                options.files = episodes::each(&options.files, Some(chosen))?;
+            }
             inspect::run(&options)
         }
         Command::Gen(options) => generate::run(&options),

@@ -195,11 +195,11 @@ impl Header<'_> {
             }
             Some(rows)
         };
-        if !self.named {
-            return Vec::new();
-        }
         if let Some(rows) = self.rows {
             return rows[..rows.len().min(most)].to_vec();
+        }
+        if !self.named {
+            return Vec::new();
         }
         Lines::open(self.path).ok().and_then(first).unwrap_or_default()
     }

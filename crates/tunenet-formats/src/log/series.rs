@@ -263,7 +263,8 @@ impl<'a> Series<'a> {
         let rows = time_s.iter().zip(values.chunks_exact(width));
         let values = rows.flat_map(|(time, row)| std::iter::once(*time).chain(row.iter().copied())).collect();
         let names = std::iter::once("t_s".to_owned()).chain(self.names).collect();
-        let found = Sheet { names, values }.recording(self.path, &columns::reading(self.topic, options))?;
+        let found =
+            Sheet { names, values, unnamed: false }.recording(self.path, &columns::reading(self.topic, options))?;
         let notes = notes.into_iter().chain(found.notes).collect();
         Ok(Recording { notes, ..found })
     }

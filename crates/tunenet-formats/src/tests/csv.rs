@@ -267,7 +267,9 @@ fn a_folder_and_a_missing_file_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let error = crate::read(folder.path(), &ReadOptions::default()).unwrap_err();
     assert!(
-        error.to_string().ends_with(": expected a recording, found a folder that holds none (ROS 2 bag)"),
+        error
+            .to_string()
+            .ends_with(": expected a recording, found a folder that holds none (ROS 2 bag, LeRobot data set)"),
         "{error}"
     );
     let missing = folder.path().join("a.csv");

@@ -145,6 +145,47 @@ fn numbers_and_unknown_types_of_bags_of_others_are_named() {
     assert_eq!(read(&path, &options).unwrap().observation.len() as u64, pose.messages);
 }
 
+#[cfg(feature = "logs")]
+#[test]
+fn data_sets_of_others_are_listed_and_read() {
+    let count = |path: &str| {
+        let Contents::Episodes(found) = contents(place(path)?).unwrap() else { panic!("{path}") };
+        Some((found.episodes.len(), found.episodes.iter().filter_map(|e| e.frames).sum::<u64>(), found))
+    };
+    // 4 and 6 episodes by their README; degrees for each unit by the quantum of the encoders.
+    let Some((episodes, frames, arm)) = count("lerobot-v3-so101") else { return };
+    assert_eq!((episodes, frames), (4, 1492));
+    let proposed: Vec<f64> = arm
+        .columns
+        .iter()
+        .filter(|c| !c.name.starts_with("action."))
+        .take(5)
+        .map(|c| c.proposed.as_deref().unwrap().trim_end_matches("deg").parse().unwrap())
+        .collect();
+    for (found, expected) in proposed.iter().zip([1.120, 1.012, 0.969, 1.005, 1.685]) {
+        assert!((found - expected).abs() < 1e-3, "{proposed:?}");
+    }
+    let Some((episodes, _, _)) = count("lerobot-v3-so101-still") else { return };
+    assert_eq!(episodes, 6);
+    let Some((episodes, frames, humanoid)) = count("lerobot-v21-g1") else { return };
+    assert_eq!((episodes, frames, humanoid.columns.len()), (3, 479 + 393 + 410, 52));
+    assert_eq!(humanoid.notes[0].kind, findings::EPISODES_MISSING);
+    let Some(path) = place("lerobot-v3-so101-still/episode_4")
+        .or_else(|| place("lerobot-v3-so101-still").map(|p| p.join("episode_4")))
+    else {
+        return;
+    };
+    let channels = vec![tunenet_core::observation::Channel::from_header("j2_rad").unwrap()];
+    let options =
+        ReadOptions { channels, units: vec![crate::UnitRule::parse("rad").unwrap()], ..ReadOptions::default() };
+    let found = read(&path, &options).unwrap();
+    assert_eq!(found.observation.len(), 90);
+    assert!(found.notes.iter().any(|note| note.kind == findings::STATE_CONSTANT));
+    let Some(path) = place("lfs-pointer") else { return };
+    let error = read(&path, &ReadOptions::default()).unwrap_err();
+    assert!(error.hint().unwrap().contains("git lfs pull"), "{error}");
+}
+
 #[test]
 fn foreign_tables_are_read_with_columns() {
     let read_with = |folder: &str, ending: &str, stem: &str, columns: &str| {

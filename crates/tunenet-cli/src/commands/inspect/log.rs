@@ -9,7 +9,7 @@ use super::reading::{expected, recording};
 use super::{Found, Standing};
 use crate::answers::motion::Motion;
 use crate::args::Inspect;
-use crate::failure::sentence;
+use crate::failure::refusal;
 use crate::view::answer::Printout;
 use crate::view::inspect::{joints, log, motion as render};
 
@@ -37,10 +37,4 @@ pub fn look(found: &Log, path: &Path, options: &Inspect, sim: Option<&Simulation
     };
     let object = log::object(found, motion.as_ref(), units.as_ref(), &notes, refused.as_deref());
     Found { object, standing, motion }
-}
-
-/// Why `tune` refuses the topic, and what to try.
-fn refusal(error: &anyhow::Error) -> String {
-    let hint = error.downcast_ref::<tunenet_formats::Error>().and_then(tunenet_formats::Error::hint);
-    hint.map_or_else(|| sentence(error), |hint| format!("{}; try: {hint}", sentence(error)))
 }

@@ -1,5 +1,6 @@
 //! `tunenet inspect`.
 
+mod episodes;
 mod listing;
 mod log;
 mod manifest;
@@ -83,6 +84,7 @@ fn look_in(path: &Path, options: &Inspect, sim: Option<&SimulationFile>, shown: 
             plain(object, standing)
         }
         _ => match contents_with(path, &reading::options(options, sim)?)? {
+            Contents::Episodes(found) => episodes::look(&found, path, options, sim, shown),
             Contents::Table(found) => table::look(&found, path, options, sim, shown),
             // What `gen` writes is a log too, though none of measurements.
             Contents::Log(found) => match DatasetReader::open(path).or_else(|_| DatasetReader::open_shard(path)) {

@@ -17,6 +17,8 @@ pub fn reading(reading: &Reading) -> Result<ReadOptions> {
         topic: reading.topic.clone(),
         skip_broken: reading.skip_broken,
         definitions: reading.definitions.iter().map(|path| definition(path)).collect::<Result<_>>()?,
+        units: reading.units.clone(),
+        rate_hz: reading.rate_hz,
         ..ReadOptions::default()
     })
 }

@@ -1,0 +1,143 @@
+//! Recordings in several episodes: what a file or a folder says of them, whichever its format.
+
+use std::path::{Path, PathBuf};
+
+use crate::place::is_data_set;
+use crate::shown::list;
+use crate::{Error, Result};
+use tunenet_core::observation::Note;
+
+/// A file or a folder of episodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Episodes {
+    /// What it is: `LeRobot v3.0`.
+    pub format: String,
+    /// The robot that it names, empty where it names none.
+    pub robot: String,
+    /// Frames per second, where it says so.
+    pub rate_hz: Option<f64>,
+    /// The episodes that can be read, in their order.
+    pub episodes: Vec<EpisodeLength>,
+    /// Its columns of numbers.
+    pub columns: Vec<EpisodeColumn>,
+    /// What `--units` would say of all columns whose numbers suggest a unit: `elbow=1.0122deg,…`; empty where none does.
+    pub units: String,
+    /// What was noticed.
+    pub notes: Vec<Note>,
+}
+
+/// An episode and its length.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EpisodeLength {
+    /// Its name: `episode_3`, which follows the path of the folder.
+    pub name: String,
+    /// How many frames it has, where that is known without reading it.
+    pub frames: Option<u64>,
+}
+
+/// A column of numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EpisodeColumn {
+    /// Its name: `elbow`, or `action.elbow` for the joint's command.
+    pub name: String,
+    /// Its unit where it was said, as `--units` says it.
+    pub unit: Option<String>,
+    /// The unit that its numbers suggest, as `--units` would say it.
+    pub proposed: Option<String>,
+    /// What that is concluded from.
+    pub why: String,
+}
+
+/// Which episodes are asked for: `0-7`, `3`, `0,2,5-6`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Selection {
+    text: String,
+    /// First and last number of each range.
+    ranges: Vec<(u64, u64)>,
+}
+
+impl std::str::FromStr for Selection {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let range = |part: &str| {
+            let (first, last) = part.split_once('-').unwrap_or((part, part));
+            let (first, last) = (first.trim().parse::<u64>().ok()?, last.trim().parse::<u64>().ok()?);
+            (first <= last).then_some((first, last))
+        };
+        let ranges: Option<Vec<(u64, u64)>> = text.split(',').map(range).collect();
+        let ranges =
+            ranges.ok_or_else(|| format!("expected numbers of episodes, such as 0-7 or 0,2,5, found `{text}`"))?;
+        Ok(Self { text: text.to_owned(), ranges })
+    }
+}
+
+/// The recordings in the file or folder at `path`, one for each episode, as paths that [`read`](crate::read()) takes: those of `chosen`
+/// in its order, or all. `None` where there are no episodes, but a single recording.
+///
+/// # Errors
+/// [`Error::File`] where none of those that are asked for is there, or what is there cannot be used.
+pub fn episodes(path: impl AsRef<Path>, chosen: Option<&Selection>) -> Result<Option<Vec<PathBuf>>> {
+    let path = path.as_ref();
+    let Some(names) = names(path)? else {
+        return match chosen {
+            None => Ok(None),
+            Some(_) => {
+                let message = "expected a recording in episodes (LeRobot, HDF5) for `--episodes`, found a single one";
+                Err(Error::file(path, message, "leave `--episodes` out"))
+            }
+        };
+    };
+    let Some(chosen) = chosen else {
+        let all = names.iter().map(|name| path.join(name)).collect();
+        return Ok((names.len() > 1).then_some(all));
+    };
+    let number = |name: &String| {
+        let digits = name.len() - name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        name[name.len() - digits..].parse::<u64>().ok()
+    };
+    let mut found: Vec<PathBuf> = Vec::new();
+    for (first, last) in &chosen.ranges {
+        let within = names.iter().filter(|name| number(name).is_some_and(|n| (*first..=*last).contains(&n)));
+        for name in within.map(|name| path.join(name)) {
+            if !found.contains(&name) {
+                found.push(name);
+            }
+        }
+    }
+    if found.is_empty() {
+        let there = list(names.iter().map(String::as_str), 6);
+        let message = format!("expected an episode that is there ({there}), found none of {}", chosen.text);
+        return Err(Error::file(path, message, "choose others with `--episodes`"));
+    }
+    Ok(Some(found))
+}
+
+/// The names of the episodes in a file or folder; `None` where it is a single recording.
+#[cfg(feature = "logs")]
+fn names(path: &Path) -> Result<Option<Vec<String>>> {
+    if path.is_dir() && is_data_set(path) {
+        return Ok(Some(crate::lerobot::DataSet::open(path)?.names()));
+    }
+    Ok(None)
+}
+
+/// Without their readers, nothing has episodes.
+#[cfg(not(feature = "logs"))]
+fn names(_: &Path) -> Result<Option<Vec<String>>> {
+    Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_selection_is_numbers_and_ranges() {
+        let chosen = "0-2, 7".parse::<Selection>().unwrap();
+        assert_eq!(chosen.ranges, [(0, 2), (7, 7)]);
+        for wrong in ["", "a", "3-1", "1-", "-1", "1..3"] {
+            assert!(wrong.parse::<Selection>().is_err(), "{wrong}");
+        }
+    }
+}

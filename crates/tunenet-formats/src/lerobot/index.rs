@@ -1,0 +1,182 @@
+//! Which episodes of a LeRobot data set are there, and in which files.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::info::{Info, Layout};
+use crate::documents::refuse_git_lfs_pointer;
+use crate::parquet::Parquet;
+use crate::{Action, Error, Result};
+
+/// Most files of a data set that are looked for.
+const MOST_FILES: usize = 200_000;
+
+/// Most episodes of a data set.
+const MOST_EPISODES: usize = 2_000_000;
+
+/// An episode that is there.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Episode {
+    pub number: u64,
+    /// How many frames it has, where that is known without reading it.
+    pub frames: Option<u64>,
+    /// The files in which it stands, in their order; those of version 3 hold other episodes as well.
+    pub files: Vec<PathBuf>,
+}
+
+/// What is there of a data set.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Index {
+    /// By their numbers.
+    pub episodes: Vec<Episode>,
+    /// Files that git-lfs has not downloaded.
+    pub pointers: Vec<PathBuf>,
+}
+
+/// Looks for the episodes below `folder`.
+///
+/// # Errors
+/// [`Error::Io`] or [`Error::File`] where a file cannot be used; a file that git-lfs has not downloaded is only listed.
+pub(crate) fn index(folder: &Path, info: &Info) -> Result<Index> {
+    let mut found = match info.layout {
+        Layout::FileEach => named(folder)?,
+        Layout::Shared => match listed(folder, info)? {
+            Some(found) => found,
+            None => scanned(folder)?,
+        },
+    };
+    if found.episodes.len() > MOST_EPISODES {
+        let message = format!("expected at most {MOST_EPISODES} episodes, found more");
+        return Err(Error::file(folder, message, "is this the right folder?"));
+    }
+    found.episodes.sort_by_key(|episode| episode.number);
+    Ok(found)
+}
+
+/// Files that are named after their episodes: `episode_000007.parquet`. Their lengths stand in `meta/episodes.jsonl`.
+fn named(folder: &Path) -> Result<Index> {
+    let mut found = Index::default();
+    let lengths = lengths(folder);
+    for file in parquet_files(&folder.join("data"))? {
+        if refuse_git_lfs_pointer(&file).is_err() {
+            found.pointers.push(file);
+        } else if let Some(number) = number(&file) {
+            let frames = lengths.get(&number).copied();
+            found.episodes.push(Episode { number, frames, files: vec![file] });
+        }
+    }
+    Ok(found)
+}
+
+/// The number at the end of a name.
+fn number(file: &Path) -> Option<u64> {
+    let stem = file.file_stem()?.to_str()?;
+    stem[stem.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
+}
+
+/// The lengths that `meta/episodes.jsonl` lists; they are for the listing alone.
+fn lengths(folder: &Path) -> BTreeMap<u64, u64> {
+    let text = std::fs::read_to_string(folder.join("meta").join("episodes.jsonl")).unwrap_or_default();
+    let line = |line: &str| {
+        let value: serde_json::Value = serde_json::from_str(line).ok()?;
+        Some((value.get("episode_index")?.as_u64()?, value.get("length")?.as_u64()?))
+    };
+    text.lines().filter_map(line).collect()
+}
+
+/// The episodes that `meta/episodes` lists with their files, as far as these are there; `None` where it lists none.
+fn listed(folder: &Path, info: &Info) -> Result<Option<Index>> {
+    let tables = folder.join("meta").join("episodes");
+    if !tables.is_dir() {
+        return Ok(None);
+    }
+    let (mut found, mut any) = (Index::default(), false);
+    let (mut there, mut absent): (BTreeSet<PathBuf>, BTreeSet<PathBuf>) = Default::default();
+    for path in parquet_files(&tables)? {
+        let table = Parquet::open(&path)?;
+        for group in 0..table.groups() {
+            let column = |name: &str| -> Result<Vec<u64>> {
+                let numbers = table.numbers(group, table.column(name)?)?.values;
+                numbers.into_iter().map(|n| whole(&path, name, n)).collect()
+            };
+            let (numbers, lengths) = (column("episode_index")?, column("length")?);
+            let (chunks, files) = (column("data/chunk_index")?, column("data/file_index")?);
+            for (((number, frames), chunk), file) in numbers.into_iter().zip(lengths).zip(chunks).zip(files) {
+                any = true;
+                let file = folder.join(info.data_path(chunk, file));
+                if !there.contains(&file) && !absent.contains(&file) {
+                    if file.is_file() && refuse_git_lfs_pointer(&file).is_ok() {
+                        there.insert(file.clone());
+                    } else {
+                        found.pointers.extend(file.is_file().then(|| file.clone()));
+                        absent.insert(file.clone());
+                    }
+                }
+                if there.contains(&file) {
+                    found.episodes.push(Episode { number, frames: Some(frames), files: vec![file] });
+                }
+            }
+        }
+    }
+    Ok(any.then_some(found))
+}
+
+/// The episodes in the files below `data`, by their column of numbers.
+fn scanned(folder: &Path) -> Result<Index> {
+    let mut found = Index::default();
+    let mut episodes: BTreeMap<u64, Episode> = BTreeMap::new();
+    for file in parquet_files(&folder.join("data"))? {
+        if refuse_git_lfs_pointer(&file).is_err() {
+            found.pointers.push(file);
+            continue;
+        }
+        let table = Parquet::open(&file)?;
+        let column = table.column("episode_index")?;
+        for group in 0..table.groups() {
+            for number in table.numbers(group, column)?.values {
+                let number = whole(&file, "episode_index", number)?;
+                let new = || Episode { number, frames: Some(0), files: Vec::new() };
+                let episode = episodes.entry(number).or_insert_with(new);
+                episode.frames = episode.frames.map(|frames| frames + 1);
+                if episode.files.last() != Some(&file) {
+                    episode.files.push(file.clone());
+                }
+            }
+        }
+    }
+    found.episodes = episodes.into_values().collect();
+    Ok(found)
+}
+
+/// A number of a table as a whole one.
+fn whole(path: &Path, column: &str, number: f64) -> Result<u64> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below 2^53")]
+    if number.fract() == 0.0 && (0.0..9e15).contains(&number) {
+        return Ok(number as u64);
+    }
+    let message = format!("expected whole numbers from 0 on in `{column}`, found {number}");
+    Err(Error::file(path, message, "download the file again"))
+}
+
+/// The Parquet files below a folder, in the order of their names.
+fn parquet_files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    let mut folders = vec![(folder.to_owned(), 0)];
+    while let Some((folder, depth)) = folders.pop() {
+        let failed = |e| Error::io(&folder, Action::Reading, e);
+        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
+            if path.extension().is_some_and(|e| e == "parquet") {
+                files.push(path);
+            } else if depth < 2 && path.is_dir() {
+                folders.push((path, depth + 1));
+            }
+            if files.len() > MOST_FILES {
+                let message = format!("expected at most {MOST_FILES} files, found more");
+                return Err(Error::file(&folder, message, "is this the right folder?"));
+            }
+        }
+    }
+    files.sort();
+    Ok(files)
+}

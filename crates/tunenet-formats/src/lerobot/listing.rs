@@ -1,0 +1,85 @@
+//! What a data set says of itself, and the units that its numbers suggest.
+
+use super::{DataSet, EPISODE};
+use crate::Result;
+use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
+use crate::findings;
+use crate::proposal::proposal;
+use crate::recording::ReadOptions;
+use crate::shown::{counted, list};
+use crate::units;
+use tunenet_core::observation::Note;
+
+/// How many frames are looked at for the units: a few episodes.
+const LOOKED_AT: usize = 20_000;
+
+/// How many episodes are read for that at most, so that many short ones are listed as fast as few long ones.
+const MOST_READ: usize = 8;
+
+/// Most numbers that a message lists.
+const MOST_LISTED: usize = 8;
+
+impl DataSet {
+    /// Its episodes, columns and units.
+    ///
+    /// # Errors
+    /// Where a file cannot be used, or `--units` names no column.
+    pub fn listing(&self, options: &ReadOptions) -> Result<Episodes> {
+        let mut names: Vec<String> = Vec::new();
+        let mut values: Vec<f64> = Vec::new();
+        for name in self.names().iter().take(MOST_READ) {
+            let frames = self.frames(Some(name))?;
+            names = frames.names;
+            values.extend(frames.values);
+            if values.len() >= LOOKED_AT * names.len() {
+                break;
+            }
+        }
+        units::refuse_unused(&options.units, &names)?;
+        let width = names.len().max(1);
+        let column = |(i, name): (usize, &String)| {
+            let readings: Vec<f64> = values.iter().skip(i).step_by(width).copied().collect();
+            let found = proposal(&readings);
+            let unit = units::rule(&options.units, name).map(|rule| {
+                if rule.factor == 1.0 { rule.unit.clone() } else { format!("{}{}", rule.factor, rule.unit) }
+            });
+            EpisodeColumn { name: name.clone(), unit, proposed: found.unit, why: found.why }
+        };
+        let columns: Vec<EpisodeColumn> = names.iter().enumerate().map(column).collect();
+        let suggested = columns.iter().filter(|column| column.unit.is_none());
+        let flags = suggested.filter_map(|column| Some(format!("{}={}", column.name, column.proposed.as_ref()?)));
+        let units = flags.collect::<Vec<String>>().join(",");
+        let length = |episode: &super::Episode| EpisodeLength {
+            name: format!("{EPISODE}{}", episode.number),
+            frames: episode.frames,
+        };
+        Ok(Episodes {
+            format: format!("LeRobot {}", self.info.version),
+            robot: self.info.robot.clone(),
+            rate_hz: Some(self.info.rate_hz),
+            episodes: self.index.episodes.iter().map(length).collect(),
+            columns,
+            units,
+            notes: self.missing().into_iter().collect(),
+        })
+    }
+
+    /// That not all of the episodes that it says it has are there.
+    fn missing(&self) -> Option<Note> {
+        let total = self.info.episodes?;
+        let there = self.index.episodes.len() as u64;
+        if there >= total {
+            return None;
+        }
+        let listed: Vec<String> = self.index.episodes.iter().map(|episode| episode.number.to_string()).collect();
+        let listed = list(listed.iter().map(String::as_str), MOST_LISTED);
+        let text = format!("{there} of {} are there: {listed}", counted(total, "episode"));
+        let remedy = if self.index.pointers.is_empty() {
+            "download the other files of `data` where they are needed".to_owned()
+        } else {
+            let files = counted(self.index.pointers.len(), "file");
+            format!("run `git lfs pull` in its repository: {files} of `data` were not downloaded")
+        };
+        Some(Note::new(findings::EPISODES_MISSING, text, &remedy))
+    }
+}

@@ -1,0 +1,115 @@
+//! Files and folders that the feature `logs` reads.
+
+use std::path::{Path, PathBuf};
+
+use crate::documents::refuse_git_lfs_pointer;
+use crate::format::Format;
+#[cfg(feature = "logs")]
+use crate::lerobot::DataSet;
+use crate::log::files as log_files;
+#[cfg(feature = "logs")]
+use crate::parquet::Parquet;
+use crate::place::{Place, is_data_set};
+use crate::recording::{ReadOptions, Recording};
+use crate::sheet::Sheet;
+use crate::{Episodes, Error, Result};
+
+/// The columns of a file of one table.
+///
+/// # Errors
+/// [`Error::File`] where it cannot be used.
+#[cfg(feature = "logs")]
+pub(crate) fn table(path: &Path, format: Format) -> Result<Sheet> {
+    match format {
+        Format::Parquet => Parquet::open(path)?.sheet(),
+        Format::Csv | Format::Mcap | Format::PackedMcap | Format::Bag => Err(unread(path)),
+    }
+}
+
+/// The observation that an episode makes.
+///
+/// # Errors
+/// [`Error::File`] where it cannot be used.
+#[cfg(feature = "logs")]
+pub(crate) fn episode(path: &Path, place: &Place, options: &ReadOptions) -> Result<Recording> {
+    DataSet::open(&place.path)?.read(path, place.episode.as_deref(), options)
+}
+
+/// What a file or folder of episodes says of itself.
+///
+/// # Errors
+/// [`Error::File`] where it cannot be used.
+#[cfg(feature = "logs")]
+pub(crate) fn listing(place: &Place, options: &ReadOptions) -> Result<Episodes> {
+    DataSet::open(&place.path)?.listing(options)
+}
+
+/// The files in which the recording at a place stands, each once.
+///
+/// # Errors
+/// [`Error::File`] where a folder holds none.
+pub(crate) fn files(place: &Place) -> Result<Vec<PathBuf>> {
+    if place.path.is_dir() && is_data_set(&place.path) {
+        #[cfg(feature = "logs")]
+        return DataSet::open(&place.path)?.files(place.episode.as_deref());
+        #[cfg(not(feature = "logs"))]
+        return Err(unread(&place.path));
+    }
+    log_files::files(&place.path)
+}
+
+/// Without the readers, no such file comes this far.
+#[cfg(not(feature = "logs"))]
+pub(crate) fn table(path: &Path, _: Format) -> Result<Sheet> {
+    Err(unread(path))
+}
+
+/// A folder of episodes, which this build does not read.
+#[cfg(not(feature = "logs"))]
+pub(crate) fn episode(_: &Path, place: &Place, _: &ReadOptions) -> Result<Recording> {
+    Err(unread(&place.path))
+}
+
+/// As [`episode`].
+#[cfg(not(feature = "logs"))]
+pub(crate) fn listing(place: &Place, _: &ReadOptions) -> Result<Episodes> {
+    Err(unread(&place.path))
+}
+
+fn unread(path: &Path) -> Error {
+    let message = "expected CSV or MCAP, which this build reads, found a data set of LeRobot";
+    Error::file(path, message, "build tunenet with the feature `logs`: `cargo build --release --features logs`")
+}
+
+/// That a folder is no recording, and what it lacks.
+pub(crate) fn no_recording(folder: &Path) -> Error {
+    for path in some_files(folder) {
+        if let Err(pointer) = refuse_git_lfs_pointer(&path) {
+            return pointer;
+        }
+    }
+    if some_files(folder).iter().any(|path| path.extension().is_some_and(|e| e == "parquet")) {
+        let message = "expected `meta/info.json` next to the folder `data` of a LeRobot data set, found none";
+        return Error::file(folder, message, "download the folder `meta` as well, or give one `.parquet` file");
+    }
+    let message = "expected a recording, found a folder that holds none (ROS 2 bag, LeRobot data set)";
+    Error::file(folder, message, "name one file in it")
+}
+
+/// Files in a folder and the folders below it, as many as show what it is.
+fn some_files(folder: &Path) -> Vec<PathBuf> {
+    let (mut found, mut folders) = (Vec::new(), vec![(folder.to_owned(), 0)]);
+    while let Some((folder, depth)) = folders.pop() {
+        let mut entries: Vec<PathBuf> =
+            std::fs::read_dir(&folder).into_iter().flatten().flatten().map(|e| e.path()).take(100).collect();
+        entries.sort();
+        for path in entries {
+            if path.is_file() && found.len() < 100 {
+                found.push(path);
+            } else if depth < 3 && path.is_dir() && folders.len() < 100 {
+                folders.push((path, depth + 1));
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,230 @@
+//! Parquet files: their columns of numbers, one group of rows at a time.
+//!
+//! Source: the format of Apache Parquet, read by the crate `parquet`; values of nested columns are distinguished by their definition
+//! and repetition levels.
+
+mod values;
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use parquet::basic::{ConvertedType, LogicalType, TimeUnit, TimestampType, Type as Physical};
+use parquet::column::reader::ColumnReader;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::ColumnDescriptor;
+
+use self::values::Levels;
+pub(crate) use self::values::Numbers;
+use crate::documents::refuse_git_lfs_pointer;
+use crate::recording::MOST_NUMBERS;
+use crate::ros::stamps::to_s;
+use crate::sheet::Sheet;
+use crate::source::open;
+use crate::{Error, Result};
+
+/// Most columns of a file that are looked at.
+const MOST_COLUMNS: usize = 10_000;
+
+/// What is tried where a file is broken.
+const AGAIN: &str = "copy or download the file again";
+
+/// An open file.
+pub(crate) struct Parquet {
+    path: PathBuf,
+    reader: SerializedFileReader<File>,
+    columns: Vec<Column>,
+}
+
+/// A column of numbers, or of as many numbers in each row.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Column {
+    pub name: String,
+    pub of: Holds,
+    index: usize,
+    levels: Levels,
+}
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Holds {
+    /// One number in each row.
+    Number,
+    /// One instant in each row: so many of its ticks are a second.
+    Instant(i64),
+    /// A list of numbers in each row.
+    List,
+    /// Anything else.
+    Other,
+}
+
+impl Parquet {
+    /// Opens the file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the system refuses; [`Error::File`] where it is no Parquet file, or a broken one.
+    pub fn open(path: &Path) -> Result<Self> {
+        refuse_git_lfs_pointer(path)?;
+        let reader = SerializedFileReader::new(open(path)?).map_err(|e| broken(path, &e))?;
+        let schema = reader.metadata().file_metadata().schema_descr();
+        if schema.num_columns() > MOST_COLUMNS {
+            let message = format!("expected at most {MOST_COLUMNS} columns, found {}", schema.num_columns());
+            return Err(Error::file(path, message, "keep the columns that are needed"));
+        }
+        let columns = schema.columns().iter().enumerate().map(|(index, described)| column(index, described)).collect();
+        Ok(Self { path: path.to_owned(), reader, columns })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The column of this name.
+    ///
+    /// # Errors
+    /// [`Error::File`] where there is none.
+    pub fn column(&self, name: &str) -> Result<&Column> {
+        let found = self.columns.iter().find(|column| column.name == name && column.of != Holds::Other);
+        found.ok_or_else(|| {
+            let names = self.columns.iter().map(|column| column.name.as_str());
+            let message = format!("expected a column `{name}` of numbers, found {}", crate::shown::list(names, 12));
+            Error::file(&self.path, message, "is this the right file?")
+        })
+    }
+
+    /// How many groups of rows there are.
+    pub fn groups(&self) -> usize {
+        self.reader.metadata().num_row_groups()
+    }
+
+    /// How many rows a group says that it has.
+    pub fn rows(&self, group: usize) -> u64 {
+        u64::try_from(self.reader.metadata().row_group(group).num_rows()).unwrap_or(0)
+    }
+
+    /// The numbers of a column in a group of rows.
+    ///
+    /// # Errors
+    /// [`Error::File`] where they are broken, too many, or not as many in each row.
+    pub fn numbers(&self, group: usize, column: &Column) -> Result<Numbers> {
+        let read = || -> std::result::Result<Numbers, ParquetError> {
+            let rows = self.reader.get_row_group(group)?;
+            let reader = rows.get_column_reader(column.index)?;
+            let levels = column.levels;
+            let seconds = |ticks: i64, a_second: i64| {
+                // Nanoseconds keep their last digit.
+                ticks.checked_mul(1_000_000_000 / a_second).map_or(ticks as f64 / a_second as f64, to_s)
+            };
+            match (reader, column.of) {
+                (ColumnReader::BoolColumnReader(reader), _) => {
+                    values::read(reader, levels, |v| f64::from(u8::from(*v)))
+                }
+                (ColumnReader::Int32ColumnReader(reader), _) => values::read(reader, levels, |v| f64::from(*v)),
+                (ColumnReader::Int64ColumnReader(reader), Holds::Instant(a_second)) => {
+                    values::read(reader, levels, |v| seconds(*v, a_second))
+                }
+                (ColumnReader::Int64ColumnReader(reader), _) => values::read(reader, levels, |v| *v as f64),
+                (ColumnReader::FloatColumnReader(reader), _) => values::read(reader, levels, |v| f64::from(*v)),
+                (ColumnReader::DoubleColumnReader(reader), _) => values::read(reader, levels, |v| *v),
+                _ => Err(ParquetError::General("no column of numbers".into())),
+            }
+        };
+        let found = read().map_err(|e| match e {
+            ParquetError::General(why) | ParquetError::NYI(why) => {
+                Error::file(&self.path, format!("column `{}` cannot be read: {why}", column.name), AGAIN)
+            }
+            other => broken(&self.path, &other),
+        })?;
+        if found.rows as u64 != self.rows(group) {
+            let (expected, found) = (self.rows(group), found.rows);
+            let message = format!("column `{}`: expected {expected} rows in group {group}, found {found}", column.name);
+            return Err(Error::file(&self.path, message, AGAIN));
+        }
+        Ok(found)
+    }
+
+    /// The whole file as one table: a list of numbers is as many columns, `NAME.0` …
+    ///
+    /// # Errors
+    /// As [`Self::numbers`].
+    pub fn sheet(&self) -> Result<Sheet> {
+        let mut whole = Sheet::default();
+        for group in 0..self.groups() {
+            let (mut names, mut columns): (Vec<String>, Vec<(Numbers, usize)>) = (Vec::new(), Vec::new());
+            for column in self.columns.iter().filter(|column| column.of != Holds::Other) {
+                let found = self.numbers(group, column)?;
+                match column.of {
+                    Holds::List => names.extend((0..found.width).map(|i| format!("{}.{i}", column.name))),
+                    Holds::Instant(_) if !column.name.ends_with("_s") => names.push(format!("{}_s", column.name)),
+                    _ => names.push(column.name.clone()),
+                }
+                let width = found.width;
+                columns.push((found, width));
+            }
+            if group > 0 && names != whole.names {
+                let message = format!("expected lists of one length, found others in group {group} of rows");
+                return Err(Error::file(&self.path, message, "write lists of one length"));
+            }
+            whole.names = names;
+            let rows = usize::try_from(self.rows(group)).unwrap_or(usize::MAX);
+            for row in 0..rows {
+                for (found, width) in &columns {
+                    whole.values.extend_from_slice(&found.values[row * width..(row + 1) * width]);
+                }
+            }
+            if whole.values.len() > MOST_NUMBERS {
+                let message = format!("expected at most {MOST_NUMBERS} numbers, found more");
+                return Err(Error::file(&self.path, message, "keep the rows and columns that are needed"));
+            }
+        }
+        Ok(whole)
+    }
+}
+
+/// A column of the schema. A list is named as its field is, not as what Parquet calls its elements.
+fn column(index: usize, described: &ColumnDescriptor) -> Column {
+    let (definition, repetition) = (described.max_def_level(), described.max_rep_level());
+    let levels = Levels { definition, repetition, optional: described.self_type().is_optional() };
+    let parts = described.path().parts();
+    let list = levels.repetition == 1;
+    let named = if list { &parts[..1.max(parts.len().saturating_sub(2))] } else { parts };
+    let ticks = match (described.logical_type_ref(), described.converted_type()) {
+        (Some(LogicalType::Timestamp(TimestampType { unit: TimeUnit::MILLIS, .. })), _)
+        | (_, ConvertedType::TIMESTAMP_MILLIS) => 1_000,
+        (Some(LogicalType::Timestamp(TimestampType { unit: TimeUnit::MICROS, .. })), _)
+        | (_, ConvertedType::TIMESTAMP_MICROS) => 1_000_000,
+        (Some(LogicalType::Timestamp(TimestampType { unit: TimeUnit::NANOS, .. })), _) => 1_000_000_000,
+        _ => 0,
+    };
+    let decimal = described.converted_type() == ConvertedType::DECIMAL;
+    let of = match described.physical_type() {
+        _ if levels.repetition > 1 || decimal => Holds::Other,
+        Physical::INT64 if ticks > 0 && !list => Holds::Instant(ticks),
+        Physical::BOOLEAN | Physical::INT32 | Physical::INT64 | Physical::FLOAT | Physical::DOUBLE => {
+            if list {
+                Holds::List
+            } else {
+                Holds::Number
+            }
+        }
+        Physical::INT96 | Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => Holds::Other,
+    };
+    Column { name: named.join("."), of, index, levels }
+}
+
+/// What is wrong with a file that the crate refuses.
+fn broken(path: &Path, error: &ParquetError) -> Error {
+    let why = match error {
+        ParquetError::General(why) | ParquetError::NYI(why) | ParquetError::EOF(why) => why.clone(),
+        ParquetError::NeedMoreData(_) | ParquetError::NeedMoreDataRange(_) => "the file is cut off".into(),
+        other => other.to_string(),
+    };
+    Error::file(path, format!("the Parquet file is cut off or broken: {why}"), AGAIN)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,83 @@
+//! Files made in code.
+
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::data_type::{ByteArrayType, DoubleType, Int64Type};
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::parser::parse_message_type;
+
+use super::*;
+use crate::testing::{error_text, file};
+use crate::{Contents, ReadOptions, contents, read};
+
+/// Times, heights, some of them missing, an instant in ns, and a text that is no number; in groups of three rows.
+fn made(path: &Path, times: &[f64], heights: &[Option<f64>]) {
+    let schema = "message log { required double t_s; optional double z_m; \
+                  required int64 stamp (TIMESTAMP(NANOS, true)); required binary note (UTF8); }";
+    let (schema, properties) =
+        (Arc::new(parse_message_type(schema).unwrap()), Arc::new(WriterProperties::builder().build()));
+    let mut writer = SerializedFileWriter::new(File::create(path).unwrap(), schema, properties).unwrap();
+    for (times, heights) in times.chunks(3).zip(heights.chunks(3)) {
+        let mut group = writer.next_row_group().unwrap();
+        let mut column = group.next_column().unwrap().unwrap();
+        column.typed::<DoubleType>().write_batch(times, None, None).unwrap();
+        column.close().unwrap();
+        let (levels, values): (Vec<i16>, Vec<f64>) =
+            (heights.iter().map(|z| i16::from(z.is_some())).collect(), heights.iter().copied().flatten().collect());
+        let mut column = group.next_column().unwrap().unwrap();
+        column.typed::<DoubleType>().write_batch(&values, Some(&levels), None).unwrap();
+        column.close().unwrap();
+        let stamps: Vec<i64> = (0..times.len() as i64).map(|i| 1_700_000_000_000_000_001 + i).collect();
+        let mut column = group.next_column().unwrap().unwrap();
+        column.typed::<Int64Type>().write_batch(&stamps, None, None).unwrap();
+        column.close().unwrap();
+        let notes = vec!["a".into(); times.len()];
+        let mut column = group.next_column().unwrap().unwrap();
+        column.typed::<ByteArrayType>().write_batch(&notes, None, None).unwrap();
+        column.close().unwrap();
+        group.close().unwrap();
+    }
+    writer.close().unwrap();
+}
+
+#[test]
+fn a_table_reads_as_the_same_numbers_in_a_text() {
+    let times: Vec<f64> = (0..7).map(|i| f64::from(i) / 30.0).collect();
+    let heights: Vec<f64> = times.iter().map(|t| (t + 0.1).sqrt()).collect();
+    let text: String = times.iter().zip(&heights).map(|(t, z)| format!("{t:?},{z:?}\n")).collect();
+    let (folder, path) = file("a.csv", format!("t_s,z_m\n{text}"));
+    let expected = read(&path, &ReadOptions::default()).unwrap().observation;
+    let path = folder.path().join("a.parquet");
+    made(&path, &times, &heights.iter().map(|z| Some(*z)).collect::<Vec<_>>());
+    assert_eq!(read(&path, &ReadOptions::default()).unwrap().observation, expected);
+    let Contents::Table(table) = contents(&path).unwrap() else { panic!("a table") };
+    assert_eq!((table.rows, table.samples, table.columns.len()), (7, 7, 3));
+}
+
+#[test]
+fn missing_numbers_and_instants_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    made(&path, &[0.0, 1.0, 2.0, 3.0, 4.0], &[Some(1.0), None, Some(3.0), Some(4.0), Some(5.0)]);
+    let found = read(&path, &ReadOptions::default()).unwrap();
+    assert_eq!(found.observation.clock(), [0.0, 2.0, 3.0, 4.0]);
+    let sheet = Parquet::open(&path).unwrap().sheet().unwrap();
+    assert_eq!(sheet.names, ["t_s", "z_m", "stamp_s"]);
+    assert_eq!(sheet.values[2].to_bits(), 1_700_000_000.000_000_001_f64.to_bits());
+}
+
+#[test]
+fn broken_files_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    made(&path, &[0.0, 1.0, 2.0], &[Some(1.0), Some(2.0), Some(3.0)]);
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() - 9]).unwrap();
+    let (message, _) = error_text(&read(&path, &ReadOptions::default()).unwrap_err());
+    assert!(message.starts_with("a.parquet: the Parquet file is cut off or broken"), "{message}");
+    std::fs::write(&path, b"PAR1").unwrap();
+    assert!(read(&path, &ReadOptions::default()).unwrap_err().to_string().contains("cut off or broken"));
+}

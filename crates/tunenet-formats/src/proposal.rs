@@ -1,0 +1,167 @@
+//! Which unit numbers may be in, judged by the smallest step between them and by their range.
+//!
+//! An encoder counts steps of one size, so that its readings lie on a lattice. A step of 360/2ⁿ, of 2π/2ⁿ or of 1 says degrees,
+//! radians or counts; any other step says how many degrees one in the file is, if the encoder has 4096 counts a turn, as those
+//! of the common bus servos (Feetech STS and Dynamixel X) have.
+
+/// Counts a turn of the encoders of common bus servos.
+const COUNTS: f64 = 4096.0;
+
+/// What an encoder may count in a turn: 2¹⁰ to 2²⁰.
+const BITS: std::ops::RangeInclusive<i32> = 10..=20;
+
+/// How far a step may be from that of an encoder, as a share of it.
+const NEAR: f64 = 1e-3;
+
+/// Fewest different readings that show a lattice.
+const FEWEST: usize = 16;
+
+/// Share of the differences that have to be whole steps.
+const MOSTLY: f64 = 0.98;
+
+/// How many differences are looked at.
+const MOST: usize = 20_000;
+
+/// A unit that numbers may be in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// What `--units` would say of it, behind the `=`: `deg`, `1.0122deg`, `1`. `None` where the numbers do not show it.
+    pub unit: Option<String>,
+    /// What it is concluded from.
+    pub why: String,
+}
+
+/// The proposal for these readings of one channel; they are in any order.
+pub(crate) fn proposal(readings: &[f64]) -> Proposal {
+    let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let (Some(low), Some(high)) = (sorted.first().copied(), sorted.last().copied()) else {
+        return Proposal { unit: None, why: "no numbers".into() };
+    };
+    if low == high {
+        return Proposal { unit: None, why: format!("constant {low}: it does not move") };
+    }
+    sorted.dedup();
+    let range = format!("{low:.4} to {high:.4}");
+    match step(&sorted) {
+        Some(step) => by_step(step, low, high, &range),
+        None => by_range(low, high, &range),
+    }
+}
+
+fn by_step(step: f64, low: f64, high: f64, range: &str) -> Proposal {
+    let is = |expected: f64| (step / expected - 1.0).abs() < NEAR;
+    let counts = |turn: f64| BITS.map(|bits| 2f64.powi(bits)).find(|counts| is(turn / counts));
+    let said = |unit: &str, why: String| Proposal { unit: Some(unit.into()), why };
+    if let Some(counts) = counts(360.0) {
+        return said("deg", format!("its step {step:.6} is 360°/{counts}"));
+    }
+    if let Some(counts) = counts(std::f64::consts::TAU) {
+        return said("rad", format!("its step {step:.6} is 2π/{counts}"));
+    }
+    if is(1.0) && high - low > 300.0 {
+        return said(
+            &format!("{:.6}deg", 360.0 / COUNTS),
+            format!("whole numbers {range}: counts of 360°/4096, if its encoder has as many"),
+        );
+    }
+    // Digits that were written, not counted.
+    let decimal = (-9..=0).map(|digits| 10f64.powi(digits)).any(is);
+    if decimal {
+        return Proposal {
+            why: format!("{}; its step {step:e} is that of rounded digits", by_range(low, high, range).why),
+            unit: None,
+        };
+    }
+    let degrees = 360.0 / COUNTS / step;
+    let normalised = low >= -100.5 && high <= 100.5;
+    let what = if normalised { "normalised, as of LeRobot: " } else { "" };
+    said(
+        &format!("{degrees:.4}deg"),
+        format!("{what}range {range}, step {step:.6}: 360°/4096, if its encoder counts 4096 a turn"),
+    )
+}
+
+/// What the range alone suggests; nothing that is to be taken without a look.
+fn by_range(low: f64, high: f64, range: &str) -> Proposal {
+    let most = low.abs().max(high.abs());
+    let guess = if low >= 0.0 && high <= 1.0 {
+        "a share of its range"
+    } else if most <= 3.5 {
+        "radians, if it turns"
+    } else if low >= -100.5 && high <= 100.5 {
+        "normalised or degrees"
+    } else if most <= 360.5 {
+        "degrees, if it turns"
+    } else {
+        "counts"
+    };
+    Proposal { unit: None, why: format!("range {range} alone: {guess}") }
+}
+
+/// The step of the lattice on which different, rising readings lie; `None` where they lie on none.
+fn step(sorted: &[f64]) -> Option<f64> {
+    if sorted.len() < FEWEST {
+        return None;
+    }
+    let most = sorted[0].abs().max(sorted[sorted.len() - 1].abs());
+    // Readings in single precision are this far from what was measured.
+    let rounding = most * f64::from(f32::EPSILON);
+    let differences = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > 4.0 * rounding);
+    let mut differences: Vec<f64> = differences.take(MOST).collect();
+    differences.sort_by(f64::total_cmp);
+    let least = *differences.first()?;
+    // Neighbours may all be more than one step apart.
+    (1..=4).map(|parts| least / f64::from(parts)).find_map(|first| refined(first, &differences, rounding))
+}
+
+/// The step near `first` that the differences are whole numbers of, refined by each of them in turn.
+fn refined(first: f64, differences: &[f64], rounding: f64) -> Option<f64> {
+    let (mut products, mut squares, mut whole) = (first * 1e-3, 1e-3, 0);
+    for difference in differences {
+        let step = products / squares;
+        let count = (difference / step).round();
+        let off = (difference - count * step).abs();
+        if count >= 1.0 && off <= 0.1 * step + rounding && off <= 4.0 * rounding + 0.02 * step {
+            products += difference * count;
+            squares += count * count;
+            whole += 1;
+        }
+    }
+    let enough = f64::from(whole) >= MOSTLY * differences.len() as f64;
+    // A lattice as fine as the rounding holds everything.
+    (enough && products / squares > 16.0 * rounding).then_some(products / squares)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Readings of an encoder in single precision: so much a step, from `offset` on.
+    fn readings(step: f64, offset: f64) -> Vec<f64> {
+        let count = |i: u32| f64::from((i * i * 7 + i * 3) % 911);
+        #[expect(clippy::cast_possible_truncation, reason = "as a log stores them")]
+        let stored = |value: f64| f64::from(value as f32);
+        (0..400).map(|i| stored(offset + step * count(i))).collect()
+    }
+
+    #[test]
+    fn the_step_of_an_encoder_is_found() {
+        let unit = |step: f64, offset: f64| proposal(&readings(step, offset)).unit;
+        assert_eq!(unit(360.0 / 4096.0, -31.2).as_deref(), Some("deg"));
+        assert_eq!(unit(std::f64::consts::TAU / 16384.0, -1.2).as_deref(), Some("rad"));
+        assert_eq!(unit(1.0, 1500.0).as_deref(), Some("0.087891deg"));
+        // 200 units over 1789 counts: 0.7862° for each.
+        assert_eq!(unit(200.0 / 1789.0, -97.0).as_deref(), Some("0.7862deg"));
+    }
+
+    #[test]
+    fn numbers_without_a_step_are_not_given_a_unit() {
+        let smooth: Vec<f64> = (0..400).map(|i| (f64::from(i) * 0.1234).sin() * 2.1).collect();
+        let found = proposal(&smooth);
+        assert_eq!((found.unit, found.why.contains("radians, if it turns")), (None, true));
+        assert!(proposal(&readings(1e-4, 0.2)).why.contains("rounded digits"));
+        assert!(proposal(&[0.25; 50]).why.contains("does not move"));
+        assert_eq!(proposal(&[f64::NAN]).unit, None);
+    }
+}
