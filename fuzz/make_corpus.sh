@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.."
 tool=$PWD/${CARGO_TARGET_DIR:-target}/debug/tunenet
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-rm -rf fuzz/corpus; mkdir -p fuzz/corpus/{csv,mcap,bag,parquet,lerobot,simulation,task,model}
+rm -rf fuzz/corpus; mkdir -p fuzz/corpus/{csv,mcap,bag,parquet,lerobot,hdf5,npz,simulation,task,model}
 seed() { # TARGET NAME [FIRST-BYTE]: what comes in, behind the byte that says how it is read
     { [[ -z ${3-} ]] || printf '%b' "$3"; cat; } > "fuzz/corpus/$1/$2"
 }
@@ -38,6 +38,7 @@ seed mcap pairs '\x00' < "$folder/pairs.mcap"
 python3 fuzz/make_messages.py fuzz/corpus/mcap
 python3 fuzz/make_bags.py fuzz/corpus/bag
 python3 fuzz/make_parquet.py fuzz/corpus # needs the Python package pyarrow
+python3 fuzz/make_arrays.py fuzz/corpus # needs the Python packages h5py and numpy
 "$tool" train --data "$folder/pairs.mcap" --preset paper --out "$folder/m.safetensors" 2> /dev/null
 seed model paper < "$folder/m.safetensors"
 git checkout --quiet -- fuzz/corpus/mcap/{promises_much,chunk_overrun,short_attachment} # found, not made

@@ -166,6 +166,38 @@ pub fn parquet(bytes: &[u8]) {
     }
 }
 
+/// Demonstrations in HDF5.
+pub fn hdf5(bytes: &[u8]) {
+    let path = file("a.hdf5", bytes);
+    let Ok(found) = contents_with(&path, &ReadOptions::default()) else { return };
+    let episode = match &found {
+        tunenet_formats::Contents::Episodes(found) => found.episodes.first().map(|episode| episode.name.clone()),
+        _ => None,
+    };
+    let options = ReadOptions {
+        columns: vec![("z_m".into(), "obs.joint_pos.0".into())],
+        units: vec![UnitRule::parse("m").expect("a unit")],
+        rate_hz: Some(20.0),
+        ..ReadOptions::default()
+    };
+    let path = episode.filter(|name| !name.is_empty()).map_or(path.clone(), |name| path.join(name));
+    if let Ok(found) = read(&path, &options) {
+        sound(&found.observation);
+    }
+}
+
+/// Arrays of NumPy, in an archive or alone.
+pub fn npz(bytes: &[u8]) {
+    for name in ["a.npz", "a.npy"] {
+        let path = file(name, bytes);
+        let _ = contents_with(&path, &ReadOptions::default());
+        let columns = vec![("t_s".into(), "1".into()), ("z_m".into(), "2".into())];
+        if let Ok(found) = read(&path, &ReadOptions { columns, ..ReadOptions::default() }) {
+            sound(&found.observation);
+        }
+    }
+}
+
 /// A data set of LeRobot: what describes it and, behind a NUL, its only file.
 pub fn lerobot(bytes: &[u8]) {
     let split = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());

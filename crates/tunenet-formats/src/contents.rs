@@ -129,6 +129,7 @@ fn folder(path: &Path, options: &ReadOptions) -> Result<Contents> {
 
 fn contents_once(path: &Path, options: &ReadOptions) -> Result<Contents> {
     match format(path)? {
+        Format::Hdf5 => others::listing(&Place::of(path), options).map(Contents::Episodes),
         Format::Csv => table(path, options).map(Contents::Table),
         Format::Mcap | Format::PackedMcap | Format::Bag => log(path, options),
         other => Ok(Contents::Table(sheet_table(path, &others::table(path, other)?, options)?)),

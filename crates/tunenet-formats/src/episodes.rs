@@ -119,7 +119,20 @@ fn names(path: &Path) -> Result<Option<Vec<String>>> {
     if path.is_dir() && is_data_set(path) {
         return Ok(Some(crate::lerobot::DataSet::open(path)?.names()));
     }
+    if path.is_file() && is_hdf5(path)? {
+        return Ok(Some(crate::hdf5::Demonstrations::open(path)?.names()).filter(|names| !names.is_empty()));
+    }
     Ok(None)
+}
+
+/// Whether a file is HDF5 by its mark; others, such as videos, are left to whoever reads them.
+#[cfg(feature = "logs")]
+fn is_hdf5(path: &Path) -> Result<bool> {
+    use std::io::Read as _;
+    let mut start = Vec::new();
+    let file = crate::open(path)?;
+    file.take(8).read_to_end(&mut start).map_err(|e| Error::io(path, crate::Action::Reading, e))?;
+    Ok(start.starts_with(b"\x89HDF"))
 }
 
 /// Without their readers, nothing has episodes.

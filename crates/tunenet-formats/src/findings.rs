@@ -75,6 +75,12 @@ finding_kinds! {
     warning STATE_CONSTANT = "state.constant",
         "a state or a command does not change: the robot stands still",
         "choose an episode in which it moves";
+    warning ACTIONS_OTHER = "actions.other",
+        "actions are as wide as the joints, and are no joint angles",
+        "do not drive joints with them; record the joint targets";
+    note GROUPS_EMPTY = "groups.empty",
+        "groups without arrays were left out",
+        "none needed";
     warning EPISODES_MISSING = "episodes.missing",
         "not all of the episodes that a data set lists are there",
         "download the others where they are needed";

@@ -18,20 +18,29 @@ pub(crate) enum Format {
     /// A bag of ROS 2 in SQLite.
     Bag,
     Parquet,
+    /// Demonstrations or a log in HDF5.
+    Hdf5,
+    /// One array of NumPy.
+    Npy,
+    /// Several arrays of NumPy.
+    Npz,
 }
 
 /// The mark of an SQLite database, and how the names of bags that are compressed end.
 const SQLITE: &[u8] = b"SQLite format 3\0";
 const PACKED_BAG: &str = ".db3.zstd";
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+const NUMPY: &[u8] = b"\x93NUMPY";
+const ZIP: &[u8] = b"PK\x03\x04";
 const PARQUET: &[u8] = b"PAR1";
 const PACKED_MCAP: &str = ".mcap.zstd";
 
 const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 
 /// Files of other kinds: where in them their mark stands, the mark, what they are, and what to do.
-const OTHERS: [(usize, &[u8], &str, &str); 13] = [
+const OTHERS: [(usize, &[u8], &str, &str); 12] = [
     (0, b"#ROSBAG V2.0", "a ROS 1 bag", "convert it with `mcap convert` and record ROS 2 messages"),
-    (0, b"PK\x03\x04", "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
+    (0, ZIP, "a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
     (0, b"\xd0\xcf\x11\xe0", "an old spreadsheet", "export the sheet as CSV"),
     (0, b"\x1f\x8b", "a gzip archive", "unpack it first"),
     (0, ZSTD, "a zstd archive", "unpack it first"),
@@ -40,9 +49,8 @@ const OTHERS: [(usize, &[u8], &str, &str); 13] = [
     (0, b"\xff\xd8\xff", "a picture", "give the numbers that were measured, as CSV"),
     (0, b"%PDF", "a PDF document", "give the numbers that were measured, as CSV"),
     (4, b"ftyp", "a video", "give the positions that were seen in it, as CSV"),
-    (0, b"\x89HDF", "an HDF5 file", "export the series as CSV"),
+    (0, b"MATLAB 7.3", "a MATLAB file (v7.3)", "write the series as CSV, for example with `writematrix`"),
     (0, b"MATLAB 5.0", "a MATLAB file", "export the series as CSV"),
-    (0, b"\x93NUMPY", "a NumPy array", "save it as CSV, for example with `numpy.savetxt`"),
 ];
 
 /// Content first: an MCAP file under any name is read as one, and a text file named `.mcap` is not called empty.
@@ -62,6 +70,15 @@ pub(crate) fn format(path: &Path) -> Result<Format> {
     }
     if start.starts_with(PARQUET) {
         return with_logs(path, "a Parquet file", Format::Parquet);
+    }
+    if start.starts_with(HDF5) {
+        return with_logs(path, "an HDF5 file", Format::Hdf5);
+    }
+    if start.starts_with(NUMPY) {
+        return with_logs(path, "a NumPy array", Format::Npy);
+    }
+    if start.starts_with(ZIP) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
+        return with_logs(path, "arrays of NumPy", Format::Npz);
     }
     if start.starts_with(ZSTD) && name.ends_with(PACKED_MCAP) {
         return with_logs(path, "an MCAP file, compressed as a whole", Format::PackedMcap);

@@ -14,6 +14,7 @@
 //! | `ros` | ROS 2 and JSON messages, joints, stamps |
 //! | `log` | files of a log, topics of a log, and the series of one of them |
 //! | `parquet`, `lerobot` | Parquet files, and data sets of LeRobot in them |
+//! | `hdf5`, `npz` | demonstrations in HDF5, and arrays of NumPy |
 //! | `place`, `episodes` | where a recording stands, and recordings in several episodes |
 //! | `units`, `unstated`, `proposal` | units of columns whose file states none |
 //! | `sheet` | named columns of numbers from any file but a text |
@@ -38,12 +39,16 @@ mod episodes;
 mod error;
 pub mod findings;
 mod format;
+#[cfg(feature = "logs")]
+mod hdf5;
 mod inputs;
 #[cfg(feature = "logs")]
 mod lerobot;
 mod log;
 mod mcap;
 mod model;
+#[cfg(feature = "logs")]
+mod npz;
 mod others;
 #[cfg(feature = "logs")]
 mod parquet;

@@ -5,8 +5,12 @@ use std::path::{Path, PathBuf};
 use crate::documents::refuse_git_lfs_pointer;
 use crate::format::Format;
 #[cfg(feature = "logs")]
+use crate::hdf5::Demonstrations;
+#[cfg(feature = "logs")]
 use crate::lerobot::DataSet;
 use crate::log::files as log_files;
+#[cfg(feature = "logs")]
+use crate::npz;
 #[cfg(feature = "logs")]
 use crate::parquet::Parquet;
 use crate::place::{Place, is_data_set};
@@ -22,7 +26,9 @@ use crate::{Episodes, Error, Result};
 pub(crate) fn table(path: &Path, format: Format) -> Result<Sheet> {
     match format {
         Format::Parquet => Parquet::open(path)?.sheet(),
-        Format::Csv | Format::Mcap | Format::PackedMcap | Format::Bag => Err(unread(path)),
+        Format::Npy => npz::single(path),
+        Format::Npz => npz::several(path),
+        Format::Csv | Format::Mcap | Format::PackedMcap | Format::Bag | Format::Hdf5 => Err(unread(path)),
     }
 }
 
@@ -32,7 +38,11 @@ pub(crate) fn table(path: &Path, format: Format) -> Result<Sheet> {
 /// [`Error::File`] where it cannot be used.
 #[cfg(feature = "logs")]
 pub(crate) fn episode(path: &Path, place: &Place, options: &ReadOptions) -> Result<Recording> {
-    DataSet::open(&place.path)?.read(path, place.episode.as_deref(), options)
+    let name = place.episode.as_deref();
+    if place.path.is_dir() {
+        return DataSet::open(&place.path)?.read(path, name, options);
+    }
+    Demonstrations::open(&place.path)?.read(path, name, options)
 }
 
 /// What a file or folder of episodes says of itself.
@@ -41,7 +51,10 @@ pub(crate) fn episode(path: &Path, place: &Place, options: &ReadOptions) -> Resu
 /// [`Error::File`] where it cannot be used.
 #[cfg(feature = "logs")]
 pub(crate) fn listing(place: &Place, options: &ReadOptions) -> Result<Episodes> {
-    DataSet::open(&place.path)?.listing(options)
+    if place.path.is_dir() {
+        return DataSet::open(&place.path)?.listing(options);
+    }
+    Demonstrations::open(&place.path)?.listing(options)
 }
 
 /// The files in which the recording at a place stands, each once.

@@ -67,7 +67,7 @@ pub struct Tune {
     pub simulation: Simulation,
     #[command(flatten)]
     pub permission: Permission,
-    /// Recordings (CSV, MCAP, ROS 2 bag, LeRobot, Parquet, video); several are fitted jointly
+    /// Recordings (CSV, MCAP, ROS 2 bag, LeRobot, HDF5, Parquet, NumPy, video); several are fitted jointly
     #[arg(value_name = "RECORDING", required_unless_present_any = ["observation", "manifest"], conflicts_with = "manifest")]
     pub recordings: Vec<PathBuf>,
     /// Recordings, as an option instead of arguments
@@ -145,7 +145,7 @@ pub struct Diagnose {
     pub simulation: Simulation,
     #[command(flatten)]
     pub permission: Permission,
-    /// Recordings (CSV, MCAP, ROS 2 bag, LeRobot, Parquet, video) of one object
+    /// Recordings (CSV, MCAP, ROS 2 bag, LeRobot, HDF5, Parquet, NumPy, video) of one object
     #[arg(value_name = "RECORDING", required_unless_present_any = ["observation", "manifest"], conflicts_with = "manifest")]
     pub recordings: Vec<PathBuf>,
     /// Recordings, as an option instead of arguments

@@ -170,11 +170,7 @@ fn data_sets_of_others_are_listed_and_read() {
     let Some((episodes, frames, humanoid)) = count("lerobot-v21-g1") else { return };
     assert_eq!((episodes, frames, humanoid.columns.len()), (3, 479 + 393 + 410, 52));
     assert_eq!(humanoid.notes[0].kind, findings::EPISODES_MISSING);
-    let Some(path) = place("lerobot-v3-so101-still/episode_4")
-        .or_else(|| place("lerobot-v3-so101-still").map(|p| p.join("episode_4")))
-    else {
-        return;
-    };
+    let Some(path) = place("lerobot-v3-so101-still").map(|folder| folder.join("episode_4")) else { return };
     let channels = vec![tunenet_core::observation::Channel::from_header("j2_rad").unwrap()];
     let options =
         ReadOptions { channels, units: vec![crate::UnitRule::parse("rad").unwrap()], ..ReadOptions::default() };
@@ -184,6 +180,33 @@ fn data_sets_of_others_are_listed_and_read() {
     let Some(path) = place("lfs-pointer") else { return };
     let error = read(&path, &ReadOptions::default()).unwrap_err();
     assert!(error.hint().unwrap().contains("git lfs pull"), "{error}");
+}
+
+#[cfg(feature = "logs")]
+#[test]
+fn demonstrations_of_others_are_listed_and_read() {
+    let Some(path) = place("hdf5-indy7/annotated.hdf5") else { return };
+    let Contents::Episodes(found) = contents(&path).unwrap() else { panic!("episodes") };
+    // 335 steps in 8 demonstrations, as its attribute `total` says.
+    assert_eq!((found.episodes.len(), found.episodes.iter().filter_map(|e| e.frames).sum::<u64>()), (8, 335));
+    assert!(found.notes.iter().any(|note| note.kind == findings::ACTIONS_OTHER));
+    let joint = ReadOptions {
+        channels: vec![tunenet_core::observation::Channel::from_header("q_rad").unwrap()],
+        columns: vec![("q_rad".into(), "obs.joint_pos.2".into())],
+        units: vec![crate::UnitRule::parse("rad").unwrap()],
+        ..ReadOptions::default()
+    };
+    assert!(read(path.join("demo_0"), &joint).unwrap_err().hint().unwrap().contains("--rate HZ"));
+    let timed = ReadOptions { rate_hz: Some(20.0), ..joint };
+    assert_eq!(read(path.join("demo_0"), &timed).unwrap().observation.len(), 36);
+    let Some(path) = place("hdf5-indy7/episode_0.hdf5") else { return };
+    let error = read(&path, &ReadOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("`timestamp` does not rise"), "{error}");
+    let columns = vec![("z_m".into(), "end_position.2".into())];
+    let units = vec![crate::UnitRule::parse("end_position.2=m").unwrap()];
+    let options = ReadOptions { columns, units, rate_hz: Some(10.0), ..ReadOptions::default() };
+    let found = read(&path, &options).unwrap();
+    assert_eq!(found.observation.kind(), Kind::Positions);
 }
 
 #[test]

@@ -1,0 +1,55 @@
+//! What a file says of itself, and the units that its numbers suggest.
+
+use super::Demonstrations;
+use super::actions::not_joints;
+use crate::Result;
+use crate::episodes::{EpisodeColumn, EpisodeLength, Episodes};
+use crate::findings;
+use crate::proposal::proposal;
+use crate::recording::ReadOptions;
+use crate::shown::list;
+use crate::units;
+use tunenet_core::observation::Note;
+
+/// Most episodes whose length is looked for.
+const MOST_MEASURED: usize = 1_000;
+
+impl Demonstrations {
+    /// Its episodes, columns and units.
+    ///
+    /// # Errors
+    /// Where the file cannot be used, or `--units` names no column.
+    pub fn listing(&self, options: &ReadOptions) -> Result<Episodes> {
+        let first = self.columns(&self.episodes[0].1)?;
+        let column = |(name, readings): (&String, &Vec<f64>)| {
+            let found = proposal(readings);
+            let unit = units::rule(&options.units, name).map(|rule| {
+                if rule.factor == 1.0 { rule.unit.clone() } else { format!("{}{}", rule.factor, rule.unit) }
+            });
+            EpisodeColumn { name: name.clone(), unit, proposed: found.unit, why: found.why }
+        };
+        let columns: Vec<EpisodeColumn> = first.names.iter().zip(&first.numbers).map(column).collect();
+        let mut episodes = Vec::with_capacity(self.episodes.len());
+        for (i, (name, group)) in self.episodes.iter().enumerate() {
+            let frames =
+                if i < MOST_MEASURED { self.arrays(group)?.first().map(|array| array.rows as u64) } else { None };
+            episodes.push(EpisodeLength { name: name.clone(), frames });
+        }
+        let mut notes: Vec<Note> = not_joints(&first, &self.environment).into_iter().collect();
+        if !self.empty.is_empty() {
+            let text =
+                format!("groups without arrays are left out: {}", list(self.empty.iter().map(String::as_str), 8));
+            notes.push(Note::new(findings::GROUPS_EMPTY, text, ""));
+        }
+        // Angles of a simulator are not counted by an encoder: no unit is proposed for all columns at once.
+        Ok(Episodes {
+            format: "HDF5".into(),
+            robot: String::new(),
+            rate_hz: options.rate_hz.or_else(|| self.rate()),
+            episodes,
+            columns,
+            units: String::new(),
+            notes,
+        })
+    }
+}

@@ -1,0 +1,106 @@
+//! HDF5 files of demonstrations: of robomimic and Isaac Lab (`data/demo_0/actions`, `obs/joint_pos`), of ALOHA (`action`,
+//! `observations/qpos`), and any other whose arrays have a row for each instant. Every such array is as many columns, named by its path.
+//!
+//! | file | subject |
+//! |---|---|
+//! | `tree` | groups and arrays of a file |
+//! | `episode` | the columns of one episode |
+//! | `actions` | whether actions are what joints are sent to |
+//! | `listing` | what a file says of itself |
+
+mod actions;
+mod episode;
+mod listing;
+mod tree;
+
+use std::path::{Path, PathBuf};
+
+use hdf5_pure::File;
+
+use self::tree::{Array, arrays, episodes};
+use crate::shown::{counted, list};
+use crate::{Error, Result};
+
+/// What is tried where a file is broken.
+const AGAIN: &str = "copy the file again, or check it with `h5dump -H`";
+
+/// An open file.
+pub(crate) struct Demonstrations {
+    path: PathBuf,
+    file: File,
+    /// The names of the episodes, and the paths of their groups; one without a name where the file is a single episode.
+    episodes: Vec<(String, String)>,
+    /// Groups that hold nothing.
+    empty: Vec<String>,
+    /// What the file says of the simulator that it comes from, as JSON; empty where it says nothing.
+    environment: String,
+}
+
+impl Demonstrations {
+    /// Opens the file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::File`] where it is broken, or holds no arrays with a row for each instant.
+    pub fn open(path: &Path) -> Result<Self> {
+        // A folder, a pipe and a device are refused as everywhere.
+        drop(crate::source::open(path)?);
+        let file = File::open_streaming(path).map_err(|e| broken(path, &e))?;
+        let found = episodes(path, &file)?;
+        if found.episodes.is_empty() {
+            let message = format!(
+                "expected arrays with a row for each instant, found none in {}",
+                counted(found.groups, "group")
+            );
+            return Err(Error::file(path, message, "give a file of demonstrations or of a log"));
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            episodes: found.episodes,
+            empty: found.empty,
+            environment: found.environment,
+        })
+    }
+
+    /// The names of its episodes; empty where it is a single one.
+    pub fn names(&self) -> Vec<String> {
+        self.episodes.iter().map(|(name, _)| name.clone()).filter(|name| !name.is_empty()).collect()
+    }
+
+    /// The group of the episode of this name, or of the only one.
+    fn group(&self, name: Option<&str>) -> Result<&str> {
+        match (name, self.episodes.as_slice()) {
+            (None, [(_, only)]) => Ok(only),
+            (None, several) => {
+                let message = format!("expected one recording, found {}", counted(several.len(), "episode"));
+                let hint = format!(
+                    "name one, such as {}, or choose with `--episodes`",
+                    self.path.join(&several[0].0).display()
+                );
+                Err(Error::file(&self.path, message, hint))
+            }
+            (Some(name), all) => match all.iter().find(|(known, _)| known == name) {
+                Some((_, group)) => Ok(group),
+                None => {
+                    let names = self.names();
+                    let there = list(names.iter().map(String::as_str), 6);
+                    let message = format!("expected an episode that is there ({there}), found `{name}`");
+                    Err(Error::file(&self.path, message, "`tunenet inspect` lists them"))
+                }
+            },
+        }
+    }
+
+    /// The arrays of an episode.
+    fn arrays(&self, group: &str) -> Result<Vec<Array>> {
+        arrays(&self.path, &self.file, group)
+    }
+}
+
+/// What is wrong with a file that the crate refuses.
+fn broken(path: &Path, error: &hdf5_pure::Error) -> Error {
+    Error::file(path, format!("the HDF5 file is cut off, broken or not closed: {error}"), AGAIN)
+}
+
+#[cfg(test)]
+mod tests;

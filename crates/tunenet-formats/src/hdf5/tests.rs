@@ -1,0 +1,120 @@
+//! Files made in code.
+
+use hdf5_pure::{AttrValue, FileBuilder};
+
+use crate::testing::error_text;
+use crate::{Contents, ReadOptions, UnitRule, contents, findings, read};
+use tunenet_core::observation::Channel;
+
+const ROWS: u64 = 40;
+
+/// Angles of two joints, and commands that these follow, or steps of an end effector.
+fn angles(offset: f64) -> Vec<f64> {
+    (0..ROWS).flat_map(|k| [(k as f64 * 0.1).sin(), (k as f64 * 0.07).cos()]).map(|q| q + offset).collect()
+}
+
+/// Demonstrations as robomimic stores them.
+fn demonstrations(path: &std::path::Path, environment: &str, steps: bool) {
+    let mut file = FileBuilder::new();
+    let mut data = file.create_group("data");
+    data.set_attr("env_args", AttrValue::String(environment.into()));
+    for demo in ["demo_10", "demo_2"] {
+        let mut group = data.create_group(demo);
+        let actions = if steps { angles(0.0).iter().map(|q| 5.0 + q * 0.01).collect() } else { angles(0.02) };
+        group.create_dataset("actions").with_f64_data(&actions).with_shape(&[ROWS, 2]);
+        let mut obs = group.create_group("obs");
+        obs.create_dataset("joint_pos").with_f64_data(&angles(0.0)).with_shape(&[ROWS, 2]);
+        group.add_group(obs.finish());
+        data.add_group(group.finish());
+    }
+    file.add_group(data.finish());
+    let empty = file.create_group("cameras").finish();
+    file.add_group(empty);
+    file.write(path).unwrap();
+}
+
+fn options(rate_hz: Option<f64>) -> ReadOptions {
+    ReadOptions {
+        channels: vec![Channel::from_header("elbow_rad").unwrap()],
+        columns: vec![("elbow_rad".into(), "obs.joint_pos.1".into())],
+        units: vec![UnitRule::parse("obs.joint_pos.*=rad").unwrap()],
+        rate_hz,
+        ..ReadOptions::default()
+    }
+}
+
+#[test]
+fn demonstrations_are_episodes_in_the_order_of_their_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.hdf5");
+    demonstrations(&path, "{}", false);
+    let Contents::Episodes(found) = contents(&path).unwrap() else { panic!("episodes") };
+    let names: Vec<&str> = found.episodes.iter().map(|episode| episode.name.as_str()).collect();
+    assert_eq!((names, found.episodes[0].frames), (vec!["demo_2", "demo_10"], Some(ROWS)));
+    assert_eq!(found.notes.iter().map(|note| note.kind).collect::<Vec<_>>(), [findings::GROUPS_EMPTY]);
+    let seen = read(path.join("demo_10"), &options(Some(20.0))).unwrap().observation;
+    assert_eq!(
+        (seen.len() as u64, seen.clock()[3].to_bits(), seen.row(5)[0].to_bits()),
+        (ROWS, (3.0f64 / 20.0).to_bits(), (5.0f64 * 0.07).cos().to_bits())
+    );
+}
+
+#[test]
+fn the_time_base_and_units_are_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.hdf5");
+    demonstrations(&path, "{}", false);
+    let (message, hint) = error_text(&read(path.join("demo_2"), &options(None)).unwrap_err());
+    assert!(message.contains("no array of times and no rate") && hint.contains("`--rate HZ`"), "{message} {hint}");
+    let unstated = ReadOptions { units: Vec::new(), ..options(Some(20.0)) };
+    let (message, _) = error_text(&read(path.join("demo_2"), &unstated).unwrap_err());
+    assert!(message.contains("the unit of `obs.joint_pos.1` is not stated"), "{message}");
+    let (message, hint) = error_text(&read(&path, &options(None)).unwrap_err());
+    assert!(
+        message.contains("expected one recording, found 2 episodes") && hint.contains("demo_2"),
+        "{message} {hint}"
+    );
+    demonstrations(&path, r#"{"env_kwargs": {"control_freq": 20}}"#, false);
+    assert_eq!(read(path.join("demo_2"), &options(None)).unwrap().observation.clock()[20], 1.0);
+}
+
+#[test]
+fn actions_that_are_no_joint_angles_are_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.hdf5");
+    let noticed = || {
+        let Contents::Episodes(found) = contents(&path).unwrap() else { panic!("episodes") };
+        found.notes.into_iter().find(|note| note.kind == findings::ACTIONS_OTHER).map(|note| note.text)
+    };
+    demonstrations(&path, "{}", false);
+    assert_eq!(noticed(), None);
+    demonstrations(&path, "{}", true);
+    assert!(noticed().unwrap().ends_with("they do not follow the joints"));
+    demonstrations(&path, r#"{"env_name": "Reach-IK-Rel-v0"}"#, false);
+    assert!(noticed().unwrap().ends_with("its `env_args` name a controller of the end effector"));
+}
+
+#[test]
+fn a_flat_file_with_times_reads_as_a_text_and_other_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let times: Vec<f64> = (0..ROWS).map(|k| k as f64 / 30.0).collect();
+    let mut file = FileBuilder::new();
+    file.create_dataset("t_s").with_f64_data(&times).with_shape(&[ROWS]);
+    file.create_dataset("qpos").with_f64_data(&angles(0.0)).with_shape(&[ROWS, 2]);
+    file.write(&path).unwrap();
+    let flat = ReadOptions {
+        columns: vec![("elbow_rad".into(), "qpos.0".into())],
+        units: vec![UnitRule::parse("qpos.0=rad").unwrap()],
+        ..options(None)
+    };
+    let seen = read(&path, &flat).unwrap().observation;
+    assert_eq!((seen.clock(), seen.row(7)[0].to_bits()), (&times[..], (7.0f64 * 0.1).sin().to_bits()));
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    assert!(read(&path, &flat).is_err());
+    let matlab = folder.path().join("a.mat");
+    std::fs::write(&matlab, [&b"MATLAB 7.3 MAT-file, Platform: GLNXA64"[..], &[0; 600]].concat()).unwrap();
+    let (message, _) = error_text(&read(&matlab, &ReadOptions::default()).unwrap_err());
+    assert_eq!(message, "a.mat: expected CSV or MCAP, found a MATLAB file (v7.3)");
+}

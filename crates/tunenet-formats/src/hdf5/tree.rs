@@ -1,0 +1,203 @@
+//! The groups of a file, which of them are episodes, and the arrays of one.
+
+use std::path::Path;
+
+use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
+
+use super::broken;
+use crate::recording::MOST_NUMBERS;
+use crate::{Error, Result};
+use tunenet_core::observation::FEWEST_SAMPLES;
+
+/// Deepest group below an episode, and most groups and arrays of a file that are looked at.
+const DEEPEST: usize = 8;
+const MOST_OBJECTS: usize = 100_000;
+
+/// Most numbers of a row of one array that are columns: more are a picture or a map.
+const WIDEST: u64 = 512;
+
+/// The attribute in which robomimic and Isaac Lab describe the simulator.
+const ENVIRONMENT: &str = "env_args";
+
+/// What was found in a file.
+#[derive(Default)]
+pub(super) struct Found {
+    pub episodes: Vec<(String, String)>,
+    pub empty: Vec<String>,
+    pub environment: String,
+    pub groups: usize,
+}
+
+/// The numbers of an episode, a row for each instant.
+pub(super) struct Columns {
+    pub names: Vec<String>,
+    /// Column by column.
+    pub numbers: Vec<Vec<f64>>,
+    pub rows: usize,
+}
+
+/// An array with a row for each instant.
+pub(super) struct Array {
+    /// Its path below the episode, with dots: `obs.joint_pos`.
+    pub name: String,
+    pub rows: usize,
+    /// Numbers in a row.
+    pub width: usize,
+    /// Whether it is a list of numbers, not of rows.
+    pub flat: bool,
+    data: Dataset,
+}
+
+impl Array {
+    /// Its numbers, row by row.
+    ///
+    /// # Errors
+    /// [`Error::File`] where it is broken.
+    pub fn numbers(&self, path: &Path) -> Result<Vec<f64>> {
+        let found = self.data.read_f64().map_err(|e| broken(path, &e))?;
+        if found.len() != self.rows * self.width {
+            let message =
+                format!("`{}`: expected {} numbers, found {}", self.name, self.rows * self.width, found.len());
+            return Err(Error::file(path, message, super::AGAIN));
+        }
+        Ok(found)
+    }
+}
+
+/// The episodes of a file: the groups with a number at the end of their names that hold arrays, at the top or one below; or the whole file,
+/// where arrays stand at its top or nowhere in such groups.
+pub(super) fn episodes(path: &Path, file: &File) -> Result<Found> {
+    let root = file.root();
+    let mut found = Found::default();
+    let groups = sorted(root.groups().map_err(|e| broken(path, &e))?);
+    found.groups = groups.len();
+    let top = own_arrays(path, &root)?;
+    for name in &groups {
+        let group = root.group(name).map_err(|e| broken(path, &e))?;
+        if found.environment.is_empty() {
+            found.environment = environment(&group);
+        }
+        let inner = sorted(group.groups().map_err(|e| broken(path, &e))?);
+        let arrays = group.datasets().map_err(|e| broken(path, &e))?;
+        found.groups += inner.len();
+        if inner.is_empty() && arrays.is_empty() {
+            found.empty.push(name.clone());
+        }
+        if top || found.groups > MOST_OBJECTS {
+            continue;
+        }
+        if numbered(name) {
+            found.episodes.push((name.clone(), name.clone()));
+        } else {
+            let below = inner.iter().filter(|inner| numbered(inner));
+            found.episodes.extend(below.map(|inner| (inner.clone(), format!("{name}/{inner}"))));
+        }
+    }
+    let names = found.episodes.clone();
+    found.episodes.clear();
+    for (name, group) in names {
+        if arrays(path, file, &group)?.is_empty() {
+            found.empty.push(group);
+        } else {
+            found.episodes.push((name, group));
+        }
+    }
+    if found.episodes.is_empty() && !arrays(path, file, "/")?.is_empty() {
+        found.episodes.push((String::new(), "/".into()));
+    }
+    if found.environment.is_empty() {
+        found.environment = environment(&root);
+    }
+    Ok(found)
+}
+
+/// Whether a name ends in a number, as those of episodes do.
+fn numbered(name: &str) -> bool {
+    name.ends_with(|c: char| c.is_ascii_digit())
+}
+
+/// Names in the order of the numbers at their ends.
+fn sorted(mut names: Vec<String>) -> Vec<String> {
+    names.sort_by_cached_key(|name| {
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        (stem.to_owned(), name[stem.len()..].parse::<u64>().unwrap_or(0))
+    });
+    names
+}
+
+/// Whether arrays with a row for each instant stand in the group itself.
+fn own_arrays(path: &Path, group: &Group) -> Result<bool> {
+    for name in group.datasets().map_err(|e| broken(path, &e))? {
+        let data = group.dataset(&name).map_err(|e| broken(path, &e))?;
+        if shape(&data).is_some() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+fn environment(group: &Group) -> String {
+    match group.attrs().ok().and_then(|mut attributes| attributes.remove(ENVIRONMENT)) {
+        Some(AttrValue::String(text) | AttrValue::AsciiString(text)) => text,
+        Some(other) => format!("{other:?}"),
+        None => String::new(),
+    }
+}
+
+/// The arrays below a group that have as many rows as most of its numbers have.
+pub(super) fn arrays(path: &Path, file: &File, group: &str) -> Result<Vec<Array>> {
+    let top = if group == "/" { file.root() } else { file.group(group).map_err(|e| broken(path, &e))? };
+    let (mut found, mut objects) = (Vec::new(), 0);
+    let mut open = vec![(top, String::new(), 0)];
+    while let Some((group, prefix, depth)) = open.pop() {
+        for name in group.datasets().map_err(|e| broken(path, &e))? {
+            objects += 1;
+            let data = group.dataset(&name).map_err(|e| broken(path, &e))?;
+            if let Some((rows, width, flat)) = shape(&data) {
+                found.push(Array { name: format!("{prefix}{name}"), rows, width, flat, data });
+            }
+        }
+        for name in group.groups().map_err(|e| broken(path, &e))? {
+            objects += 1;
+            if depth < DEEPEST {
+                let inner = group.group(&name).map_err(|e| broken(path, &e))?;
+                open.push((inner, format!("{prefix}{name}."), depth + 1));
+            }
+        }
+        if objects > MOST_OBJECTS {
+            let message = format!("expected at most {MOST_OBJECTS} groups and arrays in an episode, found more");
+            return Err(Error::file(path, message, "is this the right file?"));
+        }
+    }
+    let rows = most_common(&found);
+    found.retain(|array| array.rows == rows);
+    found.sort_by(|a, b| a.name.cmp(&b.name));
+    if found.iter().map(|array| array.rows * array.width).sum::<usize>() > MOST_NUMBERS {
+        let message = format!("expected at most {MOST_NUMBERS} numbers in an episode, found more");
+        return Err(Error::file(path, message, "cut the episode into shorter ones"));
+    }
+    Ok(found)
+}
+
+/// How many rows most arrays have; of equally many, the larger number.
+fn most_common(arrays: &[Array]) -> usize {
+    let count = |rows: usize| arrays.iter().filter(|array| array.rows == rows).count();
+    arrays.iter().map(|array| array.rows).max_by_key(|rows| (count(*rows), *rows)).unwrap_or(0)
+}
+
+/// Rows, numbers in a row, and whether it is a list; `None` for what has no row of numbers for each of three instants.
+fn shape(data: &Dataset) -> Option<(usize, usize, bool)> {
+    let number = match data.dtype().ok()? {
+        DType::F32 | DType::F64 | DType::I8 | DType::I16 | DType::I32 | DType::I64 => true,
+        DType::U8 | DType::U16 | DType::U32 | DType::U64 => true,
+        _ => false,
+    };
+    let (rows, width, flat) = match data.shape().ok()?.as_slice() {
+        [rows] => (*rows, 1, true),
+        [rows, width @ 1..=WIDEST] => (*rows, *width, false),
+        _ => return None,
+    };
+    let (rows, width) = (usize::try_from(rows).ok()?, usize::try_from(width).ok()?);
+    let few = rows.checked_mul(width).is_some_and(|numbers| numbers <= MOST_NUMBERS);
+    (number && few && rows >= FEWEST_SAMPLES).then_some((rows, width, flat))
+}

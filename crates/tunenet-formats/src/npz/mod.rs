@@ -1,0 +1,103 @@
+//! Arrays of NumPy: one in a `.npy` file, several by their names in an `.npz` file.
+//!
+//! Source: the NumPy file format (NEP 1): a mark, a version, a header in the form of a Python table, then the numbers.
+
+mod array;
+
+use std::io::{BufReader, Read as _};
+use std::path::Path;
+
+use flate2::read::DeflateDecoder;
+use zip::CompressionMethod;
+
+use self::array::Array;
+use crate::recording::MOST_NUMBERS;
+use crate::sheet::Sheet;
+use crate::shown::list;
+use crate::source::open;
+use crate::{Error, Result};
+use tunenet_core::observation::FEWEST_SAMPLES;
+
+/// The mark at the start of an array.
+const MARK: &[u8] = b"\x93NUMPY";
+
+/// Most arrays of a file.
+const MOST_ARRAYS: usize = 10_000;
+
+/// How `numpy.savez_compressed` packs, by its number: the crate is built without it.
+#[expect(deprecated, reason = "the crate has no other name for a method that it does not unpack itself")]
+const DEFLATED: CompressionMethod = CompressionMethod::Unsupported(8);
+
+/// What is tried where a file is broken.
+const AGAIN: &str = "copy the file again, or save it again with `numpy.savez`";
+
+/// The columns of the array in a `.npy` file; they have no names.
+///
+/// # Errors
+/// [`Error::File`] where it is broken, or no table of numbers.
+pub(crate) fn single(path: &Path) -> Result<Sheet> {
+    let array = Array::read(BufReader::new(open(path)?)).map_err(|why| Error::file(path, why, AGAIN))?;
+    if array.names.is_empty() {
+        let names = vec![String::new(); array.width];
+        return Ok(Sheet { names, values: array.values, unnamed: true });
+    }
+    Ok(Sheet { names: array.names, values: array.values, unnamed: false })
+}
+
+/// The columns of the arrays in an `.npz` file that have as many rows as most of them: `NAME`, or `NAME.0` … of an array of rows.
+///
+/// # Errors
+/// [`Error::File`] where it is broken, or holds no table of numbers.
+pub(crate) fn several(path: &Path) -> Result<Sheet> {
+    let broken = |why: String| Error::file(path, format!("the archive is cut off or broken: {why}"), AGAIN);
+    let mut archive = zip::ZipArchive::new(BufReader::new(open(path)?)).map_err(|e| broken(e.to_string()))?;
+    if archive.len() > MOST_ARRAYS {
+        return Err(broken(format!("expected at most {MOST_ARRAYS} arrays, found {}", archive.len())));
+    }
+    let (mut arrays, mut refused): (Vec<(String, Array)>, Vec<String>) = (Vec::new(), Vec::new());
+    let mut total = 0;
+    for number in 0..archive.len() {
+        let entry = archive.by_index_raw(number).map_err(|e| broken(e.to_string()))?;
+        let Some(name) = entry.name().strip_suffix(".npy").map(str::to_owned) else { continue };
+        // A number takes eight bytes at most, so that no more is unpacked than may be read.
+        let most = 16 * MOST_NUMBERS as u64;
+        let read = match entry.compression() {
+            CompressionMethod::Stored => Array::read(entry.take(most)),
+            DEFLATED => Array::read(DeflateDecoder::new(entry).take(most)),
+            other => Err(format!("expected an array stored or deflated, found {other}")),
+        };
+        match read {
+            Ok(array) => {
+                total += array.values.len();
+                arrays.push((name, array));
+            }
+            Err(why) => refused.push(format!("{name}: {why}")),
+        }
+        if total > MOST_NUMBERS {
+            return Err(broken(format!("expected at most {MOST_NUMBERS} numbers, found more")));
+        }
+    }
+    let rows = arrays.iter().map(|(_, array)| array.rows).filter(|rows| *rows >= FEWEST_SAMPLES);
+    let count = |rows: usize| arrays.iter().filter(|(_, array)| array.rows == rows).count();
+    let Some(rows) = rows.max_by_key(|rows| (count(*rows), *rows)) else {
+        let why = list(refused.iter().map(String::as_str), 3);
+        let message = format!("expected arrays of numbers with {FEWEST_SAMPLES} rows or more, found none ({why})");
+        return Err(Error::file(path, message, "save the series as arrays of numbers"));
+    };
+    arrays.retain(|(_, array)| array.rows == rows);
+    let mut names = Vec::new();
+    for (name, array) in &arrays {
+        match (array.names.as_slice(), array.flat) {
+            ([], true) => names.push(name.clone()),
+            ([], false) => names.extend((0..array.width).map(|i| format!("{name}.{i}"))),
+            (fields, _) => names.extend(fields.iter().map(|field| format!("{name}.{field}"))),
+        }
+    }
+    let row =
+        |row: usize| arrays.iter().flat_map(move |(_, a)| a.values[row * a.width..(row + 1) * a.width].iter().copied());
+    let values = (0..rows).flat_map(row).collect();
+    Ok(Sheet { names, values, unnamed: false })
+}
+
+#[cfg(test)]
+mod tests;

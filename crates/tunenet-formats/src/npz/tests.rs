@@ -1,0 +1,94 @@
+//! Arrays made in code, as NumPy writes them.
+
+use std::io::Write as _;
+
+use crate::testing::{error_text, file};
+use crate::{ReadOptions, read};
+
+/// An array with this header and these bytes.
+fn array(descr: &str, fortran: bool, shape: &str, bytes: &[u8]) -> Vec<u8> {
+    let order = if fortran { "True" } else { "False" };
+    let mut header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}");
+    while (header.len() + 11) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let length = u16::try_from(header.len()).unwrap().to_le_bytes();
+    [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), bytes].concat()
+}
+
+fn doubles(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+fn archive(entries: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut writer = zip::ZipWriter::new(&mut bytes);
+    for (name, data) in entries {
+        let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        writer.start_file(*name, stored).unwrap();
+        writer.write_all(data).unwrap();
+    }
+    writer.finish().unwrap();
+    bytes.into_inner()
+}
+
+fn options(columns: &[(&str, &str)]) -> ReadOptions {
+    let columns = columns.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+    ReadOptions { columns, ..ReadOptions::default() }
+}
+
+#[test]
+fn arrays_by_name_read_as_the_columns_of_a_text_do() {
+    let (times, heights) = ([0.0, 0.1, 0.30000000000000004], [1.0, 0.9, 1.0 / 3.0]);
+    let text: String = times.iter().zip(heights).map(|(t, z)| format!("{t:?},{z:?}\n")).collect();
+    let (_folder, path) = file("a.csv", format!("t_s,z_m\n{text}"));
+    let expected = read(&path, &ReadOptions::default()).unwrap();
+    let bytes = archive(&[
+        ("t_s.npy", array("'<f8'", false, "(3,)", &doubles(&times))),
+        ("z_m.npy", array("'<f8'", false, "(3,)", &doubles(&heights))),
+        ("note.npy", array("'<U4'", false, "(3,)", &[0; 48])),
+        ("other.npy", array("'<f8'", false, "(1,)", &doubles(&[7.0]))),
+    ]);
+    let (_folder, path) = file("a.npz", bytes);
+    assert_eq!(read(&path, &ReadOptions::default()).unwrap(), expected);
+}
+
+#[test]
+fn an_array_without_names_is_read_by_the_numbers_of_its_columns() {
+    let rows = [0.0, 1.0, 0.5, 2.0, 1.0, 4.0];
+    let columns = [0.0, 0.5, 1.0, 1.0, 2.0, 4.0];
+    let read_as = |bytes: Vec<u8>, options: &ReadOptions| {
+        let (_folder, path) = file("a.npy", bytes);
+        read(&path, options)
+    };
+    let mapped = options(&[("t_s", "1"), ("z_m", "-2")]);
+    let found = read_as(array("'<f8'", false, "(3, 2)", &doubles(&rows)), &mapped).unwrap();
+    assert_eq!(found.observation.column(2).collect::<Vec<_>>(), [-1.0, -2.0, -4.0]);
+    assert_eq!(read_as(array("'<f8'", true, "(3, 2)", &doubles(&columns)), &mapped).unwrap(), found);
+    let big: Vec<u8> = rows.iter().flat_map(|value| value.to_be_bytes()).collect();
+    assert_eq!(read_as(array("'>f8'", false, "(3, 2)", &big), &mapped).unwrap(), found);
+    let (message, hint) =
+        error_text(&read_as(array("'<f8'", false, "(3, 2)", &doubles(&rows)), &options(&[])).unwrap_err());
+    assert!(message.contains("expected") && hint.contains("`--columns t_s=1,z_m=2`"), "{message} {hint}");
+    let records = array("[('t_s', '<f8'), ('z_m', '<f8')]", false, "(3,)", &doubles(&rows));
+    assert_eq!(read_as(records, &options(&[])).unwrap().observation.column(2).collect::<Vec<_>>(), [1.0, 2.0, 4.0]);
+}
+
+#[test]
+fn broken_arrays_say_what_is_wrong() {
+    let refused = |bytes: Vec<u8>| {
+        let (_folder, path) = file("a.npy", bytes);
+        error_text(&read(&path, &ReadOptions::default()).unwrap_err()).0
+    };
+    assert!(
+        refused(array("'<f8'", false, "(3, 2)", &[0; 8])).contains("the array is cut off: expected 6 numbers, found 0")
+    );
+    assert!(refused(array("'<f8'", false, "(999999999999, 2)", &[])).contains("expected at most 40000000 numbers"));
+    assert!(refused(array("'<c16'", false, "(3,)", &[])).contains("found the type `<c16`"));
+    assert!(refused(array("'<f8'", false, "(3, 2, 2)", &[])).contains("found 3 dimensions"));
+    assert!(refused(array("'O'", false, "(3,)", &[])).contains("expected numbers, found the type `O`"));
+    assert!(refused(b"\x93NUMPY".to_vec()).contains("the array is cut off"));
+    let (_folder, path) = file("a.npz", &archive(&[("z.npy", array("'<f8'", false, "(3,)", &[0; 24]))])[..60]);
+    assert!(read(&path, &ReadOptions::default()).is_err());
+}
