@@ -1,5 +1,6 @@
 //! Simulators whose equations stand in the simulation file.
 
+mod delay;
 mod emps;
 mod law;
 mod swing;

@@ -184,6 +184,12 @@ impl System {
                     values[self.slots.constants.clone()].copy_from_slice(&self.constants);
                     values[adds.coefficients.clone()].copy_from_slice(&adds.absent);
                     self.fix(&mut values);
+                    // An input that is not delayed is the input.
+                    for delayed in &self.delayed {
+                        if delayed.by.value(&values) == 0.0 {
+                            values[delayed.slot] = values[self.slots.inputs.start + delayed.input];
+                        }
+                    }
                     let added = term.program.value(&values);
                     if added.is_finite() && added.abs() > 1e-12 {
                         let path = format!("candidates.{name}.adds.{state}");
