@@ -6,6 +6,7 @@ use clap::Args;
 use tunenet_core::diagnose::Settings;
 use tunenet_core::tune::Detail;
 use tunenet_core::{Error, Origin};
+use tunenet_sim::simulation_file::Domain;
 
 use super::{Common, Permission, Reading, Sharing, Simulation, Writing, jobs, pair};
 
@@ -27,6 +28,7 @@ Examples:
   tunenet diagnose --sim assets/ball.toml assets/observations/light_[1-5].csv -o improved.toml
   tunenet diagnose --sim ball.toml d1.csv d2.csv d3.csv --held-out d4.csv --report answer.html
   tunenet diagnose --sim ball.toml --manifest balls.toml -o improved
+  tunenet diagnose --sim ball.toml d1.csv d2.csv d3.csv --held-out d4.csv d5.csv --law -o improved.toml
   tunenet diagnose --sim ball.toml 'logs/*.mcap' --each --out-dir answers --jobs 4
   tunenet diagnose --sim process.toml --allow-process swing.csv
 Several throws in varied directions separate effects that one throw cannot.
@@ -125,6 +127,9 @@ pub struct Tune {
     /// Write an HTML report; its profile likelihoods take further rollouts
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    /// Draw profile likelihoods of an external program as well: hundreds to thousands of rollouts more
+    #[arg(long, requires = "report", conflicts_with_all = ["quick", "max_rollouts"])]
+    pub profiles: bool,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]
@@ -132,9 +137,10 @@ pub struct Tune {
 }
 
 impl Tune {
-    /// What a report draws: a limited tuning has no further rollouts for it.
-    pub const fn drawn(&self) -> Detail {
-        if self.quick || self.max_rollouts.is_some() { Detail::Recordings } else { Detail::Profiles }
+    /// What a report draws: a limited tuning has no further rollouts for it, and those of a program may take seconds.
+    pub fn drawn(&self, domain: Domain) -> Detail {
+        let limited = self.quick || self.max_rollouts.is_some() || domain == Domain::Process;
+        if limited && !self.profiles { Detail::Recordings } else { Detail::Profiles }
     }
 }
 

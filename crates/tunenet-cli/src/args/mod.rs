@@ -135,6 +135,7 @@ Examples:
   tunenet init ball
   tunenet init ball --out tennis.toml
   tunenet init arm
+  tunenet init equations
   tunenet init process
 If release and surface height are not set, they are estimated from each recording.";
 

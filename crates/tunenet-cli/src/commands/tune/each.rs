@@ -65,7 +65,16 @@ pub fn run(
         let spent = Spent { seconds: began.elapsed().as_secs_f64(), re_asks };
         let object = tune_json::object(&outcome, &[names::file_name(path)], &chosen, spent);
         let line = sentence(&outcome);
-        let drawn = || answer(&setups, session, vec![name.to_owned()], vec![recording], outcome, options.drawn());
+        let drawn = || {
+            answer(
+                &setups,
+                session,
+                vec![name.to_owned()],
+                vec![recording],
+                outcome,
+                options.drawn(setups.common().domain()),
+            )
+        };
         let case = options.report.is_some().then(drawn).transpose()?;
         Ok(Answered { object, line, case })
     })?;

@@ -87,7 +87,7 @@ pub fn run(options: &Tune) -> Result<Exit> {
     let exit = Exit::from(outcome.verdict);
     if let Some(report) = &options.report {
         let working = fit::working(&file, &session, "drawing");
-        let answer = answer(&setups, &session, names, recordings, outcome, options.drawn())?;
+        let answer = answer(&setups, &session, names, recordings, outcome, options.drawn(setups.common().domain()))?;
         working.finish_and_clear();
         html::tune::together(report, &answer, &provenance(options))?;
         stage("report", &report.display().to_string());
