@@ -57,7 +57,7 @@ fn cubic_drag() -> Folder {
 #[test]
 fn drag_with_another_exponent_is_a_law_and_its_file_simulates_and_tunes() {
     let folder = cubic_drag();
-    let output = folder.run(LINE);
+    let output = folder.run(&format!("{LINE} --out-ranges ranges.json"));
     let json = output.json();
     let members = json["law"]["members"].as_array().unwrap_or_else(|| panic!("{json:#}"));
     assert!(["law", "one_of"].contains(&json["verdict"].as_str().unwrap()), "{json:#}");
@@ -72,6 +72,14 @@ fn drag_with_another_exponent_is_a_law_and_its_file_simulates_and_tunes() {
     };
     assert!(members.iter().any(power), "{json:#}");
     assert!(json["law"]["rollouts"].as_u64().unwrap() <= 10_000, "{json:#}");
+    // What stands next to the verdict is the law's, and what the catalogue says without it has its own place.
+    assert_eq!((json["effects"].as_array().map(Vec::len), json["next_experiment"].is_null()), (Some(0), true));
+    assert!(json["law"]["catalogue"]["gap"]["after"].as_f64() > json["gap"]["after"].as_f64(), "{json:#}");
+    let floor = json["gap"]["noise_floor"].as_f64().unwrap();
+    assert!(json["gap"]["after"].as_f64().unwrap() < 1.1 * floor, "{json:#}");
+    let ranges: serde_json::Value = serde_json::from_str(&folder.text("ranges.json")).unwrap();
+    let all: Vec<&str> = ranges["ranges"].as_array().unwrap().iter().filter_map(|r| r["name"].as_str()).collect();
+    assert!(ranges["verdict"] == json["verdict"] && all.contains(&"effects.law.a"), "{ranges:#}");
     let improved = folder.text("improved.toml");
     assert!(improved.contains("[candidates.law]") && improved.contains("[effects.law]"), "{improved}");
     let line =

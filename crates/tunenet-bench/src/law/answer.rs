@@ -89,8 +89,7 @@ impl Answer {
             refused: all(&law["refused"], |one| Refused { text: text(&one["text"]), gate: text(&one["gate"]) }),
             effects: all(&object["effects"], effect),
             candidates: all(&object["candidates"], text),
-            rollouts: object["rollouts"].as_u64().context("expected `rollouts`")?
-                + law["rollouts"].as_u64().unwrap_or(0),
+            rollouts: object["rollouts"].as_u64().context("expected `rollouts`")?,
             seconds: counted("seconds")? + law["seconds"].as_f64().unwrap_or(0.0),
         })
     }
@@ -101,9 +100,10 @@ impl Answer {
     }
 
     /// Whether the answer is what the search found, and not the catalogue's: a law that equals an effect of the catalogue counts only
-    /// where the catalogue has no answer.
+    /// where the catalogue has no answer, and of several answers the catalogue's stand where they explain as much.
     pub fn by_law(&self) -> bool {
         match self.law_verdict.as_str() {
+            "one_of" if self.reason.as_deref() == Some("catalogue") && !self.effects.is_empty() => false,
             "law" | "one_of" => matches!(self.verdict.as_str(), "law" | "one_of"),
             "named" => self.effects.is_empty() && !self.members.is_empty(),
             _ => false,

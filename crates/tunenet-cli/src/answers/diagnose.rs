@@ -2,7 +2,7 @@
 
 use toml_edit::{Array, InlineTable};
 use tunenet_core::diagnose::{
-    self, Diagnosis, Doubt, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Value, Verdict,
+    self, Diagnosis, Doubt, Fitted, Gap, GapOf, NamedEffect, OfObject, PartGap, Tuned, Value, Verdict,
 };
 use tunenet_core::finding::FindingKind;
 use tunenet_core::findings;
@@ -26,6 +26,8 @@ pub struct Object {
     /// In which its program runs, where it has one.
     pub session: Session,
     pub simulator: Box<dyn Simulator>,
+    /// A file for each setup of its recordings.
+    pub setups: Vec<SimulationFile>,
 }
 
 /// One recording of it.
@@ -98,6 +100,24 @@ impl Answer<'_> {
         Some((found, found.answer.members.first()?))
     }
 
+    /// How far the simulation is from the recordings: with the law, where one is the answer.
+    pub fn gap(&self) -> Option<Gap> {
+        let gap = self.diagnosis.gap.as_ref()?;
+        Some(self.found().map_or_else(|| gap.clone(), |(found, law)| law::gap(gap, found, law)))
+    }
+
+    /// The parameters that were tuned: with the law, where one is the answer.
+    pub fn parameters(&self) -> Vec<Tuned> {
+        let all = &self.diagnosis.parameters;
+        self.found().map_or_else(|| all.clone(), |(found, law)| law::parameters(all, found, law))
+    }
+
+    /// Rollouts of the diagnosis and of the search for a law.
+    pub fn rollouts(&self) -> usize {
+        let law = self.law.and_then(|law| law.found.as_ref().ok());
+        self.diagnosis.rollouts + law.map_or(0, |found| found.answer.rollouts)
+    }
+
     /// Names to choose from: of a set, or the nearest where nothing fits.
     pub fn candidates(&self) -> Vec<&str> {
         match self.diagnosis.verdict() {
@@ -154,6 +174,8 @@ impl Answer<'_> {
     pub fn notes(&self) -> Vec<Note> {
         let several = self.diagnosis.uses.len() > 1;
         let of_each = self.diagnosis.uses.iter().flat_map(|one| one.notes.iter().map(move |note| (one, note)));
+        // What is said of all as well is said once.
+        let of_each = of_each.filter(|(_, note)| !self.diagnosis.notes.contains(note));
         let named = of_each.map(|(one, note)| {
             let name = if several { format!("{}: ", one.name) } else { String::new() };
             Note { text: format!("{name}{}", note.text), ..note.clone() }

@@ -1,6 +1,6 @@
 //! What a search for a law changes of the answer of `tunenet diagnose`.
 
-use tunenet_core::diagnose;
+use tunenet_core::diagnose::{self, Change, Gap, Tuned};
 use tunenet_core::law::{self, Member, Reason};
 use tunenet_core::simulator::Parameter;
 
@@ -25,13 +25,36 @@ impl Law {
         let found = self.found.as_ref().ok()?;
         let open = matches!(diagnosis, diagnose::Verdict::Unknown);
         let decides = match found.answer.verdict {
-            law::Verdict::Law | law::Verdict::OneOf => true,
+            law::Verdict::Law => true,
+            // A name that explains as much says more than a formula.
+            law::Verdict::OneOf => open || found.answer.reason != Some(Reason::Catalogue),
             // What the catalogue names only in the form of a law: the catalogue's own answer says more where it has one.
             law::Verdict::Named => open && !found.answer.members.is_empty(),
             law::Verdict::None | law::Verdict::Unknown => false,
         };
         decides.then_some(found)
     }
+}
+
+/// The gap with a law instead of effects of the catalogue. Both follow the same recordings: what is left in units of the noise shrinks as
+/// the gap does.
+pub fn gap(without: &Gap, found: &Found, law: &Member) -> Gap {
+    let (before, after) = found.answer.left;
+    let held_out = match (without.held_out, law.gates.held_out_ratio, law.gates.held_out_base) {
+        (Some(change), Some(with), Some(base)) => Some(Change { after: change.before * with / base, ..change }),
+        _ => None,
+    };
+    Gap { after: without.before * after / before, held_out, control: None, forecast: None, ..without.clone() }
+}
+
+/// The parameters of the simulator as they were fitted with a law.
+pub fn parameters(without: &[Tuned], found: &Found, law: &Member) -> Vec<Tuned> {
+    let fitted = |one: &Tuned| {
+        let place = found.parameters.iter().position(|parameter| parameter.name == one.name)?;
+        let &(value, interval95) = law.parameters.get(place)?;
+        Some(Tuned { value, interval95, ..one.clone() })
+    };
+    without.iter().filter_map(fitted).collect()
 }
 
 /// The word of the answer.

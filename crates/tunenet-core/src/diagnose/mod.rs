@@ -150,8 +150,7 @@ pub fn diagnose_with(
         best = found?.unwrap_or(best);
     }
     if settings.quick {
-        let text =
-            "whole recordings were searched once; segments, single recordings and the next experiment were left out";
+        let text = "whole recordings were searched once; single recordings, segments and laws were not searched, and no experiment was designed";
         best.diagnosis.notes.push(Note::new(findings::FIT_QUICK, text, "leave out the option for the full search"));
     }
     Ok(Diagnosis { rollouts: rollouts.count(), ..best.diagnosis })

@@ -110,8 +110,8 @@ pub(crate) trait LeastSquares: Sync {
     fn unaffordable(&self) -> Error {
         let columns: usize = self.recordings().iter().map(|&d| self.touched(d).len() + self.nuisances(d).len()).sum();
         let least = 2 * (self.recordings().len() + columns);
-        let expected = format!("at least {least} more rollouts, which a first step takes");
-        Error::Setting { origin: Origin::Flag, name: "max_rollouts", expected, found: "fewer left".into() }
+        let expected = format!("at least {least} rollouts, which the first step takes");
+        Error::Setting { origin: Origin::Flag, name: "max_rollouts", expected, found: "fewer".into() }
     }
 
     /// Whether a direction that the simulator refuses on both sides is taken for one without slope, instead of an error.

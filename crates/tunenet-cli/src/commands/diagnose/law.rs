@@ -20,11 +20,16 @@ pub fn search_law(options: &Diagnose, loaded: &Loaded, diagnosis: &Diagnosis) ->
     };
     // Without recordings that agree and others that confirm it, no law is an answer.
     let count = |held_out: bool| diagnosis.uses.iter().filter(|one| one.used && one.held_out == held_out).count();
-    let by_itself = open && count(false) > 1 && count(true) > 0 && !options.quick && options.max_rollouts.is_none();
+    let by_itself = open && count(false) > 1 && count(true) > 0;
     if !options.law && !by_itself {
         return Ok(None);
     }
     let began = Instant::now();
+    if options.quick || options.max_rollouts.is_some() {
+        let found = Err("not searched: `--quick` and `--max-rollouts` leave out the search for a law");
+        let unknown = diagnosis.verdict() == Verdict::Unknown;
+        return Ok(unknown.then_some(Law { asked: true, seconds: 0.0, found }));
+    }
     let found = match searched(options, loaded, diagnosis) {
         Ok(found) => found,
         // A search that nobody asked for does not end a diagnosis.
@@ -50,16 +55,13 @@ fn searched(
     let [object] = loaded.objects.as_slice() else {
         return Ok(Err("a law is searched in recordings of one object only"));
     };
-    if loaded.recorded.iter().any(|recorded| !recorded.own.is_empty()) {
-        return Ok(Err("a law is searched in recordings of one setup only"));
-    }
     if diagnosis.verdict() == Verdict::Insufficient {
         return Ok(Err("the recordings do not suffice for a law"));
     }
     let present = object.file.effects();
     let present: Vec<&str> = present.iter().map(|effect| effect.name.as_str()).collect();
     let kind = loaded.recorded[0].seen.kind();
-    let host = match tunenet_sim::law::host(&[&object.file], kind, &present)? {
+    let host = match tunenet_sim::law::host(&object.setups.iter().collect::<Vec<_>>(), kind, &present)? {
         Ok(host) => host,
         Err(why) => return Ok(Err(why)),
     };

@@ -111,5 +111,6 @@ fn object(options: &Diagnose, sources: &[Source], group: &Group, kind: Kind) -> 
     if !shown.is_empty() {
         simulator = simulator.with_effects(&shown)?;
     }
-    Ok(Object { name: first.object.clone(), file, session, simulator })
+    let setups = group.setups.files().into_iter().cloned().collect();
+    Ok(Object { name: first.object.clone(), file, session, simulator, setups })
 }

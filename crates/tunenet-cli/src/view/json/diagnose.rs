@@ -12,27 +12,30 @@ use crate::answers::diagnose::{Answer, gap_of, is_per_joint};
 pub fn object(answer: &Answer) -> Json {
     let diagnosis = answer.diagnosis;
     let warnings: Vec<Json> = answer.notes().iter().map(warning).collect();
+    // Where a law is the answer, what the catalogue says without it stands in `law.catalogue`.
+    let by_law = answer.found().is_some();
+    let next = diagnosis.next_experiment.as_ref().filter(|_| !by_law);
     let mut object = json!({
         "schema": "tunenet.diagnose/1",
         "verdict": answer.word(),
         "objects": answer.objects().map(of_object).collect::<Vec<_>>(),
-        "effects": diagnosis.effects().iter().map(|e| effect(answer, e)).collect::<Vec<_>>(),
-        "candidates": answer.candidates(),
+        "effects": if by_law { Vec::new() } else { effects(answer) },
+        "candidates": if by_law { Vec::new() } else { answer.candidates() },
         "scores": diagnosis.candidates.iter().map(score).collect::<Vec<_>>(),
-        "gap": diagnosis.gap.as_ref().map(gap),
-        "gaps": diagnosis.gaps.iter().map(|part| part_gap(answer, part)).collect::<Vec<_>>(),
+        "gap": answer.gap().as_ref().map(gap),
+        "gaps": diagnosis.gaps.iter().filter(|_| !by_law).map(|part| part_gap(answer, part)).collect::<Vec<_>>(),
         "margin": diagnosis.margin,
-        "adequacy": diagnosis.adequacy.iter().map(test).collect::<Vec<_>>(),
-        "doubt": diagnosis.conclusion.doubt().map(ToString::to_string),
-        "description": diagnosis.conclusion.description(),
-        "next_experiment": diagnosis.next_experiment.as_ref().map(|next| {
+        "adequacy": diagnosis.adequacy.iter().filter(|_| !by_law).map(test).collect::<Vec<_>>(),
+        "doubt": diagnosis.conclusion.doubt().filter(|_| !by_law).map(ToString::to_string),
+        "description": diagnosis.conclusion.description().filter(|_| !by_law),
+        "next_experiment": next.map(|next| {
             let settings: Map<String, Json> = next.settings.iter().map(|(k, v)| (k.clone(), json!(v))).collect();
             json!({ "text": next.text, "settings": settings })
         }),
-        "parameters": diagnosis.parameters.iter().map(|p| parameter(answer, p)).collect::<Vec<_>>(),
+        "parameters": answer.parameters().iter().map(|p| parameter(answer, p)).collect::<Vec<_>>(),
         "recordings": diagnosis.uses.iter().map(used).collect::<Vec<_>>(),
-        "estimated": diagnosis.explained.iter().map(estimated).collect::<Vec<_>>(),
-        "rollouts": diagnosis.rollouts,
+        "estimated": diagnosis.explained.iter().filter(|_| !by_law).map(estimated).collect::<Vec<_>>(),
+        "rollouts": answer.rollouts(),
         "seconds": answer.seconds,
         "warnings": warnings,
     });
@@ -42,7 +45,21 @@ pub fn object(answer: &Answer) -> Json {
     if let Some(law) = answer.law {
         object["law"] = super::law::object(law);
     }
+    if by_law {
+        object["law"]["catalogue"] = json!({
+            "verdict": diagnosis.verdict(),
+            "effects": effects(answer),
+            "candidates": answer.candidates(),
+            "gap": diagnosis.gap.as_ref().map(gap),
+            "adequacy": diagnosis.adequacy.iter().map(test).collect::<Vec<_>>(),
+            "parameters": diagnosis.parameters.iter().map(|p| parameter(answer, p)).collect::<Vec<_>>(),
+        });
+    }
     object
+}
+
+fn effects(answer: &Answer) -> Vec<Json> {
+    answer.diagnosis.effects().iter().map(|e| effect(answer, e)).collect()
 }
 
 fn of_object((name, one): (&str, &OfObject)) -> Json {

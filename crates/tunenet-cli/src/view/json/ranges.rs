@@ -32,7 +32,7 @@ pub fn of_tuning(outcome: &Outcome) -> Value {
 
 /// The ranges of the parameters and of the effects' coefficients of a diagnosis; of several objects each has a list.
 pub fn of_diagnosis(answer: &Answer) -> Value {
-    let mut object = json!({ "schema": SCHEMA, "verdict": answer.diagnosis.verdict(), "level": LEVEL });
+    let mut object = json!({ "schema": SCHEMA, "verdict": answer.word(), "level": LEVEL });
     let objects = &answer.loaded.objects;
     if objects.len() == 1 {
         object["ranges"] = of_object(answer, 0);
@@ -44,8 +44,16 @@ pub fn of_diagnosis(answer: &Answer) -> Value {
 }
 
 fn of_object(answer: &Answer, number: usize) -> Value {
-    let parameters = answer.diagnosis.parameters.iter().filter(|p| p.object == number);
+    let tuned = answer.parameters();
+    let parameters = tuned.iter().filter(|p| p.object == number);
     let parameters = parameters.map(|p| range(&p.name, &p.unit, p.value, p.interval95));
+    if let Some((_, law)) = answer.found() {
+        let numbers = law.terms.iter().flat_map(|term| {
+            let name = |key: &str| format!("effects.{}.{key}", term.carried.effect.name);
+            term.numbers.iter().map(move |n| range(&name(&n.key), &n.unit, n.value, n.interval95))
+        });
+        return parameters.chain(numbers).collect();
+    }
     let effects = answer.effects_of(number).into_iter().flat_map(|named| {
         let values = named.coefficients.iter().filter_map(|c| Some((c, value_of(c, number)?)));
         values.map(|(c, v)| range(&format!("effects.{}.{}", named.effect.name, c.key), &c.unit, v.value, v.interval95))

@@ -4,7 +4,9 @@ use std::cmp::Ordering;
 use std::path::Path;
 
 use indicatif::ProgressBar;
-use tunenet_core::diagnose::{Candidate, Change, Diagnosis, GapOf, NamedEffect, PartGap, Progress, Value, Verdict};
+use tunenet_core::diagnose::{
+    Candidate, Change, Diagnosis, Gap, GapOf, NamedEffect, PartGap, Progress, Tuned, Value, Verdict,
+};
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
@@ -126,7 +128,7 @@ pub fn end(out: Option<&Path>, seed: u64, answer: &Answer, written: &Written) {
             format!("{out} not written: {why}; ")
         }
     };
-    let rollouts = rolled_out(diagnosis.rollouts, answer.re_asks);
+    let rollouts = rolled_out(answer.rollouts(), answer.re_asks);
     note(&format!("{wrote}{rollouts}, {:.1} s, seed {seed}", answer.seconds));
 }
 
@@ -215,36 +217,44 @@ fn details(answer: &Answer) -> Vec<String> {
     for (effect, objects) in answer.unneeded() {
         lines.push(format!("{effect} is not needed by the recordings of {}", objects.join(", ")));
     }
-    for tuned in &diagnosis.parameters {
-        let object = answer.loaded.objects.get(tuned.object).filter(|_| answer.loaded.objects.len() > 1);
-        let object = object.map(|o| format!("{}: ", o.name)).unwrap_or_default();
-        let value = Value { object: None, value: tuned.value, interval95: tuned.interval95 };
-        let unit = if tuned.unit == "1" { "" } else { &tuned.unit };
-        lines.push(format!("{object}{} {}, was {}", tuned.name, ranged(&value, unit), four_digits(tuned.given)));
-    }
+    lines.extend(diagnosis.parameters.iter().map(|tuned| parameter(answer, tuned)));
     if let Some(gap) = &diagnosis.gap {
-        let words = |value: f64| in_words(value, &gap.unit);
         if !diagnosis.effects().is_empty() {
-            let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
-            let of = match gap.of {
-                GapOf::Recordings => "",
-                GapOf::Segments => " of the flights only",
-                GapOf::Events => " of the contacts only",
-            };
-            let mut line = format!("gap{of} {} → {}", words(gap.before), words(gap.after));
-            if let Some(change) = &gap.held_out {
-                line = format!("{line}, held out {}", to(change));
-            }
-            if let Some(change) = &gap.forecast {
-                line = format!("{line}, forecast {}", to(change));
-            }
-            lines.push(line);
+            lines.push(gap_line(gap));
         }
         if let Some((wrong, after)) = &gap.control {
-            lines.push(format!("control: with {wrong} instead, held out {}", words(*after)));
+            lines.push(format!("control: with {wrong} instead, held out {}", in_words(*after, &gap.unit)));
         }
     }
     lines
+}
+
+/// A tuned parameter with its interval and what it was.
+pub fn parameter(answer: &Answer, tuned: &Tuned) -> String {
+    let object = answer.loaded.objects.get(tuned.object).filter(|_| answer.loaded.objects.len() > 1);
+    let object = object.map(|o| format!("{}: ", o.name)).unwrap_or_default();
+    let value = Value { object: None, value: tuned.value, interval95: tuned.interval95 };
+    let unit = if tuned.unit == "1" { "" } else { &tuned.unit };
+    format!("{object}{} {}, was {}", tuned.name, ranged(&value, unit), four_digits(tuned.given))
+}
+
+/// How the gap shrank: on the recordings, on those held out, and of a forecast.
+pub fn gap_line(gap: &Gap) -> String {
+    let words = |value: f64| in_words(value, &gap.unit);
+    let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
+    let of = match gap.of {
+        GapOf::Recordings => "",
+        GapOf::Segments => " of the flights only",
+        GapOf::Events => " of the contacts only",
+    };
+    let mut line = format!("gap{of} {} → {}", words(gap.before), words(gap.after));
+    if let Some(change) = &gap.held_out {
+        line = format!("{line}, held out {}", to(change));
+    }
+    if let Some(change) = &gap.forecast {
+        line = format!("{line}, forecast {}", to(change));
+    }
+    line
 }
 
 fn ranged(value: &Value, unit: &str) -> String {

@@ -2,6 +2,7 @@
 
 use tunenet_core::law::{Member, Verdict};
 
+use super::diagnose::{gap_line, parameter};
 use super::rounded;
 use crate::answers::diagnose::Answer;
 use crate::answers::law::{Law, alias, cautions, why};
@@ -36,17 +37,10 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
     let members = &found.answer.members;
     for member in if decides { members.as_slice() } else { &[] } {
         shown.line(&format!("  {}: {}", name(member), numbers(member)));
-        for (parameter, &(value, (low, high))) in found.parameters.iter().zip(&member.parameters) {
-            if parameter.tune && high > low {
-                let half = (high - low) / 2.0;
-                let [value, low, high] = [value, low, high].map(|v| rounded(v, half));
-                shown.line(&format!("    with {} {value} (95 %: {low} to {high})", parameter.name));
-            }
-        }
         let gates = &member.gates;
-        let p =
-            gates.heterogeneity_p.map_or_else(String::new, |p| format!(", recordings differ by chance with p {p:.2}"));
-        let ahead = gates.held_out_ratio.map_or_else(String::new, |r| format!(", held out ×{r:.3} of the noise"));
+        let p = gates.heterogeneity_p.map_or_else(String::new, |p| format!(", recordings agree (p {p:.2})"));
+        let ahead =
+            gates.held_out_ratio.map_or_else(String::new, |r| format!(", held-out error {r:.3} times the noise"));
         shown.line(&format!(
             "    gain {:.0}, residual force {:.1} nats (at most 3){p}{ahead}",
             member.bic_gain, gates.residual_force_nats
@@ -76,11 +70,13 @@ pub fn lines(shown: &mut Printout, answer: &Answer, law: &Law) {
         shown.line(&format!("  law: {said}"));
     }
     if decides {
-        let (before, after) = found.answer.left;
-        shown.line(&format!(
-            "  residual {before:.2} → {after:.2} of the noise (RMS); {} rollouts, {:.1} s",
-            found.answer.rollouts, law.seconds
-        ));
+        for tuned in answer.parameters() {
+            shown.line(&format!("  {}", parameter(answer, &tuned)));
+        }
+        if let Some(gap) = answer.gap() {
+            shown.line(&format!("  {}", gap_line(&gap)));
+        }
+        shown.line(&format!("  law: {} rollouts, {:.1} s", found.answer.rollouts, law.seconds));
         return;
     }
     shown.line(&format!("  law: {} rollouts, {:.1} s", found.answer.rollouts, law.seconds));

@@ -115,12 +115,12 @@ fn course(member: &Member) -> Markup {
     let x = Axis::new((*low, *high), (48.0, WIDTH - 8.0));
     let y = Axis::around(all(), (HEIGHT - 36.0, 8.0), 0.08);
     let mut svg = Svg::new(WIDTH, HEIGHT);
-    for (value, text) in y.ticks(5) {
-        svg.line("grid", (x.places().0, y.at(value)), (x.places().1, y.at(value)));
-        svg.text("tick", (44.0, y.at(value) + 4.0), Anchor::End, &text);
+    for (place, text) in y.ticks(5) {
+        svg.line("grid", (x.places().0, place), (x.places().1, place));
+        svg.text("tick", (44.0, place + 4.0), Anchor::End, &text);
     }
-    for (value, text) in x.ticks(6) {
-        svg.text("tick", (x.at(value), HEIGHT - 20.0), Anchor::Middle, &text);
+    for (place, text) in x.ticks(6) {
+        svg.text("tick", (place, HEIGHT - 20.0), Anchor::Middle, &text);
     }
     let curve = |c: f64| xs.iter().map(|at| (x.at(*at), y.at(c * product(*at)))).collect::<Vec<_>>();
     for bound in [least, most] {
