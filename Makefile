@@ -103,7 +103,7 @@ target/cluster-venv/ready: tests/cluster/requirements.txt
 	@target/cluster-venv/bin/pip install --quiet --disable-pip-version-check --retries 1 --timeout 20 -r $<
 	@touch $@
 
-# Python with MuJoCo, which judges driven simulators in the tests; its folder bin has to come first in PATH.
+# Python with MuJoCo, which judges driven simulators in the tests, and with what writes logs in every format; its folder bin has to come first in PATH.
 judges: target/judges-venv/ready
 
 target/judges-venv/ready: tests/process/requirements.txt

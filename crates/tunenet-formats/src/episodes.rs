@@ -80,13 +80,11 @@ impl std::str::FromStr for Selection {
 pub fn episodes(path: impl AsRef<Path>, chosen: Option<&Selection>) -> Result<Option<Vec<PathBuf>>> {
     let path = path.as_ref();
     let Some(names) = names(path)? else {
-        return match chosen {
-            None => Ok(None),
-            Some(_) => {
-                let message = "expected a recording in episodes (LeRobot, HDF5) for `--episodes`, found a single one";
-                Err(Error::file(path, message, "leave `--episodes` out"))
-            }
-        };
+        if chosen.is_none() {
+            return Ok(None);
+        }
+        let message = "expected a recording in episodes (LeRobot, HDF5) for `--episodes`, found a single one";
+        return Err(Error::file(path, message, "leave `--episodes` out"));
     };
     let Some(chosen) = chosen else {
         let all = names.iter().map(|name| path.join(name)).collect();

@@ -8,28 +8,24 @@ use sha2::{Digest, Sha256};
 use toml_edit::{Array, InlineTable};
 use tunenet_formats::{Action, Error, files_of, open};
 
-use super::names::{self, file_name, pictures};
+use super::names::{file_name, pictures};
 
 /// The SHA-256 of a file's bytes, in hexadecimal; of a folder of frames or of a recording in several files, that of all their bytes.
 pub fn sha256(path: &Path) -> Result<String> {
     let mut hasher = Sha256::new();
-    if !path.is_file() {
-        let folder = path.is_dir();
-        let pictures = if folder {
-            pictures(path).map_err(|source| Error::io(path, Action::Reading, source))?
-        } else {
-            Vec::new()
-        };
-        let files = if pictures.is_empty() { files_of(path)? } else { pictures };
-        for file in files {
-            digest(&file, &mut hasher)?;
-        }
-        if !folder {
-            // Several episodes stand in the same files.
-            hasher.update(names::file_name(path));
-        }
-    } else {
+    if path.is_file() {
         digest(path, &mut hasher)?;
+        return Ok(hex::encode(hasher.finalize()));
+    }
+    let folder = path.is_dir();
+    let failed = |source| Error::io(path, Action::Reading, source);
+    let pictures = if folder { pictures(path).map_err(failed)? } else { Vec::new() };
+    for file in if pictures.is_empty() { files_of(path)? } else { pictures } {
+        digest(&file, &mut hasher)?;
+    }
+    if !folder {
+        // Several episodes stand in the same files.
+        hasher.update(file_name(path));
     }
     Ok(hex::encode(hasher.finalize()))
 }

@@ -146,7 +146,7 @@ fn a_type_without_a_definition_is_named_and_read_with_one() {
     assert!(hint.contains("--msg Status.msg"), "{hint}");
     let definitions = vec![("Status".to_owned(), "float64 position".to_owned())];
     let columns = vec![("z_m".to_owned(), "position".to_owned())];
-    let found = read(&path, &ReadOptions { definitions, columns, ..topic("/status") }).unwrap();
+    let found = read(&path, &ReadOptions { columns, definitions, ..topic("/status") }).unwrap();
     assert_eq!(found.observation.len(), 20);
 }
 

@@ -27,7 +27,7 @@ pub(super) fn not_joints(columns: &Columns, environment: &str) -> Option<Note> {
         };
         let is = |array: &String| known.contains(&array.rsplit('.').next().unwrap_or_default());
         let mut names = columns.names.iter().filter_map(|name| array(name)).filter(is).collect::<Vec<String>>();
-        names.sort_by_key(|name| name.len());
+        names.sort_by_key(String::len);
         let Some(first) = names.first() else { return Vec::new() };
         (0..columns.names.len()).filter(|i| array(&columns.names[*i]).as_ref() == Some(first)).collect()
     };

@@ -79,15 +79,15 @@ impl Demonstrations {
                 );
                 Err(Error::file(&self.path, message, hint))
             }
-            (Some(name), all) => match all.iter().find(|(known, _)| known == name) {
-                Some((_, group)) => Ok(group),
-                None => {
-                    let names = self.names();
-                    let there = list(names.iter().map(String::as_str), 6);
-                    let message = format!("expected an episode that is there ({there}), found `{name}`");
-                    Err(Error::file(&self.path, message, "`tunenet inspect` lists them"))
+            (Some(name), all) => {
+                if let Some((_, group)) = all.iter().find(|(known, _)| known == name) {
+                    return Ok(group);
                 }
-            },
+                let names = self.names();
+                let there = list(names.iter().map(String::as_str), 6);
+                let message = format!("expected an episode that is there ({there}), found `{name}`");
+                Err(Error::file(&self.path, message, "`tunenet inspect` lists them"))
+            }
         }
     }
 

@@ -187,11 +187,19 @@ fn most_common(arrays: &[Array]) -> usize {
 
 /// Rows, numbers in a row, and whether it is a list; `None` for what has no row of numbers for each of three instants.
 fn shape(data: &Dataset) -> Option<(usize, usize, bool)> {
-    let number = match data.dtype().ok()? {
-        DType::F32 | DType::F64 | DType::I8 | DType::I16 | DType::I32 | DType::I64 => true,
-        DType::U8 | DType::U16 | DType::U32 | DType::U64 => true,
-        _ => false,
-    };
+    let number = matches!(
+        data.dtype().ok()?,
+        DType::F32
+            | DType::F64
+            | DType::I8
+            | DType::I16
+            | DType::I32
+            | DType::I64
+            | DType::U8
+            | DType::U16
+            | DType::U32
+            | DType::U64
+    );
     let (rows, width, flat) = match data.shape().ok()?.as_slice() {
         [rows] => (*rows, 1, true),
         [rows, width @ 1..=WIDEST] => (*rows, *width, false),

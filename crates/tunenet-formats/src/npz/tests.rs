@@ -40,8 +40,9 @@ fn options(columns: &[(&str, &str)]) -> ReadOptions {
 
 #[test]
 fn arrays_by_name_read_as_the_columns_of_a_text_do() {
-    let (times, heights) = ([0.0, 0.1, 0.30000000000000004], [1.0, 0.9, 1.0 / 3.0]);
-    let text: String = times.iter().zip(heights).map(|(t, z)| format!("{t:?},{z:?}\n")).collect();
+    let (times, heights) = ([0.0, 0.1, 0.1 + 0.2], [1.0, 0.9, 1.0 / 3.0]);
+    let rows: Vec<String> = times.iter().zip(heights).map(|(t, z)| format!("{t:?},{z:?}")).collect();
+    let text = rows.join("\n");
     let (_folder, path) = file("a.csv", format!("t_s,z_m\n{text}"));
     let expected = read(&path, &ReadOptions::default()).unwrap();
     let bytes = archive(&[

@@ -30,7 +30,7 @@ fn made(path: &Path, times: &[f64], heights: &[Option<f64>]) {
         let mut column = group.next_column().unwrap().unwrap();
         column.typed::<DoubleType>().write_batch(&values, Some(&levels), None).unwrap();
         column.close().unwrap();
-        let stamps: Vec<i64> = (0..times.len() as i64).map(|i| 1_700_000_000_000_000_001 + i).collect();
+        let stamps: Vec<i64> = (1_700_000_000_000_000_001..).take(times.len()).collect();
         let mut column = group.next_column().unwrap().unwrap();
         column.typed::<Int64Type>().write_batch(&stamps, None, None).unwrap();
         column.close().unwrap();
@@ -47,7 +47,8 @@ fn made(path: &Path, times: &[f64], heights: &[Option<f64>]) {
 fn a_table_reads_as_the_same_numbers_in_a_text() {
     let times: Vec<f64> = (0..7).map(|i| f64::from(i) / 30.0).collect();
     let heights: Vec<f64> = times.iter().map(|t| (t + 0.1).sqrt()).collect();
-    let text: String = times.iter().zip(&heights).map(|(t, z)| format!("{t:?},{z:?}\n")).collect();
+    let rows: Vec<String> = times.iter().zip(&heights).map(|(t, z)| format!("{t:?},{z:?}")).collect();
+    let text = rows.join("\n");
     let (folder, path) = file("a.csv", format!("t_s,z_m\n{text}"));
     let expected = read(&path, &ReadOptions::default()).unwrap().observation;
     let path = folder.path().join("a.parquet");

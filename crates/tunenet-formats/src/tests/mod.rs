@@ -1,5 +1,7 @@
 //! Whole files, good and bad.
 
+#[cfg(feature = "logs")]
+mod all_formats;
 mod csv;
 mod listing;
 mod mcap;
