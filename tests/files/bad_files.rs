@@ -212,7 +212,7 @@ fn other_kinds_of_files_under_the_name_of_a_table() {
         (b"\x1f\x8b\x08\0\0\0\0\0", "found a gzip archive"),
         (b"%PDF-1.7\n", "found a PDF document"),
         (b"\0\0\0\x20ftypisom\0\0\x02\0", "found a video"),
-        (b"\x89HDF\r\n\x1a\n", "found an HDF5 file"),
+        (b"MATLAB 7.3 MAT-file, Platform: GLNXA64", "found a MATLAB file (v7.3)"),
         (b"\x7fELF\x02\x01\x01\0\0", "found a zero byte in line 1"),
         (b"t_s,z_m\n0,1\n0.1,\0\n", "found a zero byte in line 3"),
     ] {

@@ -317,7 +317,7 @@ fn outputs_that_cannot_be_written() {
     refused(
         &folder,
         "tune --sim scene.toml --observation folder.csv",
-        &["folder.csv", "expected a file, found a folder"],
+        &["folder.csv", "found a folder that holds none"],
     );
     refused(&folder, "inspect folder.csv", &["folder.csv"]);
     refused(&folder, "tune --sim folder.csv --observation drop.csv", &["folder.csv"]);

@@ -4,6 +4,8 @@ mod bad_files;
 mod bad_input;
 mod fuzzed;
 mod hostile;
+#[cfg(feature = "logs")]
+mod logs;
 mod overwriting;
 mod resume;
 mod same_bytes;

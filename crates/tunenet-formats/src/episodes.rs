@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "logs")]
 use crate::place::is_data_set;
 use crate::shown::list;
 use crate::{Error, Result};

@@ -1,6 +1,8 @@
 //! Units of columns whose file does not state them: said with `--units`, or proposed from the numbers themselves.
 
+#[cfg(feature = "logs")]
 use crate::shown::list;
+#[cfg(feature = "logs")]
 use crate::{Origin, Result};
 use tunenet_core::observation::{Channel, plain};
 
@@ -41,6 +43,7 @@ impl UnitRule {
     }
 
     /// Whether it is about a column of this name.
+    #[cfg(feature = "logs")]
     fn is_about(&self, name: &str) -> bool {
         let one = |pattern: &str| match pattern.split_once('*') {
             Some((start, end)) => {
@@ -54,9 +57,11 @@ impl UnitRule {
 }
 
 /// What stands before the name of a joint where a column holds its command.
+#[cfg(feature = "logs")]
 pub(crate) const ACTION: &str = "action.";
 
 /// The rule about a column of this name: the last that fits.
+#[cfg(feature = "logs")]
 pub(crate) fn rule<'a>(rules: &'a [UnitRule], name: &str) -> Option<&'a UnitRule> {
     rules.iter().rev().find(|rule| rule.is_about(name))
 }
@@ -65,6 +70,7 @@ pub(crate) fn rule<'a>(rules: &'a [UnitRule], name: &str) -> Option<&'a UnitRule
 ///
 /// # Errors
 /// [`Setting`](tunenet_core::Error::Setting) with the names that there are.
+#[cfg(feature = "logs")]
 pub(crate) fn refuse_unused(rules: &[UnitRule], names: &[String]) -> Result<()> {
     let Some(unused) = rules.iter().find(|rule| !names.iter().any(|name| rule.is_about(name))) else { return Ok(()) };
     Err(tunenet_core::Error::Setting {
@@ -77,6 +83,7 @@ pub(crate) fn refuse_unused(rules: &[UnitRule], names: &[String]) -> Result<()> 
 }
 
 /// How a number becomes one of the project's own units: the factor, and how the header ends.
+#[cfg(feature = "logs")]
 pub(crate) fn own(rule: &UnitRule) -> (f64, &str) {
     const DEGREE: f64 = std::f64::consts::PI / 180.0;
     let factor = rule.factor;
@@ -91,13 +98,14 @@ pub(crate) fn own(rule: &UnitRule) -> (f64, &str) {
 }
 
 /// What a header in `--columns` becomes where its column is in the project's own unit already.
+#[cfg(feature = "logs")]
 pub(crate) fn in_own_unit(header: &str) -> String {
     let ends = [("_deg", "_rad"), ("_deg_s", "_rad_s"), ("_mm", "_m"), ("_cm", "_m"), ("_ma", "_a")];
     let found = ends.iter().find_map(|(theirs, ours)| Some(format!("{}{ours}", header.strip_suffix(theirs)?)));
     found.unwrap_or_else(|| header.to_owned())
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "logs"))]
 mod tests {
     use super::*;
 

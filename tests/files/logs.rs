@@ -1,0 +1,66 @@
+//! Logs of robots, from the command line: what `inspect` says of a data set, and a tuning to its episodes.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::common::Folder;
+
+/// A joint that follows its command with a lag.
+const FOLLOWING: &str = r#"
+kind = "equations"
+[states.a_rad]
+[start.a_rad]
+value = "first"
+[derivatives]
+a_rad = "(goal_rad - a_rad) / lag"
+[inputs.goal_rad]
+column = "action.a"
+[parameters.lag]
+value = 0.1
+min = 0.01
+max = 1.0
+unit = "s"
+"#;
+
+/// The data set that is a seed of the fuzz target: what describes it and, behind a NUL, its only file.
+fn data_set(folder: &Folder) {
+    let seed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/lerobot/v3_0");
+    let bytes = std::fs::read(seed).unwrap();
+    let split = bytes.iter().position(|byte| *byte == 0).unwrap();
+    for part in ["set/meta", "set/data/chunk-000"] {
+        std::fs::create_dir_all(folder.path(part)).unwrap();
+    }
+    folder.write("set/meta/info.json", &bytes[..split]);
+    folder.write("set/data/chunk-000/file-000.parquet", &bytes[split + 1..]);
+}
+
+#[test]
+fn a_data_set_is_listed_with_units_that_have_to_be_said() {
+    let folder = Folder::new();
+    data_set(&folder);
+    folder.write("a.toml", FOLLOWING);
+    let listed = folder.run("inspect set --json").ends(0).json();
+    assert_eq!((&listed["kind"], &listed["format"]), (&Value::from("episodes"), &Value::from("LeRobot v3.0")));
+    let columns = listed["columns"].as_array().unwrap();
+    let names: Vec<&str> = columns.iter().map(|column| column["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["a", "b", "action.a", "action.b"]);
+    let refused = folder.run("tune --sim a.toml set --json").ends(1);
+    assert!(refused.stderr.contains("the unit of `a` is not stated"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("--units"), "{}", refused.stderr);
+    let named = folder.run("inspect set/episode_0 --sim a.toml --units deg --json").ends(0).json();
+    assert_eq!(named["usable"], true);
+    let absent = folder.run("tune --sim a.toml set --episodes 3-4 --units deg").ends(1);
+    assert!(absent.stderr.contains("found none of 3-4"), "{}", absent.stderr);
+    // A command that differs from its joint by a constant has no lag that could be found; the recording is read.
+    let tuned = folder.run("tune --sim a.toml set --episodes 0 --units deg --json");
+    assert!(tuned.json()["verdict"].is_string(), "{}", tuned.stderr);
+}
+
+#[test]
+fn a_folder_without_a_recording_says_what_it_may_be() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("set")).unwrap();
+    let said = folder.run("inspect set").ends(1).stderr;
+    assert!(said.contains("found a folder that holds none (ROS 2 bag, LeRobot data set)"), "{said}");
+}
