@@ -9,6 +9,7 @@ mod equations;
 mod files;
 mod process;
 mod regress;
+mod robot;
 mod tune;
 #[cfg(feature = "video")]
 mod video;

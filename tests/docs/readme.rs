@@ -8,7 +8,7 @@ use tunenet_sim::shot::task::TASK_KEYS;
 use tunenet_sim::simulation_file::schema::{BALL_KEYS, EFFECT_KEYS, Key, PARAMETER_KEYS};
 use tunenet_sim::simulation_file::{
     ARM_EFFECT_KEYS, ARM_KEYS, CANDIDATE_KEYS, COEFFICIENT_KEYS, EQUATIONS_KEYS, EQUATIONS_TABLES, FORMULA_KEYS,
-    INPUT_KEYS, PROCESS_EFFECT_KEYS, PROCESS_KEYS, START_KEYS,
+    INPUT_KEYS, PROCESS_EFFECT_KEYS, PROCESS_KEYS, ROBOT_EFFECT_KEYS, ROBOT_KEYS, ROBOT_TABLES, START_KEYS,
 };
 
 /// The rows that docs/files.md must hold for these keys.
@@ -27,13 +27,16 @@ fn the_keys_of_a_simulation_file_are_those_of_the_schema() {
     let mut page = text("docs/files.md");
     let write = std::env::var_os("TUNENET_DOCS_WRITE").is_some();
     let equations = [EQUATIONS_KEYS, EQUATIONS_TABLES].concat();
-    let all: [(&str, &[Key]); 14] = [
+    let robot = [ROBOT_KEYS, &ROBOT_TABLES[..]].concat();
+    let all: [(&str, &[Key]); 16] = [
         ("keys", BALL_KEYS),
         ("arm", ARM_KEYS),
         ("effects", &EFFECT_KEYS),
         ("arm effects", &ARM_EFFECT_KEYS),
         ("process", PROCESS_KEYS),
         ("equations", &equations),
+        ("robot", &robot),
+        ("robot effects", &ROBOT_EFFECT_KEYS),
         ("process effects", &PROCESS_EFFECT_KEYS),
         ("inputs", INPUT_KEYS),
         ("start", START_KEYS),

@@ -57,6 +57,9 @@ finding_kinds! {
     note ADEQUACY_PRACTICAL = "adequacy.practical",
         "the residual exceeds the noise; the effects remove most of the misfit, and held-out recordings confirm them where there are any",
         "none needed; the coefficients absorb a small part of what remains";
+    note REMAINDER_UNKNOWN = "remainder.unknown",
+        "effects are named, and what they leave is far above the noise: no other effect of the catalogue is confirmed by held-out recordings",
+        "compare parameters on other recordings before relying on them; what the remainder depends on is shown in the report";
     warning CONTACT_UNEXPLAINED = "contact.unexplained",
         "the named effects explain the motion between contacts; contacts leave a discrepancy that no effect explains",
         "vary height and surface, to see which of them changes it";

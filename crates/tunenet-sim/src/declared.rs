@@ -74,6 +74,7 @@ fn effect(name: &str, candidate: &Candidate) -> Effect {
         implausible: None,
         feigned_by: None,
         forecast_share: 1.0,
+        exact_twins: Vec::new(),
     }
 }
 

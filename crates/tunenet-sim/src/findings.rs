@@ -75,6 +75,24 @@ finding_kinds! {
     warning PAYLOAD_MOVED = "payload.moved",
         "the centre of mass differs from the one tuned before, in `[provenance]` (`noticed` only)",
         "check how the payload was mounted, and the zeros and signs of both logs";
+    note ROBOT_JUMPS = "robot.jumps",
+        "single samples of a joint jump and are left out",
+        "none needed; check the wiring where there are many";
+    warning ROBOT_STILL = "robot.still",
+        "a joint never moves",
+        "leave it out of `[joints]`, or record it while it moves";
+    warning ROBOT_UNITS = "robot.units",
+        "commands and positions of a joint are in different units, such as degrees and radians; the recording is not used",
+        "name the column of commands with its unit, or convert it";
+    warning ROBOT_LEADER = "robot.leader",
+        "the positions of a joint equal its commands at every sample: a log of what commanded it; the recording is not used",
+        "record the positions of the follower";
+    warning ROBOT_CLOCK = "robot.clock",
+        "the commands of a joint fit its motion far better half a second or more earlier or later",
+        "give both the same clock";
+    warning ROBOT_ONE_SETUP = "robot.one_setup",
+        "all recordings have one gain and one load: some effects are the same as parameters there and are not looked for",
+        "record at another gain and with another load";
     note REFERENCE_ALIGNED = "reference.aligned",
         "by which lag the reference was aligned",
         "none needed";

@@ -9,7 +9,9 @@
 //! | [`observed_ball`] | that ball as a simulator that core can tune |
 //! | [`observed_arm`] | an arm that follows a motion, as a simulator that core can tune |
 //! | [`observed_equations`] | the equations of a file as a simulator that core can tune |
+//! | [`observed_robot`] | the robot joints of a file as a simulator that core can tune |
 //! | [`observed`] | from a file to such a simulator, its effects included |
+//! | [`robot`] | robot joints from commands: drives, friction, rollouts |
 //! | [`replayed_arm`] | an arm whose measured motion is replayed: torques from logs |
 //! | [`open_drag`] | the drag that recordings leave open |
 //! | [`formula_effect`] | effects that a user writes as formulas |
@@ -39,10 +41,12 @@ pub mod observed;
 pub mod observed_arm;
 pub mod observed_ball;
 pub mod observed_equations;
+pub mod observed_robot;
 pub mod open_drag;
 pub mod phase;
 pub mod process;
 pub mod replayed_arm;
+pub mod robot;
 pub mod scene;
 pub mod shot;
 pub mod simulation_file;
@@ -55,6 +59,7 @@ pub use observed::simulator;
 pub use observed_arm::ObservedArm;
 pub use observed_ball::ObservedBall;
 pub use observed_equations::EquationsSimulator;
+pub use observed_robot::RobotSimulator;
 pub use process::{ProcessSimulator, Session};
 pub use replayed_arm::ReplayedArm;
 pub use simulation_file::SimulationFile;

@@ -6,6 +6,7 @@ use tunenet_formats::kind_name;
 use tunenet_formats::{Error, Result};
 
 use crate::observed_equations::equations;
+use crate::observed_robot::robot;
 use crate::process::{Session, start_setups};
 use crate::replayed_arm::{replayed, replays};
 use crate::simulation_file::Domain;
@@ -22,11 +23,12 @@ pub fn simulator(file: &SimulationFile, kind: Kind, session: &Session) -> Result
     match (file.domain(), kind) {
         (Domain::Arm, Kind::Joints) if replays(file) => return replayed(file),
         (Domain::Arm, Kind::Joints) => return Ok(Box::new(ObservedArm::new(file)?)),
-        (Domain::Process | Domain::Equations, Kind::Other) => return own(&[file], session),
-        (Domain::Arm | Domain::Process | Domain::Equations, _) | (Domain::Ball, Kind::Joints | Kind::Other) => {
+        (Domain::Process | Domain::Equations | Domain::Robot, Kind::Other) => return own(&[file], session),
+        (Domain::Arm | Domain::Process | Domain::Equations | Domain::Robot, _)
+        | (Domain::Ball, Kind::Joints | Kind::Other) => {
             let (is, other) = match file.domain() {
                 Domain::Arm => ("joint series of an arm", "give recordings of its joints, or a ball's simulation file"),
-                Domain::Process | Domain::Equations => {
+                Domain::Process | Domain::Equations | Domain::Robot => {
                     ("a series on its own channels", "read recordings with the channels of the file")
                 }
                 Domain::Ball => (
@@ -98,6 +100,7 @@ pub fn own(files: &[&SimulationFile], session: &Session) -> Result<Box<dyn Simul
 pub fn bare(files: &[&SimulationFile], session: &Session) -> Result<Box<dyn Simulator>> {
     Ok(match files[0].domain() {
         Domain::Equations => Box::new(equations(files)?),
+        Domain::Robot => Box::new(robot(files)?),
         _ => Box::new(start_setups(files, session)?),
     })
 }

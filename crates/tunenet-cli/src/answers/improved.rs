@@ -45,6 +45,9 @@ pub fn improved(answer: &Answer, number: usize) -> Result<SimulationFile> {
     if file.domain() == Domain::Arm {
         return improved_arm(answer, number, file);
     }
+    if file.domain() == Domain::Robot {
+        return improved_robot(answer, number, file);
+    }
     for tuned in diagnosis.parameters.iter().filter(|p| p.object == number) {
         // A coefficient of an effect that the file has already bears both names.
         match tuned.name.split_once('.') {
@@ -77,6 +80,17 @@ fn improved_arm(answer: &Answer, number: usize, mut file: SimulationFile) -> Res
         } else {
             file.add_arm_effect(&effect.effect.name, &values)?;
         }
+    }
+    Ok(file)
+}
+
+/// The same of robot joints, whose effects have numbers for each joint.
+fn improved_robot(answer: &Answer, number: usize, mut file: SimulationFile) -> Result<SimulationFile> {
+    for tuned in answer.diagnosis.parameters.iter().filter(|p| p.object == number) {
+        file.set_robot_value(&tuned.name, tuned.value)?;
+    }
+    for effect in answer.effects_of(number) {
+        file.add_robot_effect(&effect.effect.name, &values_of(effect, number))?;
     }
     Ok(file)
 }

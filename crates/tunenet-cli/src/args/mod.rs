@@ -259,6 +259,8 @@ pub enum Scene {
     Process,
     /// Differential equations that stand in the simulation file
     Equations,
+    /// Robot joints that follow commands
+    Robot,
 }
 
 /// `tunenet init`.
@@ -266,9 +268,12 @@ pub enum Scene {
 pub struct Init {
     /// Kind of simulation
     pub scene: Scene,
-    /// Simulation file to write [default: ball.toml, arm.toml, process.toml or equations.toml]
+    /// Simulation file to write [default: ball.toml, arm.toml, process.toml, equations.toml or robot.toml]
     #[arg(short, long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
+    /// Of a robot: its URDF, whose joints the file then has
+    #[arg(long, value_name = "FILE.urdf")]
+    pub urdf: Option<PathBuf>,
     #[command(flatten)]
     pub writing: Writing,
     #[command(flatten)]
@@ -334,6 +339,8 @@ pub enum Domain {
     Process,
     /// What equations simulate
     Equations,
+    /// What robot joints do
+    Robot,
 }
 
 /// Which parameters the pairs are drawn from.

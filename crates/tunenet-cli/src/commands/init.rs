@@ -4,8 +4,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::json;
+use tunenet_core::Origin;
 use tunenet_formats::{shell_word, shown_path, write_atomically};
-use tunenet_sim::simulation_file::{Domain, template};
+use tunenet_sim::simulation_file::{Domain, robot_template, template};
 
 use crate::args::{Init, Scene};
 use crate::failure::Exit;
@@ -17,6 +18,22 @@ use crate::view::text::stage;
 /// The program that the simulation file of a program names.
 const PROGRAM: (&str, &str) = ("pendulum.py", include_str!("../../../../assets/process/driven_pendulum.py"));
 
+/// What is written: of a robot whose URDF is given, its own joints.
+fn text(options: &Init, domain: Domain, out: &Path) -> Result<String> {
+    let Some(urdf) = &options.urdf else { return Ok(template(domain)) };
+    if domain != Domain::Robot {
+        let (expected, found) = ("`--urdf` with `init robot` only".into(), format!("`init {}`", domain.name()));
+        return Err(tunenet_core::Error::Setting { origin: Origin::Flag, name: "--urdf", expected, found }.into());
+    }
+    let model = tunenet_sim::arm::urdf::read(urdf)?;
+    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
+    // Next to the file its name does; else its whole path.
+    let near = folder(out) == folder(urdf);
+    let place =
+        if near { urdf.file_name().map_or_else(|| urdf.clone(), Into::into) } else { std::path::absolute(urdf)? };
+    Ok(robot_template(&place.to_string_lossy(), &model))
+}
+
 pub fn run(options: &Init) -> Result<Exit> {
     let (domain, name, first) = match options.scene {
         Scene::Ball => (Domain::Ball, "ball.toml", "write your ball's radius into it"),
@@ -27,6 +44,7 @@ pub fn run(options: &Init) -> Result<Exit> {
         ),
         Scene::Process => (Domain::Process, "process.toml", "put your simulator into the program"),
         Scene::Equations => (Domain::Equations, "equations.toml", "write your equations into it"),
+        Scene::Robot => (Domain::Robot, "robot.toml", "write the gains of your joints into it, and your loads"),
     };
     let out = options.out.clone().unwrap_or_else(|| name.into());
     names::require_ending(&out, "--out", &["toml"])?;
@@ -36,7 +54,8 @@ pub fn run(options: &Init) -> Result<Exit> {
     let outputs =
         std::iter::once(out.as_path()).chain(program).map(|path| Output::new(path, "--out", Product::Unmarked));
     destination::check(&outputs.collect::<Vec<_>>(), &[], options.writing.overwrite)?;
-    write_atomically(&out, |file| file.write_all(template(domain).as_bytes()))?;
+    let text = text(options, domain, &out)?;
+    write_atomically(&out, |file| file.write_all(text.as_bytes()))?;
     stage("wrote", &shown_path(&out));
     if let Some(program) = program {
         write_atomically(program, |file| file.write_all(PROGRAM.1.as_bytes()))?;

@@ -34,6 +34,7 @@ pub fn run(options: &Plan) -> Result<Exit> {
         let other = match file.domain() {
             Domain::Arm => "an arm",
             Domain::Equations => "equations",
+            Domain::Robot => "robot joints",
             _ => "a program",
         };
         let message = format!("expected the tuned simulation of a ball (`kind = \"ball\"`), found that of {other}");

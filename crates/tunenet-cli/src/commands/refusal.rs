@@ -22,7 +22,11 @@ pub fn of_program(file: &SimulationFile, asked: Asked, error: &tunenet_core::Err
     let (tunenet_core::Error::Simulator { at, .. } | tunenet_core::Error::Prediction { at, .. }) = error else {
         return None;
     };
-    let subject = if file.domain() == Domain::Process { "the program" } else { "the equations" };
+    let subject = match file.domain() {
+        Domain::Process => "the program",
+        Domain::Robot => "the robot",
+        _ => "the equations",
+    };
     let parameters = file.parameters().unwrap_or_default();
     let present = parameters.iter().map(|p| format!("{}={}", p.name, p.value)).collect::<Vec<_>>().join(" ");
     let example = parameters.first().map_or("NAME", |p| p.name.as_str());

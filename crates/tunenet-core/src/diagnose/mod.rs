@@ -11,6 +11,7 @@
 //! | `evidence` | prepared recordings, those held out, and a model of their noise |
 //! | `hypothesis` | effects, parameters and nuisance parameters with their fit; forward selection |
 //! | `judge` | tests of what a hypothesis leaves: noise, practical significance, heterogeneity, held-out proof |
+//! | `discrepancy` | the search where no recording is expected to be explained down to its noise |
 //! | `strategy` | attempts at the whole record, at segments, with discrepancy as noise, with random contacts |
 //! | `answer` | the verdict, its numbers and the next experiment |
 //!
@@ -19,6 +20,7 @@
 //! catalogue does as well, and what is left looks like noise. Otherwise the answer says which of these failed.
 
 mod answer;
+mod discrepancy;
 mod evidence;
 mod hypothesis;
 mod input;

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{Effect, Parameter, Preparation, Prepared, RolloutError, RolloutResult, Simulator, StartState, StartValue};
+use super::{
+    Effect, Parameter, Preparation, Prepared, RolloutError, RolloutResult, Simulator, StartState, StartValue,
+    measurement_effects,
+};
 use crate::observation::{Channel, Circumstances, Kind, Observation};
 use crate::{Error, Origin, Result};
 
@@ -42,6 +45,20 @@ pub trait Model: Send + Sync {
     /// # Errors
     /// Where these values cannot be simulated, or the simulator failed.
     fn simulate(&self, run: &Run, values: &mut [f64]) -> RolloutResult;
+
+    /// Whether its candidates hold all that can go wrong with the measurement.
+    fn has_own_measurement(&self) -> bool {
+        false
+    }
+
+    /// Examines a recording that was made ready as it was declared: cuts it, notes what is odd, or rejects it. By default it is
+    /// usable as it is.
+    ///
+    /// # Errors
+    /// Where another recording cannot be made of it.
+    fn examine(&self, prepared: Box<Prepared>) -> Result<Preparation> {
+        Ok(Preparation::Usable(prepared))
+    }
 }
 
 impl<F: Fn(&Run, &mut [f64]) -> RolloutResult + Send + Sync> Model for F {
@@ -225,12 +242,16 @@ impl<M: Model + 'static> Simulator for Declared<M> {
             }
         }
         prepared.circumstances = Some(Arc::new(known));
-        Ok(Preparation::Usable(Box::new(prepared)))
+        self.model.examine(Box::new(prepared))
     }
 
     fn effects(&self) -> Vec<Effect> {
         let absent = (0..self.candidates.len()).filter(|i| !self.carried.contains(i)).map(|i| &self.candidates[i]);
         absent.filter(|candidate| candidate.present.is_none()).map(|candidate| candidate.effect.clone()).collect()
+    }
+
+    fn measured_effects(&self) -> Vec<Effect> {
+        if self.model.has_own_measurement() { Vec::new() } else { measurement_effects(self.kind()) }
     }
 
     fn with_effects(&self, names: &[&str]) -> Result<Box<dyn Simulator>> {

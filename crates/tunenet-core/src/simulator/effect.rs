@@ -93,6 +93,9 @@ pub struct Effect {
     pub random: bool,
     /// Names of effects that some recordings cannot distinguish from it.
     pub mistaken_for: Vec<Text>,
+    /// Names of effects that no recording at all distinguishes from it: they are always named together.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub exact_twins: Vec<Text>,
     /// Why it is implausible for this object: another effect that explains the recordings as well is preferred, and it is
     /// named only if there is none.
     pub implausible: Option<Text>,
@@ -118,6 +121,7 @@ impl Effect {
             always: false,
             random: false,
             mistaken_for: Vec::new(),
+            exact_twins: Vec::new(),
             implausible: None,
             feigned_by: None,
             forecast_share: 1.0,
@@ -174,6 +178,7 @@ mod tests {
             always: false,
             random: false,
             mistaken_for: Vec::new(),
+            exact_twins: Vec::new(),
             plausible_rests_on: Vec::new(),
             implausible: None,
             feigned_by: None,

@@ -76,6 +76,11 @@ pub trait Simulator: Send + Sync {
         Vec::new()
     }
 
+    /// The effects of the measurement that may be looked for around it: those of its [`kind`](Simulator::kind), unless it has its own.
+    fn measured_effects(&self) -> Vec<Effect> {
+        measurement_effects(self.kind())
+    }
+
     /// The same simulator with these of its [`effects`](Simulator::effects) added: their coefficients follow its
     /// parameters in the order of `names`, each at its absent value, free to tune, and named by
     /// [`Effect::parameter_name`]. An effect that it already has at fixed values begins there instead.

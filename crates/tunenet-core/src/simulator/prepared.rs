@@ -18,6 +18,9 @@ pub struct Prepared {
     /// Whether every prediction follows from the inputs near that instant alone, as torques follow from a motion: there is no
     /// initial state, and no error that adds up.
     pub memoryless: bool,
+    /// Whether real recordings of such a thing never follow its simulation down to their noise, and what is left is a discrepancy of
+    /// the simulation that is correlated over long times: [`diagnose`](crate::diagnose::diagnose) then counts few independent values.
+    pub discrepancy: bool,
     /// The noise of each channel of `seen`, in its unit, where it is known better than from `seen` itself.
     pub noise: Option<Vec<f64>>,
     /// Scale estimate of each channel's residual, where it exceeds the noise: residuals are divided by it.
@@ -67,6 +70,7 @@ impl Prepared {
         Self {
             circumstances: seen.circumstances().cloned(),
             memoryless: false,
+            discrepancy: false,
             seen,
             noise: None,
             residual_scale: None,

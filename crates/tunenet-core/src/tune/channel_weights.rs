@@ -7,6 +7,15 @@ use crate::simulator::{Prepared, Simulator};
 /// Fits by which the spreads of the channels settle.
 const WEIGHINGS: usize = 3;
 
+/// What a discrepancy leaves is no smaller in a recording whose sensor is quiet: every channel counts the same in all of them.
+fn weigh_alike(recordings: &mut [Prepared]) {
+    let floors: Vec<Vec<f64>> = recordings.iter().map(floor).collect();
+    let width = floors.iter().map(Vec::len).min().unwrap_or(0);
+    let largest = |channel: usize| floors.iter().map(|floor| floor[channel]).fold(0.0, f64::max);
+    let scale: Vec<f64> = (0..width).map(largest).collect();
+    recordings.iter_mut().for_each(|recording| recording.residual_scale = Some(scale.clone()));
+}
+
 /// Of driven recordings: finds the [`residual_scale`](Prepared::residual_scale) of each channel's residuals by fitting, so that a joint whose
 /// torques the model explains badly does not outvote those that it explains well.
 ///
@@ -18,6 +27,10 @@ pub(super) fn weigh(
     free: &[usize],
     log: &RolloutLog,
 ) -> Result<()> {
+    if recordings.iter().all(|r| r.discrepancy) {
+        weigh_alike(recordings);
+        return Ok(());
+    }
     if recordings.iter().any(|r| !r.memoryless || r.noise.is_none()) {
         return Ok(());
     }

@@ -25,6 +25,9 @@ const GRID_STARTS: [f64; 7] = [0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9];
 const STARTS_AROUND_LOCAL: u32 = 24;
 /// The nearest starts with what the events suggest that are fitted before any other.
 const LOCAL_FITS: usize = 2;
+/// Starts across the bounds that are fitted briefly, and the steps of such a fit: enough to see to which local minimum it leads.
+const BRIEF_FITS: usize = 4;
+const BRIEF_STEPS: usize = 8;
 
 /// Two misfits closer than this share of them are the same.
 const SAME_MISFIT: f64 = 1e-9;
@@ -43,6 +46,9 @@ impl Tuning<'_> {
         // A driven thing does not go its own way after a bad start: what it shows is nearly linear in its parameters.
         if self.free.is_empty() || self.settings.quick || self.recordings.iter().all(|recording| recording.memoryless) {
             return Ok((problem.fit(near.clone(), 1.0)?, Vec::new()));
+        }
+        if self.recordings.iter().all(|recording| recording.discrepancy) {
+            return Ok((self.best_of_brief_fits(near, also)?, Vec::new()));
         }
         if self.has_events() {
             let found = self.best_of_starts(near, also, None)?;
@@ -65,6 +71,26 @@ impl Tuning<'_> {
             return Ok((found, Vec::new()));
         }
         Ok(self.search_local_minima(found))
+    }
+
+    /// The best of several starts, where what is left is a discrepancy of the simulation and tells nothing of a better local minimum.
+    fn best_of_brief_fits(&self, near: &Point, also: Option<Point>) -> Result<Fit> {
+        let problem = self.problem();
+        let across = self.ranked(self.across_bounds(near)).into_iter().map(|(_, start)| start).take(BRIEF_FITS);
+        let mut best: Option<Fit> = None;
+        let mut refused = None;
+        for start in std::iter::once(near.clone()).chain(also).chain(across) {
+            match problem.fit_steps(start, BRIEF_STEPS, BRIEF_STEPS / 2) {
+                Ok(fit) if best.as_ref().is_none_or(|best| fit.cost < best.cost) => best = Some(fit),
+                Ok(_) => {}
+                Err(error) => refused = Some(error),
+            }
+        }
+        match (best, refused) {
+            (Some(best), _) => problem.fit(best.point, 1.0),
+            (None, Some(error)) => Err(error),
+            (None, None) => Err(nowhere()),
+        }
     }
 
     fn has_events(&self) -> bool {

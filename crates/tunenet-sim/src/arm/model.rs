@@ -191,7 +191,7 @@ impl Model {
     }
 
     /// The same with every coordinate but those of `kept` held, and what it moves fixed to its parent.
-    fn keep(&self, kept: &[usize]) -> Self {
+    pub(crate) fn keep(&self, kept: &[usize]) -> Self {
         let mut order: Vec<usize> = kept.to_vec();
         order.sort_unstable();
         order.dedup();

@@ -44,6 +44,9 @@ pub fn host(files: &[&SimulationFile], kind: Kind, present: &[&str]) -> Result<P
         (Domain::Process, _) => {
             Err("an external program has no place for a law: write the model as equations, or declare candidates")
         }
+        (Domain::Robot, _) => {
+            Err("joints from commands have no place for a law yet: `diagnose` without --law names their effects")
+        }
         (Domain::Arm, _) => Err("an arm has no place for a law yet: write formulas of its joints as candidates"),
     })
 }

@@ -8,6 +8,7 @@ mod ball;
 mod declared;
 mod equations;
 mod process;
+mod robot;
 mod shot;
 
 use serde::Deserialize;
@@ -19,6 +20,7 @@ pub use declared::{
 };
 pub use equations::{EquationsScene, Event, State};
 pub use process::{Process, ProcessScene};
+pub use robot::{Integrate, JointScene, LoadScene, RobotBody, RobotScene};
 pub use shot::{ArmTask, Plane, Task, TaskHoop, TaskKind, TaskRelease};
 
 /// Gravity on earth, m/s².
@@ -35,6 +37,8 @@ pub enum Scene {
     Process(ProcessScene),
     /// A model whose equations stand in the file.
     Equations(Box<EquationsScene>),
+    /// Robot joints that follow commands.
+    Robot(Box<RobotScene>),
 }
 
 impl Scene {
@@ -46,6 +50,7 @@ impl Scene {
             Self::Arm(arm) => arm.record,
             Self::Process(process) => process.record,
             Self::Equations(equations) => equations.record,
+            Self::Robot(robot) => robot.record,
         }
     }
 }

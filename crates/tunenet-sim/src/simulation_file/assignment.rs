@@ -80,6 +80,8 @@ impl SimulationFile {
             [table @ "start", name, ..] => ("an initial state", table, name),
             [table @ "settings", name, ..] => ("a setting", table, name),
             [table @ "constants", name, ..] => ("a constant", table, name),
+            [table @ "joints", name, ..] => ("a joint", table, name),
+            [table @ "loads", name, ..] => ("a load", table, name),
             _ => return Ok(()),
         };
         let known = self.keys(table);

@@ -9,7 +9,7 @@ use tunenet_formats::{Error, Result};
 use super::declared_check::Wrong;
 use super::domain::Domain;
 use super::schema::{Key, PARAMETER_KEYS, item_number, lookup};
-use super::{declared_check, equations_schema, process_schema};
+use super::{declared_check, equations_schema, process_schema, robot_schema};
 
 /// Checks a whole file: every key known, every value fitting, nothing required missing. What it describes comes back.
 pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> {
@@ -23,7 +23,11 @@ pub(super) fn document(path: &Path, text: &str, root: &Table) -> Result<Domain> 
         }
     }
     if domain.declares() && names(domain, root).is_empty() {
-        let taken = if domain == Domain::Process { "the program takes" } else { "formulas use" };
+        let taken = match domain {
+            Domain::Process => "the program takes",
+            Domain::Robot => "a joint has, such as elbow__coulomb",
+            _ => "formulas use",
+        };
         let message = format!("expected at least one [parameters.NAME] (a number that {taken}), found none");
         return Err(Error::file(path, message, "a parameter needs value, min and max"));
     }
@@ -79,6 +83,7 @@ fn contradiction_of_kind(domain: Domain, root: &Table) -> Option<Wrong> {
     match domain {
         Domain::Process => process_schema::contradiction(root),
         Domain::Equations => equations_schema::contradiction(root),
+        Domain::Robot => robot_schema::contradiction(root),
         Domain::Ball | Domain::Arm => declared_check::contradiction(root, domain.declared()),
     }
 }

@@ -13,6 +13,7 @@ impl SimulationFile {
         match self.scene() {
             Scene::Process(scene) => scene.process.channels.clone(),
             Scene::Equations(scene) => scene.headers(),
+            Scene::Robot(scene) => scene.headers(),
             Scene::Ball(_) | Scene::Arm(_) => Vec::new(),
         }
     }
@@ -23,6 +24,7 @@ impl SimulationFile {
         let all = match self.scene() {
             Scene::Process(scene) => scene.inputs.iter(),
             Scene::Equations(scene) => scene.inputs.iter(),
+            Scene::Robot(scene) => scene.inputs.iter(),
             Scene::Ball(_) | Scene::Arm(_) => indexmap::map::Iter::default(),
         };
         all.map(named as Named<Input>)
@@ -34,6 +36,7 @@ impl SimulationFile {
         let all = match self.scene() {
             Scene::Process(scene) => scene.start.iter(),
             Scene::Equations(scene) => scene.start.iter(),
+            Scene::Robot(scene) => scene.start.iter(),
             Scene::Ball(_) | Scene::Arm(_) => indexmap::map::Iter::default(),
         };
         all.map(named as Named<Start>)
@@ -86,6 +89,7 @@ impl SimulationFile {
             Scene::Arm(scene) => &scene.candidates,
             Scene::Process(scene) => &scene.candidates,
             Scene::Equations(scene) => &scene.candidates,
+            Scene::Robot(scene) => &scene.candidates,
         }
     }
 }

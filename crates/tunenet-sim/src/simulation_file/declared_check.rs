@@ -72,8 +72,11 @@ fn channels(root: &Table) -> Vec<&str> {
         let all = lookup(root, path).and_then(Item::as_table_like).filter(|all| !all.is_empty());
         all.map(|all| all.iter().map(|(name, _)| name).collect::<Vec<_>>())
     };
+    let observed: Vec<&str> =
+        tables(root, "joints").into_iter().filter_map(|(.., table)| table.get("observe")).flat_map(texts).collect();
     lookup(root, "process.channels")
         .map(texts)
+        .or_else(|| (!observed.is_empty()).then_some(observed))
         .or_else(|| names("outputs"))
         .or_else(|| names("states"))
         .unwrap_or_default()
@@ -81,7 +84,11 @@ fn channels(root: &Table) -> Vec<&str> {
 
 /// Where the file names its channels.
 fn naming_channels(root: &Table) -> &'static str {
-    if has(root, "process") { "process.channels" } else { "outputs" }
+    match (has(root, "process"), has(root, "joints")) {
+        (true, _) => "process.channels",
+        (false, true) => "joints.NAME.observe",
+        (false, false) => "outputs",
+    }
 }
 
 fn has(root: &Table, path: &str) -> bool {
@@ -96,11 +103,12 @@ const UNIT: &str =
     "a name in small letters that ends in its unit, such as `force_n`, `theta_rad` or, without one, `throttle_1`";
 
 fn inputs(root: &Table) -> Option<Wrong> {
+    let switches: Vec<&str> = tables(root, "joints").iter().filter_map(|(.., table)| text(*table, "enable")).collect();
     for (name, item, table) in tables(root, "inputs") {
         let path = format!("inputs.{name}");
         let (unit, of_name) = (text(table, "unit"), Channel::from_header(name));
         match (unit, &of_name) {
-            (None, None) => {
+            (None, None) if !switches.contains(&name) => {
                 return Some(wrong(
                     path,
                     Some(item),
@@ -261,7 +269,7 @@ fn formulas(root: &Table, declares: Declares) -> Option<Wrong> {
             return Some(wrong(path, Some(item), "a candidate as docs/files.md describes it", found));
         };
         let made = match declares {
-            Declares::Arm => FormulaEffect::of_arm(name, &candidate, None),
+            Declares::Arm | Declares::Robot => FormulaEffect::of_arm(name, &candidate, None),
             _ => FormulaEffect::of_ball(name, &candidate, mass_kg),
         };
         if let Err(misfit) = made {

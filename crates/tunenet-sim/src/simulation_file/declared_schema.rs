@@ -4,9 +4,11 @@ use tunenet_core::observation::Kind;
 use tunenet_core::simulator::measurement_effects;
 
 use super::equations_keys::{ADDS, CONSTANT, DERIVATIVE, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN};
+use super::robot_keys::{JOINT_KEYS, LOAD_KEYS};
 use super::schema::{GREATEST, Key, Shape, is_name, key};
 use crate::arm::effects as arm;
 use crate::ball::effects as ball;
+use crate::robot::effects as robot;
 
 const ANY: Shape = Shape::Number(-GREATEST, GREATEST);
 const TEXT: Shape = Shape::Word(&[]);
@@ -118,6 +120,8 @@ pub enum Declares {
     Arm,
     /// States, formulas, constants, events, inputs, initial states and candidates of equations.
     Equations,
+    /// Joints, loads, inputs, initial states and candidates of a robot.
+    Robot,
 }
 
 impl Declares {
@@ -128,13 +132,14 @@ impl Declares {
             Self::Equations => {
                 &["states", "derivatives", "outputs", "constants", "inputs", "start", "events", "candidates"]
             }
+            Self::Robot => &["joints", "loads", "inputs", "start", "candidates"],
             Self::Ball | Self::Arm => &["candidates"],
         }
     }
 
     /// Whether candidates are formulas.
     pub(super) fn formulas(self) -> bool {
-        matches!(self, Self::Ball | Self::Arm)
+        matches!(self, Self::Ball | Self::Arm | Self::Robot)
     }
 
     /// Whether a built-in effect bears this name.
@@ -154,6 +159,7 @@ impl Declares {
             }
             Self::Ball => ball::ALL.iter().map(|e| e.name.to_owned()).chain(measured(Kind::Positions)).collect(),
             Self::Arm => arm::ALL.iter().map(|e| e.name.to_owned()).collect(),
+            Self::Robot => robot::all().iter().map(|e| e.name.to_owned()).collect(),
         }
     }
 
@@ -165,6 +171,8 @@ impl Declares {
             ["inputs", name] if is_name(name) => only(INPUT_KEYS),
             ["start", name] if is_name(name) => only(START_KEYS),
             ["states", name] if is_name(name) => only(STATE_KEYS),
+            ["joints", name] if is_name(name) => only(JOINT_KEYS),
+            ["loads", name] if is_name(name) => only(LOAD_KEYS),
             ["events", name] if is_name(name) => only(EVENT_KEYS),
             ["candidates", name] if is_name(name) && self.formulas() => {
                 Some(CANDIDATE_KEYS.iter().chain(FORMULA_KEYS).collect())

@@ -5,6 +5,7 @@ use super::arm_schema::{ARM_KEYS, ARM_PARAMETERS};
 use super::declared_schema::Declares;
 use super::equations_keys::EQUATIONS_KEYS;
 use super::process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS, SETTING};
+use super::robot_keys::{ROBOT_EFFECT_KEYS, ROBOT_KEYS};
 use super::schema::{BALL_KEYS, Definition, EFFECT_KEYS, Key, PARAMETER_KEYS, is_name};
 use crate::scene::BallParameters;
 
@@ -19,6 +20,8 @@ pub enum Domain {
     Process,
     /// A model whose equations stand in the file, which names its parameters.
     Equations,
+    /// Robot joints that follow commands; parameters are named `JOINT__NAME`.
+    Robot,
 }
 
 /// The parameters of a ball.
@@ -45,7 +48,7 @@ const BALL_PARAMETERS: &[Definition] = &[
 
 impl Domain {
     /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Ball, Self::Arm, Self::Process, Self::Equations];
+    pub const ALL: [Self; 5] = [Self::Ball, Self::Arm, Self::Process, Self::Equations, Self::Robot];
 
     /// As `kind` has it.
     #[must_use]
@@ -55,6 +58,7 @@ impl Domain {
             Self::Arm => "arm",
             Self::Process => "process",
             Self::Equations => "equations",
+            Self::Robot => "robot",
         }
     }
 
@@ -71,6 +75,7 @@ impl Domain {
             Self::Arm => (ARM_KEYS, &ARM_EFFECT_KEYS),
             Self::Process => (PROCESS_KEYS, &PROCESS_EFFECT_KEYS),
             Self::Equations => (EQUATIONS_KEYS, &PROCESS_EFFECT_KEYS),
+            Self::Robot => (ROBOT_KEYS, &ROBOT_EFFECT_KEYS),
         };
         own.iter().chain(effects)
     }
@@ -82,7 +87,7 @@ impl Domain {
         match self {
             Self::Ball => BALL_PARAMETERS,
             Self::Arm => ARM_PARAMETERS,
-            Self::Process | Self::Equations => &[],
+            Self::Process | Self::Equations | Self::Robot => &[],
         }
     }
 
@@ -101,7 +106,7 @@ impl Domain {
     /// Whether a file declares its channels, parameters, inputs and initial states itself: what it simulates is the user's own.
     #[must_use]
     pub fn declares(self) -> bool {
-        matches!(self, Self::Process | Self::Equations)
+        matches!(self, Self::Process | Self::Equations | Self::Robot)
     }
 
     /// What a file declares itself.
@@ -112,6 +117,7 @@ impl Domain {
             Self::Arm => Declares::Arm,
             Self::Process => Declares::Program,
             Self::Equations => Declares::Equations,
+            Self::Robot => Declares::Robot,
         }
     }
 

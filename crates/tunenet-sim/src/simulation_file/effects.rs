@@ -8,7 +8,7 @@ use tunenet_core::simulator::{Coefficient, measurement_effects};
 use tunenet_formats::Result;
 
 use super::schema::{Shape, item_number, number};
-use super::{SimulationFile, table};
+use super::{PresentRobotEffect, SimulationFile, table};
 use crate::ball::effects::BallEffect;
 use crate::scene::Candidate;
 
@@ -42,6 +42,11 @@ impl SimulationFile {
     /// The effects that the file holds, in its order.
     #[must_use]
     pub fn effects(&self) -> Vec<PresentEffect> {
+        if let Ok(present) = self.robot_effects() {
+            let one =
+                |p: PresentRobotEffect| PresentEffect { name: p.effect.name.into(), values: p.values, tune: p.tune };
+            return present.into_iter().map(one).collect();
+        }
         let Some(all) = self.item("effects").and_then(Item::as_table_like) else { return Vec::new() };
         let each = all.iter().filter_map(|(name, item)| {
             let table = item.as_table_like()?;

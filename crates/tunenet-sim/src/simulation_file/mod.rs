@@ -15,6 +15,9 @@ mod equations_keys;
 pub(crate) mod equations_schema;
 pub(crate) mod process_schema;
 mod program_folder;
+mod robot_effects;
+mod robot_keys;
+pub(crate) mod robot_schema;
 pub mod schema;
 mod template;
 
@@ -36,9 +39,11 @@ pub use equations_keys::{
     ADDS, CONSTANT, DERIVATIVE, EQUATIONS_KEYS, EQUATIONS_TABLES, EVENT_KEYS, OUTPUT, STATE_KEYS, THEN,
 };
 pub use process_schema::{PROCESS_EFFECT_KEYS, PROCESS_KEYS};
-pub use template::template;
+pub use robot_effects::PresentRobotEffect;
+pub use robot_keys::{ROBOT_EFFECT_KEYS, ROBOT_KEYS, ROBOT_TABLES};
+pub use template::{robot_template, template};
 
-use crate::scene::{ArmScene, BallScene, EquationsScene, Process, Record, Scene};
+use crate::scene::{ArmScene, BallScene, EquationsScene, Process, Record, RobotScene, Scene};
 pub use schema::Definition;
 use schema::item_number;
 
@@ -156,6 +161,7 @@ impl SimulationFile {
             Scene::Arm(_) => Domain::Arm,
             Scene::Process(_) => Domain::Process,
             Scene::Equations(_) => Domain::Equations,
+            Scene::Robot(_) => Domain::Robot,
         }
     }
 
@@ -199,6 +205,14 @@ impl SimulationFile {
     /// As [`ball`](Self::ball).
     pub fn equations(&self) -> Result<&EquationsScene> {
         if let Scene::Equations(scene) = &self.scene { Ok(scene) } else { Err(self.describes_no(Domain::Equations)) }
+    }
+
+    /// The robot that the file describes.
+    ///
+    /// # Errors
+    /// As [`ball`](Self::ball).
+    pub fn robot(&self) -> Result<&RobotScene> {
+        if let Scene::Robot(scene) = &self.scene { Ok(scene) } else { Err(self.describes_no(Domain::Robot)) }
     }
 
     fn describes_no(&self, needed: Domain) -> Error {
@@ -334,6 +348,7 @@ fn scene(domain: Domain, document: &Document) -> std::result::Result<Scene, toml
         Domain::Arm => Scene::Arm(from_document(document)?),
         Domain::Process => Scene::Process(from_document(document)?),
         Domain::Equations => Scene::Equations(Box::new(from_document(document)?)),
+        Domain::Robot => Scene::Robot(Box::new(robot_schema::with_units(from_document(document)?))),
     })
 }
 

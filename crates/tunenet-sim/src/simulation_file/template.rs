@@ -3,8 +3,11 @@
 use std::fmt::Write as _;
 
 use super::domain::Domain;
-use super::schema::{Definition, Key, PARAMETER_KEYS, Shape};
-use super::{equations_schema, process_schema};
+use tunenet_core::observation::plain;
+
+use super::schema::{Definition, Key, PARAMETER_KEYS, Shape, is_name};
+use super::{equations_schema, process_schema, robot_schema};
+use crate::arm::{Joint, JointKind, Model};
 
 /// What stands above everything else.
 const BALL_HEAD: &str = "\
@@ -59,6 +62,46 @@ const EQUATIONS_HEAD: &str = "\
 #
 # A line `# key = value` is optional: remove the `#` to use it, and the one before its [table] if there is one. Above
 # each key are its meaning, unit and range.
+";
+
+const ROBOT_HEAD: &str = "\
+# Robot joints that follow commands: a motor with its firmware, a gear with friction, links and loads of a URDF.
+#
+#   tunenet simulate --sim robot.toml --inputs commands.csv --out swing.csv
+#   tunenet tune --sim robot.toml swing.csv --out tuned.toml
+#   tunenet diagnose --sim robot.toml --manifest runs.toml
+#
+# Parameters are named JOINT__NAME (two underscores): stall_torque, back_emf, viscous, coulomb, armature, zero.
+#
+# A line `# key = value` is optional: remove the `#` to use it, and the one before its [table] if there is one. Above
+# each key are its meaning, unit and range.
+";
+
+/// The tables of a robot with one joint that a file names itself.
+const ROBOT: &str = "
+[inputs.hinge_goal_rad]
+# The commands of a joint: a column of every recording, by this name or by `column`. `hold` says what they are between
+# samples: \"previous\" or \"linear\".
+default = 0.0
+
+[inputs.torque_on]
+# Whether motors are on: 0 releases them.
+default = 1.0
+
+[joints.hinge]
+# A joint of the model, by its name there. Joints without a table are held at 0.
+drive = \"position\"
+command = \"hinge_goal_rad\"
+enable = \"torque_on\"
+observe = [\"hinge_rad\"]
+kp = 16.0
+gain_1_rad = 0.166
+
+[loads.tip]
+# A mass on a link. A manifest may say other masses and places for a recording, and other gains.
+link = \"pendulum\"
+mass_kg = 0.5
+position_m = [0.0, 0.0, -0.1]
 ";
 
 /// The tables that a file of equations names itself.
@@ -138,17 +181,72 @@ const VALUES: &[(Domain, &str, bool, &str)] = &[
     (Domain::Equations, "record.frames", true, "216"),
     (Domain::Process, "record.rate_hz", true, "72.0"),
     (Domain::Process, "record.frames", true, "216"),
+    (Domain::Robot, "robot.model", true, "\"arm.urdf\""),
+    (Domain::Robot, "world.gravity_m_s2", true, "9.81"),
+    (Domain::Robot, "integrate.step_s", true, "0.001"),
+    (Domain::Robot, "record.rate_hz", true, "100.0"),
+    (Domain::Robot, "record.frames", true, "600"),
 ];
 
 /// A commented simulation file with every key that there is: required ones with a value, optional ones behind a mark. It is
 /// valid as it stands.
 #[must_use]
 pub fn template(domain: Domain) -> String {
+    let own = if domain == Domain::Robot { ROBOT } else { EQUATIONS };
+    let mut text = keys(domain, own);
+    for known in samples(domain) {
+        parameter(&mut text, (known.name, known.default), known);
+    }
+    text
+}
+
+/// The same for the robot of `model`, whose file is at `path` as seen from the simulation file: every joint with its own commands and
+/// parameters. Joints whose names are no keys are left out, and so held.
+#[must_use]
+pub fn robot_template(path: &str, model: &Model) -> String {
+    let mut own = String::from(SWITCH);
+    let joints = model.joints();
+    let named: Vec<&Joint> = joints.into_iter().filter(|joint| is_name(&joint.name)).collect();
+    for joint in &named {
+        let (name, low) = (&joint.name, plain(&joint.name));
+        let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+        own.push_str(&line(&format!("\n[inputs.{low}_goal_{unit}]")));
+        own.push_str(&line(&format!("\n[joints.{name}]")));
+        own.push_str(&line(&format!("drive = \"position\"\ncommand = \"{low}_goal_{unit}\"\nenable = \"torque_on\"")));
+        own.push_str(&line(&format!("observe = [\"{low}_{unit}\"]\nkp = 16.0\ngain_1_rad = 0.166")));
+    }
+    let mut text = keys(Domain::Robot, &own).replacen("\"arm.urdf\"", &format!("{path:?}"), 1);
+    for joint in &named {
+        for known in robot_schema::SAMPLES {
+            let number = known.name.rsplit_once(robot_schema::BETWEEN).map_or(known.name, |(_, number)| number);
+            let [value, min, max] = known.default;
+            let limited = joint.limits.effort.is_finite() && number == "stall_torque";
+            let default = if limited {
+                [joint.limits.effort, 0.1 * joint.limits.effort, 10.0 * joint.limits.effort]
+            } else {
+                [value, min, max]
+            };
+            parameter(&mut text, (&format!("{}{}{number}", joint.name, robot_schema::BETWEEN), default), known);
+        }
+    }
+    text
+}
+
+/// The input that switches all motors.
+const SWITCH: &str = "
+[inputs.torque_on]
+# Whether motors are on: 0 releases them.
+default = 1.0
+";
+
+/// A template without its parameters; `own` are the tables that a file of this kind names itself.
+fn keys(domain: Domain, own: &str) -> String {
     let head = match domain {
         Domain::Ball => BALL_HEAD,
         Domain::Arm => ARM_HEAD,
         Domain::Process => PROCESS_HEAD,
         Domain::Equations => EQUATIONS_HEAD,
+        Domain::Robot => ROBOT_HEAD,
     };
     let mut text = String::from(head);
     let mut table = "";
@@ -166,15 +264,12 @@ pub fn template(domain: Domain) -> String {
         text.push_str(&comment(key));
         let mark = if active { "" } else { "# " };
         text.push_str(&line(&format!("{mark}{name} = {value}")));
-        if domain == Domain::Equations && key.path == "kind" {
-            text.push_str(EQUATIONS);
+        if matches!(domain, Domain::Equations | Domain::Robot) && key.path == "kind" {
+            text.push_str(own);
         }
     }
     if domain == Domain::Process {
         text.push_str(SETTINGS);
-    }
-    for known in samples(domain) {
-        parameter(&mut text, known);
     }
     text
 }
@@ -212,13 +307,13 @@ fn samples(domain: Domain) -> &'static [Definition] {
     match domain {
         Domain::Process => process_schema::SAMPLES,
         Domain::Equations => equations_schema::SAMPLES,
+        Domain::Robot => robot_schema::SAMPLES,
         Domain::Ball | Domain::Arm => domain.parameters(),
     }
 }
 
-fn parameter(text: &mut String, known: &Definition) {
-    let [value, min, max] = known.default;
-    text.push_str(&line(&format!("\n[parameters.{}]", known.name)));
+fn parameter(text: &mut String, (name, [value, min, max]): (&str, [f64; 3]), known: &Definition) {
+    text.push_str(&line(&format!("\n[parameters.{name}]")));
     text.push_str(&line(&format!("# {}.", known.meaning)));
     for key in PARAMETER_KEYS {
         let value = match &*key.path {
@@ -248,7 +343,7 @@ fn value(domain: Domain, key: &Key) -> (bool, String) {
 
 fn value_of(shape: Shape, path: &str) -> String {
     // A factor is absent at 1, everything else at 0.
-    let absent = if path.ends_with(".factor") { 1.0_f64 } else { 0.0 };
+    let absent = if path.ends_with(".factor") || path.ends_with(".fraction") { 1.0_f64 } else { 0.0 };
     let nearest = |min: f64, max: f64| format!("{:?}", absent.clamp(min, max));
     match shape {
         Shape::Number(min, max) | Shape::NumberOrList(min, max) => nearest(min, max),

@@ -13,4 +13,5 @@ mod effects;
 mod examples;
 mod independent;
 mod late_contacts;
+mod robot_mujoco;
 mod shot;

@@ -32,16 +32,18 @@ pub fn run(options: &Gen) -> Result<Exit> {
     }
     if let (true, false) = (
         options.inputs.is_some() || options.manifest.is_some(),
-        matches!(options.domain, Domain::Process | Domain::Equations),
+        matches!(options.domain, Domain::Process | Domain::Equations | Domain::Robot),
     ) {
         let name = if options.inputs.is_some() { "--inputs" } else { "--manifest" };
-        let (expected, found) = ("`gen process` or `gen equations` for recorded inputs".into(), "another scene".into());
+        let (expected, found) =
+            ("`gen process`, `gen equations` or `gen robot` for recorded inputs".into(), "another scene".into());
         return Err(tunenet_core::Error::Setting { origin: tunenet_core::Origin::Flag, name, expected, found }.into());
     }
     match options.domain {
         Domain::Arm => arm::run(options),
         Domain::Process => process::run(options, simulation_file::Domain::Process),
         Domain::Equations => process::run(options, simulation_file::Domain::Equations),
+        Domain::Robot => process::run(options, simulation_file::Domain::Robot),
         Domain::Ball | Domain::BallVideo => ball::run(options, &out),
     }
 }

@@ -7,6 +7,7 @@ use tunenet_core::observation::{Channel, Kind, Observation};
 use tunenet_core::simulator::{Preparation, Prepared, Simulator};
 use tunenet_formats::{Error, ReadOptions, Recording, read};
 use tunenet_sim::scene::{First, StartValue};
+use tunenet_sim::simulation_file::Domain;
 use tunenet_sim::{SimulationFile, declared};
 
 use super::input_files::own_files_of;
@@ -90,6 +91,15 @@ fn record(file: &SimulationFile, given: Option<&Path>) -> Result<Recording> {
         };
         values[at] = read(path, &ReadOptions { channels: channel, ..ReadOptions::default() })?.observation.row(0)[0];
     }
+    // Joints start where a file that has their positions begins, and at 0 where it has commands only.
+    let joints =
+        headers.iter().enumerate().filter(|(_, name)| file.domain() == Domain::Robot && !starts_at(file, name));
+    for (at, path) in joints.filter_map(|(at, _)| Some((at, given?))) {
+        let channel: Vec<Channel> = vec![channels[at].clone()];
+        if let Ok(found) = read(path, &ReadOptions { channels: channel, ..ReadOptions::default() }) {
+            values[at] = found.observation.row(0)[0];
+        }
+    }
     let observation = Observation::new(Kind::Other, channels, clock, values)?;
     let recording = Recording { observation, notes: Vec::new() };
     let missing = file.inputs().find(|(_, input)| input.default.is_none() && input.file.is_none());
@@ -102,4 +112,9 @@ fn record(file: &SimulationFile, given: Option<&Path>) -> Result<Recording> {
         Some(path) => inputs::attach(file, path, recording, 0, &ReadOptions::default()),
         None => inputs::defaults(file, recording),
     }
+}
+
+/// Whether a file says where a channel starts.
+fn starts_at(file: &SimulationFile, channel: &str) -> bool {
+    file.starts().any(|(name, _)| name == channel)
 }

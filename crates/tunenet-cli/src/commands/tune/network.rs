@@ -58,6 +58,7 @@ pub fn choose(
             Domain::Equations => {
                 "none: the fit has its own starts; pass a network trained on `gen equations` with --model"
             }
+            Domain::Robot => "none: the fit has its own starts; pass a network trained on `gen robot` with --model",
             Domain::Ball => "none: pass a network trained on `gen ball-video` with --model",
         }),
     }

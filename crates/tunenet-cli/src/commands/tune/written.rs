@@ -31,6 +31,7 @@ pub fn write_tuned(
     for p in &outcome.parameters {
         match (file.domain(), p.name.split_once('.')) {
             (Domain::Arm, _) => tuned.set_arm_value(&p.name, p.value, joints)?,
+            (Domain::Robot, _) => tuned.set_robot_value(&p.name, p.value)?,
             (Domain::Ball | Domain::Process | Domain::Equations, Some((effect, key))) => {
                 tuned.add_effect(effect, &[(key, p.value)])?;
             }

@@ -21,8 +21,15 @@ const ACROSS: [f64; 4] = [0.0, 0.02, 0.5, 0.9];
 pub(in crate::diagnose) fn add_notes(judged: &Judgement, notes: &mut Vec<Note>) {
     if judged.practical {
         let ratio = with_decimals(judged.left / judged.floor.sqrt(), 1);
-        let text = format!("the residual is {ratio} times the noise (RMS); the effects remove most of the misfit");
-        notes.push(Note::new(findings::ADEQUACY_PRACTICAL, text, ""));
+        if judged.context.evidence.discrepancy() {
+            let text = format!(
+                "unknown remainder: the residual is {ratio} times the noise (RMS), and no effect that is known explains it on held-out recordings"
+            );
+            notes.push(Note::new(findings::REMAINDER_UNKNOWN, text, ""));
+        } else {
+            let text = format!("the residual is {ratio} times the noise (RMS); the effects remove most of the misfit");
+            notes.push(Note::new(findings::ADEQUACY_PRACTICAL, text, ""));
+        }
     }
     if judged.events_open() {
         let words = words(&judged.context);

@@ -82,6 +82,11 @@ impl Evidence {
         !self.training.is_empty() && self.training.iter().all(Set::driven)
     }
 
+    /// Whether no recording is expected to be explained down to its noise.
+    pub fn discrepancy(&self) -> bool {
+        !self.training.is_empty() && self.training.iter().all(|set| set.prepared.discrepancy)
+    }
+
     /// Whether all that is fitted shows one motion, however often. A driven recording is many: its input visits what a start
     /// state would have to choose.
     pub fn shows_one_motion(&self) -> bool {

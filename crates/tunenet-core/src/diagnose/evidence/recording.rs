@@ -121,7 +121,7 @@ impl PreparedRecording {
         let width = seen.channels().len();
         let ranges: Vec<f64> = (0..width).map(|c| range(seen.column(c))).collect();
         let widest = ranges.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
-        let known = prepared.noise.clone().filter(|_| prepared.driven());
+        let known = prepared.noise.clone().filter(|_| prepared.driven() || prepared.discrepancy);
         let noise: Vec<f64> =
             known.unwrap_or_else(|| noise(seen)).iter().map(|sd| sd.max(PRACTICAL_SHARE * widest)).collect();
         let keep: Vec<bool> =

@@ -24,7 +24,7 @@ const FEW_STEPS: Effort = Effort { steps: 5, derivatives: 3, ends_measured: fals
 /// not there to be seen.
 const VISIBLE: f64 = 3.0;
 /// ... nor one of which parameters and start states can do all but this share (of squares).
-const LEFT_OVER: f64 = 1e-6;
+pub(in crate::diagnose) const LEFT_OVER: f64 = 1e-6;
 /// Candidates this far behind the best after one step, as a share of the gain and at least so many units, are not fitted.
 const BEHIND_SHARE: f64 = 0.25;
 const BEHIND: f64 = 30.0;

@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use crate::Result;
 use crate::diagnose::Subject;
-use crate::simulator::{Effect, Measured, Phase, Simulator, Text, measurement_effects};
+use crate::simulator::{Effect, Measured, Phase, Simulator, Text};
 
 /// An effect that may be missing.
 #[derive(Clone)]
@@ -51,7 +51,7 @@ impl<'a> Deref for Carrier<'a> {
 pub(in crate::diagnose) fn catalogue(subjects: &[Subject]) -> Vec<Entry> {
     let known: Vec<Vec<Effect>> = subjects
         .iter()
-        .map(|s| s.simulator.effects().into_iter().chain(measurement_effects(s.simulator.kind())).collect())
+        .map(|s| s.simulator.effects().into_iter().chain(s.simulator.measured_effects()).collect())
         .collect();
     let everywhere = |effect: &Effect| {
         let of: Option<Vec<Effect>> =

@@ -151,12 +151,17 @@ impl<'a> Context<'a> {
 
     /// A hypothesis with these effects, fitted from where `near` stands.
     pub fn fit_near(&self, effects: &[usize], near: &Hypothesis) -> Result<Hypothesis<'a>> {
+        self.fit_near_with(effects, near, FULL)
+    }
+
+    /// The same with this effort.
+    pub fn fit_near_with(&self, effects: &[usize], near: &Hypothesis, effort: Effort) -> Result<Hypothesis<'a>> {
         let structure = self.structure(effects)?;
         let point = Point {
             parameters: structure.carry(&near.structure, &near.fit.point.parameters),
             nuisances: near.fit.point.nuisances.clone(),
         };
-        let fit = self.joint(&structure).fit(point, FULL)?;
+        let fit = self.joint(&structure).fit(point, effort)?;
         Ok(Hypothesis { structure, fit })
     }
 

@@ -19,10 +19,10 @@ const SPREAD: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// Starts all over the bounds, where those above end in a suspicious local minimum.
 const SCATTERED: u32 = 48;
 /// Bases of Halton's points, one to a parameter.
-pub(super) const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
+pub(in crate::diagnose) const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
 
 /// The digits of `number` to base `prime` behind the point, the lowest first (Halton 1960): evenly over 0 to 1.
-pub(super) fn radical_inverse(mut number: u32, prime: u32) -> f64 {
+pub(in crate::diagnose) fn radical_inverse(mut number: u32, prime: u32) -> f64 {
     let (mut place, mut sum) = (1.0, 0.0);
     while number > 0 {
         place /= f64::from(prime);

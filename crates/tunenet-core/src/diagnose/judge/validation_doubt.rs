@@ -134,6 +134,10 @@ pub(in crate::diagnose) fn validation_doubt(
         };
         return best.structure.effects.iter().find_map(feigned).filter(|_| practical && fitted > FEIGNED * floor);
     }
+    // What a discrepancy leaves is no doubt of effects that held-out recordings admit one by one.
+    if practical && context.evidence.discrepancy() {
+        return None;
+    }
     if found.places.iter().all(|place| is_required(context, place.entry)) {
         return None;
     }

@@ -14,6 +14,7 @@ mod unmeasured_axes;
 mod whole_record;
 
 use crate::Result;
+use crate::diagnose::discrepancy::{Gated, fit_null, is_far_above_noise, search_gated};
 use crate::diagnose::hypothesis::context::{Context, Hypothesis};
 use crate::diagnose::hypothesis::forward_selection::Selection;
 use crate::diagnose::hypothesis::multistart::fit_without_effects;
@@ -27,6 +28,7 @@ pub(in crate::diagnose) use random_parameter::RandomParameter;
 use recordings_apart::Apart;
 use sign_ambiguous::fix_sign_ambiguous;
 use unmeasured_axes::without_unmeasured;
+use whole_record::WholeRecord;
 
 /// What an attempt has looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,10 +83,15 @@ impl<'a> Attempt<'a> {
         let context = context.with_evidence(fix_sign_ambiguous(context)?);
         let base = fit_without_effects(&context)?;
         let context = without_unmeasured(context, &base)?;
+        Ok(Self::started(context, base))
+    }
+
+    /// The simulation as `base` fits it.
+    fn started(context: Context<'a>, base: Hypothesis<'a>) -> Self {
         let found = Selection::tuned(base);
         let floor = noise_floor(context.sets());
         let (scope, residuals) = (Scope::Tuned, ResidualDiagnostics::default());
-        Ok(Self {
+        Self {
             context,
             found,
             scope,
@@ -97,7 +104,7 @@ impl<'a> Attempt<'a> {
             apart: None,
             random_parameter: None,
             odd: None,
-        })
+        }
     }
 
     /// What was found in `context`, tested.
@@ -172,9 +179,13 @@ const REFINEMENTS: [&dyn Refinement; 6] = [
     &random_contacts::RandomContacts,
 ];
 
-/// Tunes the simulation as it is, then tries every refinement that applies.
+/// Tunes the simulation as it is, then tries every refinement that applies. Where no recording is expected to be explained down to its
+/// noise, held-out recordings decide: at once where the tuned simulation is far from it, and else where it turns out so.
 pub(super) fn explain<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
     progress(Progress::Tuning);
+    if context.evidence.discrepancy() {
+        return explain_discrepant(context, progress);
+    }
     let mut attempt = Attempt::tuned(context)?;
     for refinement in REFINEMENTS {
         let enough = context.settings.quick && attempt.scope != Scope::Tuned;
@@ -183,6 +194,21 @@ pub(super) fn explain<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) ->
         }
     }
     Ok(attempt)
+}
+
+fn explain_discrepant<'a>(context: &Context<'a>, progress: &dyn Fn(Progress)) -> Result<Attempt<'a>> {
+    let base = fit_null(context)?;
+    if !is_far_above_noise(&base) {
+        let again = Hypothesis { structure: context.structure(&[])?, fit: base.fit.clone() };
+        let attempt = WholeRecord.attempt(Attempt::started(context.clone(), again), progress)?;
+        if attempt.residuals.passed() {
+            return Ok(attempt);
+        }
+    }
+    let floor = noise_floor(context.sets());
+    let Gated { context, found, tests } = search_gated(context, &base, progress)?;
+    let practical = found.best.is_some().then_some(tests);
+    Ok(Attempt { floor, ..Attempt::tested(context, found, Scope::Whole, practical)? })
 }
 
 #[cfg(test)]

@@ -38,6 +38,7 @@ fn effect(name: &'static str, key: &'static str, range: (f64, f64), typical: f64
         implausible: None,
         feigned_by: None,
         forecast_share: 1.0,
+        exact_twins: Vec::new(),
     }
 }
 

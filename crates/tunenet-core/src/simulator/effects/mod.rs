@@ -79,6 +79,7 @@ impl MeasurementEffect {
             implausible: None,
             feigned_by: None,
             forecast_share: 1.0,
+            exact_twins: Vec::new(),
         }
     }
 }

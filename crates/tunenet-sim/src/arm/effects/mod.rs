@@ -98,6 +98,7 @@ impl ArmEffect {
             implausible: None,
             feigned_by: FEIGNED_BY_LINKS.contains(&self.name).then_some(WRONG_LINKS.into()),
             forecast_share: 1.0,
+            exact_twins: Vec::new(),
         }
     }
 

@@ -148,6 +148,7 @@ impl BallEffect {
             implausible: (self.implausible)(body).map(Text::from),
             feigned_by: None,
             forecast_share: self.forecast_share,
+            exact_twins: Vec::new(),
         }
     }
 }

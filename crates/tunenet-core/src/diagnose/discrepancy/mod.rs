@@ -1,0 +1,20 @@
+//! Diagnosis of a thing whose recordings no simulation follows down to their noise: what is left is a discrepancy that is correlated
+//! over long times, so that few values are independent, and held-out recordings decide what is added.
+//!
+//! | module | what |
+//! |---|---|
+//! | `scale` | the discrepancy as noise: its size, and how many values count |
+//! | `null` | the simulation without effects, from several starts |
+//! | `score` | candidates by a score test with steps of visible size |
+//! | `stage` | candidates fitted in addition to a hypothesis, and back-substitution |
+//! | `selection` | forward selection with a gate of held-out recordings |
+
+mod null;
+mod scale;
+mod score;
+mod selection;
+mod stage;
+
+pub(in crate::diagnose) use null::fit_null;
+pub(in crate::diagnose) use scale::is_far_above_noise;
+pub(in crate::diagnose) use selection::{Gated, search_gated};

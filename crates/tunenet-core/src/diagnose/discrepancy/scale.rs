@@ -1,0 +1,89 @@
+//! Discrepancy treated as noise: one scale for all recordings, and an effective sample size by the lag-1 correlation (Bartlett 1946).
+
+use crate::Result;
+use crate::diagnose::evidence::recording::Set;
+use crate::diagnose::evidence::{Evidence, NoiseModel};
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::joint::{Effort, spread};
+use crate::statistics::mad_sd;
+
+/// A base that leaves this many times the noise does not come near it by any one effect: blind sets whose effect is 30 times the
+/// noise leave 20 once the base is tuned, and real joints more than 100.
+const FAR: f64 = 25.0;
+/// A fit to the end. Values count little, so that a cost of 1 is worth a tenth in the information criterion at most.
+pub(super) const FINISH: Effort =
+    Effort { steps: 15, derivatives: 6, ends_measured: true, tolerance: 1.0, horizon: 1.0 };
+/// A fit that shows which local minimum a start leads to.
+pub(super) const BRIEF: Effort =
+    Effort { steps: 8, derivatives: 3, ends_measured: false, tolerance: 4.0, horizon: 1.0 };
+
+/// However strongly values are correlated, a channel of a recording is worth so many independent ones ...
+const FEWEST: f64 = 10.0;
+/// ... and one for each such time, s: what a joint does about its commands decays faster.
+const INDEPENDENT_S: f64 = 0.6;
+
+/// Whether what `base` leaves is far above the noise of the recordings.
+pub(in crate::diagnose) fn is_far_above_noise(base: &Hypothesis) -> bool {
+    spread(&base.fit.residuals) > FAR
+}
+
+/// The evidence with what `model` leaves treated as noise: of each channel the same in all recordings, by its median absolute deviation.
+pub(super) fn with_discrepancy(context: &Context, model: &Hypothesis) -> Result<Evidence> {
+    let plain = context.joint(&model.structure).plain_residuals(&model.fit.point)?;
+    let mut evidence = Evidence::clone(&context.evidence);
+    let channels = evidence.training.first().map_or(0, Set::width);
+    let kept = |set: &Set, values: &[f64], channel: usize| -> Vec<f64> {
+        let places = (channel..values.len()).step_by(set.width()).filter(|&i| set.keep[i]);
+        places.map(|i| values[i]).collect()
+    };
+    let (mut product, mut square) = (0.0, 0.0);
+    for channel in 0..channels {
+        let all: Vec<Vec<f64>> =
+            evidence.training.iter().zip(&plain).map(|(set, values)| kept(set, values, channel)).collect();
+        let size = mad_sd(all.iter().flatten().copied());
+        for values in &all {
+            let limited: Vec<f64> = values.iter().map(|v| v.clamp(-4.0 * size, 4.0 * size)).collect();
+            product += limited.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / (size * size).max(f64::MIN_POSITIVE);
+            square += limited.iter().map(|v| v * v).sum::<f64>() / (size * size).max(f64::MIN_POSITIVE);
+        }
+        for set in evidence.training.iter_mut().chain(&mut evidence.validation) {
+            set.noise[channel] = set.measured_noise[channel].max(size);
+        }
+    }
+    let rho = if square > 0.0 { (product / square).clamp(0.0, 1.0) } else { 0.0 };
+    let worth = |set: &Set| {
+        let clock = set.clock();
+        FEWEST.max((clock[clock.len() - 1] - clock[0]) / INDEPENDENT_S) * channels as f64
+    };
+    let least = evidence.training.iter().map(worth).sum::<f64>() / evidence.count().max(1) as f64;
+    let effective_fraction = ((1.0 - rho) / (1.0 + rho)).max(least.min(1.0));
+    Ok(Evidence { noise: NoiseModel::Inflated { effective_fraction }, ..evidence.prewhitened(0.0) })
+}
+
+/// The context in which what `model` leaves is the noise, and the model fitted there from where it stands.
+pub(super) fn rescaled<'a>(context: &Context<'a>, model: &Hypothesis<'a>) -> Result<(Context<'a>, Hypothesis<'a>)> {
+    let context = context.with_evidence(with_discrepancy(context, model)?);
+    let model = context.fit_near_with(&model.structure.effects, model, FINISH)?;
+    Ok((context, model))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::hypothesis::multistart::fit_without_effects;
+    use crate::diagnose::tests::zoo::{FRICTION, in_swings};
+
+    #[test]
+    fn all_recordings_get_the_scale_of_what_is_left_of_them_together() {
+        in_swings(&[(FRICTION, 0.15)], 3, 1, |context| {
+            let base = fit_without_effects(context).unwrap();
+            let evidence = with_discrepancy(context, &base).unwrap();
+            let NoiseModel::Inflated { effective_fraction } = evidence.noise else { panic!("{:?}", evidence.noise) };
+            let sizes: Vec<f64> =
+                evidence.training.iter().chain(&evidence.validation).map(|set| set.noise[0]).collect();
+            assert!(sizes.iter().all(|size| *size == sizes[0]), "{sizes:?}");
+            assert!(effective_fraction < 0.3 && effective_fraction * evidence.count() as f64 >= 30.0 - 1e-9);
+            assert!(!is_far_above_noise(&base));
+        });
+    }
+}

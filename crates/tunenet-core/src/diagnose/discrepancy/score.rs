@@ -1,0 +1,126 @@
+//! Score test of candidates (Rao 1948) with steps of visible size: limits and delays have no slope where they are absent.
+
+use rayon::prelude::*;
+
+use crate::diagnose::hypothesis::candidate_scores::LEFT_OVER;
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::joint::{Point, Which};
+use crate::diagnose::hypothesis::plausibility::Exclusion;
+use crate::diagnose::hypothesis::wording::done_already;
+use crate::estimate::projection::{Projector, orthonormal};
+use crate::statistics::dot;
+
+/// Steps away from absence, in typical sizes.
+const SIZES: [f64; 2] = [1.0, 4.0];
+
+/// What a candidate promises in addition to a hypothesis.
+pub(super) struct Scored {
+    pub entry: usize,
+    /// The parameters of the hypothesis at which it was scored.
+    pub at: Vec<f64>,
+    /// The values of its coefficients at which it promises most.
+    pub start: Vec<f64>,
+    /// The sum of squares that the linear prediction leaves.
+    pub left: f64,
+    /// The gain of the information criterion in the linear prediction.
+    pub predicted: f64,
+    pub excluded: Option<Exclusion>,
+    /// Orthonormal projected columns.
+    pub span: Vec<Vec<f64>>,
+}
+
+/// Every candidate in addition to `model`, most promising first.
+pub(super) fn score<'a>(context: &Context<'a>, model: &Hypothesis<'a>) -> Vec<Scored> {
+    let (joint, residuals) = (context.joint(&model.structure), &model.fit.residuals);
+    let base = joint.columns(&model.fit.point, residuals, Which::ALL);
+    let lengths: Vec<usize> = residuals.iter().map(Vec::len).collect();
+    let projector = Projector::new(&base, &lengths, model.structure.globals.len());
+    let mut left = residuals.concat();
+    projector.project(&mut left);
+    let open = (0..context.catalogue.len()).filter(|&e| !model.has(e) && !context.catalogue[e].chance());
+    let open: Vec<usize> = open.collect();
+    let mut scored: Vec<Scored> = open.par_iter().map(|&entry| one(context, model, entry, &projector, &left)).collect();
+    scored.sort_by(|a, b| b.predicted.total_cmp(&a.predicted).then(a.entry.cmp(&b.entry)));
+    scored
+}
+
+fn one(context: &Context, model: &Hypothesis, entry: usize, projector: &Projector, left: &[f64]) -> Scored {
+    let none = |excluded| Scored {
+        entry,
+        at: Vec::new(),
+        start: Vec::new(),
+        left: f64::INFINITY,
+        predicted: f64::NEG_INFINITY,
+        excluded: Some(excluded),
+        span: Vec::new(),
+    };
+    let effects = [model.structure.effects.as_slice(), &[entry]].concat();
+    let structure = match context.structure(&effects) {
+        Ok(structure) => structure,
+        Err(error) => return none(Exclusion::Refused(error.to_string())),
+    };
+    let joint = context.joint(&structure);
+    let known = model.structure.globals.len();
+    let parameters = structure.carry(&model.structure, &model.fit.point.parameters);
+    let point = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
+    let at_rest: Vec<f64> = point.parameters[known..].to_vec();
+    let before = model.deviance(model.scale());
+    let coefficients = (structure.globals.len() - known) as f64;
+    let mut best = none(Exclusion::NoInfluence);
+    let mut refused = None;
+    let (mut moved, mut new) = (false, false);
+    for (sign, size) in [1.0, -1.0].into_iter().flat_map(|sign| SIZES.map(|size| (sign, size))) {
+        let mut start = at_rest.clone();
+        let mut columns = Vec::new();
+        for (k, global) in structure.globals.iter().enumerate().skip(known) {
+            let (absent, typical) = global.absent.unwrap_or((0.0, 1.0));
+            let value = absent + sign * size * typical;
+            if value < global.parameter.min || value > global.parameter.max {
+                continue;
+            }
+            let mut tried = point.clone();
+            tried.parameters[k] = value;
+            let found = match joint.residuals(&tried, 1.0) {
+                Ok(found) => found.concat(),
+                Err(error) => {
+                    refused = Some(Exclusion::Refused(error.to_string()));
+                    continue;
+                }
+            };
+            // The step itself, not its slope: what counts is its direction.
+            let own = model.fit.residuals.iter().flatten();
+            let mut column: Vec<f64> = found.iter().zip(own).map(|(new, old)| new - old).collect();
+            let whole = dot(&column, &column);
+            projector.project(&mut column);
+            let rest = dot(&column, &column);
+            moved |= whole > 0.0;
+            if whole > 0.0 && rest > LEFT_OVER * whole {
+                new = true;
+                start[k - known] = value;
+                columns.push(column);
+            }
+        }
+        if columns.is_empty() {
+            continue;
+        }
+        let span = orthonormal(columns.clone());
+        let explained: f64 = span.iter().map(|direction| dot(direction, left).powi(2)).sum();
+        // Only a step to this side counts: residuals have to fall along it.
+        let towards = columns.iter().map(|column| dot(column, left)).fold(f64::INFINITY, f64::min) < 0.0;
+        let rest = (before - explained).max(1e-3 * before);
+        let predicted = context.criterion(before, rest, coefficients);
+        if towards && predicted > best.predicted {
+            let at = model.fit.point.parameters.clone();
+            best = Scored { entry, at, start, left: rest, predicted, excluded: None, span };
+        }
+    }
+    if best.excluded.is_some() {
+        best.excluded = match (refused, moved, new) {
+            (Some(refused), false, _) => Some(refused),
+            (_, true, false) => Some(Exclusion::Redundant(done_already(context))),
+            (_, true, true) => None,
+            _ => Some(Exclusion::NoInfluence),
+        };
+    }
+    best
+}

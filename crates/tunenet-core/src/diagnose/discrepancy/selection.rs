@@ -1,0 +1,176 @@
+//! Forward selection by the information criterion with few independent values (Schwarz 1978), every effect confirmed by held-out
+//! recordings before the next is looked for.
+
+use super::scale::{BRIEF, FINISH, rescaled};
+use super::stage::{Stage, brief_stage, stage};
+use crate::Result;
+use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::forward_selection::{SelectedEffect, Selection};
+use crate::diagnose::judge::held_out_proof::{HeldOut, validate};
+use crate::diagnose::{Progress, Test};
+use crate::estimate::huber::huber_cost;
+use crate::estimate::information_criterion::p_value;
+
+/// Every effect has to gain this many times the margin: the search looks at all candidates, with several starts.
+const FIRM: f64 = 2.0;
+/// What an effect leaves of held-out recordings, over what is left without it, as a robust sum of squares.
+const ADMITTED: f64 = 0.96;
+/// Candidates that are fitted in the place of an effect that others follow.
+const RIVALS: usize = 3;
+/// Those farther behind than so many margins are not.
+const NEAR: f64 = 5.0;
+
+/// What a search finds.
+pub(in crate::diagnose) struct Gated<'a> {
+    /// Under which it was made.
+    pub context: Context<'a>,
+    pub found: Selection<'a>,
+    /// What held-out recordings say; empty where there are none, or nothing was found.
+    pub tests: Vec<Test>,
+}
+
+/// Searches from the tuned simulation `base`.
+///
+/// # Errors
+/// Where the simulator refuses.
+pub(in crate::diagnose) fn search_gated<'a>(
+    context: &Context<'a>,
+    base: &Hypothesis<'a>,
+    progress: &dyn Fn(Progress),
+) -> Result<Gated<'a>> {
+    let (mut context, mut model) = rescaled(context, base)?;
+    let mut stages: Vec<Stage> = Vec::new();
+    let mut tests = Vec::new();
+    let most = context.settings.most_effects;
+    let mut best = None;
+    loop {
+        let effects = model.structure.effects.len();
+        progress(Progress::Scoring { candidates: context.catalogue.len() - effects, effects });
+        let found = stage(&context, model);
+        let admitted = if effects < most { admitted(&context, &found)? } else { None };
+        let Some((next, test)) = admitted else {
+            stages.push(found);
+            break;
+        };
+        tests.extend(test);
+        let step = rescaled(&context, &next)?;
+        stages.push(found);
+        (context, model) = step;
+        best = Some(model.again(&context)?);
+        if effects + 1 == most {
+            break;
+        }
+    }
+    let Some(best) = best else {
+        let Stage { model, trials } = stages.remove(0);
+        let found = Selection { alone: trials, ..Selection::tuned(model) };
+        return Ok(Gated { context, found, tests });
+    };
+    let (best, places) = places(&context, best, &mut stages)?;
+    let Stage { model, trials } = stages.remove(0);
+    let base = context.fit_near_with(&[], &model, FINISH)?;
+    let found = Selection { base, alone: trials, best: Some(best), places };
+    Ok(Gated { context, found, tests })
+}
+
+/// What held-out recordings leave of a hypothesis, as a robust sum of squares in units of the noise.
+fn held_out_cost(held_out: &HeldOut) -> f64 {
+    huber_cost(&held_out.residuals, 1.0)
+}
+
+/// The best candidate of a stage that the criterion and held-out recordings admit, with the test that these make.
+fn admitted<'a>(context: &Context<'a>, stage: &Stage<'a>) -> Result<Option<(Hypothesis<'a>, Option<Test>)>> {
+    let least = FIRM * context.settings.margin;
+    let fitted = stage.trials.iter().filter(|trial| trial.excluded.is_none() && trial.gain > least);
+    let mut before = None;
+    for trial in fitted {
+        let Some(model) = &trial.model else { continue };
+        if before.is_none() {
+            before = validate(context, &stage.model)?;
+        }
+        let after = validate(context, model)?;
+        let (Some(before), Some(after)) = (&before, &after) else { return Ok(Some((model.again(context)?, None))) };
+        let value = held_out_cost(after) / held_out_cost(before).max(f64::MIN_POSITIVE);
+        if value <= ADMITTED {
+            let test =
+                Test { name: "held-out misfit with the effect over without", value, threshold: ADMITTED, passed: true };
+            return Ok(Some((model.again(context)?, Some(test))));
+        }
+    }
+    Ok(None)
+}
+
+/// What each effect of `best` is worth, and what could stand in its place; another structure where one of these is better.
+fn places<'a>(
+    context: &Context<'a>,
+    best: Hypothesis<'a>,
+    stages: &mut [Stage<'a>],
+) -> Result<(Hypothesis<'a>, Vec<SelectedEffect>)> {
+    let mut best = best;
+    let effects = best.structure.effects.clone();
+    let mut places = Vec::with_capacity(effects.len());
+    for (position, &entry) in effects.iter().enumerate() {
+        let others: Vec<usize> = effects.iter().copied().filter(|&e| e != entry).collect();
+        let last = position + 1 == effects.len();
+        let known = stages.iter().position(|stage| last && stage.model.structure.effects == others);
+        let made;
+        let stage = if let Some(known) = known {
+            &stages[known]
+        } else {
+            let without = context.fit_near_with(&others, &best, BRIEF)?;
+            made = brief_stage(context, without, RIVALS);
+            &made
+        };
+        let scale = best.scale();
+        // Stages before the last are in units of their own; what counts is the distance within each.
+        let without = context.fit_near_with(&others, &stage.model, BRIEF)?;
+        let worth = gain(context, &without, &best, scale);
+        let coefficients = best.structure.globals.len() - without.structure.globals.len();
+        let likelihood = context.likelihood(without.deviance(scale), best.deviance(scale));
+        let p = p_value(likelihood, coefficients) * context.catalogue.len() as f64;
+        let mut near = in_place(context, &without, (&best, worth), entry, &stage.trials)?;
+        near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        for twin in twins(context, entry) {
+            near.retain(|(other, _)| *other != twin);
+            near.insert(0, (twin, 0.0));
+        }
+        places.push(SelectedEffect {
+            entry,
+            gain: worth,
+            p_value: p.min(1.0),
+            others: near,
+            equals: Vec::new(),
+            excluded: None,
+        });
+    }
+    best = best.again(context)?;
+    Ok((best, places))
+}
+
+/// Candidates in the place of `entry` with how far they fall behind; only those that were fitted come near.
+fn in_place<'a>(
+    context: &Context<'a>,
+    without: &Hypothesis<'a>,
+    (best, worth): (&Hypothesis<'a>, f64),
+    entry: usize,
+    trials: &[CandidateFit<'a>],
+) -> Result<Vec<(usize, f64)>> {
+    let scale = best.scale();
+    let mut near = Vec::new();
+    let own = trials.iter().find(|trial| trial.entry == entry);
+    let open = trials.iter().filter(|trial| trial.entry != entry && trial.excluded.is_none());
+    let behind = |trial: &&CandidateFit| own.is_none_or(|own| own.gain - trial.gain < context.settings.margin * NEAR);
+    for trial in open.filter(behind).take(RIVALS) {
+        let Some(model) = &trial.model else { continue };
+        let rival = context.fit_near_with(&model.structure.effects, model, BRIEF)?;
+        near.push((trial.entry, worth - gain(context, without, &rival, scale)));
+    }
+    Ok(near)
+}
+
+/// The effects that nothing distinguishes from one, by their positions in the catalogue.
+fn twins(context: &Context, entry: usize) -> Vec<usize> {
+    let of = |name: &crate::simulator::Text| context.catalogue.iter().position(|other| other.name == *name);
+    context.catalogue[entry].of[0].exact_twins.iter().filter_map(of).collect()
+}

@@ -1,0 +1,121 @@
+//! Candidates fitted in addition to a hypothesis, and back-substitution: what a candidate gains only by leading out of a local minimum
+//! is not its own, so the hypothesis is fitted again from where the candidate leads to.
+
+use rayon::prelude::*;
+
+use super::scale::{BRIEF, FINISH};
+use super::score::{Scored, score};
+use crate::diagnose::hypothesis::candidate_scores::{CandidateFit, gain};
+use crate::diagnose::hypothesis::context::{Context, Hypothesis};
+use crate::diagnose::hypothesis::joint::Point;
+use crate::diagnose::hypothesis::plausibility::{Exclusion, implausible};
+
+/// Candidates that are fitted, most promising first.
+const FITTED: usize = 7;
+/// The best of them that are fitted to the end, and from which the hypothesis is fitted again.
+const FINISHED: usize = 2;
+
+/// A hypothesis, and every candidate in addition to it, best first.
+pub(super) struct Stage<'a> {
+    pub model: Hypothesis<'a>,
+    pub trials: Vec<CandidateFit<'a>>,
+}
+
+/// Fits the most promising candidates in addition to `model`; the model improves where a candidate leads it to.
+pub(super) fn stage<'a>(context: &Context<'a>, model: Hypothesis<'a>) -> Stage<'a> {
+    let Stage { mut model, mut trials } = brief_stage(context, model, FITTED);
+    let leading = trials.iter().filter(|trial| trial.model.is_some()).take(FINISHED).count();
+    trials[..leading].par_iter_mut().for_each(|trial| {
+        let Some(near) = &trial.model else { return };
+        if let Ok(finished) = context.fit_near_with(&near.structure.effects, near, FINISH) {
+            trial.model = Some(finished);
+        }
+    });
+    for trial in &trials[..leading] {
+        let Some(found) = trial.model.as_ref().and_then(|near| stripped(context, &model, near)) else { continue };
+        if found.fit.cost < model.fit.cost {
+            model = found;
+        }
+    }
+    order(context, &model, &mut trials);
+    Stage { model, trials }
+}
+
+/// The `most` most promising candidates in addition to `model`, fitted briefly.
+pub(super) fn brief_stage<'a>(context: &Context<'a>, model: Hypothesis<'a>, most: usize) -> Stage<'a> {
+    let mut scored = score(context, &model);
+    if model.structure.effects.is_empty() {
+        score_as_given(context, &model, &mut scored);
+    }
+    let promising = scored.iter().filter(|one| one.excluded.is_none() && one.predicted > 0.0).take(most);
+    let promising: Vec<&Scored> = promising.collect();
+    let fitted: Vec<Option<Hypothesis>> = promising.par_iter().map(|one| fit(context, &model, one)).collect();
+    let mut trials: Vec<CandidateFit> = scored.iter().map(unfitted).collect();
+    for (one, fitted) in promising.iter().zip(fitted) {
+        if let Some(trial) = trials.iter_mut().find(|trial| trial.entry == one.entry) {
+            trial.model = fitted;
+        }
+    }
+    order(context, &model, &mut trials);
+    Stage { model, trials }
+}
+
+/// Scores candidates at the values of the files as well: where something large is missing, the fit without it may be far from all that
+/// is true.
+fn score_as_given<'a>(context: &Context<'a>, model: &Hypothesis<'a>, scored: &mut [Scored]) {
+    let given = model.structure.globals.iter().map(|global| global.parameter.value).collect();
+    let point = Point { parameters: given, nuisances: model.fit.point.nuisances.clone() };
+    let Ok(structure) = context.structure(&[]) else { return };
+    let Ok(fit) = context.joint(&structure).stand(point) else { return };
+    let before = model.deviance(model.scale());
+    for mut one in score(context, &Hypothesis { structure, fit }) {
+        one.predicted = context.criterion(before, one.left, one.start.len() as f64);
+        let known = scored.iter_mut().find(|known| known.entry == one.entry);
+        if let Some(known) = known.filter(|known| one.excluded.is_none() && one.predicted > known.predicted) {
+            *known = one;
+        }
+    }
+    scored.sort_by(|a, b| b.predicted.total_cmp(&a.predicted).then(a.entry.cmp(&b.entry)));
+}
+
+/// A candidate as it was scored.
+fn unfitted<'a>(one: &Scored) -> CandidateFit<'a> {
+    // What was not fitted is no better than nothing.
+    let predicted = one.predicted;
+    let mut trial = CandidateFit::unfitted(one.entry, predicted.min(0.0));
+    (trial.predicted, trial.excluded, trial.span) = (predicted, one.excluded.clone(), one.span.clone());
+    trial
+}
+
+fn fit<'a>(context: &Context<'a>, model: &Hypothesis<'a>, one: &Scored) -> Option<Hypothesis<'a>> {
+    let effects = [model.structure.effects.as_slice(), &[one.entry]].concat();
+    let structure = context.structure(&effects).ok()?;
+    let known = model.structure.globals.len();
+    let mut parameters = structure.carry(&model.structure, &one.at);
+    parameters[known..].copy_from_slice(&one.start);
+    let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
+    let fit = context.joint(&structure).fit(start, BRIEF).ok()?;
+    Some(Hypothesis { structure, fit })
+}
+
+/// The hypothesis `model`, fitted from where a candidate in addition to it stands, the candidate's own effect taken away.
+fn stripped<'a>(context: &Context<'a>, model: &Hypothesis<'a>, near: &Hypothesis<'a>) -> Option<Hypothesis<'a>> {
+    let structure = context.structure(&model.structure.effects).ok()?;
+    let parameters = near.fit.point.parameters[..structure.globals.len()].to_vec();
+    let start = Point { parameters, nuisances: near.fit.point.nuisances.clone() };
+    let joint = context.joint(&structure);
+    let brief = joint.fit(start, BRIEF).ok()?;
+    let fit = if brief.cost < model.fit.cost { joint.fit(brief.point, FINISH).ok()? } else { brief };
+    Some(Hypothesis { structure, fit })
+}
+
+/// Gains over `model` as it stands now, best first.
+fn order<'a>(context: &Context<'a>, model: &Hypothesis<'a>, trials: &mut [CandidateFit<'a>]) {
+    for trial in trials.iter_mut() {
+        if let Some(fitted) = &trial.model {
+            trial.gain = gain(context, model, fitted, model.scale());
+            trial.excluded = implausible(context, fitted).map(Exclusion::Implausible);
+        }
+    }
+    trials.sort_by(|a, b| b.model.is_some().cmp(&a.model.is_some()).then(CandidateFit::order(a, b)));
+}

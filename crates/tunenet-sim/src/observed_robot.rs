@@ -1,0 +1,256 @@
+//! From a file of robot joints to a simulator that core can tune and diagnose.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+use tunenet_core::observation::{Channel, Note};
+use tunenet_core::simulator::{Declared, StartState, StartValue};
+use tunenet_formats::{Error, Result};
+
+use crate::arm::{JointKind, Model, urdf};
+use crate::robot::layout::{Layout, Number, Reading, Role, Start, Wiring};
+use crate::robot::numbers::JointNumbers;
+use crate::robot::rig::{Mass, Rig};
+use crate::robot::trajectory::Quantity;
+use crate::robot::{Drive, RobotModel};
+use crate::scene::{JointScene, RobotScene};
+use crate::simulation_file::robot_schema::role;
+use crate::{SimulationFile, declared, findings};
+
+/// What recordings with one gain and one load cannot distinguish from parameters of a servo.
+const ONE_SETUP: [&str; 3] = ["firmware_gain", "load_offset", "joint_spring"];
+
+/// Robot joints as a simulator, with the inputs and states that their file declares.
+pub type RobotSimulator = Declared<RobotModel>;
+
+/// The robot of `files`, a file for each setup of the recordings
+/// ([`Circumstances::setup`](tunenet_core::observation::Circumstances::setup) is a position among them): they differ in loads, gains,
+/// drives and initial states.
+///
+/// # Errors
+/// [`Error::File`] where a file describes no robot, its model cannot be read or has no such joints and links, or files differ in what
+/// they predict or in their parameters.
+///
+/// # Panics
+/// Where `files` is empty.
+pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
+    let file = files[0];
+    let scene = file.robot()?;
+    let model = model(file)?;
+    let order = order(file, &model)?;
+    let parameters = file.parameters()?;
+    let roles = parameters.iter().map(|parameter| {
+        // Reading the file refuses other names.
+        let (joint, number) = role(&parameter.name).unwrap_or(("", Number::Zero));
+        Role { joint: order.iter().position(|(name, _)| *name == joint).unwrap_or(0), number }
+    });
+    let starts = starts(scene, &order);
+    let follows: Vec<bool> = order.iter().map(|(_, joint)| joint.drive == Drive::Position).collect();
+    let one_setup = files.len() == 1 && follows.contains(&true);
+    let layout = Layout {
+        roles: roles.collect(),
+        effects: crate::robot::effects::all(),
+        readings: readings(scene, &order),
+        starts: starts.iter().map(|(start, _)| *start).collect(),
+        wiring: order.iter().map(|(_, joint)| wiring(scene, joint)).collect(),
+        follows,
+        notes: one_setup.then(said_of_one_setup).into_iter().collect(),
+    };
+    let mut rigs = Vec::with_capacity(files.len());
+    let mut states = Vec::with_capacity(files.len());
+    for other in files {
+        let same = other.headers() == file.headers() && other.robot()?.joints.keys().eq(scene.joints.keys());
+        if !same || other.robot()?.robot != scene.robot {
+            let message = "recordings of one object: expected the same model, joints and channels in every setup";
+            return Err(Error::file(other.path(), message, "give recordings that differ in them another `object`"));
+        }
+        rigs.push(rig(other, &model)?);
+        states.push(states_of(other, &starts)?);
+    }
+    let channels = declared::channels(file)?;
+    let mut simulator = Declared::new(RobotModel::new(rigs, layout), parameters, channels).setups(states);
+    let present = file.robot_effects()?;
+    let joints = order.len();
+    for effect in crate::robot::effects::all() {
+        let entry = effect.entry(joints);
+        simulator = match present.iter().find(|one| one.effect.name == effect.name) {
+            Some(one) => simulator.present(entry, &one.values)?,
+            None if one_setup && ONE_SETUP.contains(&effect.name) => simulator,
+            None => simulator.candidate(entry),
+        };
+    }
+    Ok(simulator)
+}
+
+fn said_of_one_setup() -> Note {
+    let text = format!("all recordings have one gain and one load: {} are not looked for", ONE_SETUP.join(", "));
+    Note::new(findings::ROBOT_ONE_SETUP, text, "record at another gain and with another load")
+}
+
+/// Where the model of a robot's file lies: next to the file, unless its path is absolute.
+///
+/// # Errors
+/// [`Error::File`] where the file describes no robot.
+pub fn model_path(file: &SimulationFile) -> Result<PathBuf> {
+    Ok(file.path().parent().unwrap_or(Path::new("")).join(&file.robot()?.robot.model))
+}
+
+/// What the model says and the simulation leaves out.
+///
+/// # Errors
+/// As [`robot`].
+pub fn notes(file: &SimulationFile) -> Result<Vec<Note>> {
+    Ok(model(file)?.notes)
+}
+
+/// The chain of the file's joints, all others held.
+fn model(file: &SimulationFile) -> Result<Model> {
+    let path = model_path(file)?;
+    let whole = urdf::read(&path)?;
+    let names: Vec<String> = whole.joints().iter().map(|joint| joint.name.clone()).collect();
+    let mut kept = Vec::new();
+    for name in file.robot()?.joints.keys() {
+        let Some(at) = names.iter().position(|known| known == name) else {
+            let message = format!("`joints.{name}`: expected a joint of the model ({}), found none", names.join(", "));
+            return Err(Error::file(file.path(), message, "name the table as the model names the joint"));
+        };
+        kept.push(at);
+    }
+    Ok(whole.keep(&kept))
+}
+
+/// The joints of the file in the order of the model.
+fn order<'a>(file: &'a SimulationFile, model: &Model) -> Result<Vec<(&'a str, &'a JointScene)>> {
+    let scene = file.robot()?;
+    let one = |joint: &&crate::arm::Joint| scene.joints.get_key_value(&joint.name);
+    Ok(model.joints().iter().filter_map(one).map(|(name, joint)| (name.as_str(), joint)).collect())
+}
+
+/// One setup.
+fn rig(file: &SimulationFile, model: &Model) -> Result<Rig> {
+    let scene = file.robot()?;
+    let mut masses = Vec::new();
+    for (name, load) in &scene.loads {
+        let Some(link) = model.frames.iter().find(|frame| frame.name == load.link) else {
+            let known: Vec<&str> = model.frames.iter().map(|frame| frame.name.as_str()).collect();
+            let message = format!(
+                "`loads.{name}.link`: expected a link of the model ({}), found `{}`",
+                known.join(", "),
+                load.link
+            );
+            return Err(Error::file(file.path(), message, "name the link that carries the load"));
+        };
+        masses.push(Mass { link: link.clone(), mass_kg: load.mass_kg, position_m: Vector3::from(load.position_m) });
+    }
+    let order = order(file, model)?;
+    let kinds: Vec<JointKind> = model.joints().iter().map(|joint| joint.kind).collect();
+    for ((name, joint), kind) in order.iter().zip(&kinds) {
+        fits(file, name, joint, *kind)?;
+    }
+    let joints = model.joints().into_iter().zip(&order).map(|(of_model, (_, joint))| numbers(joint, of_model));
+    let world = (scene.world.gravity_m_s2, scene.robot.base_tilt_rad);
+    Ok(Rig::new(model.clone(), masses, world, joints.collect(), scene.integrate.step_s))
+}
+
+/// Refuses units that the kind of joint does not have.
+fn fits(file: &SimulationFile, name: &str, joint: &JointScene, kind: JointKind) -> Result<()> {
+    let slides = kind == JointKind::Prismatic;
+    let wrong = |key: &str, found: &str| {
+        let expected =
+            if slides { "units of a prismatic joint (m, m_s, n)" } else { "units of a turning joint (rad, rad_s, nm)" };
+        let message = format!("`joints.{name}.{key}`: expected {expected}, found `{found}`");
+        Err(Error::file(file.path(), message, "the model says how the joint moves"))
+    };
+    if (slides && joint.nm_v.is_some()) || (!slides && joint.n_v.is_some()) {
+        let key = if slides { "nm_v" } else { "n_v" };
+        return wrong(key, key);
+    }
+    for header in &joint.observe {
+        let unit = Channel::from_header(header).map(|channel| channel.unit).unwrap_or_default();
+        let other = if slides { ["rad", "rad/s", "N·m"] } else { ["m", "m/s", "N"] };
+        if other.contains(&unit.as_str()) {
+            return wrong("observe", header);
+        }
+    }
+    Ok(())
+}
+
+/// A joint as the file and the model have it, before parameters and effects.
+fn numbers(joint: &JointScene, of_model: &crate::arm::Joint) -> JointNumbers {
+    JointNumbers {
+        kp: joint.kp,
+        kd: joint.kd,
+        gain: joint.gain_1_rad.or(joint.n_v).or(joint.nm_v).unwrap_or(0.0),
+        duty_max: joint.duty_max,
+        supply_v: joint.supply_v,
+        viscous: of_model.damping,
+        coulomb: of_model.friction,
+        ..JointNumbers::free(joint.drive)
+    }
+}
+
+fn wiring(scene: &RobotScene, joint: &JointScene) -> Wiring {
+    let place = |name: &str| scene.inputs.get_index_of(name);
+    Wiring { command: place(&joint.command), enable: joint.enable.as_deref().and_then(place) }
+}
+
+/// What each channel reads, in the order of the file's joints.
+fn readings(scene: &RobotScene, order: &[(&str, &JointScene)]) -> Vec<Reading> {
+    let of = |(name, joint): (&String, &JointScene)| {
+        let place = order.iter().position(|(known, _)| known == name).unwrap_or(0);
+        let gain = joint.nm_a.unwrap_or(1.0);
+        let one = move |header: &String| {
+            let unit = Channel::from_header(header).map(|channel| channel.unit).unwrap_or_default();
+            let (quantity, factor) = match unit.as_str() {
+                "rad/s" | "m/s" => (Quantity::Speed, 1.0),
+                "N·m" | "N" => (Quantity::Torque, 1.0),
+                "A" => (Quantity::Torque, gain.recip()),
+                _ => (Quantity::Position, 1.0),
+            };
+            Reading { joint: place, quantity, factor }
+        };
+        joint.observe.iter().map(one).collect::<Vec<_>>()
+    };
+    scene.joints.iter().flat_map(of).collect()
+}
+
+/// Position and speed of every joint at the start, with the names that `[start]` has for them.
+fn starts(scene: &RobotScene, order: &[(&str, &JointScene)]) -> Vec<(Start, String)> {
+    let mut all = Vec::new();
+    for (place, (name, joint)) in order.iter().enumerate() {
+        let ending = |units: [&str; 2]| {
+            let unit = |header: &String| Channel::from_header(header).map(|channel| channel.unit).unwrap_or_default();
+            let observed = joint.observe.iter().find(|header| units.contains(&unit(header).as_str()));
+            let named = scene.start.keys().find(|key| {
+                Channel::from_header(key).is_some_and(|c| c.name == *name && units.contains(&c.unit.as_str()))
+            });
+            observed.or(named).cloned()
+        };
+        let position = ending(["rad", "m"]).unwrap_or_else(|| format!("{name}_rad"));
+        let speed = ending(["rad/s", "m/s"]).unwrap_or_else(|| format!("{name}_rad_s"));
+        all.push((Start { joint: place, speed: false }, position));
+        all.push((Start { joint: place, speed: true }, speed));
+    }
+    all
+}
+
+/// The initial state of a setup: as the file says it, else the first sample of a channel that shows the position, else at rest at 0.
+fn states_of(file: &SimulationFile, starts: &[(Start, String)]) -> Result<Vec<StartState>> {
+    let (declared, headers) = (declared::states(file)?, file.headers());
+    let lost = file.starts().map(|(name, _)| name).find(|name| starts.iter().all(|(_, known)| known != name));
+    if let Some(name) = lost {
+        let known: Vec<&str> = starts.iter().map(|(_, name)| name.as_str()).collect();
+        let message = format!("`start.{name}`: expected a position or a speed of a joint ({})", known.join(", "));
+        return Err(Error::file(file.path(), message, "name it as the channel, or JOINT_rad and JOINT_rad_s"));
+    }
+    let one = |(start, name): &(Start, String)| {
+        if let Some(said) = declared.iter().find(|state| state.name == *name) {
+            return said.clone();
+        }
+        let unit = Channel::from_header(name).map_or_else(|| "rad".into(), |channel| channel.unit);
+        let observed = headers.iter().position(|header| header == name).filter(|_| !start.speed);
+        let value = observed.map_or(StartValue::Number(0.0), StartValue::First);
+        StartState::new(name.clone(), unit, value)
+    };
+    Ok(starts.iter().map(one).collect())
+}

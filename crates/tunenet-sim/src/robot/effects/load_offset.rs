@@ -1,0 +1,16 @@
+//! Loads that are farther out than stated.
+
+use tunenet_core::simulator::{Coefficient, Phase};
+
+use super::{Act, RobotEffect};
+
+pub(super) const EFFECT: RobotEffect = RobotEffect {
+    name: "load_offset",
+    phase: Phase::Joint,
+    per_joint: false,
+    coefficients: &[Coefficient::new("m", "m", 0.0, (-1.0, 1.0), 0.005)],
+    plausible: &[(-0.05, 0.05)],
+    sentence: "loads are this much farther from the origin of their link than the file says",
+    mistaken_for: &["firmware_gain", "joint_spring", "payload_com_offset"],
+    act: Act::Robot(|robot, c| robot.load_offset_m += c[0]),
+};

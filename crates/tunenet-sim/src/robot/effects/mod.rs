@@ -1,0 +1,189 @@
+//! What a driven joint may have beyond its simulation.
+//!
+//! One file each, which holds the entry of the catalogue and what its numbers change; [`ALL`] is the list, together with
+//! effects that [arms](crate::arm::effects) have as well. To add one, write its file and its line: the simulation file, rollouts and
+//! diagnosis follow from the list. Numbers of joints stand in the order of the model.
+
+mod backlash;
+mod command_delay;
+mod dead_band;
+mod directional_friction;
+mod duty_limit;
+mod firmware_damping;
+mod firmware_gain;
+mod load_friction;
+mod load_offset;
+mod position_latch;
+mod quadratic_friction;
+mod release_braking;
+mod release_delay;
+mod speed_limit;
+mod time_delay;
+mod voltage_sag;
+
+use tunenet_core::simulator::{Coefficient, Effect, Phase};
+
+use super::imperfect::{DriveEffects, Imperfect};
+use crate::arm::effects::{self as arm, Imperfections};
+
+/// An effect of a robot: its entry in the catalogue, and how it acts.
+#[derive(Debug, Clone)]
+pub struct RobotEffect {
+    /// Its name in simulation files.
+    pub name: &'static str,
+    /// Where it acts.
+    pub phase: Phase,
+    /// Whether every joint has numbers of its own.
+    pub per_joint: bool,
+    /// Its numbers, each as of one joint.
+    pub coefficients: &'static [Coefficient],
+    /// The physical bounds of each of them.
+    pub plausible: &'static [(f64, f64)],
+    /// What it is, in one plain sentence.
+    pub sentence: &'static str,
+    /// Effects that some recordings cannot distinguish from it.
+    pub mistaken_for: &'static [&'static str],
+    act: Act,
+}
+
+/// What the numbers of an effect change, those of all joints of the first coefficient first.
+#[derive(Debug, Clone, Copy)]
+enum Act {
+    /// The robot as a whole.
+    Robot(fn(&mut Imperfect, &[f64])),
+    /// The drive of each joint, by its own number.
+    Drives(fn(&mut DriveEffects, &[f64])),
+    /// The arm, as arms have it.
+    Arm(fn(&mut Imperfections, &[f64])),
+}
+
+/// The effects of arms that joints from commands have too, by name. The sentence and the rest of the entry are the arm's own.
+const OF_ARMS: [&str; 9] = [
+    "viscous_friction",
+    "coulomb_friction",
+    "stribeck_friction",
+    "armature",
+    "joint_offset",
+    "joint_spring",
+    "joint_elasticity",
+    "payload_com_offset",
+    "base_tilt",
+];
+
+const OWN: [&RobotEffect; 16] = [
+    &speed_limit::EFFECT,
+    &command_delay::EFFECT,
+    &release_delay::EFFECT,
+    &load_friction::EFFECT,
+    &directional_friction::EFFECT,
+    &quadratic_friction::EFFECT,
+    &dead_band::EFFECT,
+    &backlash::EFFECT,
+    &duty_limit::EFFECT,
+    &firmware_gain::EFFECT,
+    &firmware_damping::EFFECT,
+    &voltage_sag::EFFECT,
+    &release_braking::EFFECT,
+    &load_offset::EFFECT,
+    &position_latch::EFFECT,
+    &time_delay::EFFECT,
+];
+
+/// The catalogue.
+#[must_use]
+pub fn all() -> Vec<RobotEffect> {
+    let of_arms = arm::ALL.into_iter().filter(|effect| OF_ARMS.contains(&effect.name)).map(of_arm);
+    of_arms.chain(OWN.into_iter().cloned()).collect()
+}
+
+fn of_arm(effect: arm::ArmEffect) -> RobotEffect {
+    RobotEffect {
+        name: effect.name,
+        phase: effect.phase.clone(),
+        per_joint: effect.per_joint,
+        coefficients: effect.coefficients,
+        plausible: effect.plausible,
+        sentence: effect.sentence,
+        mistaken_for: effect.mistaken_for,
+        act: Act::Arm(effect.apply),
+    }
+}
+
+impl RobotEffect {
+    /// The effect of this name.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        all().into_iter().find(|effect| effect.name == name)
+    }
+
+    /// How many numbers each of its coefficients has on a robot of so many joints.
+    #[must_use]
+    pub fn numbers(&self, joints: usize) -> usize {
+        if self.per_joint { joints } else { 1 }
+    }
+
+    /// Its entry for a robot of so many joints: each coefficient stands there once for every joint, under the same key and numbered
+    /// by the joint.
+    #[must_use]
+    pub fn entry(&self, joints: usize) -> Effect {
+        let each = self.numbers(joints);
+        let of_joints = |c: &Coefficient| -> Vec<Coefficient> {
+            if self.per_joint { (1..=joints).map(|joint| c.clone().numbered(joint)).collect() } else { vec![c.clone()] }
+        };
+        let coefficients = self.coefficients.iter().flat_map(of_joints).collect();
+        let known = |name: &&&str| OF_ARMS.contains(name) || OWN.iter().any(|own| own.name == **name);
+        let twins: &[&str] = match self.name {
+            "command_delay" => &["time_delay"],
+            "time_delay" => &["command_delay"],
+            _ => &[],
+        };
+        Effect {
+            exact_twins: twins.iter().map(|name| (*name).into()).collect(),
+            plausible: self.plausible.iter().flat_map(|p| std::iter::repeat_n(*p, each)).collect(),
+            mistaken_for: self.mistaken_for.iter().filter(known).map(|name| (*name).into()).collect(),
+            ..Effect::new(self.name, self.phase.clone(), self.sentence, coefficients)
+        }
+    }
+
+    /// Adds it to what a robot has, the numbers of all joints of the first coefficient first.
+    pub(super) fn apply(&self, robot: &mut Imperfect, values: &[f64]) {
+        match self.act {
+            Act::Robot(act) => act(robot, values),
+            Act::Arm(act) => act(&mut robot.arm, values),
+            Act::Drives(act) => {
+                for (j, drive) in robot.drives.iter_mut().enumerate() {
+                    let own: [f64; 1] = [values[j]];
+                    act(drive, &own);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_every_absent_number_changes_nothing() {
+        let all = all();
+        assert_eq!(all.len(), OF_ARMS.len() + OWN.len());
+        for (i, effect) in all.iter().enumerate() {
+            assert!(all[..i].iter().all(|other| other.name != effect.name), "{}", effect.name);
+            let entry = effect.entry(2);
+            let absent: Vec<f64> = entry.coefficients.iter().map(|c| c.absent).collect();
+            let mut robot = Imperfect::none(2);
+            effect.apply(&mut robot, &absent);
+            // The width of Stribeck's friction shapes it alone.
+            robot.arm.stribeck_rad_s = vec![1.0; 2];
+            assert_eq!(robot, Imperfect::none(2), "{}", effect.name);
+        }
+    }
+
+    #[test]
+    fn every_joint_has_its_own_number() {
+        let mut robot = Imperfect::none(2);
+        RobotEffect::find("speed_limit").unwrap().apply(&mut robot, &[0.2, 0.4]);
+        assert_eq!((robot.drives[0].inverse_speed_s_rad, robot.drives[1].inverse_speed_s_rad), (0.2, 0.4));
+    }
+}

@@ -1,0 +1,212 @@
+//! What is wrong with a recording of joints: units, clocks, a joint that stands still, jumps, and a log of what commanded it.
+
+use std::sync::Arc;
+
+use tunenet_core::Result;
+use tunenet_core::observation::{Check, Circumstances, Note, Observation, State, noise_sd, with_decimals};
+use tunenet_core::simulator::{Preparation, Prepared, Rejected};
+use tunenet_core::statistics::{dot, median};
+
+use super::layout::{Layout, Reading};
+use super::trajectory::Quantity;
+use crate::findings;
+
+/// A single sample this far from the median of the seven around it is a jump of the reading, rad or m: no joint moves so for 10 ms alone.
+const JUMP: f64 = 0.25;
+const WINDOW: usize = 7;
+/// The first samples whose median is the start.
+const FIRST: usize = 3;
+/// Positions that move by less than so many steps of the encoder stand still.
+const STILL_STEPS: f64 = 3.0;
+/// Commands that move more than so many times as far as the joint are in another unit: degrees are 57 times as many.
+const OTHER_UNIT: f64 = 20.0;
+/// Commands that fit this much later (s) are on another clock.
+const OTHER_CLOCK_S: f64 = 0.5;
+/// Lags that are tried, s.
+const LAGS_S: (f64, f64) = (-2.0, 2.0);
+const LAG_STEP_S: f64 = 0.02;
+/// A correlation at another lag has to leave so much less of the variance.
+const CLEARER: f64 = 0.5;
+
+/// A recording examined.
+pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Preparation> {
+    prepared.discrepancy = true;
+    let mut checks = Vec::new();
+    let (seen, jumps) = without_jumps(layout, &prepared.seen)?;
+    if jumps > 0 {
+        let text = format!("{jumps} samples jump by more than {JUMP} from their neighbours and are left out");
+        checks.push(noticed(Note::new(
+            findings::ROBOT_JUMPS,
+            text,
+            "none needed; check the wiring where there are many",
+        )));
+    }
+    prepared.seen = seen;
+    let known = prepared.circumstances.clone().unwrap_or_default();
+    for (channel, reading) in layout.readings.iter().enumerate() {
+        if reading.quantity != Quantity::Position {
+            continue;
+        }
+        match position(layout, &prepared.seen, channel, *reading, &known) {
+            Some((note, true)) => {
+                let failed = Check {
+                    kind: note.kind,
+                    state: State::Failed,
+                    text: note.text.clone(),
+                    remedy: note.remedy.clone(),
+                };
+                checks.push(failed);
+                return Ok(Preparation::Rejected(Box::new(Rejected { note, checks })));
+            }
+            Some((note, false)) => checks.push(noticed(note)),
+            None => {}
+        }
+    }
+    prepared.noise = Some((0..prepared.seen.channels().len()).map(|channel| noise(&prepared.seen, channel)).collect());
+    start_at_median(layout, &mut prepared);
+    prepared.notes.extend(layout.notes.iter().cloned());
+    prepared.notes.extend(checks.iter().filter_map(Check::note));
+    prepared.checks.extend(checks);
+    Ok(Preparation::Usable(prepared))
+}
+
+fn noticed(note: Note) -> Check {
+    Check { kind: note.kind, state: State::Noticed, text: note.text, remedy: note.remedy }
+}
+
+/// The recording without samples whose position jumps, and how many those were.
+fn without_jumps(layout: &Layout, seen: &Observation) -> Result<(Observation, usize)> {
+    let mut kept = vec![true; seen.len()];
+    for (channel, _) in layout.readings.iter().enumerate().filter(|(_, one)| one.quantity == Quantity::Position) {
+        let values: Vec<f64> = seen.column(channel).collect();
+        for (i, value) in values.iter().enumerate() {
+            let first = i.saturating_sub(WINDOW / 2).min(values.len().saturating_sub(WINDOW));
+            let near = values[first..(first + WINDOW).min(values.len())].iter().copied();
+            kept[i] &= median(near).is_none_or(|middle| (value - middle).abs() <= JUMP);
+        }
+    }
+    let jumps = kept.iter().filter(|kept| !**kept).count();
+    if jumps == 0 {
+        return Ok((seen.clone(), 0));
+    }
+    let rows = || (0..seen.len()).filter(|&i| kept[i]);
+    let clock = rows().map(|i| seen.clock()[i]).collect();
+    let values = rows().flat_map(|i| seen.row(i).to_vec()).collect();
+    let cut = Observation::new(seen.kind(), seen.channels().to_vec(), clock, values)?;
+    let circumstances = seen.circumstances().map(|known| Circumstances::clone(known));
+    Ok((circumstances.map_or(cut.clone(), |known| cut.under(known)), jumps))
+}
+
+/// The smallest step between values: that of an encoder; 0 where there is none.
+fn encoder_step(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let steps = sorted.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > 1e-9);
+    let least = steps.fold(f64::INFINITY, f64::min);
+    let on_grid = |v: &f64| ((v - values[0]) / least - ((v - values[0]) / least).round()).abs() < 0.05;
+    if least.is_finite() && values.iter().all(on_grid) { least } else { 0.0 }
+}
+
+/// The noise of a channel: that of its third differences, and of its encoder where that is larger.
+fn noise(seen: &Observation, channel: usize) -> f64 {
+    let values: Vec<f64> = seen.column(channel).collect();
+    noise_sd(&values).max(encoder_step(&values) / 12f64.sqrt()).max(1e-6)
+}
+
+/// The start is the median of the first samples: a single one may jump.
+fn start_at_median(layout: &Layout, prepared: &mut Prepared) {
+    let Some(known) = prepared.circumstances.as_deref() else { return };
+    let mut known = Circumstances::clone(known);
+    for (place, start) in layout.starts.iter().enumerate().filter(|(_, start)| !start.speed) {
+        let shows = |one: &Reading| one.joint == start.joint && one.quantity == Quantity::Position;
+        let Some(channel) = layout.readings.iter().position(shows) else { continue };
+        let middle = median(prepared.seen.column(channel).take(FIRST));
+        if let (Some(middle), Some(value)) = (middle, known.start.get_mut(place))
+            && *value == prepared.seen.row(0)[channel]
+        {
+            *value = middle;
+        }
+    }
+    prepared.circumstances = Some(Arc::new(known));
+}
+
+/// What is wrong with a position, and whether the recording cannot be used.
+fn position(
+    layout: &Layout,
+    seen: &Observation,
+    channel: usize,
+    reading: Reading,
+    known: &Circumstances,
+) -> Option<(Note, bool)> {
+    let values: Vec<f64> = seen.column(channel).collect();
+    let name = seen.channels()[channel].header();
+    let range = |values: &[f64]| {
+        values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - values.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let moved = range(&values);
+    let command = layout.wiring[reading.joint].command.and_then(|place| known.inputs.get(place))?;
+    let goals: Vec<f64> = seen.clock().iter().map(|t| command.at(0, *t)).collect();
+    let commanded = range(&goals);
+    if moved <= STILL_STEPS * encoder_step(&values) || moved == 0.0 {
+        let text = format!("`{name}` never moves");
+        let remedy = "leave the joint out of [joints], or record it while it moves";
+        return Some((Note::new(findings::ROBOT_STILL, text, remedy), false));
+    }
+    if !layout.follows[reading.joint] {
+        return None;
+    }
+    if commanded > OTHER_UNIT * moved && commanded > 2.0 * std::f64::consts::TAU {
+        let text = format!(
+            "commands of `{name}` span {}, and it moves by {}: expected one unit, found two (degrees?)",
+            with_decimals(commanded, 2),
+            with_decimals(moved, 2)
+        );
+        let remedy = "name the column of commands with its unit (goal_deg), or convert it";
+        return Some((Note::new(findings::ROBOT_UNITS, text, remedy), true));
+    }
+    let resolution = encoder_step(&values).max(1e-6);
+    if commanded > 10.0 * resolution && goals.iter().zip(&values).all(|(goal, q)| (goal - q).abs() <= resolution) {
+        let text = format!("`{name}` equals its commands at every sample: this is what commanded it, not what it did");
+        let remedy = "record the positions of the follower, not of the leader";
+        return Some((Note::new(findings::ROBOT_LEADER, text, remedy), true));
+    }
+    let lag = best_lag(seen.clock(), &values, |t| command.at(0, t))?;
+    (lag.abs() > OTHER_CLOCK_S).then(|| {
+        let early = if lag > 0.0 { "before" } else { "after" };
+        let text = format!("commands of `{name}` come {} s {early} its motion", with_decimals(lag.abs(), 2));
+        let remedy = "give both the same clock; a command that comes after the motion that it causes explains nothing";
+        (Note::new(findings::ROBOT_CLOCK, text, remedy), false)
+    })
+}
+
+/// How much later (s) than the commands the motion is, by the greatest correlation of both; `None` where no lag is far better than none.
+fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Option<f64> {
+    let unexplained = |lag: f64| {
+        let (begin, end) = (clock[0] + LAGS_S.1, clock[clock.len() - 1] + LAGS_S.0);
+        let inside: Vec<usize> = (0..clock.len()).filter(|&i| (begin..=end).contains(&clock[i])).collect();
+        if inside.len() < 20 {
+            return 1.0;
+        }
+        let centred = |all: Vec<f64>| {
+            let mean = all.iter().sum::<f64>() / all.len() as f64;
+            all.into_iter().map(|v| v - mean).collect::<Vec<_>>()
+        };
+        let goals = centred(inside.iter().map(|&i| command(clock[i] - lag)).collect());
+        let seen = centred(inside.iter().map(|&i| values[i]).collect());
+        let both = dot(&goals, &goals) * dot(&seen, &seen);
+        if both > 0.0 { 1.0 - dot(&goals, &seen).max(0.0).powi(2) / both } else { 1.0 }
+    };
+    let steps = ((LAGS_S.1 - LAGS_S.0) / LAG_STEP_S).round();
+    let mut best = (0.0, unexplained(0.0));
+    let now = best.1;
+    let mut step = 0.0;
+    while step <= steps {
+        let lag = LAGS_S.0 + step * LAG_STEP_S;
+        let left = unexplained(lag);
+        if left < best.1 {
+            best = (lag, left);
+        }
+        step += 1.0;
+    }
+    (best.1 < CLEARER * now).then_some(best.0)
+}

@@ -1,0 +1,86 @@
+//! What parameters, channels, initial states and inputs of a robot's recordings mean.
+
+use tunenet_core::observation::Note;
+
+use super::effects::RobotEffect;
+use super::numbers::JointNumbers;
+use super::trajectory::Quantity;
+
+/// What a parameter of a joint is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Number {
+    StallTorque,
+    BackEmf,
+    Viscous,
+    Coulomb,
+    Armature,
+    Zero,
+}
+
+impl Number {
+    /// Every one, by its name in `[parameters.JOINT__NAME]`.
+    pub const ALL: [(&'static str, Self); 6] = [
+        ("stall_torque", Self::StallTorque),
+        ("back_emf", Self::BackEmf),
+        ("viscous", Self::Viscous),
+        ("coulomb", Self::Coulomb),
+        ("armature", Self::Armature),
+        ("zero", Self::Zero),
+    ];
+
+    /// Its place in a joint.
+    pub fn of(self, joint: &mut JointNumbers) -> &mut f64 {
+        match self {
+            Self::StallTorque => &mut joint.stall,
+            Self::BackEmf => &mut joint.back_emf,
+            Self::Viscous => &mut joint.viscous,
+            Self::Coulomb => &mut joint.coulomb,
+            Self::Armature => &mut joint.armature,
+            Self::Zero => &mut joint.zero,
+        }
+    }
+}
+
+/// A parameter: which number of which joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Role {
+    pub joint: usize,
+    pub number: Number,
+}
+
+/// A channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reading {
+    pub joint: usize,
+    pub quantity: Quantity,
+    /// What is read for each unit of the quantity: the reciprocal of N·m/A for a current.
+    pub factor: f64,
+}
+
+/// A number of the initial state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Start {
+    pub joint: usize,
+    pub speed: bool,
+}
+
+/// Which inputs of a recording drive a joint: its command, and what switches its motor.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Wiring {
+    pub command: Option<usize>,
+    pub enable: Option<usize>,
+}
+
+/// What is the same in all setups.
+#[derive(Debug, Clone)]
+pub(crate) struct Layout {
+    pub roles: Vec<Role>,
+    pub effects: Vec<RobotEffect>,
+    pub readings: Vec<Reading>,
+    pub starts: Vec<Start>,
+    pub wiring: Vec<Wiring>,
+    /// Whether each joint is to follow its commands: a position drive.
+    pub follows: Vec<bool>,
+    /// What is to be said of every recording.
+    pub notes: Vec<Note>,
+}

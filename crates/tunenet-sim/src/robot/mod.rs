@@ -1,0 +1,42 @@
+//! Robot joints from commands: motors with a firmware, gears and loads, rolled out forward.
+//!
+//! ```text
+//! recorded command → delay, speed limit (wiring) → firmware and motor (numbers) → friction, weight, inertia → positions → readings
+//! ```
+//!
+//! | module | what |
+//! |---|---|
+//! | `signal` | a sampled command: its exact mean over a step, also behind a rate limiter |
+//! | `wiring` | how a command reaches the motor |
+//! | `numbers` | a joint with its motor: duty, torque, friction |
+//! | `friction_cone` | a step of a mass with dry friction, exact where it sticks |
+//! | `one_joint`, `two_masses`, `chain` | the integration of one joint, of one with a gap or a compliant gear, of several |
+//! | `trajectory` | a rollout on its grid, and how it is read |
+//! | `layout` | what parameters, channels and inputs mean |
+//! | `rig` | the chain with its loads |
+//! | `examine` | what is wrong with a recording |
+//! | [`effects`] | what a driven joint may have beyond its simulation |
+//! | [`RobotModel`] | all of it as rollouts |
+//!
+//! A joint between the stops of its URDF moves freely; stops are not simulated.
+
+mod chain;
+pub mod effects;
+mod examine;
+mod friction_cone;
+pub(crate) mod imperfect;
+pub(crate) mod layout;
+mod model;
+pub(crate) mod numbers;
+mod one_joint;
+pub(crate) mod rig;
+mod signal;
+pub(crate) mod trajectory;
+mod two_masses;
+mod wiring;
+
+#[cfg(test)]
+mod tests;
+
+pub use model::RobotModel;
+pub use numbers::Drive;

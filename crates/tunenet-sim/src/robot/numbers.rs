@@ -1,0 +1,223 @@
+//! The numbers of a driven joint, as one rollout has them.
+
+use serde::Deserialize;
+
+/// What a command of a joint means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Drive {
+    /// A position: a controller turns the error into the duty of the motor.
+    Position,
+    /// A speed: a controller turns the error into the duty of the motor.
+    Velocity,
+    /// The torque of the motor.
+    Torque,
+    /// A voltage, to which the force of the motor is proportional.
+    Voltage,
+}
+
+impl Drive {
+    /// As a file has it.
+    pub const WORDS: &'static [&'static str] = &["position", "velocity", "torque", "voltage"];
+
+    /// Whether a controller of the firmware sets the duty.
+    #[must_use]
+    pub fn has_duty(self) -> bool {
+        matches!(self, Self::Position | Self::Velocity)
+    }
+}
+
+/// A joint with its motor. Torques are in N·m and angles in rad; of a prismatic joint in N and m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct JointNumbers {
+    pub drive: Drive,
+    /// Gain of the firmware.
+    pub kp: f64,
+    /// Damping of the firmware, duty by speed.
+    pub kd: f64,
+    /// Duty by kp and error, 1/rad; force by volt for a voltage drive.
+    pub gain: f64,
+    pub duty_max: f64,
+    /// Supply voltage, V.
+    pub supply_v: f64,
+    /// Torque at full duty and rest; no limit of a torque drive where it is 0.
+    pub stall: f64,
+    /// Braking by the speed while the motor is on.
+    pub back_emf: f64,
+    pub viscous: f64,
+    pub coulomb: f64,
+    pub armature: f64,
+    /// True less measured position.
+    pub zero: f64,
+    pub stribeck: f64,
+    pub stribeck_speed: f64,
+    pub spring: f64,
+    /// Twist between motor and link by torque.
+    pub compliance: f64,
+    /// Whole width of the gap between motor and link.
+    pub gap: f64,
+    /// Reciprocal of the greatest speed of the internal goal; 0 without a limit.
+    pub inverse_speed: f64,
+    pub command_delay_s: f64,
+    /// Delay of switching the motor on or off.
+    pub release_delay_s: f64,
+    /// Friction by the torque that the gear carries.
+    pub load_friction: f64,
+    /// Half the difference between the friction of both directions.
+    pub directional: f64,
+    /// Braking by the square of the speed.
+    pub quadratic: f64,
+    pub dead_band: f64,
+    /// Resistance of the supply, Ohm.
+    pub sag_ohm: f64,
+    /// Braking by the speed while the motor is off.
+    pub release_braking: f64,
+}
+
+/// What drives a joint during one step: the mean of its command, and the share of the step that the motor is on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Command {
+    pub goal: f64,
+    pub on: f64,
+}
+
+/// What a motor does in one step, with speeds taken at the middle of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motor {
+    /// Torque besides what is proportional to the speed.
+    pub torque: f64,
+    /// What is proportional to the speed, braking counted positive.
+    pub braking: f64,
+    /// The part of [`braking`](Self::braking) that is no motor torque: bearings, or a released motor.
+    pub passive: f64,
+}
+
+impl JointNumbers {
+    /// A joint without motor, friction and effects.
+    pub const fn free(drive: Drive) -> Self {
+        Self {
+            drive,
+            kp: 1.0,
+            kd: 0.0,
+            gain: 0.0,
+            duty_max: 1.0,
+            supply_v: 12.0,
+            stall: 0.0,
+            back_emf: 0.0,
+            viscous: 0.0,
+            coulomb: 0.0,
+            armature: 0.0,
+            zero: 0.0,
+            stribeck: 0.0,
+            stribeck_speed: 1.0,
+            spring: 0.0,
+            compliance: 0.0,
+            gap: 0.0,
+            inverse_speed: 0.0,
+            command_delay_s: 0.0,
+            release_delay_s: 0.0,
+            load_friction: 0.0,
+            directional: 0.0,
+            quadratic: 0.0,
+            dead_band: 0.0,
+            sag_ohm: 0.0,
+            release_braking: 0.0,
+        }
+    }
+
+    /// What the controller asks for at this measured position, before its speed counts: duty, torque or force.
+    #[inline]
+    pub(super) fn demand(&self, goal: f64, position: f64) -> f64 {
+        match self.drive {
+            Drive::Position => {
+                let error = goal - position;
+                self.gain * self.kp * (error - error.clamp(-self.dead_band, self.dead_band))
+            }
+            Drive::Velocity => self.gain * self.kp * goal,
+            Drive::Torque => {
+                let most = if self.stall > 0.0 { self.stall * self.duty_max } else { f64::INFINITY };
+                goal.clamp(-most, most)
+            }
+            Drive::Voltage => self.gain * goal,
+        }
+    }
+
+    /// Duty by speed.
+    #[inline]
+    pub(super) fn duty_by_speed(&self) -> f64 {
+        if self.drive == Drive::Velocity { self.kd + self.gain * self.kp } else { self.kd }
+    }
+
+    /// The share of its torque that the motor keeps while the supply sags under this duty: a source of resistance `r` behind a
+    /// converter, R/(R + r duty²), the motor's own resistance R being B·U²/A².
+    #[inline]
+    fn supplied(&self, duty: f64) -> f64 {
+        if self.sag_ohm == 0.0 {
+            return 1.0;
+        }
+        let motor_ohm = self.back_emf * (self.supply_v / self.stall).powi(2);
+        motor_ohm / (motor_ohm + self.sag_ohm * duty * duty)
+    }
+
+    /// The motor where `demand` is asked for and its duty is not limited.
+    #[inline]
+    pub(super) fn unlimited(&self, command: Command, demand: f64, speed: f64) -> Motor {
+        if self.drive.has_duty() {
+            let by_speed = self.duty_by_speed();
+            let share = command.on * self.supplied((demand - by_speed * speed).clamp(-self.duty_max, self.duty_max));
+            self.motor(command, share * self.stall * demand, share * (self.back_emf + self.stall * by_speed), speed)
+        } else {
+            self.motor(command, command.on * demand, command.on * self.back_emf, speed)
+        }
+    }
+
+    /// The motor at the greatest duty in the direction of `sign`.
+    #[inline]
+    pub(super) fn limited(&self, command: Command, sign: f64, speed: f64) -> Motor {
+        let share = command.on * self.supplied(self.duty_max);
+        self.motor(command, share * self.stall * self.duty_max * sign, share * self.back_emf, speed)
+    }
+
+    #[inline]
+    fn motor(&self, command: Command, torque: f64, braking: f64, speed: f64) -> Motor {
+        let passive = self.viscous + self.quadratic * speed.abs() + (1.0 - command.on) * self.release_braking;
+        Motor { torque, braking: braking + passive, passive }
+    }
+
+    /// The greatest friction in the direction of positive speed and of negative speed, where the gear carries this torque.
+    #[inline]
+    pub(super) fn friction(&self, speed: f64, carried: f64) -> (f64, f64) {
+        let mut level = self.coulomb + self.load_friction * carried.abs();
+        if self.stribeck != 0.0 {
+            level += self.stribeck * (-(speed / self.stribeck_speed).powi(2)).exp();
+        }
+        ((level + self.directional).max(0.0), (level - self.directional).max(0.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sagging_supply_is_a_divider_of_both_resistances() {
+        // A = 6 N·m, B = 1.5 N·m·s/rad at 12 V: the motor has 1.5 · 4 = 6 Ohm; 2 Ohm of the supply leave 6/8 at full duty.
+        let joint = JointNumbers { stall: 6.0, back_emf: 1.5, sag_ohm: 2.0, ..JointNumbers::free(Drive::Position) };
+        assert_eq!(joint.limited(Command { goal: 0.0, on: 1.0 }, 1.0, 0.0).torque, 4.5);
+        assert_eq!(joint.limited(Command { goal: 0.0, on: 0.0 }, 1.0, 0.0).torque, 0.0);
+    }
+
+    #[test]
+    fn friction_differs_by_direction_and_grows_with_the_load() {
+        let joint =
+            JointNumbers { coulomb: 0.2, directional: 0.05, load_friction: 0.1, ..JointNumbers::free(Drive::Torque) };
+        let (forward, backward) = joint.friction(0.0, -2.0);
+        assert!((forward - 0.45).abs() < 1e-15 && (backward - 0.35).abs() < 1e-15);
+    }
+
+    #[test]
+    fn an_error_inside_the_dead_band_asks_for_nothing() {
+        let joint = JointNumbers { gain: 0.5, kp: 4.0, dead_band: 0.01, ..JointNumbers::free(Drive::Position) };
+        assert_eq!((joint.demand(0.009, 0.0), joint.demand(0.03, 0.0)), (0.0, 2.0 * (0.03 - 0.01)));
+    }
+}

@@ -1,0 +1,152 @@
+//! Means of a sampled signal over integration steps, exact where a sample falls inside a step, and the same behind a rate limiter
+//! (zero-order or first-order hold: Åström and Wittenmark 1997, section 7).
+
+use tunenet_core::observation::{Hold, Input};
+
+/// A goal closer than this to what follows it is reached.
+const REACHED: f64 = 1e-12;
+
+/// A signal that is read forward, `delay_s` after it was recorded.
+#[derive(Debug, Clone)]
+pub(super) struct Signal<'a> {
+    clock: &'a [f64],
+    values: &'a [f64],
+    hold: Hold,
+    delay_s: f64,
+    /// How many samples lie at or before the end of the last step.
+    at: usize,
+}
+
+impl<'a> Signal<'a> {
+    /// The first channel of `input`, read from the instant `start_s` on.
+    pub fn new(input: &'a Input, start_s: f64, delay_s: f64) -> Self {
+        let series = input.series();
+        let (clock, values) = (series.clock(), series.values());
+        let at = clock.partition_point(|t| *t + delay_s <= start_s);
+        Self { clock, values, hold: input.hold(), delay_s, at }
+    }
+
+    /// The value just after the last step.
+    pub fn now(&self, time_s: f64) -> f64 {
+        self.value(time_s - self.delay_s)
+    }
+
+    fn value(&self, time: f64) -> f64 {
+        let (at, last) = (self.at, self.clock.len() - 1);
+        match self.hold {
+            _ if at == 0 => self.values[0],
+            Hold::Previous => self.values[at - 1],
+            Hold::Linear if at > last => self.values[last],
+            Hold::Linear => {
+                let share = (time - self.clock[at - 1]) / (self.clock[at] - self.clock[at - 1]);
+                self.values[at - 1] + share * (self.values[at] - self.values[at - 1])
+            }
+        }
+    }
+
+    /// The straight pieces of the signal from `from_s` to `to_s`: value at the beginning, value at the end, duration (s).
+    #[inline]
+    fn pieces(&mut self, from_s: f64, to_s: f64, mut piece: impl FnMut(f64, f64, f64)) {
+        let (mut from, to) = (from_s - self.delay_s, to_s - self.delay_s);
+        loop {
+            let next = self.clock.get(self.at).copied().unwrap_or(f64::INFINITY);
+            let end = next.min(to);
+            if end > from {
+                let first = self.value(from);
+                let last = if self.hold == Hold::Linear { self.value(end) } else { first };
+                piece(first, last, end - from);
+                from = end;
+            }
+            if next > to {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    /// Its mean from `from_s` to `to_s`. Steps have to follow one another.
+    #[inline]
+    pub fn mean(&mut self, from_s: f64, to_s: f64) -> f64 {
+        let mut area = 0.0;
+        self.pieces(from_s, to_s, |first, last, duration| area += 0.5 * (first + last) * duration);
+        area / (to_s - from_s)
+    }
+
+    /// The mean of what follows it at no more than `greatest_rate` (1/s) from the value `follower` on, which is moved to its value at
+    /// `to_s`.
+    #[inline]
+    pub fn limited_mean(&mut self, from_s: f64, to_s: f64, greatest_rate: f64, follower: &mut f64) -> f64 {
+        let mut area = 0.0;
+        self.pieces(from_s, to_s, |first, last, duration| {
+            area += follow(follower, (first, last), duration, greatest_rate);
+        });
+        area / (to_s - from_s)
+    }
+}
+
+/// Moves `follower` after a straight piece for `duration` s; returns its integral over that time.
+fn follow(follower: &mut f64, (first, last): (f64, f64), duration: f64, rate: f64) -> f64 {
+    let (behind, slope) = (*follower - first, (last - first) / duration);
+    let mut area = 0.0;
+    let mut left = duration;
+    if behind.abs() > REACHED {
+        let own = -behind.signum() * rate;
+        let closing = slope - own;
+        let meets = if closing * behind > 0.0 { behind / closing } else { f64::INFINITY };
+        let until = meets.min(duration);
+        area += until * (*follower + 0.5 * own * until);
+        *follower += own * until;
+        left -= until;
+        if left <= 0.0 {
+            return area;
+        }
+        *follower = first + slope * until;
+    }
+    let own = slope.clamp(-rate, rate);
+    area += left * (*follower + 0.5 * own * left);
+    *follower += own * left;
+    area
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tunenet_core::observation::Channel;
+
+    fn input(hold: Hold) -> Input {
+        Input::sampled(Channel::new("goal", "rad"), hold, vec![0.0, 1.0, 2.0], vec![0.0, 2.0, 2.0]).unwrap()
+    }
+
+    #[test]
+    fn a_step_inside_an_interval_counts_by_its_share() {
+        let input = input(Hold::Previous);
+        let mut signal = Signal::new(&input, 0.0, 0.25);
+        assert_eq!(signal.mean(0.0, 1.0), 0.0);
+        assert_eq!(signal.mean(1.0, 1.5), 1.0);
+        assert_eq!(signal.mean(1.5, 9.0), 2.0);
+    }
+
+    #[test]
+    fn a_linear_signal_has_the_mean_of_its_line() {
+        let input = input(Hold::Linear);
+        let mut signal = Signal::new(&input, 0.0, 0.0);
+        assert!((signal.mean(0.0, 0.5) - 0.5).abs() < 1e-15);
+        assert!((signal.mean(0.5, 1.5) - (0.75 + 1.0)).abs() < 1e-15);
+        assert_eq!(signal.now(1.5), 2.0);
+    }
+
+    #[test]
+    fn a_limited_follower_meets_the_line_at_the_instant_of_the_closed_form() {
+        // It starts at 0, the goal stands at 2 from t = 1 on, the rate is 4: there after half a second.
+        let input = input(Hold::Previous);
+        let mut signal = Signal::new(&input, 0.0, 0.0);
+        let mut follower = 0.0;
+        assert_eq!(signal.limited_mean(0.0, 1.0, 4.0, &mut follower), 0.0);
+        let mean = signal.limited_mean(1.0, 2.0, 4.0, &mut follower);
+        assert!((mean - (0.5 * 1.0 + 0.5 * 2.0)).abs() < 1e-12 && (follower - 2.0).abs() < 1e-12, "{mean} {follower}");
+        // Without a limit that bites the mean is that of the signal itself.
+        let mut free = Signal::new(&input, 0.0, 0.0);
+        let mut after = 0.0;
+        assert!((free.limited_mean(0.0, 1.5, 1e9, &mut after) - 2.0 / 3.0).abs() < 1e-8);
+    }
+}

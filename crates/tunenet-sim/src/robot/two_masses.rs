@@ -1,0 +1,66 @@
+//! One joint whose motor and link are joined by a gap or a compliant gear: two masses with a spring that is implicit in the step, and
+//! dry friction on the motor's side (Nordin and Gutman 2002, section 3).
+
+use super::numbers::JointNumbers;
+use super::one_joint::{Load, Step, outside};
+use super::trajectory::Trajectory;
+use super::wiring::Wire;
+
+/// Stiffness of a gear whose compliance is not stated, N·m/rad: far above what encoders resolve, and stable at steps of 1 ms.
+const STIFF: f64 = 3000.0;
+
+/// Rolls out from position `q` and speed `w` of the link over the grid of `out`; the encoder is on the link.
+///
+/// # Errors
+/// Where motor or link has no inertia.
+pub(super) fn roll(
+    joint: &JointNumbers,
+    load: &Load,
+    wire: &mut Wire,
+    (q, w): (f64, f64),
+    out: &mut Trajectory,
+) -> Result<(), &'static str> {
+    if joint.armature <= 0.0 || load.inertia <= 0.0 {
+        return Err("backlash and elasticity need an armature and a link with inertia");
+    }
+    let dt = out.step_s;
+    let stiffness = if joint.compliance > 0.0 { joint.compliance.recip() } else { STIFF };
+    // The motor stands on the side that carries the weight at rest.
+    let weight = outside(joint, load, q);
+    let mut twist = if weight == 0.0 { 0.0 } else { -weight.signum() * 0.5 * joint.gap - weight / stiffness };
+    let (mut q, mut w, mut motor_speed) = (q, w, w);
+    for k in 0..out.steps() {
+        let command = wire.step(out.time(k), out.time(k + 1));
+        let middle = q + 0.5 * dt * w;
+        let outside = outside(joint, load, middle);
+        let ahead = twist + dt * (motor_speed - w);
+        let touching = ahead.abs() > 0.5 * joint.gap;
+        // Impulse of the spring: pressed + coupled · (motor speed − link speed) after the step.
+        let coupled = if touching { 0.5 * stiffness * dt * dt } else { 0.0 };
+        let pressed = if touching {
+            dt * stiffness * (twist + 0.5 * dt * (motor_speed - w) - ahead.signum() * 0.5 * joint.gap)
+        } else {
+            0.0
+        };
+        let link = load.inertia * w + dt * outside;
+        let shared = coupled / (load.inertia + coupled);
+        let step = Step {
+            joint,
+            mass: joint.armature + coupled - coupled * shared,
+            momentum: joint.armature * motor_speed - pressed + shared * (link + pressed),
+            outside,
+            speed: motor_speed,
+            step_s: dt,
+        };
+        let (motor_after, motor) = step.driven(command, joint.demand(command.goal, middle));
+        let after = (link + pressed + coupled * motor_after) / (load.inertia + coupled);
+        q += 0.5 * dt * (w + after);
+        twist += 0.5 * dt * (motor_speed + motor_after - w - after);
+        if out.holds_torques() {
+            out.torque(k, 0, motor.torque - (motor.braking - motor.passive) * 0.5 * (motor_speed + motor_after));
+        }
+        (w, motor_speed) = (after, motor_after);
+        out.state(k + 1, 0, q, w);
+    }
+    Ok(())
+}
