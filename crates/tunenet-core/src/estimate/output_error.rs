@@ -106,6 +106,11 @@ impl Linearisation {
         if self.rollouts { self.columns.iter().map(Columns::count).sum() } else { 0 }
     }
 
+    /// Of columns that are known without rollouts.
+    pub(crate) fn known(columns: Vec<Columns>) -> Self {
+        Self { columns, rollouts: false }
+    }
+
     /// The columns of each recording.
     pub(crate) fn columns(&self) -> &[Columns] {
         &self.columns
@@ -171,6 +176,14 @@ impl Problem<'_> {
         }
     }
 
+    /// Derivatives of the residuals at `point`, where they are `residuals`.
+    ///
+    /// # Errors
+    /// Where the simulator refuses both sides of a direction.
+    pub(crate) fn derivatives(&self, point: &Point, residuals: &[Vec<f64>]) -> Result<Linearisation> {
+        Ok(Linearisation { columns: jacobian(&self.window(1.0), point, residuals)?, rollouts: true })
+    }
+
     /// As [`linearise`](Problem::linearise); `fit` keeps them.
     ///
     /// # Errors
@@ -195,15 +208,22 @@ impl Problem<'_> {
         self.fit_with(start, 1.0, near, &settings)
     }
 
-    /// At most so many steps from `start`, and derivatives measured so often: enough to rank it, where it is one of many.
-    pub(crate) fn fit_steps(&self, start: Point, steps: usize, derivatives: usize) -> Result<Fit> {
+    /// At most so many steps from `start`, and derivatives measured so often: enough to rank it, where it is one of many. `near` are
+    /// derivatives of a point not far from the start.
+    pub(crate) fn fit_steps(
+        &self,
+        start: Point,
+        near: Option<&Linearisation>,
+        steps: usize,
+        derivatives: usize,
+    ) -> Result<Fit> {
         let settings = Settings { steps, derivatives, ends_measured: false, tolerance: 0.05, ..Settings::RESOLVED };
-        self.fit_with(start, 1.0, None, &settings)
+        self.fit_with(start, 1.0, near, &settings)
     }
 
-    /// Where the derivatives at `fit` lead to if `residuals` are left there instead of its own.
-    pub(crate) fn stepped(&self, fit: &Fit, linear: &Linearisation, residuals: &[Vec<f64>]) -> Point {
-        full_step(&self.window(1.0), &fit.point, residuals, &linear.columns, robust_scale(residuals))
+    /// Where these derivatives lead to from `point` if `residuals` are left there.
+    pub(crate) fn stepped(&self, point: &Point, columns: &[Columns], residuals: &[Vec<f64>]) -> Point {
+        full_step(&self.window(1.0), point, residuals, columns, robust_scale(residuals))
     }
 
     /// As [`fit`](Problem::fit), but ends as well where no more than `enough` of the cost is left to gain: a profile needs its

@@ -10,8 +10,6 @@ use super::term::Term;
 pub(super) const MOST_FORCE: f64 = 3.0;
 /// Probability of recordings that differ so much by chance.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
-/// Error on held-out recordings over the noise.
-pub(super) const MOST_HELD_OUT: f64 = 1.05;
 
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -47,6 +45,8 @@ pub enum Reason {
     Rollouts,
     /// Several laws explain the recordings.
     Several,
+    /// It has two terms, whose rivals were not compared.
+    Terms,
     /// No shape of the table gains what it costs.
     Grammar,
     /// An effect of the catalogue explains the recordings as well.
@@ -60,23 +60,31 @@ pub struct Gates {
     pub residual_force_nats: f64,
     /// Probability that recordings differ so much by chance; at least 0.001. `None` of a single recording.
     pub heterogeneity_p: Option<f64>,
-    /// Error on held-out recordings over the noise; at most 1.05. `None` without any.
+    /// Error on held-out recordings over the noise. `None` without any.
     pub held_out_ratio: Option<f64>,
-    /// The same of the model without the law.
+    /// The same of the model without the law, which it must not exceed.
     pub held_out_base: Option<f64>,
+    /// Probability that held-out recordings leave so much more than the fitted ones by chance (F test); at least 0.001.
+    pub held_out_p: Option<f64>,
+    /// Evidence of a force that is left on held-out recordings, in nats, what the uncertainty of the constants explains aside; at most 3.
+    pub held_out_force_nats: Option<f64>,
+    /// Probability that held-out recordings ask for so different constants by chance; at least 0.001.
+    pub held_out_differ_p: Option<f64>,
 }
 
 impl Gates {
     /// The first test that fails.
     #[must_use]
     pub fn failed(&self) -> Option<Reason> {
-        let worse = |ratio: f64| ratio > MOST_HELD_OUT || self.held_out_base.is_some_and(|base| ratio > base);
+        let unlikely = |p: Option<f64>| p.is_some_and(|p| p < LEAST_PROBABILITY);
+        let worse = self.held_out_ratio.is_some_and(|ratio| self.held_out_base.is_some_and(|base| ratio > base));
+        let forced = self.held_out_force_nats.is_some_and(|nats| nats > MOST_FORCE);
         // What fails on held-out recordings, and what differs between recordings, says more than what is left.
-        if self.heterogeneity_p.is_some_and(|p| p < LEAST_PROBABILITY) {
+        if unlikely(self.heterogeneity_p) {
             Some(Reason::Heterogeneity)
         } else if self.residual_force_nats > MOST_FORCE {
             Some(Reason::ResidualForce)
-        } else if self.held_out_ratio.is_some_and(worse) {
+        } else if worse || forced || unlikely(self.held_out_p) || unlikely(self.held_out_differ_p) {
             Some(Reason::HeldOut)
         } else {
             None

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::response::{Response, inverse_root};
+use super::response::{Response, inverse_root, root};
 use crate::estimate::jacobian::Columns;
 
 /// Correlation lengths of the acceleration, as shares of a recording.
@@ -11,19 +11,39 @@ const LENGTHS: [f64; 3] = [0.04, 0.12, 0.4];
 const VARIANCES: i32 = 33;
 const DECADES: (f64, f64) = (-5.0, 3.0);
 
+/// What is known of the shared parameters whose derivatives stand in the columns.
+#[derive(Clone, Copy)]
+pub(super) enum Shared<'a> {
+    /// Nothing: what they explain does not count.
+    Free,
+    /// They were fitted elsewhere with this covariance.
+    Known(&'a DMatrix<f64>),
+}
+
 /// The greatest logarithm of the odds, in nats, for an acceleration that varies smoothly in time, about the residuals of a fit; what its
-/// shared parameters explain by their derivatives (`columns`) does not count.
-pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], columns: &[Columns]) -> f64 {
+/// shared parameters may explain by their derivatives (`columns`) does not count.
+pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], columns: &[Columns], of: Shared) -> f64 {
     let n = response.dimension();
     let residual = response.coordinates(residuals);
     let shared = columns.first().map_or(0, |c| c.shared.len());
     let tangent = |j: usize| response.coordinates(&columns.iter().map(|c| c.shared[j].clone()).collect::<Vec<_>>());
     let tangents: Vec<DVector<f64>> = (0..shared).map(tangent).collect();
     let columns = DMatrix::from_fn(n, tangents.len(), |i, j| tangents[j][i]);
-    let known = &columns * inverse_root(&(columns.transpose() * &columns));
+    // The inverse root of the residuals' covariance: directions of the parameters weigh less, or nothing.
+    let (known, share) = match of {
+        Shared::Free => {
+            let known = &columns * inverse_root(&(columns.transpose() * &columns));
+            let share = DVector::from_element(known.ncols(), 1.0);
+            (known, share)
+        }
+        Shared::Known(covariance) => uncertain(&columns, covariance),
+    };
     let project = |m: DMatrix<f64>| {
-        let explained = &known * (known.transpose() * &m);
-        m - explained
+        let mut along = known.transpose() * &m;
+        for (mut row, share) in along.row_iter_mut().zip(share.iter()) {
+            row *= *share;
+        }
+        m - &known * along
     };
     let left = project(DMatrix::from_column_slice(n, 1, residual.as_slice()));
     let mut best = 0.0_f64;
@@ -66,4 +86,32 @@ pub(super) fn residual_force(response: &Response, residuals: &[Vec<f64>], column
         }
     }
     best
+}
+
+/// Orthonormal directions U of `columns` · Σ · `columns`ᵀ and the shares by which (1 + that)^(−1/2) = 1 − U diag(share) Uᵀ.
+fn uncertain(columns: &DMatrix<f64>, covariance: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    let spread = columns * root(covariance);
+    let eigen = (spread.transpose() * &spread).symmetric_eigen();
+    let greatest = eigen.eigenvalues.iter().fold(0.0_f64, |most, v| most.max(*v));
+    let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&i| eigen.eigenvalues[i] > 1e-10 * greatest).collect();
+    let right = DMatrix::from_fn(spread.ncols(), kept.len(), |i, j| {
+        eigen.eigenvectors[(i, kept[j])] / eigen.eigenvalues[kept[j]].sqrt()
+    });
+    let share = DVector::from_fn(kept.len(), |i, _| 1.0 - (1.0 + eigen.eigenvalues[kept[i]]).sqrt().recip());
+    (spread * right, share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of one direction with variance s², (1 + s² u uᵀ)^(−1/2) = 1 − (1 − 1/√(1 + s²)) u uᵀ.
+    #[test]
+    fn an_uncertain_parameter_takes_the_share_of_its_closed_form() {
+        let column = DMatrix::from_column_slice(3, 1, &[3.0, 0.0, 4.0]);
+        let (directions, share) = uncertain(&column, &DMatrix::from_element(1, 1, 0.04));
+        // |column| = 5 and sd 0.2: s = 1.
+        assert!((share[0] - (1.0 - 0.5_f64.sqrt())).abs() < 1e-12, "{share}");
+        assert!((directions[(0, 0)].abs() - 0.6).abs() < 1e-12 && (directions[(2, 0)].abs() - 0.8).abs() < 1e-12);
+    }
 }

@@ -12,7 +12,7 @@ use crate::simulator::{Prepared, predict};
 use crate::statistics::NORMAL_95;
 
 /// How much wider than their standard deviations intervals are: what the choice of the form adds, as measured on known laws.
-const WIDER: f64 = 1.15;
+pub(super) const WIDER: f64 = 1.15;
 /// How far beyond the range in which a law was seen its rollouts have to stay finite.
 const BEYOND: f64 = 1.5;
 /// A value beyond so many times the greatest that was measured is no longer bounded.
@@ -98,7 +98,7 @@ fn open(session: &Session, response: &Response, law: &Law, t: usize, rounded: Op
         at += factor.constants();
     }
     let before: usize = terms[..t].iter().map(Term::constants).sum();
-    let fitted = session.from(response, &terms, &numbers, law.fit.point.clone(), 6);
+    let fitted = session.on(response, &terms, &numbers, law.fit.point.clone());
     let interval95 = fitted.map_or((value, value), |fitted| {
         let (found, half) = (fitted.numbers()[t][at], NORMAL_95 * WIDER * fitted.deviations()[before + at]);
         (found - half, found + half)

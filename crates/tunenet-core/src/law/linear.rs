@@ -34,16 +34,16 @@ pub(super) struct Search<'a> {
     pub response: &'a Response,
     /// All factors that a term may have.
     pub factors: Vec<Factor>,
+    /// How many of them there are, those with a rounded constant aside.
+    pub kinds: usize,
     /// What is there already: its tangent is projected out.
     pub known: Vec<Column>,
 }
 
-/// How many neighbours with one more factor are fitted.
-const MORE: usize = 6;
-
 impl<'a> Search<'a> {
     pub fn new(space: &'a Space, response: &'a Response) -> Self {
-        Self { space, response, factors: factors(space, response), known: Vec::new() }
+        let factors = factors(space, response);
+        Self { space, response, kinds: factors.len(), factors, known: Vec::new() }
     }
 
     /// Every direction with one factor or none, best first.
@@ -53,7 +53,7 @@ impl<'a> Search<'a> {
             .collect();
         let one = |&(direction, factor): &(usize, Option<&Factor>)| {
             let factors: Vec<Factor> = factor.into_iter().cloned().collect();
-            let starts = factor.map_or_else(|| vec![Vec::new()], |f| f.shape.grid(&self.response.ranges[f.variable]));
+            let starts = factor.map_or_else(|| vec![Vec::new()], |f| f.grid(&self.response.ranges[f.variable]));
             self.best(direction, &factors, starts)
         };
         ranked(forms.par_iter().filter_map(one).collect())
@@ -67,15 +67,11 @@ impl<'a> Search<'a> {
         let one = |&(seed, factor): &(&Candidate, &Factor)| {
             let term = &seed.terms[0];
             let first = &term.factors[0];
-            if first == factor || (first.shape == Shape::Wave && factor.shape == Shape::Wave) {
-                return None;
-            }
-            // A sign only turns over another function of its own variable.
-            if first.variable == factor.variable && (first.shape.jumps() || factor.shape.jumps()) {
+            if !first.multiplies(factor) {
                 return None;
             }
             let inner = &seed.numbers[0][term.components..];
-            let grid = factor.shape.grid(&self.response.ranges[factor.variable]);
+            let grid = factor.grid(&self.response.ranges[factor.variable]);
             let starts = grid.into_iter().map(|more| inner.iter().copied().chain(more).collect()).collect();
             self.best(term.direction, &[first.clone(), factor.clone()], starts)
         };
@@ -90,40 +86,6 @@ impl<'a> Search<'a> {
             }
         }
         kept
-    }
-
-    /// The neighbours of a term: each factor replaced by every other shape of its variable, and, of a term of less than two factors, the best
-    /// few with one more.
-    pub fn neighbours(&self, term: &Term, numbers: &[f64]) -> Vec<Candidate> {
-        let grid = |factor: &Factor| factor.shape.grid(&self.response.ranges[factor.variable]);
-        let (mut own, mut inner) = (Vec::new(), Vec::new());
-        let mut at = term.components;
-        for factor in &term.factors {
-            // What was rounded is free again.
-            inner.push(factor.rounded.map_or_else(|| numbers[at..at + factor.constants()].to_vec(), |p| vec![p]));
-            own.push(Factor::new(factor.shape, factor.variable));
-            at += factor.constants();
-        }
-        let mut replaced = Vec::new();
-        for (f, factor) in term.factors.iter().enumerate() {
-            for other in self.factors.iter().filter(|o| o.variable == factor.variable && o.shape != factor.shape) {
-                let (mut factors, mut parts) = (own.clone(), inner.clone());
-                factors[f] = other.clone();
-                let starts = grid(other).into_iter().map(|constants| {
-                    parts[f] = constants;
-                    parts.concat()
-                });
-                replaced.extend(self.best(term.direction, &factors, starts.collect()));
-            }
-        }
-        let more = |other: &Factor| {
-            let factors: Vec<Factor> = own.iter().chain([other]).cloned().collect();
-            let starts = grid(other).into_iter().map(|constants| [inner.concat(), constants].concat()).collect();
-            self.best(term.direction, &factors, starts)
-        };
-        let room = term.factors.len() < 2;
-        let added = ranked(self.factors.par_iter().filter(|_| room).filter_map(more).collect());
-        replaced.into_iter().chain(added.into_iter().take(MORE)).collect()
     }
 
     /// Pairs of these, solved together, best first.
@@ -163,18 +125,18 @@ impl<'a> Search<'a> {
                 product.iter_mut().zip(values).for_each(|(p, v)| *p *= v);
             }
         }
-        if product.is_empty() { vec![1.0; self.response.parts.iter().map(|p| p.visits.len()).sum()] } else { product }
+        if product.is_empty() { vec![1.0; self.response.instants()] } else { product }
     }
 
-    fn score(&self, gain: f64, terms: &[Term]) -> f64 {
+    pub(super) fn score(&self, gain: f64, terms: &[Term]) -> f64 {
         let (count, squares) = (self.response.count, self.response.squares);
         let likelihood = price::likelihood(count, squares, (squares - gain).max(0.05 * count as f64));
-        let bic = price::bic(likelihood, count, price::constants(terms));
-        price::score(bic, price::bits(self.space, self.factors.len(), terms))
+        let bic = likelihood - price::numbers(count, terms);
+        price::score(bic, price::bits(self.space, self.kinds, terms))
     }
 
     /// The best constants inside from these starts.
-    fn best(&self, direction: usize, factors: &[Factor], starts: Vec<Vec<f64>>) -> Option<Candidate> {
+    pub(super) fn best(&self, direction: usize, factors: &[Factor], starts: Vec<Vec<f64>>) -> Option<Candidate> {
         let evaluate = |inner: &[f64]| self.evaluate(direction, factors, inner);
         let mut begun: Vec<(f64, Vec<f64>)> =
             starts.into_iter().filter_map(|inner| Some((evaluate(&inner)?.0, inner))).collect();
@@ -199,7 +161,7 @@ impl<'a> Search<'a> {
             .iter()
             .flat_map(|f| {
                 let range = self.response.ranges[f.variable];
-                let roles = f.shape.roles().iter().enumerate();
+                let roles = f.open().iter().enumerate();
                 roles.map(move |(i, role)| (*role, f.shape.reach(i, &range), f.shape.bounds(i, &range)))
             })
             .collect();
@@ -232,7 +194,7 @@ impl<'a> Search<'a> {
     }
 
     /// What a form gains with these constants inside, and all its numbers.
-    fn evaluate(&self, direction: usize, factors: &[Factor], inner: &[f64]) -> Option<(f64, Vec<f64>)> {
+    pub(super) fn evaluate(&self, direction: usize, factors: &[Factor], inner: &[f64]) -> Option<(f64, Vec<f64>)> {
         let components = self.space.directions[direction].components.len();
         let wave = factors.iter().position(|f| f.shape == Shape::Wave);
         let mut columns = self.response.columns(direction, &self.product(factors, inner));
@@ -274,14 +236,14 @@ fn factors(space: &Space, response: &Response) -> Vec<Factor> {
 }
 
 /// Best first.
-fn ranked(mut all: Vec<Candidate>) -> Vec<Candidate> {
+pub(super) fn ranked(mut all: Vec<Candidate>) -> Vec<Candidate> {
     all.retain(|c| c.score.is_finite());
     all.sort_by(|a, b| b.score.total_cmp(&a.score));
     all
 }
 
 /// Least squares of `left` by these columns: how much it falls, and the coefficients.
-fn solved(columns: &[&Column], left: &Column) -> Option<(f64, Vec<f64>)> {
+pub(super) fn solved(columns: &[&Column], left: &Column) -> Option<(f64, Vec<f64>)> {
     let n = columns.len();
     let normal = DMatrix::from_fn(n, n, |i, j| columns[i].dot(columns[j]));
     let right = DVector::from_fn(n, |i, _| columns[i].dot(left));

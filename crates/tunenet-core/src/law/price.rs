@@ -24,16 +24,21 @@ pub(super) fn constants(terms: &[Term]) -> usize {
 /// Bits that say which terms these are, of so many factors that there are.
 pub(super) fn bits(space: &Space, factors: usize, terms: &[Term]) -> f64 {
     let one = |term: &Term| {
-        let each = term.factors.iter().map(|factor| {
-            let rounded = factor.rounded.map_or(0.0, |p| if p.fract() == 0.0 { WHOLE_BITS } else { HALF_BITS });
-            (factors.max(1) as f64).log2() + rounded
-        });
-        (space.directions.len() as f64).log2() + FACTORS_BITS + each.sum::<f64>()
+        let each = term.factors.len() as f64 * (factors.max(1) as f64).log2();
+        (space.directions.len() as f64).log2() + FACTORS_BITS + each
     };
     terms.iter().map(one).sum()
 }
 
-/// The gain of the information criterion over none.
+/// What the numbers of these terms cost: the information criterion of those that are fitted, and the bits of those that were rounded,
+/// which the data chose as well.
+pub(super) fn numbers(count: usize, terms: &[Term]) -> f64 {
+    let rounded = terms.iter().flat_map(|term| &term.factors).filter_map(|factor| factor.rounded);
+    let bits: f64 = rounded.map(|p| if p.fract() == 0.0 { WHOLE_BITS } else { HALF_BITS }).sum();
+    constants(terms) as f64 * (count as f64).ln() + 2.0 * LN_2 * bits
+}
+
+/// The gain of the information criterion over none, so many constants being fitted.
 pub(super) fn bic(gain: f64, count: usize, constants: usize) -> f64 {
     gain - constants as f64 * (count as f64).ln()
 }
@@ -41,4 +46,23 @@ pub(super) fn bic(gain: f64, count: usize, constants: usize) -> f64 {
 /// The score by which laws are ranked.
 pub(super) fn score(bic: f64, bits: f64) -> f64 {
     bic - 2.0 * LN_2 * bits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::Shape;
+    use super::super::term::{Factor, Term};
+    use super::*;
+
+    /// A whole exponent costs 3 bits, a half one 4.5, an open one ln n; the coefficient ln n in any case.
+    #[test]
+    fn rounded_exponents_cost_their_bits() {
+        let of = |rounded| {
+            let factor = Factor { shape: Shape::Power, variable: 0, rounded };
+            numbers(1000, &[Term::new(0, 1, vec![factor])]) - 1000.0_f64.ln()
+        };
+        assert!((of(Some(2.0)) - 8.0_f64.ln() * 2.0).abs() < 1e-12);
+        assert!((of(Some(1.5)) - 9.0 * LN_2).abs() < 1e-12);
+        assert!((of(None) - 1000.0_f64.ln()).abs() < 1e-12);
+    }
 }

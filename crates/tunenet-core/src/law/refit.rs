@@ -1,17 +1,29 @@
 //! Output-error fits of laws (Ljung 1999, section 7.2): through rollouts, starts and parameters of the simulator fitted with them.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::around::Around;
 use super::linear::Candidate;
 use super::price;
 use super::response::Response;
-use super::space::{Host, Visiting};
+use super::space::{Carried, Host, Visiting};
 use super::term::Term;
 use crate::Result;
 use crate::estimate::huber::huber_cost;
+use crate::estimate::jacobian::Columns;
 use crate::estimate::{Fit, Linearisation, Point, Problem, RolloutLog, free};
 use crate::simulator::{Prepared, Simulator};
 
 /// How far the bounds of a coefficient reach, in units of what the linear stage found.
 const REACH: f64 = 40.0;
+/// How many fits begin before the rollouts are counted.
+const AT_A_TIME: usize = 8;
+/// Steps of a fit to the end.
+const LAST_STEPS: usize = 24;
+/// Steps of one from near its end.
+const FEW_STEPS: usize = 6;
 
 /// A law that was fitted through rollouts.
 #[derive(Debug, Clone)]
@@ -58,7 +70,10 @@ pub(super) struct Session<'a> {
     pub count: usize,
     /// How many factors there are to choose from.
     pub factors: usize,
-    variants: std::sync::atomic::AtomicUsize,
+    /// How many rollouts the search may use before its tests.
+    pub allowed: usize,
+    /// Whether that ended it.
+    pub short: AtomicBool,
 }
 
 /// Shares of the recordings over which the base model is fitted one after the other, so that it ends in the right minimum.
@@ -71,6 +86,7 @@ impl<'a> Session<'a> {
         recordings: &'a [Prepared],
         noise: &'a [Vec<f64>],
         log: &'a RolloutLog,
+        allowed: usize,
     ) -> Result<Self> {
         let simulator = host.carrying(&[])?;
         let free = free(simulator.parameters(), recordings);
@@ -91,8 +107,8 @@ impl<'a> Session<'a> {
         };
         let linear = problem.settle(&mut base)?;
         let (squares, count) = (counted(&base), base.residuals.iter().map(Vec::len).sum());
-        let variants = std::sync::atomic::AtomicUsize::new(1);
-        Ok(Self { host, recordings, noise, log, base, linear, free, squares, count, factors: 1, variants })
+        let short = AtomicBool::new(false);
+        Ok(Self { host, recordings, noise, log, base, linear, free, squares, count, factors: 1, allowed, short })
     }
 
     /// The recordings as a problem for another simulator.
@@ -105,80 +121,107 @@ impl<'a> Session<'a> {
         Problem { simulator, recordings: self.recordings, noise: self.noise, free, log }
     }
 
-    /// The base model one linear step from its fit, towards these residuals.
-    fn stepped(&self, residuals: &[Vec<f64>]) -> Result<Point> {
+    /// Where derivatives of the base model lead to from `point`, if these residuals are left there.
+    pub fn stepped(&self, point: &Point, columns: &[Columns], residuals: &[Vec<f64>]) -> Result<Point> {
         let simulator = self.host.carrying(&[])?;
-        let problem = self.problem(simulator.as_ref(), &self.free, None);
-        Ok(problem.stepped(&self.base, &self.linear, residuals))
+        Ok(self.problem(simulator.as_ref(), &self.free, None).stepped(point, columns, residuals))
     }
 
-    /// A simulator with these terms, whose coefficients reach as far as their numbers suggest.
+    /// These terms with the bounds of their numbers: coefficients reach as far as their numbers suggest.
+    pub fn carried(&self, response: &Response, terms: &[Term], numbers: &[Vec<f64>]) -> Vec<Carried> {
+        let each = terms.iter().zip(numbers).enumerate().map(|(i, (term, numbers))| {
+            let most = numbers[..term.components].iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+            term.carried(self.host, &response.ranges, i, REACH * most.max(1e-9))
+        });
+        each.collect()
+    }
+
+    /// A simulator with these terms.
     pub fn carrying(&self, response: &Response, terms: &[Term], numbers: &[Vec<f64>]) -> Result<Box<dyn Visiting>> {
-        let carried: Vec<_> = terms
-            .iter()
-            .zip(numbers)
-            .enumerate()
-            .map(|(i, (term, numbers))| {
-                let most = numbers[..term.components].iter().fold(0.0_f64, |most, c| most.max(c.abs()));
-                term.carried(self.host, &response.ranges, i, REACH * most.max(1e-9))
-            })
-            .collect();
-        self.host.carrying(&carried)
+        self.host.carrying(&self.carried(response, terms, numbers))
     }
 
-    /// Fits a candidate of the linear search; nothing where the simulator refuses it or no rollouts are left.
-    pub fn fit(&self, response: &Response, candidate: &Candidate, steps: usize) -> Option<Law> {
-        let mut residuals = self.base.residuals.clone();
-        for (term, numbers) in candidate.terms.iter().zip(&candidate.numbers) {
-            for (all, change) in residuals.iter_mut().zip(response.answer(term, numbers)) {
-                all.iter_mut().zip(change).for_each(|(r, c)| *r -= c);
+    /// Whether the search may go on: what is fitted at a time is chosen before, whatever the number of threads.
+    pub fn within(&self) -> bool {
+        self.log.count() < self.allowed
+    }
+
+    /// Fits of candidates, a few at a time, until the search has used its share of the rollouts.
+    pub fn fits(&self, around: &Around, candidates: &[Candidate], steps: usize) -> Vec<Law> {
+        let mut found = Vec::new();
+        for few in candidates.chunks(AT_A_TIME) {
+            if !self.within() {
+                self.short.store(true, Ordering::Relaxed);
+                break;
             }
+            found.par_extend(few.par_iter().filter_map(|candidate| self.fit(around, candidate, steps)));
         }
-        let start = self.stepped(&residuals).ok()?;
-        let begun = self.from(response, &candidate.terms, &candidate.numbers, start, steps);
-        // A linearisation that reaches too far ends in a refusal; the base model's own values do not.
-        begun.or_else(|| self.from(response, &candidate.terms, &candidate.numbers, self.base.point.clone(), steps))
+        found
+    }
+
+    /// Fits a candidate of a linear search; nothing where the simulator refuses it.
+    pub fn fit(&self, around: &Around, candidate: &Candidate, steps: usize) -> Option<Law> {
+        let (terms, numbers) = (&candidate.terms, &candidate.numbers);
+        let led = around.start(self, candidate).ok().and_then(|start| self.from(around, terms, numbers, start, steps));
+        // A linearisation that reaches too far ends in a refusal; the values where it was made do not.
+        led.or_else(|| self.from(around, terms, numbers, around.point.clone(), steps))
     }
 
     /// Fits terms from these numbers, and the base model's values from those of `start`.
     pub fn from(
         &self,
-        response: &Response,
+        around: &Around,
         terms: &[Term],
         numbers: &[Vec<f64>],
-        mut start: Point,
+        start: Point,
         steps: usize,
     ) -> Option<Law> {
+        let first = self.base.point.parameters.len();
+        let known = around.known(first, terms, numbers);
+        self.fitted(&around.response, (terms, numbers), start, Some(&known), (steps, 1))
+    }
+
+    /// Fits terms from these numbers and from the law that they belong to, with derivatives of their own.
+    pub fn on(&self, response: &Response, terms: &[Term], numbers: &[Vec<f64>], start: Point) -> Option<Law> {
+        self.fitted(response, (terms, numbers), start, None, (FEW_STEPS, FEW_STEPS / 2))
+    }
+
+    /// Fits terms from a point with so many steps and measured derivatives.
+    fn fitted(
+        &self,
+        response: &Response,
+        (terms, numbers): (&[Term], &[Vec<f64>]),
+        mut start: Point,
+        near: Option<&Linearisation>,
+        (steps, derivatives): (usize, usize),
+    ) -> Option<Law> {
         let simulator = self.carrying(response, terms, numbers).ok()?;
-        let count = price::constants(terms);
         let all = simulator.parameters();
-        let first = all.len() - count;
+        let first = all.len() - price::constants(terms);
         start.parameters.truncate(first);
         start.parameters.extend(numbers.iter().flatten());
         for (value, p) in start.parameters.iter_mut().zip(all).skip(first) {
             *value = value.clamp(p.min, p.max);
         }
         let free: Vec<usize> = self.free.iter().copied().chain(first..all.len()).collect();
-        let own: usize = self.recordings.iter().map(|r| r.nuisances.len() + free.len() + 1).sum();
-        if !self.log.affords(own + self.recordings.len() * steps) {
-            return None;
-        }
-        let variant = self.variants.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        let log = self.log.variant(variant);
-        let problem = self.problem(simulator.as_ref(), &free, Some(&log));
-        let fit = problem.fit_steps(start, steps, steps.div_ceil(2)).ok()?;
-        Some(self.law(terms.to_vec(), fit, first))
+        // A log of its own: what a fit may do must not depend on others that run at the same time.
+        let own = RolloutLog::default();
+        let problem = self.problem(simulator.as_ref(), &free, Some(&own));
+        let fit = problem.fit_steps(start, near, steps, derivatives);
+        self.log.add(own.count());
+        Some(self.law(terms.to_vec(), fit.ok()?, first))
     }
 
     /// Fits a law on, to the end.
     pub fn finish(&self, response: &Response, law: &Law) -> Option<Law> {
-        self.from(response, &law.terms, &law.numbers(), law.fit.point.clone(), 24)
+        let numbers = law.numbers();
+        self.fitted(response, (&law.terms, &numbers), law.fit.point.clone(), None, (LAST_STEPS, LAST_STEPS / 2))
     }
 
     fn law(&self, terms: Vec<Term>, fit: Fit, first: usize) -> Law {
         let squares = counted(&fit);
         let gain = price::likelihood(self.count, self.squares, squares);
-        let bic = price::bic(gain, self.count, price::constants(&terms));
+        let bic = gain - price::numbers(self.count, &terms);
         let score = price::score(bic, price::bits(self.host.space(), self.factors, &terms));
         Law { terms, fit, first, bic, score }
     }
@@ -193,9 +236,21 @@ impl<'a> Session<'a> {
         Ok(linear)
     }
 
+    /// How many values there are beyond what a law and the initial states take.
+    pub fn freedom(&self, law: &Law) -> f64 {
+        let own = self.recordings.iter().map(|r| r.nuisances.len()).sum::<usize>();
+        let own = own + self.free.len() + price::constants(&law.terms);
+        self.count.saturating_sub(own).max(1) as f64
+    }
+
+    /// The noise that a law leaves, in units of what differences of the series show, which is less certain.
+    pub fn scale(&self, law: &Law) -> f64 {
+        (robust_squares(&law.fit.residuals) / self.freedom(law)).sqrt().max(f64::MIN_POSITIVE)
+    }
+
     /// Twice the gain in logarithmic likelihood over the base model.
     pub fn gain(&self, law: &Law) -> f64 {
-        law.bic + price::constants(&law.terms) as f64 * (self.count as f64).ln()
+        law.bic + price::numbers(self.count, &law.terms)
     }
 
     /// What effects of the catalogue gain in the information criterion on the same recordings.
@@ -213,10 +268,11 @@ impl<'a> Session<'a> {
             (p.value + 1e-3 * p.span()).min(p.max)
         };
         start.parameters.extend((start.parameters.len()..simulator.parameters().len()).map(typical));
-        let variant = self.variants.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        let log = self.log.variant(variant);
-        let problem = self.problem(simulator.as_ref(), &free, Some(&log));
-        let fit = problem.fit(start, 1.0).ok()?;
+        let own = RolloutLog::default();
+        let problem = self.problem(simulator.as_ref(), &free, Some(&own));
+        let fit = problem.fit(start, 1.0);
+        self.log.add(own.count());
+        let fit = fit.ok()?;
         let gain = price::likelihood(self.count, self.squares, counted(&fit));
         Some(price::bic(gain, self.count, more))
     }
@@ -224,5 +280,10 @@ impl<'a> Session<'a> {
 
 /// The robust sum of squares that laws are compared by.
 fn counted(fit: &Fit) -> f64 {
-    2.0 * huber_cost(&fit.residuals, 1.0)
+    robust_squares(&fit.residuals)
+}
+
+/// The robust sum of squares of residuals.
+pub(super) fn robust_squares(residuals: &[Vec<f64>]) -> f64 {
+    2.0 * huber_cost(residuals, 1.0)
 }

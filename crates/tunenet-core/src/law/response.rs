@@ -5,17 +5,19 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::shape::{Range, Shape};
-use super::space::{Host, Visit};
+use super::space::{Carried, Host, Visit};
 use super::term::{Factor, Term};
 use crate::Result;
 use crate::estimate::jacobian::Columns;
-use crate::estimate::{Fit, RolloutLog};
+use crate::estimate::{Point, RolloutLog};
 use crate::simulator::{Prepared, every, predict};
 use crate::statistics::quantile;
 
 /// Samples in a piece of constant acceleration, and most pieces of a recording.
 const SAMPLES: usize = 3;
 const MOST_PIECES: usize = 50;
+/// Instants of a piece over which the factors of a term are averaged: an odd number, so that one is the middle.
+const INSTANTS: usize = 5;
 /// Directions of the acceleration that change the record by less than this share of the strongest are left out.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -23,6 +25,8 @@ const LEAST_SHARE: f64 = 1e-3;
 pub(super) struct Part {
     /// What the middle of each piece visits.
     pub visits: Vec<Visit>,
+    /// What all instants of the pieces visit.
+    all: Vec<Visit>,
     /// Response of the prediction in units of the noise, shape `[value, axis · piece]`.
     response: DMatrix<f64>,
     /// The response that is left, in its own coordinates, for each direction and component: shape `[coordinate, piece]`.
@@ -50,6 +54,27 @@ impl Column {
     pub fn dot(&self, other: &Self) -> f64 {
         self.coordinates.dot(&other.coordinates) - self.explained.dot(&other.explained)
     }
+
+    /// `(other − self) · by`.
+    pub fn slope(&self, other: &Self, by: f64) -> Self {
+        let of = |a: &DVector<f64>, b: &DVector<f64>| (b - a) * by;
+        Self {
+            coordinates: of(&self.coordinates, &other.coordinates),
+            explained: of(&self.explained, &other.explained),
+        }
+    }
+
+    /// The sum of columns, each as often as its coefficient says.
+    pub fn sum(columns: &[Self], coefficients: &[f64]) -> Option<Self> {
+        let mut each = columns.iter().zip(coefficients);
+        let (first, by) = each.next()?;
+        let mut sum = Self { coordinates: &first.coordinates * *by, explained: &first.explained * *by };
+        for (column, by) in each {
+            sum.coordinates.axpy(*by, &column.coordinates, 1.0);
+            sum.explained.axpy(*by, &column.explained, 1.0);
+        }
+        Some(sum)
+    }
 }
 
 /// The response of all recordings.
@@ -63,71 +88,85 @@ pub(super) struct Response {
     pub count: usize,
     /// Between which values the recordings move each variable.
     pub ranges: Vec<Range>,
-    /// The values of each variable at all pieces of all recordings, and its side of 0.
+    /// What is left of each recording without the law around which it was measured, in units of the noise.
+    pub without: Vec<Vec<f64>>,
+    /// The values of each variable at all instants of all recordings.
     variables: Vec<Vec<f64>>,
 }
 
-/// What is measured: recordings with their noise and the fit to them.
+/// What is measured: recordings with their noise, and a fit to them with the law that it has, if any.
 pub(super) struct Fitted<'a> {
     pub recordings: &'a [Prepared],
     pub noise: &'a [Vec<f64>],
-    pub fit: &'a Fit,
+    pub point: &'a Point,
+    pub residuals: &'a [Vec<f64>],
+    /// Derivatives by the base model's parameters and by initial states.
     pub columns: &'a [Columns],
+    pub law: &'a [Carried],
+    pub numbers: &'a [Vec<f64>],
 }
 
 impl Response {
     /// Measures it by rollouts, one for each piece, axis and recording.
     pub fn measure(host: &dyn Host, of: &Fitted, log: &RolloutLog) -> Result<Self> {
         let space = host.space();
-        let base = host.carrying(&[])?;
-        let mut parts = Vec::new();
+        let model = host.carrying(of.law)?;
+        let (mut parts, mut without) = (Vec::new(), of.residuals.to_vec());
         for (d, recording) in of.recordings.iter().enumerate() {
             let clock = recording.seen.clock();
             let pieces = (clock.len() / SAMPLES).clamp(2, MOST_PIECES);
             let (first, last) = (clock[0], clock[clock.len() - 1]);
             let span_s = (last - first) / pieces as f64;
-            let middles: Vec<f64> = (0..pieces).map(|b| first + span_s * (b as f64 + 0.5)).collect();
-            let point = &of.fit.point;
-            let visits = base.visits(recording, &point.parameters, &point.nuisances[d], &middles)?;
+            let count = pieces * INSTANTS;
+            let instant = |i: usize| first + span_s * (i as f64 + 0.5) / INSTANTS as f64;
+            let instants: Vec<f64> = (0..count).map(instant).collect();
+            let point = of.point;
+            let visits = model.visits(recording, &point.parameters, &point.nuisances[d], &instants)?;
             log.add(1);
             let response = response(host, of, d, (first, span_s, pieces), log)?;
+            for (carried, numbers) in of.law.iter().zip(of.numbers) {
+                let change = answer(&visits, &response, &carried.term, numbers);
+                without[d].iter_mut().zip(change.iter()).for_each(|(left, change)| *left += change);
+            }
             parts.push((visits, response));
         }
         let visited: Vec<&[Visit]> = parts.iter().map(|(visits, _)| visits.as_slice()).collect();
         let ranges = ranges(&visited, space.variables.len());
-        Ok(Self::reduced(parts, of, ranges, space.axes.len()))
+        Ok(Self::reduced(parts, without, of.columns, ranges, space.axes.len()))
     }
 
-    fn reduced(parts: Vec<(Vec<Visit>, DMatrix<f64>)>, of: &Fitted, ranges: Vec<Range>, axes: usize) -> Self {
-        let shared = of.columns.first().map_or(0, |c| c.shared.len());
-        let count: usize = of.fit.residuals.iter().map(Vec::len).sum();
-        let owns: Vec<DMatrix<f64>> = of.columns.iter().map(|c| orthonormal(&c.nuisances)).collect();
+    fn reduced(
+        parts: Vec<(Vec<Visit>, DMatrix<f64>)>,
+        without: Vec<Vec<f64>>,
+        columns: &[Columns],
+        ranges: Vec<Range>,
+        axes: usize,
+    ) -> Self {
+        let shared = columns.first().map_or(0, |c| c.shared.len());
+        let count: usize = without.iter().map(Vec::len).sum();
+        let owns: Vec<DMatrix<f64>> = columns.iter().map(|c| orthonormal(&c.nuisances)).collect();
         let clean = |d: usize, m: DMatrix<f64>| {
             let projected = &owns[d] * (owns[d].transpose() * &m);
             m - projected
         };
         let matrix = |columns: &[Vec<f64>], rows: usize| DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]);
-        let tangents: Vec<DMatrix<f64>> = of
-            .columns
-            .iter()
-            .zip(&of.fit.residuals)
-            .enumerate()
-            .map(|(d, (c, r))| clean(d, matrix(&c.shared, r.len())))
-            .collect();
+        let tangents: Vec<DMatrix<f64>> =
+            columns.iter().zip(&without).enumerate().map(|(d, (c, r))| clean(d, matrix(&c.shared, r.len()))).collect();
         // The inverse root of the parameters' normal matrix makes their columns orthonormal.
         let normal = tangents.iter().fold(DMatrix::zeros(shared, shared), |sum, t| sum + t.transpose() * t);
         let root = inverse_root(&normal);
         let mut variables = vec![Vec::new(); ranges.len()];
         let (mut made, mut explained, mut squares) = (Vec::new(), DVector::zeros(root.ncols()), 0.0);
-        for (d, (visits, response)) in parts.into_iter().enumerate() {
-            let residual = clean(d, DMatrix::from_column_slice(of.fit.residuals[d].len(), 1, &of.fit.residuals[d]));
+        for (d, (all, response)) in parts.into_iter().enumerate() {
+            let visits: Vec<Visit> = all.iter().skip(INSTANTS / 2).step_by(INSTANTS).cloned().collect();
+            let residual = clean(d, DMatrix::from_column_slice(without[d].len(), 1, &without[d]));
             let cleaned = clean(d, response.clone());
             let basis = basis(&cleaned);
             let along = basis.transpose() * &cleaned;
             let orthonormal = &tangents[d] * &root;
             explained += orthonormal.transpose() * residual.column(0);
             squares += residual.norm_squared();
-            for visit in &visits {
+            for visit in &all {
                 variables.iter_mut().zip(&visit.variables).for_each(|(all, value)| all.push(*value));
             }
             let pieces = visits.len();
@@ -154,24 +193,31 @@ impl Response {
                 residual: basis.transpose() * residual.column(0),
                 own: owns[d].clone(),
                 visits,
+                all,
                 response,
                 basis,
             });
         }
         let left = Column { coordinates: stacked(made.iter().map(|p| &p.residual)), explained };
         let squares = squares - left.explained.norm_squared();
-        Self { parts: made, left, squares, count, ranges, variables }
+        Self { parts: made, left, squares, count, ranges, without, variables }
     }
 
-    /// The values of a factor at all pieces.
+    /// How many instants there are.
+    pub fn instants(&self) -> usize {
+        self.parts.iter().map(|part| part.all.len()).sum()
+    }
+
+    /// The values of a factor at all instants.
     pub fn factor(&self, factor: &Factor, constants: &[f64]) -> Vec<f64> {
         let term = Term::new(0, 0, vec![Factor { variable: 0, ..factor.clone() }]);
         let each = self.variables[factor.variable].iter();
         each.map(|x| term.product(constants, &[*x], &[x.signum()])).collect()
     }
 
-    /// What a direction times these values at all pieces changes: a column for each of its components.
+    /// What a direction times these values at all instants changes: a column for each of its components.
     pub fn columns(&self, direction: usize, values: &[f64]) -> Vec<Column> {
+        let values: Vec<f64> = values.chunks_exact(INSTANTS).map(mean).collect();
         let components = self.parts[0].reduced[direction].len();
         let one = |c: usize| {
             let mut at = 0;
@@ -201,28 +247,35 @@ impl Response {
 
     /// How the prediction of each recording answers to a term with these numbers.
     pub fn answer(&self, term: &Term, numbers: &[f64]) -> Vec<Vec<f64>> {
-        let each = self.parts.iter().map(|part| {
-            let pieces = part.visits.len();
-            let axes = part.response.ncols() / pieces;
-            let mut acceleration = DVector::zeros(part.response.ncols());
-            for (b, visit) in part.visits.iter().enumerate() {
-                let sides: Vec<f64> = visit.variables.iter().map(|x| x.signum()).collect();
-                let product = term.product(numbers, &visit.variables, &sides);
-                for (component, coefficient) in visit.components[term.direction].iter().zip(numbers) {
-                    for a in 0..axes {
-                        acceleration[a * pieces + b] += coefficient * product * component[a];
-                    }
-                }
-            }
-            (&part.response * acceleration).iter().copied().collect()
-        });
-        each.collect()
+        let each = self.parts.iter().map(|part| answer(&part.all, &part.response, term, numbers));
+        each.map(|change| change.iter().copied().collect()).collect()
     }
 
     /// How many coordinates all recordings have together.
     pub fn dimension(&self) -> usize {
         self.left.coordinates.len()
     }
+}
+
+/// How the prediction of one recording answers to a term.
+fn answer(visits: &[Visit], response: &DMatrix<f64>, term: &Term, numbers: &[f64]) -> DVector<f64> {
+    let pieces = visits.len() / INSTANTS;
+    let axes = response.ncols() / pieces;
+    let mut acceleration = DVector::zeros(response.ncols());
+    let product = |visit: &Visit| {
+        let sides: Vec<f64> = visit.variables.iter().map(|x| x.signum()).collect();
+        term.product(numbers, &visit.variables, &sides)
+    };
+    for (b, piece) in visits.chunks_exact(INSTANTS).enumerate() {
+        let visit = &piece[INSTANTS / 2];
+        let product = mean(&piece.iter().map(product).collect::<Vec<_>>());
+        for (component, coefficient) in visit.components[term.direction].iter().zip(numbers) {
+            for a in 0..axes {
+                acceleration[a * pieces + b] += coefficient * product * component[a];
+            }
+        }
+    }
+    response * acceleration
 }
 
 /// The response of one recording by rollouts with a window of acceleration along each axis.
@@ -234,7 +287,7 @@ fn response(
     log: &RolloutLog,
 ) -> Result<DMatrix<f64>> {
     let space = host.space();
-    let (recording, noise, point) = (&of.recordings[d], &of.noise[d], &of.fit.point);
+    let (recording, noise, point) = (&of.recordings[d], &of.noise[d], of.point);
     let clock = recording.seen.clock();
     let weigh =
         |values: Vec<f64>| -> Vec<f64> { values.iter().enumerate().map(|(i, v)| v / noise[i % noise.len()]).collect() };
@@ -244,7 +297,8 @@ fn response(
         let clock_variable = space.variables.iter().position(|v| v.nature == super::space::Nature::Clock).unwrap_or(0);
         let term = Term::new(direction, 1, vec![Factor::new(Shape::Window, clock_variable)]);
         let ranges = vec![anywhere; space.variables.len()];
-        let with = host.carrying(&[term.carried(host, &ranges, 0, f64::MAX.sqrt())])?;
+        let window = term.carried(host, &ranges, of.law.len(), f64::MAX.sqrt());
+        let with = host.carrying(&of.law.iter().cloned().chain([window]).collect::<Vec<_>>())?;
         let run = |a: f64, b: usize| {
             let (from, to) = (first + span_s * b as f64, first + span_s * (b + 1) as f64);
             let numbers: Vec<f64> = point.parameters.iter().copied().chain([a, from, to]).collect();
@@ -265,6 +319,10 @@ fn response(
     }
     let rows = clock.len() * recording.seen.channels().len();
     Ok(DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]))
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Between which values of each variable these visits lie.
@@ -294,6 +352,19 @@ fn orthonormal(columns: &[Vec<f64>]) -> DMatrix<f64> {
     let m = DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]);
     let root = inverse_root(&(m.transpose() * &m));
     m * root
+}
+
+/// A matrix R with R Rᵀ = M of the symmetric, not negative M.
+pub(super) fn root(m: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = m.nrows();
+    let scale = DVector::from_fn(n, |i, _| m[(i, i)].max(0.0).sqrt());
+    let unit = |i: usize, j: usize| {
+        let both = scale[i] * scale[j];
+        if both > 0.0 && both.is_finite() { m[(i, j)] / both } else { f64::from(u8::from(i == j)) }
+    };
+    let eigen = DMatrix::from_fn(n, n, unit).symmetric_eigen();
+    let spread = |i: usize| if scale[i].is_finite() { scale[i] } else { 0.0 };
+    DMatrix::from_fn(n, n, |i, j| spread(i) * eigen.eigenvectors[(i, j)] * eigen.eigenvalues[j].max(0.0).sqrt())
 }
 
 /// A matrix R with Rᵀ M R = 1 on the span of the symmetric M.

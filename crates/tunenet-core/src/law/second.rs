@@ -1,10 +1,11 @@
 //! A second term where the first leaves a force: forms on what it leaves, and pairs of single forms.
 
 use super::answer::MOST_FORCE;
-use super::evidence::residual_force;
+use super::around::{Around, DIFFERENCE};
+use super::evidence::{Shared, residual_force};
+use super::judge::scaled;
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
-use super::response::Response;
 use super::simplify::simplify;
 
 /// How many forms are fitted in addition to the first term, how many pairs, and of how many single forms these are.
@@ -14,13 +15,13 @@ const PAIRED: usize = 24;
 const STEPS: usize = 6;
 /// What a second term has to gain.
 const LEAST_GAIN: f64 = 6.0;
-/// Steps of differences, as shares.
-const DIFFERENCE: f64 = 1e-4;
 
 /// Laws of two terms that gain enough over `first`.
-pub(super) fn second(session: &Session, response: &Response, singles: &[Candidate], first: &Law) -> Vec<Law> {
+pub(super) fn second(session: &Session, around: &Around, singles: &[Candidate], first: &Law) -> Vec<Law> {
+    let response = &around.response;
     let Ok(linear) = session.linearise(response, first) else { return Vec::new() };
-    let force = residual_force(response, &first.fit.residuals, linear.columns());
+    let force =
+        residual_force(response, &scaled(&first.fit.residuals, session.scale(first)), linear.columns(), Shared::Free);
     if force <= MOST_FORCE || first.terms.len() > 1 {
         return Vec::new();
     }
@@ -41,9 +42,9 @@ pub(super) fn second(session: &Session, response: &Response, singles: &[Candidat
     let more: Vec<Candidate> = more.collect();
     let alone = Search::new(session.host.space(), response);
     let pairs = alone.pairs(&singles[..singles.len().min(PAIRED)]);
-    let begun = more.iter().chain(pairs.iter().take(PAIRS));
-    let mut found: Vec<Law> = begun.filter_map(|c| session.fit(response, c, STEPS)).collect();
+    let begun: Vec<Candidate> = more.into_iter().chain(pairs.into_iter().take(PAIRS)).collect();
+    let mut found = session.fits(around, &begun, STEPS);
     found.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let best = found.into_iter().take(2).map(|law| simplify(session, response, law));
+    let best = found.into_iter().take(2).map(|law| simplify(session, around, law));
     best.filter(|law| law.score > first.score + LEAST_GAIN).collect()
 }

@@ -180,6 +180,11 @@ impl Shape {
         }
     }
 
+    /// Whether it is a power.
+    pub(super) const fn is_power(self) -> bool {
+        matches!(self, Self::Power | Self::OddPower)
+    }
+
     /// Whether it jumps where its variable is 0.
     #[must_use]
     pub const fn jumps(self) -> bool {

@@ -1,5 +1,6 @@
 //! Backward elimination (Draper and Smith 1998, section 15.2): limits, omitted factors and rounded exponents, kept where the price falls.
 
+use super::around::Around;
 use super::linear::Candidate;
 use super::refit::{Law, Session};
 use super::response::Response;
@@ -17,12 +18,12 @@ const BEYOND: f64 = 3.0;
 const NO_EXPONENT: f64 = 0.12;
 
 /// The simplest form of `law` whose score is not lower.
-pub(super) fn simplify(session: &Session, response: &Response, law: Law) -> Law {
+pub(super) fn simplify(session: &Session, around: &Around, law: Law) -> Law {
     let mut best = law;
     for _ in 0..MOST {
-        let tried = simpler(session.host.space(), response, &best);
+        let tried = simpler(session.host.space(), &around.response, &best);
         let start = &best.fit.point;
-        let fits = tried.iter().filter_map(|c| session.from(response, &c.terms, &c.numbers, start.clone(), STEPS));
+        let fits = tried.iter().filter_map(|c| session.from(around, &c.terms, &c.numbers, start.clone(), STEPS));
         let Some(found) = fits.max_by(|a, b| a.score.total_cmp(&b.score)).filter(|f| f.score > best.score) else {
             break;
         };

@@ -25,7 +25,58 @@ impl Factor {
     /// How many of its constants are fitted.
     #[must_use]
     pub fn constants(&self) -> usize {
-        self.shape.roles().len() - usize::from(self.rounded.is_some())
+        self.open().len()
+    }
+
+    /// What its fitted constants are. A constant that can be rounded is the only one of its shape.
+    pub(super) fn open(&self) -> &'static [Role] {
+        &self.shape.roles()[usize::from(self.rounded.is_some())..]
+    }
+
+    /// Constants with which a search begins.
+    pub(super) fn grid(&self, range: &Range) -> Vec<Vec<f64>> {
+        if self.open().is_empty() { vec![Vec::new()] } else { self.shape.grid(range) }
+    }
+
+    /// Whether a term may have it as a second factor.
+    pub(super) fn multiplies(&self, other: &Self) -> bool {
+        let waves = self.shape == Shape::Wave && other.shape == Shape::Wave;
+        // A sign only turns over another function of its own variable.
+        let turns = self.variable == other.variable && (self.shape.jumps() || other.shape.jumps());
+        // Powers of one variable are one power.
+        let powers = self.variable == other.variable && self.shape.is_power() && other.shape.is_power();
+        self != other && !waves && !turns && !powers
+    }
+
+    /// What it is at the ends of its constant, itself first; nothing where it is the same everywhere.
+    pub(super) fn limits(&self) -> Vec<Option<Self>> {
+        let as_is = |shape, rounded| Some(Self { shape, variable: self.variable, rounded });
+        let mut all = vec![Some(self.clone())];
+        if self.rounded.is_some() {
+            return all;
+        }
+        match self.shape {
+            Shape::Power | Shape::Exp | Shape::Bump | Shape::Cos | Shape::Wave => all.push(None),
+            Shape::Sin => all.push(as_is(Shape::OddPower, Some(1.0))),
+            Shape::Tanh => all.extend([as_is(Shape::OddPower, Some(1.0)), as_is(Shape::Sign, None)]),
+            Shape::Log => all.extend([as_is(Shape::Power, Some(1.0)), None]),
+            Shape::Saturation => all.extend([as_is(Shape::Power, Some(-1.0)), None]),
+            Shape::Stribeck => all.push(as_is(Shape::Sign, None)),
+            Shape::OddPower | Shape::Sign | Shape::Window => {}
+        }
+        all
+    }
+
+    /// The factor with its constant at multiples of one half (an exponent) or at whole numbers (the frequency of an angle); none
+    /// where it is not written in such.
+    pub(super) fn multiples(&self, unit: &str) -> Vec<Self> {
+        let at = |values: &[f64]| values.iter().map(|v| Self { rounded: Some(*v), ..self.clone() }).collect();
+        match self.shape {
+            Shape::Power => at(&[-3.0, -2.5, -2.0, -1.5, -1.0, -0.5, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0]),
+            Shape::OddPower => at(&[0.5, 1.0, 1.5, 2.0, 2.5, 3.0]),
+            Shape::Sin | Shape::Cos if unit == "rad" => at(&[1.0, 2.0, 3.0]),
+            _ => Vec::new(),
+        }
     }
 
     #[inline]
@@ -57,6 +108,17 @@ impl Term {
     #[must_use]
     pub fn constants(&self) -> usize {
         self.components + self.factors.iter().map(Factor::constants).sum::<usize>()
+    }
+
+    /// Whether none of its constants is rounded.
+    pub(super) fn is_open(&self) -> bool {
+        self.factors.iter().all(|factor| factor.rounded.is_none())
+    }
+
+    /// The same with every rounded constant free.
+    pub(super) fn opened(&self) -> Self {
+        let factors = self.factors.iter().map(|f| Factor::new(f.shape, f.variable)).collect();
+        Self { factors, ..self.clone() }
     }
 
     /// The product of the factors, from all numbers of the term, the values of all variables, and on which side of 0 each is.

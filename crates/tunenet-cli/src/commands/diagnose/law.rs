@@ -78,11 +78,13 @@ fn searched(
     let known = |name: &&str| base.with_effects(&[*name]).is_ok();
     let rival: Vec<&str> = diagnosis.effects().iter().map(|e| e.effect.name.as_ref()).collect();
     let competes = rival.iter().all(known);
-    if !competes && adequate(diagnosis) {
+    let measured = !competes && adequate(diagnosis);
+    // One answer of the measurement stands; of several, none is certain, and a law may be the better one.
+    if measured && diagnosis.verdict() == Verdict::Named {
         return Ok(Err("an effect of the measurement explains the recordings, and a law is a force"));
     }
     let rival = if competes { rival.into_iter().map(str::to_owned).collect() } else { Vec::new() };
-    let settings = Settings { rival, ..Settings::default() };
+    let settings = Settings { rival, measured, ..Settings::default() };
     let working = crate::view::text::working("searching a law");
     let answer = crate::args::pool(options.jobs)?.install(|| search(host.as_ref(), &fitted, &held_out, &settings));
     working.finish_and_clear();

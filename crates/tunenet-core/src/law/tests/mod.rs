@@ -4,7 +4,11 @@ mod line;
 
 use line::{Line, observed};
 
+use super::around::Around;
+use super::refit::Session;
+use super::term::{Factor, Term};
 use super::{Settings, Shape, Verdict, search};
+use crate::estimate::RolloutLog;
 use crate::observation::Observation;
 use crate::simulator::{Preparation, Prepared, Simulator};
 
@@ -107,4 +111,40 @@ fn the_allowance_of_rollouts_ends_a_search() {
     let settings = Settings { rollouts: Some(600), ..Settings::default() };
     let answer = asked(&|_, v0, t| quadratic(9.8, 12.0, v0, t), 5, &settings);
     assert!(answer.rollouts <= 1_000, "{}", answer.rollouts);
+}
+
+/// The allowance ends a search at the same fit, however many run at a time.
+#[test]
+fn answers_do_not_depend_on_the_number_of_threads() {
+    let settings = Settings { rollouts: Some(1_500), ..Settings::default() };
+    let asked = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| asked(&|_, v0, t| quadratic(9.8, 12.0, v0, t), 5, &settings))
+    };
+    let (one, three) = (asked(1), asked(3));
+    assert_eq!(serde_json::to_value(&one).unwrap(), serde_json::to_value(&three).unwrap());
+    assert!(!one.members.is_empty() || !one.refused.is_empty() || one.reason.is_some(), "{one:?}");
+}
+
+/// Friction a turns over at the top of a throw, t₁ = v/g: the path answers with −a t²/2 up to there, and from there on with
+/// −a t₁²/2 − a t₁ (t − t₁) + a (t − t₁)²/2.
+#[test]
+fn a_response_follows_a_force_that_turns_over_within_a_piece() {
+    let (g, v0, a) = (9.8, 5.03, 0.01);
+    let host = Line::new();
+    let seen = [observed(SECONDS, 0.0, 1, &|t| v0 * t - 0.5 * g * t * t)];
+    let (fitted, noise, log) = (prepared(&host, &seen), [vec![NOISE_M]], RolloutLog::default());
+    let session = Session::new(&host, &fitted, &noise, &log, 10_000).unwrap();
+    let around = Around::base(&session, &log).unwrap();
+    let friction = Term::new(0, 1, vec![Factor::new(Shape::Sign, 1)]);
+    let answer = &around.response.answer(&friction, &[-a])[0];
+    let top = v0 / g;
+    for (k, found) in answer.iter().enumerate() {
+        let t = k as f64 * 0.01;
+        let after = (t - top).max(0.0);
+        let wanted = -0.5 * a * (t - after).powi(2) - a * top * after + 0.5 * a * after * after;
+        // The turn lies within a tenth of a piece of 3 samples, 0.03 s.
+        let off = 2.0 * a * 0.003 * after + 0.5 * a * 0.03_f64.powi(2);
+        assert!((found * NOISE_M - wanted).abs() < off, "{t}: {} {wanted}", found * NOISE_M);
+    }
 }

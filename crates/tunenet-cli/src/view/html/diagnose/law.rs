@@ -83,7 +83,17 @@ fn tests(member: &Member) -> Markup {
                     tr { th scope="row" { "recordings agree" } td.number { (format!("p {p:.3}")) } td { "at least 0.001" } }
                 }
                 @if let Some(ratio) = gates.held_out_ratio {
-                    tr { th scope="row" { "held out, over noise" } td.number { (format!("{ratio:.3}")) } td { "at most 1.05" } }
+                    @let base = gates.held_out_base.unwrap_or(f64::INFINITY);
+                    tr { th scope="row" { "held out, over noise" } td.number { (format!("{ratio:.3}")) } td { (format!("at most {base:.3}, without the law")) } }
+                }
+                @if let Some(p) = gates.held_out_p {
+                    tr { th scope="row" { "held out, over fitted" } td.number { (format!("p {p:.3}")) } td { "at least 0.001" } }
+                }
+                @if let Some(p) = gates.held_out_differ_p {
+                    tr { th scope="row" { "held out, same constants" } td.number { (format!("p {p:.3}")) } td { "at least 0.001" } }
+                }
+                @if let Some(nats) = gates.held_out_force_nats {
+                    tr { th scope="row" { "held out, residual force" } td.number { (format!("{nats:.2} nats")) } td { "at most 3" } }
                 }
                 tr { th scope="row" { "gain of BIC" } td.number { (format!("{:.0}", member.bic_gain)) } td { "more than 6" } }
             }

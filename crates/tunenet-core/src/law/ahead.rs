@@ -1,0 +1,192 @@
+//! Held-out recordings of a law, of which only initial states are fitted: predictive tests (Chow 1960) of their size, of the constants that
+//! they ask for, and of a force that is left, with the uncertainty of the law's constants counted in.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::answer::Gates;
+use super::evidence::{Shared, residual_force};
+use super::found::WIDER;
+use super::judge::{said, scaled};
+use super::refit::{Law, Session, robust_squares};
+use super::response::{Fitted, Response, inverse_root, root};
+use crate::Result;
+use crate::estimate::jacobian::Columns;
+use crate::estimate::{Fit, Linearisation, Point, Problem, RolloutLog};
+use crate::simulator::{Prepared, Simulator};
+use crate::statistics::{upper_chi_squared, upper_f};
+
+/// Shares of a held-out recording over which its initial state is fitted one after the other.
+const GROWING: [f64; 5] = [0.1, 0.2, 0.35, 0.5, 0.75];
+
+/// A start from another law's is searched anew where it leaves more than so many times the noise's variance.
+const MUCH: f64 = 1.1;
+
+/// Recordings that were kept out of the fit, and what was learned of them with a first law.
+pub(super) struct Ahead<'a> {
+    recordings: &'a [Prepared],
+    noise: &'a [Vec<f64>],
+    /// The error of the base model.
+    base: Option<f64>,
+    /// Initial states, and the answer to an acceleration.
+    starts: Option<Vec<Vec<f64>>>,
+    response: Option<Response>,
+}
+
+/// Held-out recordings with their initial states fitted.
+struct Met {
+    starts: Vec<Vec<f64>>,
+    residuals: Vec<Vec<f64>>,
+}
+
+impl<'a> Ahead<'a> {
+    pub fn new(recordings: &'a [Prepared], noise: &'a [Vec<f64>]) -> Self {
+        Self { recordings, noise, base: None, starts: None, response: None }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.recordings.is_empty()
+    }
+
+    /// Measures what a law leaves of them.
+    pub fn judge(&mut self, session: &Session, response: &Response, law: &Law, gates: &mut Gates) -> Result<()> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        let base = if let Some(known) = self.base {
+            known
+        } else {
+            let base = session.host.carrying(&[])?;
+            let met = self.met(base.as_ref(), &session.base.point.parameters, session.log);
+            met.map_or(f64::INFINITY, |met| self.rms(&met))
+        };
+        self.base = Some(base);
+        gates.held_out_base = Some(base);
+        gates.held_out_ratio = Some(f64::INFINITY);
+        let simulator = session.carrying(response, &law.terms, &law.numbers())?;
+        let parameters = &law.fit.point.parameters;
+        let Some(met) = self.met(simulator.as_ref(), parameters, session.log) else { return Ok(()) };
+        gates.held_out_ratio = Some(self.rms(&met));
+        let free: Vec<usize> = session.free.iter().copied().chain(law.first..parameters.len()).collect();
+        let point = Point { parameters: parameters.clone(), nuisances: met.starts.clone() };
+        let problem = Problem {
+            simulator: simulator.as_ref(),
+            recordings: self.recordings,
+            noise: self.noise,
+            free: &free,
+            log: None,
+        };
+        let linear = problem.derivatives(&point, &met.residuals)?;
+        session.log.add(linear.rollouts());
+        // The noise is what the law leaves of the recordings that it was fitted to: more certain than what differences show.
+        let (scale, below, above) = (session.scale(law), session.freedom(law), self.freedom(&met));
+        let residuals = scaled(&met.residuals, scale);
+        let covariance = &law.fit.covariance * (WIDER * WIDER);
+        let (differ_p, explained) = differ(&linear, &residuals, &covariance);
+        gates.held_out_differ_p = Some(differ_p);
+        let left = (robust_squares(&residuals) - explained) / above;
+        gates.held_out_p = Some(upper_f(left, above, below));
+        if self.response.is_none() {
+            let numbers = law.numbers();
+            let carried = session.carried(response, &law.terms, &numbers);
+            let columns: Vec<Columns> =
+                linear.columns().iter().map(|one| Columns { places: vec![], shared: vec![], ..one.clone() }).collect();
+            let of = Fitted {
+                recordings: self.recordings,
+                noise: self.noise,
+                point: &point,
+                residuals: &met.residuals,
+                columns: &columns,
+                law: &carried,
+                numbers: &numbers,
+            };
+            self.response = Some(Response::measure(session.host, &of, session.log)?);
+        }
+        self.starts.get_or_insert(met.starts);
+        if let Some(known) = &self.response {
+            gates.held_out_force_nats =
+                Some(residual_force(known, &residuals, linear.columns(), Shared::Known(&covariance)));
+        }
+        Ok(())
+    }
+
+    /// Fits the initial states, each recording on its own; nothing where the simulator refuses.
+    fn met(&self, simulator: &dyn Simulator, parameters: &[f64], log: &RolloutLog) -> Option<Met> {
+        let (mut starts, mut residuals) = (Vec::new(), Vec::new());
+        for (d, (recording, noise)) in self.recordings.iter().zip(self.noise).enumerate() {
+            let (recordings, noise) = (std::slice::from_ref(recording), std::slice::from_ref(noise));
+            let own = RolloutLog::default();
+            let problem = Problem { simulator, recordings, noise, free: &[], log: Some(&own) };
+            let start = || Point { parameters: parameters.to_vec(), ..Point::start(simulator, recordings) };
+            // Laws that explain the recordings as well as a first one start where it does.
+            let near = self.starts.as_ref().and_then(|all| {
+                problem.fit(Point { parameters: parameters.to_vec(), nuisances: vec![all[d].clone()] }, 1.0).ok()
+            });
+            let poor =
+                near.as_ref().is_none_or(|fit| robust_squares(&fit.residuals) > MUCH * fit.residuals[0].len() as f64);
+            let searched = poor.then(|| {
+                let direct = problem.fit(start(), 1.0).ok();
+                // A start that is guessed badly is found from the first samples on.
+                let longer = |point: Point, horizon: &f64| Some(problem.fit(point, *horizon).ok()?.point);
+                let grown = GROWING.iter().try_fold(start(), longer).and_then(|point| problem.fit(point, 1.0).ok());
+                direct.into_iter().chain(grown).collect::<Vec<_>>()
+            });
+            let left = |fit: &Fit| robust_squares(&fit.residuals);
+            let fit = near.into_iter().chain(searched.into_iter().flatten()).min_by(|a, b| left(a).total_cmp(&left(b)));
+            log.add(own.count());
+            let fit = fit?;
+            starts.extend(fit.point.nuisances);
+            residuals.extend(fit.residuals);
+        }
+        Some(Met { starts, residuals })
+    }
+
+    /// How many values there are beyond the initial states.
+    fn freedom(&self, met: &Met) -> f64 {
+        let own: usize = self.recordings.iter().map(|r| r.nuisances.len()).sum();
+        met.residuals.iter().map(Vec::len).sum::<usize>().saturating_sub(own).max(1) as f64
+    }
+
+    /// The root mean square of the residuals in units of the noise.
+    fn rms(&self, met: &Met) -> f64 {
+        (met.residuals.iter().flatten().map(|r| r * r).sum::<f64>() / self.freedom(met)).sqrt()
+    }
+}
+
+/// The probability that recordings which were not fitted ask for so different constants by chance, and the squares that the uncertainty of
+/// the constants explains: their slope s by the constants has the covariance S + S Σ S, where S is their information and Σ the constants'
+/// covariance; of the squares sᵀ (Σ⁻¹ + S)⁻¹ s are due to it.
+fn differ(linear: &Linearisation, residuals: &[Vec<f64>], covariance: &DMatrix<f64>) -> (f64, f64) {
+    let shared = covariance.nrows();
+    let (mut information, mut slope) = (DMatrix::zeros(shared, shared), DVector::zeros(shared));
+    for (columns, residual) in linear.columns().iter().zip(residuals) {
+        let (more, by) = said(columns, residual);
+        information += more;
+        slope += by;
+    }
+    let spread = &information + &information * covariance * &information;
+    let inverse = inverse_root(&spread);
+    let p = match inverse.ncols() {
+        0 => 1.0,
+        freedom => upper_chi_squared((inverse.transpose() * &slope).norm_squared(), freedom as f64),
+    };
+    let root = root(covariance);
+    let own = DMatrix::identity(shared, shared) + root.transpose() * &information * &root;
+    let along = inverse_root(&own).transpose() * (root.transpose() * slope);
+    (p, along.norm_squared())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One constant with derivative 1 at four samples, known to ±½: S = 4, Σ = ¼. Residuals of 1 have s = ∓4 of variance 8, so χ² = 2,
+    /// and 16/(4 + 4) = 2 of their squares are explained.
+    #[test]
+    fn the_uncertainty_of_a_constant_explains_its_share() {
+        let columns = Columns { places: vec![0], shared: vec![vec![-1.0; 4]], nuisances: vec![] };
+        let linear = Linearisation::known(vec![columns]);
+        let (p, explained) = differ(&linear, &[vec![1.0; 4]], &DMatrix::from_element(1, 1, 0.25));
+        assert!((p - upper_chi_squared(2.0, 1.0)).abs() < 1e-12 && (explained - 2.0).abs() < 1e-12, "{p} {explained}");
+    }
+}

@@ -1,0 +1,95 @@
+//! Linearisation about a fit (Ljung 1999, section 4.5): where fits of laws begin, and derivatives with which they begin without rollouts.
+
+use super::linear::Candidate;
+use super::refit::{Law, Session};
+use super::response::{Fitted, Response};
+use super::space::Carried;
+use super::term::Term;
+use crate::Result;
+use crate::estimate::jacobian::Columns;
+use crate::estimate::{Linearisation, Point, RolloutLog};
+
+/// Steps of differences, as shares.
+pub(super) const DIFFERENCE: f64 = 1e-4;
+
+/// A fit of the base model or of a law, and how the recordings answer to an acceleration there.
+pub(super) struct Around {
+    pub response: Response,
+    /// Derivatives by the base model's parameters and by initial states.
+    columns: Vec<Columns>,
+    /// The base model's parameters and initial states.
+    pub point: Point,
+}
+
+impl Around {
+    /// About the base model.
+    pub fn base(session: &Session, log: &RolloutLog) -> Result<Self> {
+        let columns = session.linear.columns();
+        Self::measured(session, &session.base, columns.to_vec(), (&[], &[]), log)
+    }
+
+    /// About a law: what distinguishes it from others that explain the recordings as well is small, so that the linear answer to it
+    /// is exact to first order.
+    pub fn law(session: &Session, beside: &Self, law: &Law) -> Result<Self> {
+        let linear = session.linearise(&beside.response, law)?;
+        let columns = linear.columns().iter().map(|one| {
+            let kept = one.places.iter().filter(|place| **place < law.first).count();
+            Columns {
+                places: one.places[..kept].to_vec(),
+                shared: one.shared[..kept].to_vec(),
+                nuisances: one.nuisances.clone(),
+            }
+        });
+        let numbers = law.numbers();
+        let carried = session.carried(&beside.response, &law.terms, &numbers);
+        Self::measured(session, &law.fit, columns.collect(), (&carried, &numbers), session.log)
+    }
+
+    fn measured(
+        session: &Session,
+        fit: &crate::estimate::Fit,
+        columns: Vec<Columns>,
+        (law, numbers): (&[Carried], &[Vec<f64>]),
+        log: &RolloutLog,
+    ) -> Result<Self> {
+        let (recordings, noise) = (session.recordings, session.noise);
+        let (point, residuals) = (&fit.point, fit.residuals.as_slice());
+        let of = Fitted { recordings, noise, point, residuals, columns: &columns, law, numbers };
+        let response = Response::measure(session.host, &of, log)?;
+        let mut point = fit.point.clone();
+        point.parameters.truncate(session.base.point.parameters.len());
+        Ok(Self { response, columns, point })
+    }
+
+    /// Derivatives of the residuals with these terms, which follow `first` parameters of the base model.
+    pub fn known(&self, first: usize, terms: &[Term], numbers: &[Vec<f64>]) -> Linearisation {
+        let mut columns = self.columns.clone();
+        let mut at = first;
+        for (term, values) in terms.iter().zip(numbers) {
+            let still = self.response.answer(term, values);
+            for i in 0..values.len() {
+                let mut moved = values.clone();
+                let step = DIFFERENCE * moved[i].abs().max(1e-3);
+                moved[i] += step;
+                let answers = self.response.answer(term, &moved);
+                for ((one, moved), still) in columns.iter_mut().zip(answers).zip(&still) {
+                    one.places.push(at);
+                    one.shared.push(moved.iter().zip(still).map(|(m, s)| (s - m) / step).collect());
+                }
+                at += 1;
+            }
+        }
+        Linearisation::known(columns)
+    }
+
+    /// Where the base model's parameters and the initial states lead to with a candidate.
+    pub fn start(&self, session: &Session, candidate: &Candidate) -> Result<Point> {
+        let mut residuals = self.response.without.clone();
+        for (term, numbers) in candidate.terms.iter().zip(&candidate.numbers) {
+            for (all, change) in residuals.iter_mut().zip(self.response.answer(term, numbers)) {
+                all.iter_mut().zip(change).for_each(|(r, c)| *r -= c);
+            }
+        }
+        session.stepped(&self.point, &self.columns, &residuals)
+    }
+}

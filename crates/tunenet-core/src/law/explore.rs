@@ -1,0 +1,87 @@
+//! From a linear search to laws that were fitted through rollouts (stepwise, as in Miller 2002), with every form near the best as its rival.
+
+use rayon::prelude::*;
+
+use super::around::Around;
+use super::forms::{distinct, is_same, ranked};
+use super::linear::{Candidate, Search};
+use super::refit::{Law, Session};
+use super::second;
+use super::simplify::simplify;
+
+/// How many forms are fitted through rollouts: of one factor, products; how many of these are fitted further and simplified.
+const SINGLES: usize = 25;
+const PRODUCTS: usize = 10;
+const FURTHER: usize = 5;
+const SIMPLIFIED: usize = 6;
+/// Steps of the first fits, and of rivals.
+const FIRST_STEPS: usize = 4;
+const RIVAL_STEPS: usize = 6;
+/// How often the best law is fitted on, and which gain ends that.
+const SETTLED: usize = 4;
+const ENOUGH: f64 = 0.1;
+/// How often the response is measured anew about the best law.
+const ROUNDS: usize = 3;
+
+/// A law fitted until it gains no more: about another place the response says little of its rivals.
+fn settled(session: &Session, around: &Around, law: &Law) -> Law {
+    let mut best = law.clone();
+    for _ in 0..SETTLED {
+        let Some(found) = session.finish(&around.response, &best).filter(|found| found.bic > best.bic) else { break };
+        let gained = found.bic - best.bic;
+        best = found;
+        if gained < ENOUGH {
+            break;
+        }
+    }
+    best
+}
+
+/// Laws that were fitted and simplified, by their score, best first; and the response about the best of them.
+pub(super) fn explore(session: &mut Session, base: Around, margin: f64) -> (Vec<Law>, Around) {
+    let search = Search::new(session.host.space(), &base.response);
+    session.factors = search.kinds;
+    let session = &*session;
+    let singles = search.singles();
+    let products = search.products(&singles);
+    let begun = singles.iter().take(SINGLES).chain(products.iter().take(PRODUCTS));
+    let begun: Vec<Candidate> = begun.cloned().collect();
+    let mut laws = ranked(session.fits(&base, &begun, FIRST_STEPS));
+    let further = |law: &Law| session.finish(&base.response, law).unwrap_or_else(|| law.clone());
+    let few = if session.within() { FURTHER } else { 0 };
+    let better: Vec<Law> = laws.par_iter().take(few).map(further).collect();
+    laws.splice(..better.len(), better);
+    laws = distinct(ranked(laws));
+    let mut around = base;
+    let mut about: Option<Law> = None;
+    for _ in 0..ROUNDS {
+        let Some(best) = laws.first().filter(|best| best.terms.len() == 1 && session.within()) else { break };
+        if about.as_ref().is_some_and(|law| is_same(&law.terms, &best.terms)) {
+            break;
+        }
+        let best = settled(session, &around, best);
+        laws[0] = best.clone();
+        // Where no acceleration can be added to a law, the response about the last one has to do.
+        if let Ok(there) = Around::law(session, &around, &best) {
+            around = there;
+        }
+        let search = Search::fine(session.host.space(), &around.response);
+        let mut rivals = search.rivals(&best.terms[0], &best.numbers()[0], margin);
+        let known = |c: &Candidate, all: &[Candidate]| all.iter().any(|other| is_same(&other.terms, &c.terms));
+        let kin = search.kin(&best.terms[0], &best.numbers()[0]);
+        let kin: Vec<Candidate> = kin.into_iter().filter(|c| !known(c, &rivals)).collect();
+        rivals.extend(kin);
+        about = Some(best);
+        laws.extend(session.fits(&around, &rivals, RIVAL_STEPS));
+        laws = distinct(ranked(laws));
+    }
+    let few = if session.within() { SIMPLIFIED } else { 0 };
+    let simpler: Vec<Law> = laws.par_iter().take(few).map(|law| simplify(session, &around, law.clone())).collect();
+    laws.extend(simpler);
+    laws = distinct(ranked(laws));
+    if session.within() && !laws.is_empty() {
+        laws.extend(second::second(session, &around, &singles, &laws[0]));
+        laws = distinct(ranked(laws));
+    }
+    (laws, around)
+}

@@ -1,0 +1,162 @@
+//! Order among laws: which are the same form, and which hold others as special cases (nested models; Burnham and Anderson 2002, section 2.2).
+
+use super::refit::{Law, Session};
+use super::shape::Shape;
+use super::space::Space;
+use super::term::{Factor, Term};
+
+/// Twice the logarithmic likelihood that one more constant has to gain to predict better (Akaike 1974).
+const WORTH: f64 = 2.0;
+
+/// Best first.
+pub(super) fn ranked(mut laws: Vec<Law>) -> Vec<Law> {
+    laws.retain(|law| law.score.is_finite());
+    laws.sort_by(|a, b| b.score.total_cmp(&a.score));
+    laws
+}
+
+/// Each form once, the order of factors and terms aside. A rounded constant makes a form of its own.
+pub(super) fn distinct(laws: Vec<Law>) -> Vec<Law> {
+    let mut kept: Vec<Law> = Vec::new();
+    for law in laws {
+        if !kept.iter().any(|other| is_same(&other.terms, &law.terms)) {
+            kept.push(law);
+        }
+    }
+    kept
+}
+
+/// Whether these are the same form.
+pub(super) fn is_same(one: &[Term], other: &[Term]) -> bool {
+    type Key = Vec<(usize, Vec<(usize, Shape, Option<u64>)>)>;
+    let key = |terms: &[Term]| -> Key {
+        let of = |term: &Term| {
+            let factor = |f: &Factor| (f.variable, f.shape, f.rounded.map(f64::to_bits));
+            let mut factors: Vec<_> = term.factors.iter().map(factor).collect();
+            factors.sort_unstable();
+            (term.direction, factors)
+        };
+        let mut key: Key = terms.iter().map(of).collect();
+        key.sort_unstable();
+        key
+    };
+    key(one) == key(other)
+}
+
+/// Whether some constants of `large`, or limits of them, make it `small`.
+fn holds(space: &Space, large: &Term, small: &Term) -> bool {
+    let components = |term: &Term| &space.directions[term.direction].components;
+    let is = |small: &Factor, large: &Factor| {
+        small.variable == large.variable
+            && small.shape == large.shape
+            && (large.rounded.is_none() || large.rounded == small.rounded)
+    };
+    let same = |found: &[Factor]| {
+        let straight = || small.factors.iter().zip(found).all(|(a, b)| is(a, b));
+        let turned = || small.factors.iter().zip(found.iter().rev()).all(|(a, b)| is(a, b));
+        found.len() == small.factors.len() && (straight() || turned())
+    };
+    let mut found: Vec<Vec<Factor>> = vec![Vec::new()];
+    for factor in &large.factors {
+        let limits = factor.limits();
+        found = found.iter().flat_map(|before| limits.iter().map(|one| multiplied(before, one.as_ref()))).collect();
+    }
+    components(small).iter().all(|name| components(large).contains(name)) && found.iter().any(|one| same(one))
+}
+
+/// These factors with one more, powers of one variable as one.
+fn multiplied(before: &[Factor], more: Option<&Factor>) -> Vec<Factor> {
+    let mut all = before.to_vec();
+    let Some(more) = more else { return all };
+    match all
+        .iter_mut()
+        .find(|one| one.variable == more.variable && one.shape == Shape::Power && more.shape == Shape::Power)
+    {
+        Some(one) => one.rounded = one.rounded.zip(more.rounded).map(|(a, b)| a + b),
+        None => all.push(more.clone()),
+    }
+    all.retain(|one| one.rounded != Some(0.0));
+    all
+}
+
+/// Whether `large` holds `small` as a special case.
+pub(super) fn nests(space: &Space, large: &[Term], small: &[Term]) -> bool {
+    !is_same(large, small) && small.iter().all(|one| large.iter().any(|other| holds(space, other, one)))
+}
+
+/// Whether `large` explains, by this gain, too little more than a law that it holds as a special case to predict better than that one. A
+/// product with rounded constants counts with them free: there is no need of a second factor where the first explains as much with any
+/// constant.
+pub(super) fn is_needless(space: &Space, large: &[Term], small: &[Term], more: f64) -> bool {
+    let factors = |terms: &[Term]| terms.iter().map(|term| term.factors.len()).max().unwrap_or(0);
+    let open = |terms: &[Term]| terms.iter().map(Term::opened).collect::<Vec<_>>();
+    let product = || factors(large) > 1 && factors(small) < 2 && nests(space, &open(large), &open(small));
+    let constants = |terms: &[Term]| terms.iter().map(Term::constants).sum::<usize>();
+    let further = constants(large).saturating_sub(constants(small)).max(1) as f64;
+    more <= WORTH * further && (nests(space, large, small) || product())
+}
+
+/// Laws, those apart that another one makes needless.
+pub(super) fn by_need(session: &Session, laws: Vec<Law>) -> (Vec<Law>, Vec<Law>) {
+    let space = session.host.space();
+    let by =
+        |law: &Law, small: &Law| is_needless(space, &law.terms, &small.terms, session.gain(law) - session.gain(small));
+    let needed: Vec<bool> = laws.iter().map(|law| !laws.iter().any(|small| by(law, small))).collect();
+    let (needed, needless): (Vec<_>, Vec<_>) = laws.into_iter().zip(needed).partition(|(_, needed)| *needed);
+    let laws = |all: Vec<(Law, bool)>| all.into_iter().map(|(law, _)| law).collect();
+    (laws(needed), laws(needless))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::Direction;
+
+    fn space() -> Space {
+        let direction = |names: &[&str]| Direction { components: names.iter().map(ToString::to_string).collect() };
+        Space { directions: vec![direction(&["x"]), direction(&["x", "y"])], variables: vec![], axes: vec![0] }
+    }
+
+    fn term(direction: usize, factors: &[(Shape, usize, Option<f64>)]) -> Term {
+        let factor = |&(shape, variable, rounded): &(Shape, usize, Option<f64>)| Factor { shape, variable, rounded };
+        Term::new(direction, direction + 1, factors.iter().map(factor).collect())
+    }
+
+    /// `x^p` holds 1, x and x²; x does not hold 1, nor x² or `x^p`.
+    #[test]
+    fn an_open_exponent_holds_every_rounded_one_and_a_constant() {
+        let space = space();
+        let power = |rounded| [term(0, &[(Shape::Power, 0, rounded)])];
+        let constant = [term(0, &[])];
+        for small in [&constant, &power(Some(1.0)), &power(Some(2.0))] {
+            assert!(nests(&space, &power(None), small));
+            assert!(!nests(&space, small, &power(None)));
+        }
+        assert!(!nests(&space, &power(Some(1.0)), &constant) && !nests(&space, &constant, &power(Some(1.0))));
+        assert!(!nests(&space, &power(Some(1.0)), &power(Some(2.0))) && !nests(&space, &power(None), &power(None)));
+    }
+
+    /// exp(−z/h) → 1 for h → ∞, but tanh and sin are never constant.
+    #[test]
+    fn a_product_holds_what_is_left_where_a_factor_vanishes() {
+        let space = space();
+        let drag = (Shape::Power, 0, Some(2.0));
+        let (thinning, turning) = ((Shape::Exp, 1, None), (Shape::Tanh, 1, None));
+        let single = [term(0, &[drag])];
+        assert!(nests(&space, &[term(0, &[thinning, drag])], &single));
+        assert!(nests(&space, &[term(1, &[drag, thinning])], &single));
+        assert!(!nests(&space, &[term(0, &[drag, turning])], &single));
+        // ln(1 + x/c) → x and 1/(1 + x/c) → 1/x, and x ln(1 + x/c) → x² with them.
+        let linear = (Shape::Power, 0, Some(1.0));
+        let (log, inverse) = ((Shape::Log, 0, None), (Shape::Saturation, 0, None));
+        assert!(nests(&space, &[term(0, &[log])], &[term(0, &[linear])]));
+        assert!(nests(&space, &[term(0, &[inverse])], &[term(0, &[(Shape::Power, 0, Some(-1.0))])]));
+        assert!(nests(&space, &[term(0, &[linear, log])], &single));
+        assert!(!nests(&space, &[term(0, &[log])], &single) && !nests(&space, &[term(0, &[inverse])], &single));
+        // A second factor is needless where another exponent explains as much.
+        let other = [term(0, &[(Shape::Power, 0, Some(1.0)), thinning])];
+        assert!(is_needless(&space, &other, &single, 1.0) && !is_needless(&space, &other, &single, 9.0));
+        assert!(!is_needless(&space, &single, &[term(0, &[])], 1.0));
+        assert!(is_same(&[term(0, &[drag, thinning])], &[term(0, &[thinning, drag])]));
+    }
+}
