@@ -80,7 +80,7 @@ impl Tuning<'_> {
         let mut best: Option<Fit> = None;
         let mut refused = None;
         for start in std::iter::once(near.clone()).chain(also).chain(across) {
-            match problem.fit_steps(start, BRIEF_STEPS, BRIEF_STEPS / 2) {
+            match problem.fit_steps(start, None, BRIEF_STEPS, BRIEF_STEPS / 2) {
                 Ok(fit) if best.as_ref().is_none_or(|best| fit.cost < best.cost) => best = Some(fit),
                 Ok(_) => {}
                 Err(error) => refused = Some(error),
