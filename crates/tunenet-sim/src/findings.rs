@@ -88,7 +88,7 @@ finding_kinds! {
         "the positions of a joint equal its commands at every sample: a log of what commanded it; the recording is not used",
         "record the positions of the follower";
     warning ROBOT_CLOCK = "robot.clock",
-        "the commands of a joint fit its motion far better half a second or more earlier or later",
+        "the commands of a joint fit its motion far better almost a second or more earlier or later",
         "give both the same clock";
     warning ROBOT_ONE_SETUP = "robot.one_setup",
         "all recordings have one gain and one load: some effects are the same as parameters there and are not looked for",

@@ -20,13 +20,13 @@ const FIRST: usize = 3;
 const STILL_STEPS: f64 = 3.0;
 /// Commands that move more than so many times as far as the joint are in another unit: degrees are 57 times as many.
 const OTHER_UNIT: f64 = 20.0;
-/// Commands that fit this much later (s) are on another clock.
-const OTHER_CLOCK_S: f64 = 0.5;
+/// Commands that fit this much later (s) are on another clock: a servo with a low gain and a heavy load follows 0.7 s late.
+const OTHER_CLOCK_S: f64 = 0.85;
 /// Lags that are tried, s.
 const LAGS_S: (f64, f64) = (-2.0, 2.0);
 const LAG_STEP_S: f64 = 0.02;
 /// A correlation at another lag has to leave so much less of the variance.
-const CLEARER: f64 = 0.5;
+const CLEARER: f64 = 0.3;
 
 /// A recording examined.
 pub(super) fn examine(layout: &Layout, mut prepared: Box<Prepared>) -> Result<Preparation> {

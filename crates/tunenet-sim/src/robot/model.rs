@@ -105,6 +105,7 @@ impl Rollouts for RobotModel {
             list[start.joint] = *value;
         }
         let mut out = self.grid(rig, run)?;
+        q.iter().zip(&w).enumerate().for_each(|(j, (q, w))| out.state(0, j, *q, *w));
         let inputs = &run.recording.inputs;
         let wire = |(joint, wiring): (&JointNumbers, &Wiring)| {
             let of = |place: Option<usize>| place.and_then(|place| inputs.get(place));

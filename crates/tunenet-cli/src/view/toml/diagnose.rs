@@ -5,6 +5,7 @@ use toml_edit::{Array, InlineTable};
 use tunenet_core::diagnose::{Change, Gap, GapOf, NamedEffect, Verdict};
 use tunenet_core::observation::Observation;
 use tunenet_sim::SimulationFile;
+use tunenet_sim::simulation_file::Domain;
 
 use super::alternatives::{Stated, fitted, open_to};
 use super::provenance::Provenance;
@@ -35,7 +36,8 @@ pub fn provenance(
             .with("candidates", candidates(answer, &effects).into_iter().collect::<Array>())
             .with("chosen", effects.iter().map(|e| e.effect.name.as_ref()).collect::<Array>());
         // Numbers of flights alone are not those that a fit to whole recordings finds, where these are not explained.
-        if gap.of == GapOf::Recordings {
+        // A robot's other explanations are fitted anew by whoever needs them: they take as long as the diagnosis.
+        if gap.of == GapOf::Recordings && improved.domain() != Domain::Robot {
             made = made.with("alternatives", alternatives(answer, &effects, object));
         }
     }

@@ -112,6 +112,8 @@ fn stripped<'a>(context: &Context<'a>, model: &Hypothesis<'a>, near: &Hypothesis
 /// Gains over `model` as it stands now, best first.
 fn order<'a>(context: &Context<'a>, model: &Hypothesis<'a>, trials: &mut [CandidateFit<'a>]) {
     for trial in trials.iter_mut() {
+        // A fit that ends above the hypothesis itself sits in another local minimum, and says nothing.
+        trial.model = trial.model.take().filter(|fitted| fitted.fit.cost <= model.fit.cost);
         if let Some(fitted) = &trial.model {
             trial.gain = gain(context, model, fitted, model.scale());
             trial.excluded = implausible(context, fitted).map(Exclusion::Implausible);

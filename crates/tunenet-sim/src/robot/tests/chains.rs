@@ -19,6 +19,7 @@ fn a_chain_of_one_joint_is_that_joint() {
     let (goal, on) = (command(|t| (2.0 * t).sin()), on_until(4.0));
     let wire = || Wire::new(&joint, Some(&goal), Some(&on), 0.0);
     let mut alone = Trajectory::new(0.0, 0.001, 6000, 1, false);
+    alone.state(0, 0, 0.1, 0.0);
     let mut among = alone.clone();
     one_joint::roll(&joint, &rig.load(&none).unwrap(), &mut wire(), (0.1, 0.0), &mut alone);
     chain::roll((&[joint], &world, down), &mut [wire()], (&[0.1], &[0.0]), &mut among).unwrap();
