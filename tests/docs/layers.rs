@@ -44,7 +44,7 @@ fn files_of_commands_are_short() {
 }
 
 /// The folders of a diagnosis in the order in which values flow through them.
-const PIPELINE: [&str; 5] = ["evidence", "hypothesis", "judge", "strategy", "answer"];
+const PIPELINE: [&str; 6] = ["evidence", "hypothesis", "judge", "discrepancy", "strategy", "answer"];
 
 #[test]
 fn values_of_a_diagnosis_flow_one_way() {

@@ -73,7 +73,7 @@ impl Tuning<'_> {
         Ok(self.search_local_minima(found))
     }
 
-    /// The best of several starts, where what is left is a discrepancy of the simulation and tells nothing of a better local minimum.
+    /// The best of several starts, where what is left is a discrepancy of the simulation, whose size shows no better local minimum.
     fn best_of_brief_fits(&self, near: &Point, also: Option<Point>) -> Result<Fit> {
         let problem = self.problem();
         let across = self.ranked(self.across_bounds(near)).into_iter().map(|(_, start)| start).take(BRIEF_FITS);

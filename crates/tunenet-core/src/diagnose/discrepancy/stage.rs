@@ -44,10 +44,12 @@ pub(super) fn stage<'a>(context: &Context<'a>, model: Hypothesis<'a>) -> Stage<'
 /// The `most` most promising candidates in addition to `model`, fitted briefly.
 pub(super) fn brief_stage<'a>(context: &Context<'a>, model: Hypothesis<'a>, most: usize) -> Stage<'a> {
     let mut scored = score(context, &model);
-    if model.structure.effects.is_empty() {
+    let base = model.structure.effects.is_empty();
+    if base {
         score_as_given(context, &model, &mut scored);
     }
-    let promising = scored.iter().filter(|one| one.excluded.is_none() && one.predicted > 0.0).take(most);
+    // Without any effect a linear prediction may be worth nothing, so that the first in rank are fitted however little they promise.
+    let promising = scored.iter().filter(|one| one.excluded.is_none() && (base || one.predicted > 0.0)).take(most);
     let promising: Vec<&Scored> = promising.collect();
     let fitted: Vec<Option<Hypothesis>> = promising.par_iter().map(|one| fit(context, &model, one)).collect();
     let mut trials: Vec<CandidateFit> = scored.iter().map(unfitted).collect();
@@ -87,15 +89,21 @@ fn unfitted<'a>(one: &Scored) -> CandidateFit<'a> {
     trial
 }
 
+/// The candidate fitted briefly from where it was scored, and without other effects from the values of the files as well.
 fn fit<'a>(context: &Context<'a>, model: &Hypothesis<'a>, one: &Scored) -> Option<Hypothesis<'a>> {
     let effects = [model.structure.effects.as_slice(), &[one.entry]].concat();
-    let structure = context.structure(&effects).ok()?;
     let known = model.structure.globals.len();
-    let mut parameters = structure.carry(&model.structure, &one.at);
-    parameters[known..].copy_from_slice(&one.start);
-    let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
-    let fit = context.joint(&structure).fit(start, BRIEF).ok()?;
-    Some(Hypothesis { structure, fit })
+    let given: Vec<f64> = model.structure.globals.iter().map(|global| global.parameter.value).collect();
+    let from = std::iter::once(&one.at).chain(model.structure.effects.is_empty().then_some(&given));
+    let fitted = from.filter_map(|at| {
+        let structure = context.structure(&effects).ok()?;
+        let mut parameters = structure.carry(&model.structure, at);
+        parameters[known..].copy_from_slice(&one.start);
+        let start = Point { parameters, nuisances: model.fit.point.nuisances.clone() };
+        let fit = context.joint(&structure).fit(start, BRIEF).ok()?;
+        Some(Hypothesis { structure, fit })
+    });
+    fitted.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))
 }
 
 /// The hypothesis `model`, fitted from where a candidate in addition to it stands, the candidate's own effect taken away.

@@ -10,7 +10,7 @@ pub(super) const EFFECT: RobotEffect = RobotEffect {
     per_joint: true,
     coefficients: &[Coefficient::new("s", "s", 0.0, (0.0, 0.5), 0.01)],
     plausible: &[(0.0, 0.2)],
-    sentence: "the motor is switched off or on some time after it is told",
+    sentence: "the motor is switched off or on some time after its command",
     mistaken_for: &["release_braking"],
     act: Act::Drives(|drive, c| drive.release_delay_s += c[0]),
 };
