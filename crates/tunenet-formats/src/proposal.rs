@@ -7,6 +7,9 @@
 /// Counts a turn of the encoders of common bus servos.
 const COUNTS: f64 = 4096.0;
 
+/// How many turns a joint may make that is proposed by its step alone.
+const TURNS: f64 = 2.0;
+
 /// What an encoder may count in a turn: 2¹⁰ to 2²⁰.
 const BITS: std::ops::RangeInclusive<i32> = 10..=20;
 
@@ -72,6 +75,10 @@ fn by_step(step: f64, low: f64, high: f64, range: &str) -> Proposal {
             why: format!("{}; its step {step:e} is that of rounded digits", by_range(low, high, range).why),
             unit: None,
         };
+    }
+    // A lattice finer than the encoder, over the whole way, is one of arithmetic.
+    if high - low > TURNS * COUNTS * step {
+        return by_range(low, high, range);
     }
     let degrees = 360.0 / COUNTS / step;
     let normalised = low >= -100.5 && high <= 100.5;
@@ -161,6 +168,10 @@ mod tests {
         let found = proposal(&smooth);
         assert_eq!((found.unit, found.why.contains("radians, if it turns")), (None, true));
         assert!(proposal(&readings(1e-4, 0.2)).why.contains("rounded digits"));
+        // Steps of a sum in single precision, far finer than an encoder's.
+        let fine: Vec<f64> =
+            readings(5.7e-5, -6.9).into_iter().chain([2.0f64.mul_add(5.7e-5 * 10_000.0, -6.9)]).collect();
+        assert_eq!(proposal(&fine).unit, None);
         assert!(proposal(&[0.25; 50]).why.contains("does not move"));
         assert_eq!(proposal(&[f64::NAN]).unit, None);
     }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::findings;
 use crate::proposal::proposal;
 use crate::quantity::Quantity;
 use crate::recording::{ReadOptions, Recording};
@@ -28,7 +29,8 @@ impl Unstated {
     pub fn of(names: &[String], options: &ReadOptions) -> Result<Self> {
         units::refuse_unused(&options.units, names)?;
         let bare = |theirs: &str| theirs.strip_prefix('-').unwrap_or(theirs).to_owned();
-        let mapped = |name: &str| options.columns.iter().any(|(_, theirs)| bare(theirs) == name);
+        let named = |name: &str| options.others.iter().any(|other| other.name == name);
+        let mapped = |name: &str| named(name) || options.columns.iter().any(|(_, theirs)| bare(theirs) == name);
         let (mut headers, mut factors) = (Vec::new(), Vec::new());
         for name in names {
             match units::rule(&options.units, name).map(units::own) {
@@ -88,7 +90,10 @@ impl Unstated {
         let unknown: Vec<usize> = asked.into_iter().filter(|column| self.factors[*column].is_none()).collect();
         let Some(first) = unknown.first() else {
             made?;
-            return sheet.recording(path, &self.options);
+            let mut found = sheet.recording(path, &self.options)?;
+            // A robot has more joints than are simulated; `inspect` lists all of them.
+            found.notes.retain(|note| note.kind != findings::COLUMNS_IGNORED);
+            return Ok(found);
         };
         let name = &self.names[*first];
         let found = proposal(&readings(*first));

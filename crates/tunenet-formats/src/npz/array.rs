@@ -127,19 +127,18 @@ fn items(text: &str) -> Result<(Vec<Item>, Vec<String>), String> {
 
 fn item(text: &str) -> Result<Item, String> {
     let refuse = || format!("expected numbers, found the type `{text}`");
-    let (order, rest) = match text.chars().next() {
-        Some(order @ ('<' | '>' | '|' | '=')) => (order, &text[1..]),
-        _ => ('<', text),
-    };
+    let order = text.chars().next().filter(|order| "<>|=".contains(*order));
+    let rest = &text[order.map_or(0, char::len_utf8)..];
     let kind = *rest.as_bytes().first().ok_or_else(refuse)?;
-    let bytes = rest[1..].parse::<usize>().map_err(|_| refuse())?;
+    // What is no letter of ASCII has no first byte of its own.
+    let bytes = rest.get(1..).and_then(|digits| digits.parse::<usize>().ok()).ok_or_else(refuse)?;
     let known = match kind {
         b'f' => matches!(bytes, 4 | 8),
         b'i' | b'u' => matches!(bytes, 1 | 2 | 4 | 8),
         b'b' => bytes == 1,
         _ => false,
     };
-    if known { Ok(Item { kind, bytes, big: order == '>' }) } else { Err(refuse()) }
+    if known { Ok(Item { kind, bytes, big: order == Some('>') }) } else { Err(refuse()) }
 }
 
 /// So many numbers, read piece by piece: what a header promises is not set aside before it comes.

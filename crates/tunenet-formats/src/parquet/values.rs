@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_are_told_apart_by_their_levels() {
+    fn rows_are_distinguished_by_their_levels() {
         let two = ragged(&[3, 3, 3, 3], &[0, 1, 0, 1], &[1.0, 2.0, 3.0, 4.0]).unwrap();
         assert_eq!((two.width, two.rows, two.values), (2, 2, vec![1.0, 2.0, 3.0, 4.0]));
         // An empty row, and an element that is missing.

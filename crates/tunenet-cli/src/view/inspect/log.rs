@@ -56,6 +56,12 @@ pub fn verdict(found: &Log, rejected: Option<&str>, named: Option<&str>, shown: 
         _ if named.is_some() => shown.row("usable", named.unwrap_or_default()),
         ([], _) => {
             shown.row("unusable", "no topic carries positions, joints or bounces");
+            if let Some(kind) = found.topics.iter().find_map(|topic| topic.undefined.as_deref()) {
+                let name = kind.rsplit('/').next().unwrap_or(kind);
+                shown.line(&format!(
+                    "  try: --msg {name}.msg, the definition of the type that the log does not contain"
+                ));
+            }
             if found.topics.iter().any(|topic| !topic.columns.is_empty()) {
                 shown.line("  try: choose a topic with --topic, and name its numbers with --columns");
             }
