@@ -1,0 +1,255 @@
+//! Numbers in an MJCF.
+//!
+//! Source: the XML reference of MuJoCo 4.0.0. Braking by the motor's own voltage belongs into the joint's `damping`: `kv` lies
+//! within `forcerange`, the braking does not.
+
+use super::patch::{Patches, listed, number};
+use super::{Done, Edited, Left};
+use crate::mjcf::Mjcf;
+use crate::robot::{Law, Motion, Target};
+use crate::xml::{Element, SourceFile};
+use crate::{Change, Quantity};
+
+/// What can become of a change.
+enum Outcome<'a> {
+    /// Attributes of an element.
+    Written(&'a Element, Vec<(&'static str, String)>),
+    /// It cannot be written, and why.
+    Left(String),
+}
+
+pub(super) fn edit(mjcf: &Mjcf, changes: &[Change]) -> Edited {
+    let mut editor = Editor { mjcf, changes, patches: Patches::default(), notes: Vec::new() };
+    let (mut done, mut left) = (Vec::new(), Vec::new());
+    for change in changes {
+        match editor.outcome(change) {
+            Outcome::Written(element, attributes) => {
+                let source = &mjcf.document.files[element.file];
+                let mut written = format!("<{}", element.tag);
+                for (name, value) in &attributes {
+                    editor.patches.set(element, source, name, value);
+                }
+                written += &listed(&attributes);
+                let (path, line) = (source.path.clone(), source.line(element.open.start));
+                done.push(Done { change: change.clone(), path, line, written: written + ">" });
+            }
+            Outcome::Left(why) => left.push(Left { change: change.clone(), why }),
+        }
+    }
+    Edited { files: editor.patches.apply(&mjcf.document.files), done, left, notes: editor.notes }
+}
+
+struct Editor<'a> {
+    mjcf: &'a Mjcf,
+    changes: &'a [Change],
+    patches: Patches,
+    notes: Vec<String>,
+}
+
+impl<'a> Editor<'a> {
+    fn outcome(&mut self, change: &Change) -> Outcome<'a> {
+        let Some(joint) = self.mjcf.robot().joint(&change.joint) else {
+            return Outcome::Left("the model has no such joint".into());
+        };
+        let value = change.value;
+        match change.quantity {
+            Quantity::Armature => self.on_joint(joint, "armature", value),
+            Quantity::CoulombFriction => self.on_joint(joint, "frictionloss", value),
+            Quantity::Stiffness => self.on_joint(joint, "stiffness", value),
+            Quantity::SpringReference => {
+                let turns = self.mjcf.robot().joints[joint].motion == Motion::Revolute && self.mjcf.degrees;
+                self.on_joint(joint, "springref", if turns { value.to_degrees() } else { value })
+            }
+            Quantity::ViscousFriction | Quantity::BackEmf | Quantity::QuadraticFriction => self.damping(joint, change),
+            Quantity::PositionGain | Quantity::VelocityGain => self.gain(joint, change),
+            Quantity::TorqueLimit => self.torque_limit(joint, value),
+            Quantity::Gear => match self.actuator(joint, |_| true) {
+                Err(why) => Outcome::Left(why),
+                Ok(at) => {
+                    let element = &self.mjcf.heads.actuators[at];
+                    Outcome::Written(element, vec![("gear", with(element, "gear", &[Some(value)]))])
+                }
+            },
+            Quantity::CommandDelay => self.delay(joint, value),
+            other => Outcome::Left(why_not(other).into()),
+        }
+    }
+
+    fn source(&self, element: &Element) -> &'a SourceFile {
+        &self.mjcf.document.files[element.file]
+    }
+
+    fn on_joint(&self, joint: usize, name: &'static str, value: f64) -> Outcome<'a> {
+        let element = &self.mjcf.heads.joints[joint];
+        if element.tag == "freejoint" {
+            return Outcome::Left("a free joint has no such number: name a hinge or a slide".into());
+        }
+        Outcome::Written(element, vec![(name, with(element, name, &[Some(value)]))])
+    }
+
+    /// All that brakes with the speed stands in one attribute.
+    fn damping(&mut self, joint: usize, change: &Change) -> Outcome<'a> {
+        let of = |quantity: Quantity| {
+            let same = |other: &&Change| other.joint == change.joint && other.quantity == quantity;
+            self.changes.iter().find(same).map(|other| other.value)
+        };
+        let (viscous, braking, quadratic) =
+            (of(Quantity::ViscousFriction), of(Quantity::BackEmf), of(Quantity::QuadraticFriction));
+        if braking.is_some() && viscous.is_none() {
+            return Outcome::Left("it belongs into the joint's damping: give viscous_friction as well".into());
+        }
+        let element = &self.mjcf.heads.joints[joint];
+        if element.tag == "freejoint" {
+            return Outcome::Left("a free joint has no such number: name a hinge or a slide".into());
+        }
+        if quadratic.is_some() {
+            self.note("a second number in `damping` is read by MuJoCo 4 or later");
+        }
+        let first = viscous.map(|viscous| viscous + braking.unwrap_or(0.0));
+        let first = first.or(quadratic.map(|_| self.mjcf.robot().joints[joint].damping));
+        let numbers = if quadratic.is_some() { vec![first, quadratic] } else { vec![first] };
+        Outcome::Written(element, vec![("damping", with(element, "damping", &numbers))])
+    }
+
+    fn gain(&mut self, joint: usize, change: &Change) -> Outcome<'a> {
+        let proportional = change.quantity == Quantity::PositionGain;
+        let servo = |at: usize| {
+            let tag = self.mjcf.heads.actuators[at].tag.as_str();
+            let affine = self.mjcf.robot().actuators[at].position_gains().is_some();
+            matches!(tag, "position" | "intvelocity")
+                || tag == "velocity" && !proportional
+                || tag == "general" && affine
+        };
+        let at = match self.actuator(joint, servo) {
+            Ok(at) => at,
+            Err(why) => return Outcome::Left(why),
+        };
+        let element = &self.mjcf.heads.actuators[at];
+        let actuator = &self.mjcf.robot().actuators[at];
+        // Torque is gear times force, and the servo's length is gear times position.
+        let value = change.value / (actuator.gear * actuator.gear);
+        if !value.is_finite() {
+            return Outcome::Left("the actuator has a gear of 0".into());
+        }
+        if element.tag == "general" {
+            let Law::Affine { bias, .. } = actuator.law else { return Outcome::Left("its force is not affine".into()) };
+            let attributes = if proportional {
+                let bias = [Some(bias[0]), Some(-value), Some(bias[2])];
+                vec![
+                    ("gainprm", with(element, "gainprm", &[Some(value)])),
+                    ("biasprm", with(element, "biasprm", &bias)),
+                ]
+            } else {
+                let bias = [Some(bias[0]), Some(bias[1]), Some(-value)];
+                vec![("biasprm", with(element, "biasprm", &bias))]
+            };
+            return Outcome::Written(element, attributes);
+        }
+        if proportional {
+            if self.mjcf.servos[at].ratio {
+                self.note("the damping of an actuator with `dampratio` changes with its `kp`");
+            }
+            return Outcome::Written(element, vec![("kp", number(value))]);
+        }
+        if element.attribute("dampratio").is_some() {
+            let source = self.source(element);
+            self.patches.remove(element, source, "dampratio");
+            self.note("`kv` took the place of `dampratio`: an actuator has one of them");
+        }
+        Outcome::Written(element, vec![("kv", number(value))])
+    }
+
+    fn torque_limit(&self, joint: usize, value: f64) -> Outcome<'a> {
+        let at = match self.actuator(joint, |_| true) {
+            Ok(at) => at,
+            Err(why) => return Outcome::Left(why),
+        };
+        let element = &self.mjcf.heads.actuators[at];
+        let force = value / self.mjcf.robot().actuators[at].gear.abs();
+        if !(force > 0.0 && force.is_finite()) {
+            return Outcome::Left("an actuator without force is none: remove it from the model".into());
+        }
+        let mut attributes = vec![("forcerange", format!("{} {}", number(-force), number(force)))];
+        let off = self.mjcf.servos[at].unlimited || !self.mjcf.auto_limits;
+        if off || element.attribute("forcelimited").is_some() {
+            attributes.push(("forcelimited", "true".into()));
+        }
+        Outcome::Written(element, attributes)
+    }
+
+    fn delay(&mut self, joint: usize, value: f64) -> Outcome<'a> {
+        let at = match self.actuator(joint, |_| true) {
+            Ok(at) => at,
+            Err(why) => return Outcome::Left(why),
+        };
+        let element = &self.mjcf.heads.actuators[at];
+        if value == 0.0 {
+            return Outcome::Written(element, vec![("delay", "0".into())]);
+        }
+        let step = self.mjcf.timestep_s;
+        let samples = (value / step).ceil() + 2.0;
+        if samples > 1e5 {
+            return Outcome::Left(format!("{value} s are too many steps of {step} s"));
+        }
+        self.note(&format!("`delay` is read by MuJoCo 4 or later; `nsample` holds for steps of {step} s or longer"));
+        let attributes =
+            vec![("delay", number(value)), ("nsample", format!("{samples}")), ("interp", "linear".to_owned())];
+        Outcome::Written(element, attributes)
+    }
+
+    /// The only actuator of a joint that fits.
+    fn actuator(&self, joint: usize, fits: impl Fn(usize) -> bool) -> std::result::Result<usize, String> {
+        let all = &self.mjcf.robot().actuators;
+        let own: Vec<usize> = (0..all.len()).filter(|i| all[*i].target == Target::Joint(joint) && fits(*i)).collect();
+        match own.as_slice() {
+            [one] => Ok(*one),
+            [] => Err("no actuator of the joint has such a number: add one to <actuator>".into()),
+            several => {
+                let names: Vec<_> = several.iter().map(|i| format!("`{}`", all[*i].name)).collect();
+                Err(format!(
+                    "several actuators of the joint have such a number ({}): edit one by hand",
+                    names.join(", ")
+                ))
+            }
+        }
+    }
+
+    fn note(&mut self, text: &str) {
+        if !self.notes.iter().any(|old| old == text) {
+            self.notes.push(text.to_owned());
+        }
+    }
+}
+
+/// The attribute with other first numbers; those that follow stay.
+fn with(element: &Element, name: &str, first: &[Option<f64>]) -> String {
+    let old: Vec<&str> = element.value(name).map(|value| value.split_ascii_whitespace().collect()).unwrap_or_default();
+    let mut words: Vec<String> = old.iter().map(|word| (*word).to_owned()).collect();
+    for (i, value) in first.iter().enumerate() {
+        let word = value.map_or_else(|| "0".to_owned(), number);
+        if i < words.len() {
+            words[i] = word;
+        } else {
+            words.push(word);
+        }
+    }
+    words.join(" ")
+}
+
+/// Why MJCF cannot express it, and what to do.
+fn why_not(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::GoalSpeedLimit => {
+            "MJCF has no speed limit of a goal: limit the command before it reaches the simulation"
+        }
+        Quantity::ReadingDelay => "it belongs to sensors: give them `delay` (MuJoCo 4 or later), or delay the readings",
+        Quantity::PositionLatch => "it belongs to sensors: give them `interval` (MuJoCo 4 or later)",
+        Quantity::ReleaseDelay | Quantity::ReleaseBraking => "MJCF cannot release a motor: switch its gains outside",
+        Quantity::StallTorque => "MJCF knows the torque of a motor as `forcerange`: give it as torque_limit",
+        Quantity::Backlash => "MJCF has it only as a second joint between motor and link",
+        Quantity::Compliance => "MJCF has it only as a second joint with a spring between motor and link",
+        Quantity::ZeroOffset => "MJCF has no offset of a reading: subtract it from the recordings",
+        Quantity::TorqueBias | Quantity::TorqueFactor => "it belongs to the command: change it before the simulation",
+        _ => "MJCF has no attribute for it: add it as a force in the simulation loop",
+    }
+}

@@ -1,0 +1,115 @@
+//! Numbers edited in place into the user's own text: comments, layout and everything else stay byte for byte.
+//!
+//! An attribute that the element has gets another value; one that it has from a class, or not at all, is added to the element
+//! itself, so that other elements of the class keep theirs. What the format cannot express comes back with a reason, for a
+//! [sidecar](crate::export::sidecar).
+
+mod mjcf;
+mod patch;
+mod urdf;
+
+use std::path::PathBuf;
+
+use crate::{Change, Error, Model, Result};
+
+/// One number in its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Done {
+    /// What was asked for.
+    pub change: Change,
+    /// The file.
+    pub path: PathBuf,
+    /// Line of the element in the old text, from 1.
+    pub line: usize,
+    /// The element and its attributes as they stand now, such as `<joint damping="0.5">`.
+    pub written: String,
+}
+
+/// A number that the format cannot express.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Left {
+    /// What was asked for.
+    pub change: Change,
+    /// Why, and what to do instead.
+    pub why: String,
+}
+
+/// A file with its numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EditedFile {
+    /// The file that was read.
+    pub path: PathBuf,
+    /// Its new text.
+    pub text: String,
+}
+
+/// A model with other numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Edited {
+    /// The named file, then those that it includes and that changed.
+    pub files: Vec<EditedFile>,
+    /// What was written, in the order of the changes.
+    pub done: Vec<Done>,
+    /// What was not.
+    pub left: Vec<Left>,
+    /// What a user should know of the new text.
+    pub notes: Vec<String>,
+}
+
+impl Edited {
+    /// What to do where the numbers stand in other files than the named one; `None` where they do not.
+    #[must_use]
+    pub fn other_files(&self) -> Option<String> {
+        let others: Vec<_> = self.files.iter().skip(1).map(|file| format!("`{}`", file.path.display())).collect();
+        (!others.is_empty()).then(|| {
+            format!("numbers stand in {}, which the model includes: write these files as well", others.join(" and "))
+        })
+    }
+}
+
+/// The model's text with these numbers.
+///
+/// ```
+/// use tunenet_models::{Change, Model, Quantity, edit};
+/// let text = "<mujoco><worldbody><body><!-- the elbow --><joint name='elbow'  damping = '1'/>\
+///   <geom size='0.1'/></body></worldbody></mujoco>";
+/// let model = Model::parse("arm.xml".as_ref(), text)?;
+/// let change = |quantity, value| Change { joint: "elbow".into(), quantity, value, interval: None };
+/// let changes = [change(Quantity::ViscousFriction, 0.25), change(Quantity::DeadBand, 0.01)];
+/// let edited = edit::edit(&model, &changes)?;
+/// assert_eq!(edited.files[0].text, text.replace("'1'", "'0.25'"));
+/// assert_eq!(edited.left[0].change.quantity, Quantity::DeadBand);
+/// # Ok::<(), tunenet_models::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::File`] where a change names no joint of the model, or its value is none that the quantity can have.
+pub fn edit(model: &Model, changes: &[Change]) -> Result<Edited> {
+    for change in changes {
+        check(model, change)?;
+    }
+    Ok(match model {
+        Model::Mjcf(mjcf) => mjcf::edit(mjcf, changes),
+        Model::Urdf(urdf) => urdf::edit(urdf, changes),
+    })
+}
+
+fn check(model: &Model, change: &Change) -> Result<()> {
+    let path = model.path();
+    let robot = model.robot();
+    if robot.joint(&change.joint).is_none() {
+        let names: Vec<_> = robot.joints.iter().take(50).map(|joint| format!("`{}`", joint.name)).collect();
+        let message = format!("expected a joint of the model ({}), found `{}`", names.join(", "), change.joint);
+        return Err(Error::file(path, message, "correct the name of the joint"));
+    }
+    let least = if change.quantity.signed() { f64::NEG_INFINITY } else { 0.0 };
+    let fits = |value: f64| value.is_finite() && value >= least;
+    let ordered = change.interval.is_none_or(|[lower, upper]| lower <= upper && lower.is_finite() && upper.is_finite());
+    if fits(change.value) && ordered {
+        return Ok(());
+    }
+    let expected = if change.quantity.signed() { "a finite number" } else { "a number of 0 or more" };
+    let (name, joint, value) = (change.quantity.name(), &change.joint, change.value);
+    let message = format!("joint `{joint}`: expected {expected} as {name} with an ordered interval, found {value}");
+    Err(Error::file(path, message, "correct the number"))
+}

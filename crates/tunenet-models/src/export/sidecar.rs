@@ -1,0 +1,62 @@
+//! What a model file cannot express, as TOML.
+
+use std::path::Path;
+
+use toml_edit::{Array, DocumentMut, Item, Table, value};
+
+use crate::edit::Left;
+
+/// A TOML with a table for each joint and quantity: `value`, `unit`, `interval` where it is known, and `why` the model file
+/// cannot hold it. Empty where there is nothing to say.
+#[must_use]
+pub fn sidecar(model: &Path, left: &[Left]) -> String {
+    if left.is_empty() {
+        return String::new();
+    }
+    let mut document = DocumentMut::new();
+    document.decor_mut().set_prefix("# What the model file cannot express: simulate it around the model.\n");
+    document["model"] = value(model.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default());
+    let mut joints = Table::new();
+    joints.set_implicit(true);
+    for one in left {
+        let change = &one.change;
+        let joint = joints.entry(&change.joint).or_insert_with(|| {
+            let mut table = Table::new();
+            table.set_implicit(true);
+            Item::Table(table)
+        });
+        let mut table = Table::new();
+        table["value"] = value(change.value);
+        table["unit"] = value(change.quantity.unit());
+        if let Some(interval) = change.interval {
+            table["interval"] = value(Array::from_iter(interval));
+        }
+        table["why"] = value(&one.why);
+        joint[change.quantity.name()] = Item::Table(table);
+    }
+    document["joints"] = Item::Table(joints);
+    document.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Change, Quantity};
+
+    #[test]
+    fn a_sidecar_reads_back() {
+        let change = Change {
+            joint: "arm \"1\".x".into(),
+            quantity: Quantity::DeadBand,
+            value: 0.01,
+            interval: Some([0.0, 0.02]),
+        };
+        let text = sidecar("folder/arm.xml".as_ref(), &[Left { change, why: "MJCF has no attribute for it".into() }]);
+        let read: DocumentMut = text.parse().unwrap();
+        assert_eq!(read["model"].as_str(), Some("arm.xml"));
+        let table = &read["joints"]["arm \"1\".x"]["dead_band"];
+        assert_eq!((table["value"].as_float(), table["unit"].as_str()), (Some(0.01), Some("rad")));
+        assert_eq!(table["interval"][1].as_float(), Some(0.02));
+        assert_eq!(sidecar("arm.xml".as_ref(), &[]), "");
+    }
+}
