@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.."
 tool=$PWD/${CARGO_TARGET_DIR:-target}/debug/tunenet
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-rm -rf fuzz/corpus; mkdir -p fuzz/corpus/{csv,mcap,bag,parquet,lerobot,hdf5,npz,simulation,task,model}
+rm -rf fuzz/corpus; mkdir -p fuzz/corpus/{csv,mcap,bag,parquet,lerobot,hdf5,npz,simulation,task,model,robot}
 seed() { # TARGET NAME [FIRST-BYTE]: what comes in, behind the byte that says how it is read
     { [[ -z ${3-} ]] || printf '%b' "$3"; cat; } > "fuzz/corpus/$1/$2"
 }
@@ -35,6 +35,25 @@ sed 's/^radius_m.*/&\nrim_radius_m = 0.002\ntilt_about_x_rad = 0.1\ntilt_about_y
 seed mcap simulated '\x00' < "$folder/a.mcap"
 "$tool" gen ball --sim assets/ball_easy.toml --set record.frames=12 --set record.rate_hz=8 --pairs 12 --out "$folder/pairs.mcap" 2> /dev/null
 seed mcap pairs '\x00' < "$folder/pairs.mcap"
+seed robot mjcf << 'END'
+<mujoco model="a"><compiler angle="degree" eulerseq="zyx" boundmass="0.01"/><option gravity="0 0 -9" timestep="0.001"/>
+<default><joint damping="1"/><default class="x"><position kp="3" dampratio="1" inheritrange="0.9"/><geom type="box" size=".1 .1 .2"/></default></default>
+<worldbody><body name="b" childclass="x"><frame euler="1 2 3"><joint name="j" axis="0 1 1" range="-90 90" ref="3"/><geom fromto="0 0 0 0 0 1"/></frame>
+<body pos="1 0 0" quat="1 0 0 1"><inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0 0 0"/><joint name="k" type="slide" damping="1 2"/><joint name="l"/></body></body></worldbody>
+<equality><joint joint1="j" joint2="l" polycoef="0 2"/></equality><tendon><fixed name="t"><joint joint="j" coef=".5"/></fixed></tendon>
+<actuator><position class="x" joint="j" kp="5" forcerange="-1 1"/><motor joint="k" gear="2"/><general tendon="t" biastype="affine" biasprm="0 -1 -2"/></actuator></mujoco>
+END
+seed robot free << 'END'
+<mujoco><worldbody><body><freejoint/><geom size=".1"/><body zaxis="0 1 0"><joint type="ball" damping=".1"/><geom type="capsule" size=".1 .2" mass="2"/>
+<body axisangle="1 0 0 90"><joint/><geom type="mesh" mesh="m"/></body></body></body></worldbody><asset><mesh name="m" file="m.stl"/></asset></mujoco>
+END
+seed robot urdf << 'END'
+<robot name="r"><link name="a"/><link name="b"><inertial><origin xyz="0 0 1" rpy="1 2 3"/><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="c"/><joint name="j" type="revolute"><origin xyz="0 0 1"/><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="3" velocity="1"/><dynamics damping="1"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/><mimic joint="j" multiplier="2"/></joint>
+<transmission name="t"><joint name="j"/><actuator name="m"><mechanicalReduction>50</mechanicalReduction></actuator></transmission>
+<ros2_control name="s" type="system"><joint name="k"><command_interface name="effort"><param name="min">-1</param><param name="max">1</param></command_interface></joint></ros2_control></robot>
+END
 python3 fuzz/make_messages.py fuzz/corpus/mcap
 python3 fuzz/make_bags.py fuzz/corpus/bag
 python3 fuzz/make_parquet.py fuzz/corpus # needs the Python package pyarrow

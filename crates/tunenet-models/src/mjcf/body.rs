@@ -16,6 +16,9 @@ use crate::unused::Collector;
 use crate::xml::{Document, Element, shown};
 use crate::{Inertia, Pose, Result};
 
+/// Most bodies of a file: a humanoid with hands has about a hundred.
+const MOST_LINKS: usize = 5000;
+
 /// What is read of `<worldbody>`.
 pub(super) struct Tree<'a> {
     pub document: &'a Document,
@@ -87,6 +90,10 @@ impl<'a> Tree<'a> {
 
     fn body(&mut self, element: &'a Element, around: Around<'a>) -> Result<()> {
         let document = self.document;
+        if self.links.len() >= MOST_LINKS || self.joints.len() >= MOST_LINKS {
+            let message = format!("expected at most {MOST_LINKS} bodies and joints, found more");
+            return Err(document.error_at(element, message, "cut the file down to the robot"));
+        }
         let own = pose(&Given::own(document, element), self.compiler)?;
         let name = self.name(element, true)?;
         let childclass = element.value("childclass").or(around.childclass);

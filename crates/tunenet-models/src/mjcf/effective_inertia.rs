@@ -3,16 +3,19 @@
 //! Source: Khatib, A unified approach for motion and force control of robot manipulators, 1987; MuJoCo 4.0.0 computes the
 //! damping of a position actuator with `dampratio` from it (before 4, from the diagonal of `M`).
 
+use std::collections::HashMap;
+
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use crate::Pose;
 use crate::robot::{Motion, Robot};
 
 /// Most degrees of freedom of one tree: a humanoid with hands has about a hundred.
-const MOST_DEGREES: usize = 500;
+const MOST_DEGREES: usize = 200;
 
 /// One direction in which a link moves, in world axes.
 struct Degree {
+    joint: usize,
     turn: Vector3<f64>,
     slide: Vector3<f64>,
     /// A point that does not move.
@@ -21,30 +24,55 @@ struct Degree {
     armature: f64,
 }
 
-/// Effective inertia at a hinge or slide, kg·m² or kg; `None` for other joints, and where nothing has mass.
-pub(super) fn effective_inertia(robot: &Robot, joint: usize, poses: &[Pose]) -> Option<f64> {
-    if !matches!(robot.joints[joint].motion, Motion::Revolute | Motion::Prismatic) {
-        return None;
-    }
-    let roots = roots(robot);
-    let link = robot.links.iter().position(|link| link.joints.contains(&joint))?;
-    let (mut degrees, mut own) = (Vec::new(), None);
-    for (i, other) in robot.links.iter().enumerate().filter(|(i, _)| roots[*i] == roots[link]) {
-        for &j in &other.joints {
-            if j == joint {
-                own = Some(degrees.len());
-            }
-            add(robot, (i, j), &poses[i], &mut degrees);
+/// Effective inertias, tree by tree as they are asked for.
+pub(super) struct EffectiveInertias<'a> {
+    robot: &'a Robot,
+    poses: Vec<Pose>,
+    roots: Vec<usize>,
+    /// The link of each joint.
+    link_of: Vec<Option<usize>>,
+    /// By the root of a tree: joints and their effective inertias.
+    known: HashMap<usize, HashMap<usize, f64>>,
+}
+
+impl<'a> EffectiveInertias<'a> {
+    pub fn new(robot: &'a Robot) -> Self {
+        let mut link_of = vec![None; robot.joints.len()];
+        for (i, link) in robot.links.iter().enumerate() {
+            link.joints.iter().for_each(|joint| link_of[*joint] = Some(i));
         }
-        if degrees.len() > MOST_DEGREES {
+        let (poses, roots) = (robot.reference_poses(), roots(robot));
+        Self { robot, poses, roots, link_of, known: HashMap::new() }
+    }
+
+    /// Effective inertia at a hinge or slide, kg·m² or kg; `None` for other joints, and where nothing has mass.
+    pub fn of(&mut self, joint: usize) -> Option<f64> {
+        if !matches!(self.robot.joints[joint].motion, Motion::Revolute | Motion::Prismatic) {
             return None;
         }
+        let root = self.roots[self.link_of[joint]?];
+        if !self.known.contains_key(&root) {
+            let tree = self.tree(root).unwrap_or_default();
+            self.known.insert(root, tree);
+        }
+        self.known[&root].get(&joint).copied()
     }
-    let own = own?;
-    let mut unit = DVector::zeros(degrees.len());
-    unit[own] = 1.0;
-    let answer = mass_matrix(robot, &degrees, poses).cholesky()?.solve(&unit);
-    Some(1.0 / answer[own]).filter(|inertia| inertia.is_finite() && *inertia > 0.0)
+
+    fn tree(&self, root: usize) -> Option<HashMap<usize, f64>> {
+        let links: Vec<usize> = (root..self.robot.links.len()).filter(|i| self.roots[*i] == root).collect();
+        let mut degrees = Vec::new();
+        for &link in &links {
+            for &joint in &self.robot.links[link].joints {
+                add(self.robot, (link, joint), &self.poses[link], &mut degrees);
+            }
+            if degrees.len() > MOST_DEGREES {
+                return None;
+            }
+        }
+        let inverse = mass_matrix(self.robot, &links, &degrees, &self.poses).cholesky()?.inverse();
+        let inertias = degrees.iter().enumerate().map(|(i, degree)| (degree.joint, 1.0 / inverse[(i, i)]));
+        Some(inertias.filter(|(_, inertia)| inertia.is_finite() && *inertia > 0.0).collect())
+    }
 }
 
 /// The link that hangs on the world, for each link.
@@ -57,10 +85,11 @@ fn roots(robot: &Robot) -> Vec<usize> {
 }
 
 fn add(robot: &Robot, (link, joint): (usize, usize), pose: &Pose, degrees: &mut Vec<Degree>) {
+    let index = joint;
     let joint = &robot.joints[joint];
     let point = (pose * Point3::from(joint.anchor_m)).coords;
     let zero = Vector3::zeros();
-    let degree = |turn, slide| Degree { turn, slide, point, link, armature: joint.armature };
+    let degree = |turn, slide| Degree { joint: index, turn, slide, point, link, armature: joint.armature };
     let axes = || [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| pose.rotation * axis);
     let axis = pose.rotation * joint.axis.into_inner();
     match joint.motion {
@@ -74,10 +103,11 @@ fn add(robot: &Robot, (link, joint): (usize, usize), pose: &Pose, degrees: &mut 
     }
 }
 
-fn mass_matrix(robot: &Robot, degrees: &[Degree], poses: &[Pose]) -> DMatrix<f64> {
+fn mass_matrix(robot: &Robot, links: &[usize], degrees: &[Degree], poses: &[Pose]) -> DMatrix<f64> {
     let n = degrees.len();
     let mut matrix = DMatrix::from_diagonal(&DVector::from_iterator(n, degrees.iter().map(|degree| degree.armature)));
-    for (i, link) in robot.links.iter().enumerate() {
+    for &i in links {
+        let link = &robot.links[i];
         let carriers: Vec<usize> = (0..n).filter(|d| carries(robot, degrees[*d].link, i)).collect();
         let inertia = link.inertia.seen_from(&poses[i]);
         let speeds: Vec<_> = carriers

@@ -25,7 +25,7 @@ use self::actuator::Servo;
 use self::body::Tree;
 use self::compiler::Compiler;
 use self::defaults::Classes;
-use self::effective_inertia::effective_inertia;
+use self::effective_inertia::EffectiveInertias;
 use self::ties::Names;
 use crate::Result;
 use crate::given::Given;
@@ -149,7 +149,7 @@ fn actuators(
     let names: Names = robot.joints.iter().enumerate().map(|(i, joint)| (joint.name.as_str(), i)).collect();
     let tendons: HashMap<&str, usize> = robot.tendons.iter().enumerate().map(|(i, t)| (t.name.as_str(), i)).collect();
     let (mut all, mut facts) = (Vec::new(), Vec::new());
-    let poses = robot.reference_poses();
+    let mut inertias = EffectiveInertias::new(robot);
     for element in document.root.named("actuator").flat_map(|section| &section.children) {
         let tag = element.tag.as_str();
         if !known::ACTUATORS.contains(&tag) && !known::OTHER_ACTUATORS.contains(&tag) {
@@ -169,7 +169,7 @@ fn actuators(
         }
         let target = joint.map(Target::Joint).or(tendon.map(Target::Tendon)).unwrap_or(Target::Other);
         let gear = servo.gear[0];
-        let inertia = || joint.and_then(|j| effective_inertia(robot, j, &poses)).map(|m| m / (gear * gear));
+        let inertia = || joint.and_then(|j| inertias.of(j)).map(|m| m / (gear * gear));
         let law = servo.law(inertia);
         if servo.ratio().is_some() && law == crate::Law::Other {
             let what = "a damping ratio of something else than a hinge or a slide";

@@ -14,6 +14,9 @@ pub(crate) const DEEPEST: usize = 200;
 /// Most elements of a file.
 const MOST_ELEMENTS: usize = 400_000;
 
+/// Most attributes of an element.
+const MOST_ATTRIBUTES: usize = 200;
+
 /// An attribute and where it stands.
 #[derive(Debug, Clone)]
 pub(crate) struct Attribute {
@@ -156,6 +159,10 @@ fn element(source: &SourceFile, file: usize, start: &BytesStart, empty: bool) ->
     let tag = String::from_utf8_lossy(start.name().as_ref()).into_owned();
     let mut attributes: Vec<Rc<Attribute>> = Vec::new();
     for attribute in start.attributes() {
+        if attributes.len() >= MOST_ATTRIBUTES {
+            let message = format!("expected at most {MOST_ATTRIBUTES} attributes, found more");
+            return Err(source.error(open, message, "is this the model of a robot?"));
+        }
         let attribute = attribute.map_err(|e| broken(source, open.clone(), &e.to_string()))?;
         let name = place(source, attribute.key.as_ref());
         let inner = place(source, &attribute.value);

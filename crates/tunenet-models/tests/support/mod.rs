@@ -1,4 +1,6 @@
-//! MuJoCo as a judge: a Python process that compiles models and says what they are.
+//! Other programs as judges: Python processes that read models and say what they are.
+
+#![allow(dead_code, reason = "each test uses a part of it")]
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,7 +23,12 @@ pub fn python_with(module: &str) -> bool {
 
 /// What MuJoCo makes of each of these files.
 pub fn judge(paths: &[PathBuf]) -> Vec<Value> {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/support/judge.py");
+    ask("judge.py", paths)
+}
+
+/// What a script of this folder makes of each of these files.
+pub fn ask(script: &str, paths: &[PathBuf]) -> Vec<Value> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/support").join(script);
     let mut python = Command::new("python3")
         .arg(script)
         // MuJoCo leaves its log where it runs.

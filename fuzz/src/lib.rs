@@ -1,0 +1,7 @@
+//! What the fuzz targets run.
+
+mod readers;
+mod robots;
+
+pub use readers::*;
+pub use robots::robot;
