@@ -2,10 +2,43 @@
 
 use std::path::{Path, PathBuf};
 
+use quick_xml::Reader;
+use quick_xml::events::Event;
+
 use crate::mjcf::{self, Mjcf};
 use crate::urdf::{self, Urdf};
 use crate::xml::{Reach, SourceFile, parse, read_file, shown};
 use crate::{Error, Result, Robot};
+
+/// The formats of model files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// That of MuJoCo, with the root `<mujoco>`.
+    Mjcf,
+    /// That of ROS, with the root `<robot>`.
+    Urdf,
+}
+
+impl Format {
+    /// What a text is by its first element; `None` where that belongs to neither.
+    #[must_use]
+    pub fn of(text: &str) -> Option<Self> {
+        let mut reader = Reader::from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
+        loop {
+            match reader.read_event() {
+                Ok(Event::Start(first) | Event::Empty(first)) => {
+                    return match first.name().as_ref() {
+                        b"mujoco" | b"mujocoinclude" => Some(Self::Mjcf),
+                        b"robot" => Some(Self::Urdf),
+                        _ => None,
+                    };
+                }
+                Ok(Event::Eof) | Err(_) => return None,
+                Ok(_) => {}
+            }
+        }
+    }
+}
 
 /// A model file.
 ///

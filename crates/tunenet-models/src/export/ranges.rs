@@ -1,34 +1,34 @@
 //! Intervals as ranges for domain randomisation.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::{Change, Quantity};
 
-/// A JSON object with `joints`: for each joint and quantity that has an interval `low`, `high`, `nominal`, `unit`, and `mjcf`
-/// (element and attribute) where MJCF has one. `without_interval` lists the others.
+/// A JSON object with the `ranges` of joints, with the keys of a tuning's ranges (`name`, `unit`, `value`, `low`, `high`), and
+/// `joint`, `quantity` and, where MJCF has one, `mjcf` (element and attribute). `without_interval` lists the others.
 ///
 /// The ranges are 95 % intervals, each for itself: numbers that are only known together (a gain and the torque limit that
 /// scales it) are to be drawn together. What cannot be below 0 starts at 0.
 #[must_use]
 pub fn ranges(model: &str, changes: &[Change]) -> Value {
-    let (mut joints, mut without) = (Map::new(), Vec::new());
+    let (mut ranges, mut without) = (Vec::new(), Vec::new());
     for change in changes {
         let (joint, quantity) = (&change.joint, change.quantity);
+        let name = format!("{joint}.{}", quantity.name());
         let Some([low, high]) = change.interval else {
-            without.push(json!({ "joint": joint, "quantity": quantity.name() }));
+            without.push(name);
             continue;
         };
         let low = if quantity.signed() { low } else { low.max(0.0) };
-        let mut one = json!({ "low": low, "high": high, "nominal": change.value, "unit": quantity.unit() });
+        let (unit, value) = (quantity.unit(), change.value);
+        let mut one = json!({ "name": name, "unit": unit, "value": value, "low": low, "high": high,
+            "joint": joint, "quantity": quantity.name() });
         if let Some((element, attribute)) = mjcf(quantity) {
             one["mjcf"] = json!({ "element": element, "attribute": attribute });
         }
-        let entry = joints.entry(joint.clone()).or_insert_with(|| Value::Object(Map::new()));
-        if let Some(entry) = entry.as_object_mut() {
-            entry.insert(quantity.name().to_owned(), one);
-        }
+        ranges.push(one);
     }
-    json!({ "model": model, "interval": 0.95, "distribution": "uniform", "joints": joints, "without_interval": without })
+    json!({ "schema": "tunenet.joint_ranges/1", "model": model, "level": 0.95, "ranges": ranges, "without_interval": without })
 }
 
 /// The attribute of MJCF that holds it.
@@ -60,14 +60,11 @@ mod tests {
             change(Quantity::TorqueBias, Some([-0.1, 0.3])),
             change(Quantity::Armature, None),
         ];
-        let ranges = ranges("arm.xml", &all);
-        let of = |quantity: &str| &ranges["joints"]["elbow"][quantity];
-        assert_eq!(
-            of("coulomb_friction"),
-            &json!({ "low": 0.0, "high": 0.3, "nominal": 0.1, "unit": "N·m",
-            "mjcf": { "element": "joint", "attribute": "frictionloss" } })
-        );
-        assert_eq!(of("torque_bias")["low"], json!(-0.1));
-        assert_eq!(ranges["without_interval"], json!([{ "joint": "elbow", "quantity": "armature" }]));
+        let found = ranges("arm.xml", &all);
+        let first = json!({ "name": "elbow.coulomb_friction", "unit": "N·m", "value": 0.1, "low": 0.0, "high": 0.3,
+            "joint": "elbow", "quantity": "coulomb_friction", "mjcf": { "element": "joint", "attribute": "frictionloss" } });
+        assert_eq!(found["ranges"][0], first);
+        assert_eq!(found["ranges"][1]["low"], json!(-0.1));
+        assert_eq!(found["without_interval"], json!(["elbow.armature"]));
     }
 }

@@ -40,6 +40,10 @@ fn one(element: &Element, parent: &str, unused: &mut Collector) {
         unused.add(element.file, element.open.start, (tag, None), Changes::Unknown, what);
         return;
     }
+    // An actuator whose force is not taken on is named as a whole where it is read.
+    if parent == "actuator" && known::OTHER_ACTUATORS.contains(&tag) {
+        return;
+    }
     // Ties have tags of their own kind: <joint> within <equality> is no joint.
     let kind = match (parent, tag) {
         ("equality", _) => "equality",
