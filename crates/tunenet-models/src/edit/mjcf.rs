@@ -56,6 +56,9 @@ impl<'a> Editor<'a> {
             Quantity::Armature => self.on_joint(joint, "armature", value),
             Quantity::CoulombFriction => self.on_joint(joint, "frictionloss", value),
             Quantity::Stiffness => self.on_joint(joint, "stiffness", value),
+            Quantity::SpringReference if !self.has_one_axis(joint) => {
+                Outcome::Left("only a hinge or a slide has a spring with a reference".into())
+            }
             Quantity::SpringReference => {
                 let turns = self.mjcf.robot().joints[joint].motion == Motion::Revolute && self.mjcf.degrees;
                 self.on_joint(joint, "springref", if turns { value.to_degrees() } else { value })
@@ -75,14 +78,27 @@ impl<'a> Editor<'a> {
         }
     }
 
+    fn has_one_axis(&self, joint: usize) -> bool {
+        matches!(self.mjcf.robot().joints[joint].motion, Motion::Revolute | Motion::Prismatic)
+    }
+
+    /// Why an attribute of the joint would not count. `spring`: it is stiffness or damping.
+    fn without_effect(&self, joint: usize, spring: bool) -> Option<&'static str> {
+        if self.mjcf.heads.joints[joint].tag == "freejoint" {
+            return Some("a free joint has no such number: name a hinge or a slide");
+        }
+        (spring && self.mjcf.heads.spring_dampers[joint])
+            .then_some("`springdamper` of the joint or its class sets stiffness and damping: take it out first")
+    }
+
     fn source(&self, element: &Element) -> &'a SourceFile {
         &self.mjcf.document.files[element.file]
     }
 
     fn on_joint(&self, joint: usize, name: &'static str, value: f64) -> Outcome<'a> {
         let element = &self.mjcf.heads.joints[joint];
-        if element.tag == "freejoint" {
-            return Outcome::Left("a free joint has no such number: name a hinge or a slide".into());
+        if let Some(why) = self.without_effect(joint, matches!(name, "stiffness" | "damping")) {
+            return Outcome::Left(why.into());
         }
         Outcome::Written(element, vec![(name, with(element, name, &[Some(value)]))])
     }
@@ -99,8 +115,8 @@ impl<'a> Editor<'a> {
             return Outcome::Left("it belongs into the joint's damping: give viscous_friction as well".into());
         }
         let element = &self.mjcf.heads.joints[joint];
-        if element.tag == "freejoint" {
-            return Outcome::Left("a free joint has no such number: name a hinge or a slide".into());
+        if let Some(why) = self.without_effect(joint, true) {
+            return Outcome::Left(why.into());
         }
         if quadratic.is_some() {
             self.note("a second number in `damping` is read by MuJoCo 4 or later");

@@ -133,7 +133,10 @@ impl<'a> Tree<'a> {
                     let name = self.name(child, false)?;
                     let class = self.classes.of(document, child, around.childclass)?;
                     let class = (child.tag == "joint").then_some(class.joint.as_slice());
-                    let mut joint = joint(&Given { document, own: child, class }, self.compiler, name, self.unused)?;
+                    let given = Given { document, own: child, class };
+                    let mut joint = joint(&given, self.compiler, name, self.unused)?;
+                    let springs = given.numbers::<2>("springdamper")?;
+                    self.heads.spring_dampers.push(springs.is_some_and(|numbers| numbers.iter().all(|n| *n > 0.0)));
                     joint.anchor_m = (around.frame * Point3::from(joint.anchor_m)).coords;
                     joint.axis = around.frame.rotation * joint.axis;
                     self.links[link].joints.push(self.joints.len());

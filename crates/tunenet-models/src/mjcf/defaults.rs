@@ -102,7 +102,9 @@ impl Class {
         };
         for attribute in &element.attributes {
             let name = attribute.name.as_str();
-            if known::taken(&element.tag).contains(&name) || known::places(&element.tag, name) {
+            // Not taken on, but edits have to know of it.
+            let known = name == "springdamper" || known::taken(&element.tag).contains(&name);
+            if known || known::places(&element.tag, name) {
                 list.retain(|old| old.name != attribute.name);
                 list.push(attribute.clone());
             }

@@ -37,6 +37,8 @@ use crate::xml::{Document, Element, Reach, load};
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Heads {
     pub joints: Vec<Element>,
+    /// Whether a `springdamper` sets stiffness and damping of each joint.
+    pub spring_dampers: Vec<bool>,
     pub actuators: Vec<Element>,
     /// One for each link; `None` where it has none.
     pub inertials: Vec<Option<Element>>,
