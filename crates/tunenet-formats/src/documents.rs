@@ -49,8 +49,8 @@ impl Document {
                 "name it in the simulation file as `arm.urdf` (`tunenet init arm` writes one), and give that with --sim"
             }
             Self::Mjcf => {
-                "run it in a simulator program of your own (`tunenet init process` writes an example), and give the \
-                 recording as CSV or MCAP"
+                "name it in the simulation file as `arm.urdf` (`tunenet init arm` writes one), or run it in a simulator \
+                 program (`tunenet init process`), and give that with --sim"
             }
             Self::Sdf => {
                 "give the recording; an arm is described by a URDF, which the simulation file names as `arm.urdf`"

@@ -27,6 +27,12 @@ finding_kinds! {
     warning URDF_WEIGHTLESS = "urdf.weightless",
         "a moving link has no inertia",
         "add it";
+    warning MODEL_LEFT_OUT = "model.left_out",
+        "an MJCF states forces, parts or gravity that the simulation leaves out",
+        "check that they do not matter, or remove them";
+    note MODEL_EFFECTS = "model.effects",
+        "an MJCF states armature or springs, which an arm has as effects of the simulation file",
+        "write them under `[effects]` if they are to count";
     warning ARM_UNUSABLE = "arm.unusable",
         "the recording lacks torques, has those of other joints, or fewer than 20 samples of the motion",
         "record the efforts of all joints between base and payload, over the whole motion";

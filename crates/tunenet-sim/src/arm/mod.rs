@@ -1,8 +1,9 @@
-//! Arms: any serial or branched chain of rigid bodies on a fixed base, read from a URDF.
+//! Arms: any serial or branched chain of rigid bodies on a fixed base, read from a URDF or an MJCF.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`urdf`] | from a URDF to a [`Model`], refusing what no arm can be |
+//! | [`model_file`] | the same from an MJCF, or whichever of both a file is |
 //! | [`Model`] | the bodies, their joints and frames |
 //! | [`Recursion`] | inverse dynamics by Newton and Euler, and what a payload adds to the torques |
 //! | [`Kinematics`] | where everything is, and how it moves with the joints |
@@ -22,6 +23,7 @@ pub mod effects;
 mod inertia;
 mod kinematics;
 mod model;
+pub mod model_file;
 mod motion;
 mod multibody;
 mod payload;

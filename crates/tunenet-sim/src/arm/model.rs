@@ -234,10 +234,17 @@ impl Model {
     /// # Errors
     /// [`Error::Setting`] where a body has none.
     pub fn weighed(self) -> Result<Self> {
-        let Some(body) = self.bodies.iter().find(|b| b.inertia.mass_kg == 0.0) else { return Ok(self) };
+        let light = |index: &usize| self.bodies[*index].inertia.mass_kg == 0.0 && !self.passes_on(*index);
+        let Some(body) = (0..self.bodies.len()).find(light).map(|index| &self.bodies[index]) else { return Ok(self) };
         let expected = format!("a URDF with an <inertial> of link `{}`, which moves", body.name);
         let found = "none: the maker's own URDF or SDF often has it".into();
         Err(Error::Setting { origin: Origin::Caller, name: "arm.urdf", expected, found })
+    }
+
+    /// Whether a body is a joint between two others of the same link, which has several: the last one has its mass.
+    fn passes_on(&self, index: usize) -> bool {
+        let mut later = self.bodies.iter().skip(index + 1);
+        later.any(|other| other.parent == Some(index) && other.name == self.bodies[index].name)
     }
 
     /// The same with a load fixed to `frame`, in whose axes `load` is given. A load on the base changes nothing.

@@ -14,7 +14,7 @@ use tunenet_core::simulator::{Parameter, Preparation, RolloutResult, Simulator};
 use tunenet_formats::{Error, Result};
 
 use crate::SimulationFile;
-use crate::arm::{Model, Motion, urdf};
+use crate::arm::{Model, Motion, model_file};
 use crate::scene::{ArmBody, MotionKind};
 
 pub use rollout::{STEP_HZ, STIFFNESS_1_S2};
@@ -102,7 +102,7 @@ pub fn arm(file: &SimulationFile) -> Result<(Model, usize)> {
     let arm = &file.arm()?.arm;
     let name = arm.payload_link.as_str();
     let chain =
-        urdf::read(&next_to_file(file, arm))?.chain_to(name).map_err(|e| in_file(file, Part::PayloadLink, e))?;
+        model_file::read(&next_to_file(file, arm))?.chain_to(name).map_err(|e| in_file(file, Part::PayloadLink, e))?;
     let model = chain.weighed().map_err(|e| in_file(file, Part::Urdf, e))?;
     let link = model.frames.iter().position(|f| f.name == name).unwrap_or(0);
     Ok((model, link))

@@ -8,7 +8,7 @@ use tunenet_formats::{Error, Result};
 
 use super::Reach;
 use crate::arm::reach::{self, Goal, Settings};
-use crate::arm::{Frame, Model, Pose, urdf};
+use crate::arm::{Frame, Model, Pose, model_file};
 use crate::scene::ArmTask;
 
 /// Postures that are tried where nothing near is known, and what they are drawn from.
@@ -43,9 +43,9 @@ impl ArmReach {
     /// Reads the arm of a task. Whether it collides with anything, itself included, is not looked at.
     ///
     /// # Errors
-    /// As [`urdf::read`]; [`Setting`](tunenet_core::Error::Setting) where it has no such link, or no joint moves it.
+    /// As [`model_file::read`]; [`Setting`](tunenet_core::Error::Setting) where it has no such link, or no joint moves it.
     pub fn new(task: &ArmTask) -> Result<Self> {
-        let whole = urdf::read(&task.urdf)?;
+        let whole = model_file::read(&task.urdf)?;
         let last = || whole.frames.last().map(|f| f.name.clone()).unwrap_or_default();
         let link = task.link.clone().unwrap_or_else(last);
         let named = |error: tunenet_core::Error| match error {

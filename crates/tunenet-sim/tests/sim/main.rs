@@ -1,5 +1,6 @@
 //! Balls, arms and shots against formulas, other programs and integrators of their own.
 
+mod arm_mjcf;
 mod arm_motion;
 mod arm_multibody;
 mod arm_pinocchio;

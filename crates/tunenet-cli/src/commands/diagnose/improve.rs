@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tunenet_core::simulator::Simulator;
 use tunenet_core::{Error, Origin};
-use tunenet_formats::read_text;
 use tunenet_formats::write_atomically;
 use tunenet_sim::SimulationFile;
-use tunenet_sim::arm::urdf::with_friction;
+use tunenet_sim::arm::model_file::with_friction;
 use tunenet_sim::observed_arm::urdf_path;
 use tunenet_sim::replayed_arm::{ReplayedArm, replays};
 
@@ -72,7 +71,7 @@ pub fn write_urdf(options: &Diagnose, answer: &Answer) -> Result<Option<PathBuf>
     }
     let arm = ReplayedArm::from_file(&improved(answer, 0)?)?;
     let values: Vec<f64> = arm.parameters().iter().map(|p| p.value).collect();
-    let text = with_friction(&read_text(urdf_path(file)?)?, &arm.friction(&values))?;
+    let text = with_friction(&urdf_path(file)?, &arm.friction(&values))?;
     write_atomically(out, |out| out.write_all(text.as_bytes()))?;
     Ok(Some(out.clone()))
 }

@@ -215,6 +215,8 @@ impl File<'_> {
         let each = [
             (shapes, "shapes (their meshes are not opened)"),
             (tags("<transmission"), "transmissions"),
+            (tags("<ros2_control"), "ros2_control sections (their gains stand in YAML files)"),
+            (tags("<mujoco"), "settings for MuJoCo"),
             (tags("<gazebo"), "settings of Gazebo"),
             (safety, "safety controllers"),
             (calibration, "calibrations"),
