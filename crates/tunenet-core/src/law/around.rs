@@ -1,5 +1,9 @@
 //! Linearisation about a fit (Ljung 1999, section 4.5): where fits of laws begin, and derivatives with which they begin without rollouts.
 
+use std::sync::atomic::Ordering;
+
+use rayon::prelude::*;
+
 use super::linear::Candidate;
 use super::refit::{Law, Session};
 use super::response::{Fitted, Response};
@@ -9,6 +13,8 @@ use crate::Result;
 use crate::estimate::jacobian::Columns;
 use crate::estimate::{Linearisation, Point, RolloutLog};
 
+/// How many fits begin before the rollouts are counted.
+const AT_A_TIME: usize = 8;
 /// Steps of differences, as shares.
 pub(super) const DIFFERENCE: f64 = 1e-4;
 
@@ -91,5 +97,42 @@ impl Around {
             }
         }
         session.stepped(&self.point, &self.columns, &residuals)
+    }
+}
+
+impl Session<'_> {
+    /// Fits of candidates, a few at a time, until the search has used its share of the rollouts.
+    pub fn fits(&self, around: &Around, candidates: &[Candidate], steps: usize) -> Vec<Law> {
+        let mut found = Vec::new();
+        for few in candidates.chunks(AT_A_TIME) {
+            if !self.within() {
+                self.short.store(true, Ordering::Relaxed);
+                break;
+            }
+            found.par_extend(few.par_iter().filter_map(|candidate| self.fit(around, candidate, steps)));
+        }
+        found
+    }
+
+    /// Fits a candidate of a linear search; nothing where the simulator refuses it.
+    pub fn fit(&self, around: &Around, candidate: &Candidate, steps: usize) -> Option<Law> {
+        let (terms, numbers) = (&candidate.terms, &candidate.numbers);
+        let led = around.start(self, candidate).ok().and_then(|start| self.from(around, terms, numbers, start, steps));
+        // A linearisation that reaches too far ends in a refusal; the values where it was made do not.
+        led.or_else(|| self.from(around, terms, numbers, around.point.clone(), steps))
+    }
+
+    /// Fits terms from these numbers, and the base model's values from those of `start`.
+    pub fn from(
+        &self,
+        around: &Around,
+        terms: &[Term],
+        numbers: &[Vec<f64>],
+        start: Point,
+        steps: usize,
+    ) -> Option<Law> {
+        let first = self.base.point.parameters.len();
+        let known = around.known(first, terms, numbers);
+        self.fitted(&around.response, (terms, numbers), start, Some(&known), (steps, 1))
     }
 }

@@ -5,11 +5,11 @@ use nalgebra::{DMatrix, DVector};
 use super::ahead::Ahead;
 use super::answer::Gates;
 use super::evidence::{Shared, residual_force};
+use super::information::{said, scaled};
 use super::refit::{Law, Session};
 use super::response::{Response, inverse_root};
 use crate::Result;
 use crate::estimate::Linearisation;
-use crate::estimate::jacobian::Columns;
 use crate::statistics::upper_chi_squared;
 
 /// Tests a law.
@@ -29,25 +29,6 @@ pub(super) fn judge(session: &Session, response: &Response, ahead: &mut Ahead, l
     };
     ahead.judge(session, response, law, &mut gates)?;
     Ok(gates)
-}
-
-/// Residuals in units of what a law leaves.
-pub(super) fn scaled(residuals: &[Vec<f64>], scale: f64) -> Vec<Vec<f64>> {
-    residuals.iter().map(|all| all.iter().map(|r| r / scale).collect()).collect()
-}
-
-/// What a recording says of shared parameters, its own ones fitted: the information, and the slope.
-pub(super) fn said(columns: &Columns, residual: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
-    let rows = residual.len();
-    let matrix = |of: &[Vec<f64>]| DMatrix::from_fn(rows, of.len(), |i, j| of[j][i]);
-    let own = matrix(&columns.nuisances);
-    let own = &own * inverse_root(&(own.transpose() * &own));
-    let clean = |m: DMatrix<f64>| {
-        let explained = &own * (own.transpose() * &m);
-        m - explained
-    };
-    let (c, r) = (clean(matrix(&columns.shared)), clean(DMatrix::from_column_slice(rows, 1, residual)));
-    (c.transpose() * &c, (c.transpose() * r).column(0).into_owned())
 }
 
 /// The probability that shared parameters differ so much from recording to recording by chance.

@@ -17,7 +17,7 @@
 //! | `simplify` | limits, omitted factors, rounded exponents |
 //! | `second` | a second term |
 //! | `explore`, `forms` | the order of these steps; equal and nested forms |
-//! | `evidence`, `judge` | tests |
+//! | `evidence`, `information`, `judge`, `ahead` | tests |
 //! | `found` | a law with its intervals and the range in which it was seen |
 //! | `answer` | what a search ends with |
 
@@ -28,6 +28,7 @@ mod evidence;
 mod explore;
 mod forms;
 mod found;
+mod information;
 mod judge;
 mod linear;
 mod price;

@@ -1,11 +1,7 @@
 //! Output-error fits of laws (Ljung 1999, section 7.2): through rollouts, starts and parameters of the simulator fitted with them.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
-
-use super::around::Around;
-use super::linear::Candidate;
 use super::price;
 use super::response::Response;
 use super::space::{Carried, Host, Visiting};
@@ -18,8 +14,6 @@ use crate::simulator::{Prepared, Simulator};
 
 /// How far the bounds of a coefficient reach, in units of what the linear stage found.
 const REACH: f64 = 40.0;
-/// How many fits begin before the rollouts are counted.
-const AT_A_TIME: usize = 8;
 /// Steps of a fit to the end.
 const LAST_STEPS: usize = 24;
 /// Steps of one from near its end.
@@ -146,48 +140,13 @@ impl<'a> Session<'a> {
         self.log.count() < self.allowed
     }
 
-    /// Fits of candidates, a few at a time, until the search has used its share of the rollouts.
-    pub fn fits(&self, around: &Around, candidates: &[Candidate], steps: usize) -> Vec<Law> {
-        let mut found = Vec::new();
-        for few in candidates.chunks(AT_A_TIME) {
-            if !self.within() {
-                self.short.store(true, Ordering::Relaxed);
-                break;
-            }
-            found.par_extend(few.par_iter().filter_map(|candidate| self.fit(around, candidate, steps)));
-        }
-        found
-    }
-
-    /// Fits a candidate of a linear search; nothing where the simulator refuses it.
-    pub fn fit(&self, around: &Around, candidate: &Candidate, steps: usize) -> Option<Law> {
-        let (terms, numbers) = (&candidate.terms, &candidate.numbers);
-        let led = around.start(self, candidate).ok().and_then(|start| self.from(around, terms, numbers, start, steps));
-        // A linearisation that reaches too far ends in a refusal; the values where it was made do not.
-        led.or_else(|| self.from(around, terms, numbers, around.point.clone(), steps))
-    }
-
-    /// Fits terms from these numbers, and the base model's values from those of `start`.
-    pub fn from(
-        &self,
-        around: &Around,
-        terms: &[Term],
-        numbers: &[Vec<f64>],
-        start: Point,
-        steps: usize,
-    ) -> Option<Law> {
-        let first = self.base.point.parameters.len();
-        let known = around.known(first, terms, numbers);
-        self.fitted(&around.response, (terms, numbers), start, Some(&known), (steps, 1))
-    }
-
     /// Fits terms from these numbers and from the law that they belong to, with derivatives of their own.
     pub fn on(&self, response: &Response, terms: &[Term], numbers: &[Vec<f64>], start: Point) -> Option<Law> {
         self.fitted(response, (terms, numbers), start, None, (FEW_STEPS, FEW_STEPS / 2))
     }
 
     /// Fits terms from a point with so many steps and measured derivatives.
-    fn fitted(
+    pub fn fitted(
         &self,
         response: &Response,
         (terms, numbers): (&[Term], &[Vec<f64>]),

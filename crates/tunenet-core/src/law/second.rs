@@ -3,7 +3,7 @@
 use super::answer::MOST_FORCE;
 use super::around::{Around, DIFFERENCE};
 use super::evidence::{Shared, residual_force};
-use super::judge::scaled;
+use super::information::scaled;
 use super::linear::{Candidate, Search};
 use super::refit::{Law, Session};
 use super::simplify::simplify;

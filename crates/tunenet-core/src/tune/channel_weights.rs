@@ -13,7 +13,9 @@ fn weigh_alike(recordings: &mut [Prepared]) {
     let width = floors.iter().map(Vec::len).min().unwrap_or(0);
     let largest = |channel: usize| floors.iter().map(|floor| floor[channel]).fold(0.0, f64::max);
     let scale: Vec<f64> = (0..width).map(largest).collect();
-    recordings.iter_mut().for_each(|recording| recording.residual_scale = Some(scale.clone()));
+    for recording in recordings {
+        recording.residual_scale = Some(scale.clone());
+    }
 }
 
 /// Of driven recordings: finds the [`residual_scale`](Prepared::residual_scale) of each channel's residuals by fitting, so that a joint whose

@@ -76,7 +76,7 @@ impl RobotModel {
         let start_s = run.recording.start_s;
         let last = run.times_s.last().copied().unwrap_or(start_s).max(start_s);
         let steps = ((last - start_s) / rig.step_s).ceil().max(1.0);
-        if !(steps <= MOST_STEPS) {
+        if steps.is_nan() || steps > MOST_STEPS {
             return Err(format!("{:.0} s in steps of {} s are too many steps", last - start_s, rig.step_s));
         }
         let torques = self.layout.readings.iter().any(|reading| reading.quantity == Quantity::Torque);

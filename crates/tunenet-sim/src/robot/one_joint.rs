@@ -47,6 +47,7 @@ pub(super) fn outside(joint: &JointNumbers, load: &Load, q: f64) -> f64 {
 
 /// The speed at the end of a step where the motor's torque is `motor`.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_field_names, reason = "the unit of time and the struct share a word")]
 pub(super) struct Step<'a> {
     pub joint: &'a JointNumbers,
     /// Inertia that the friction acts on.

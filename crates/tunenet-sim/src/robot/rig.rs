@@ -11,6 +11,7 @@ use crate::arm::{Frame, Inertia, JointKind, Model, Recursion};
 
 /// A mass on a link.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::struct_field_names, reason = "a mass has a mass")]
 pub(crate) struct Mass {
     pub link: Frame,
     pub mass_kg: f64,

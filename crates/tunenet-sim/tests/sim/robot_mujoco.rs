@@ -86,7 +86,8 @@ fn validate_servo_against_mujoco_within_a_milliradian() {
         let parameters: String = parameters
             .iter()
             .map(|(name, value, max)| format!("[parameters.hinge__{name}]\nvalue = {value}\nmin = 0.0\nmax = {max}\n"))
-            .collect();
+            .collect::<Vec<_>>()
+            .concat();
         let text = format!(
             "kind = \"robot\"\n[robot]\nmodel = \"arm.urdf\"\n[inputs.goal_rad]\n[joints.hinge]\ndrive = \"position\"\n\
              command = \"goal_rad\"\nobserve = [\"hinge_rad\"]\nkp = {kp}\nkd = {kd}\ngain_1_rad = 0.166\n\

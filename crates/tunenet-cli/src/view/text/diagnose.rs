@@ -4,13 +4,12 @@ use std::cmp::Ordering;
 use std::path::Path;
 
 use indicatif::ProgressBar;
-use tunenet_core::diagnose::{
-    Candidate, Change, Diagnosis, Gap, GapOf, NamedEffect, PartGap, Progress, Tuned, Value, Verdict,
-};
+use tunenet_core::diagnose::{Candidate, Change, Diagnosis, NamedEffect, PartGap, Progress, Verdict};
 use tunenet_core::observation::{Note, with_decimals};
 use tunenet_sim::phase;
 
-use super::{four_digits, in_words, list, note, rolled_out, rounded, stage, verbose};
+use super::fitted::{gap_line, parameter, ranged};
+use super::{in_words, list, note, rolled_out, stage, verbose};
 use crate::answers::diagnose::{Answer, Loaded, NOT_IN_CATALOGUE, is_per_joint, why_insufficient};
 use crate::answers::improved::Written;
 use crate::view::answer::Printout;
@@ -227,42 +226,6 @@ fn details(answer: &Answer) -> Vec<String> {
         }
     }
     lines
-}
-
-/// A tuned parameter with its interval and what it was.
-pub fn parameter(answer: &Answer, tuned: &Tuned) -> String {
-    let object = answer.loaded.objects.get(tuned.object).filter(|_| answer.loaded.objects.len() > 1);
-    let object = object.map(|o| format!("{}: ", o.name)).unwrap_or_default();
-    let value = Value { object: None, value: tuned.value, interval95: tuned.interval95 };
-    let unit = if tuned.unit == "1" { "" } else { &tuned.unit };
-    format!("{object}{} {}, was {}", tuned.name, ranged(&value, unit), four_digits(tuned.given))
-}
-
-/// How the gap shrank: on the recordings, on those held out, and of a forecast.
-pub fn gap_line(gap: &Gap) -> String {
-    let words = |value: f64| in_words(value, &gap.unit);
-    let to = |change: &Change| format!("{} → {}", words(change.before), words(change.after));
-    let of = match gap.of {
-        GapOf::Recordings => "",
-        GapOf::Segments => " of the flights only",
-        GapOf::Events => " of the contacts only",
-    };
-    let mut line = format!("gap{of} {} → {}", words(gap.before), words(gap.after));
-    if let Some(change) = &gap.held_out {
-        line = format!("{line}, held out {}", to(change));
-    }
-    if let Some(change) = &gap.forecast {
-        line = format!("{line}, forecast {}", to(change));
-    }
-    line
-}
-
-fn ranged(value: &Value, unit: &str) -> String {
-    let (low, high) = value.interval95;
-    let half = (high - low) / 2.0;
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let of = |v: f64| rounded(v, half);
-    format!("{}{unit} (95 %: {} to {})", of(value.value), of(low), of(high))
 }
 
 /// The gap of each object, or of each channel, where that says more than the one of all.

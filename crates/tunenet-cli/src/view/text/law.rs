@@ -2,7 +2,7 @@
 
 use tunenet_core::law::{Member, Verdict};
 
-use super::diagnose::{gap_line, parameter};
+use super::fitted::{gap_line, parameter};
 use super::rounded;
 use crate::answers::diagnose::Answer;
 use crate::answers::law::{Law, alias, cautions, why};

@@ -2,6 +2,7 @@
 
 pub(crate) mod diagnose;
 mod fit;
+mod fitted;
 pub(crate) mod law;
 mod plain;
 pub(crate) mod plan;

@@ -24,7 +24,7 @@ fn a_chain_of_one_joint_is_that_joint() {
     one_joint::roll(&joint, &rig.load(&none).unwrap(), &mut wire(), (0.1, 0.0), &mut alone);
     chain::roll((&[joint], &world, down), &mut [wire()], (&[0.1], &[0.0]), &mut among).unwrap();
     for t in clock(6.0) {
-        let read = |of: &Trajectory| of.read(t, 0, Quantity::Position, Default::default());
+        let read = |of: &Trajectory| of.read(t, 0, Quantity::Position, super::super::trajectory::Readout::default());
         // The chain takes speeds at the middle of a step where one joint takes those at its beginning.
         assert!((read(&alone) - read(&among)).abs() < 2e-3, "{t}: {} {}", read(&alone), read(&among));
     }

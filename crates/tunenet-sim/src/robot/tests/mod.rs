@@ -93,7 +93,7 @@ fn rolled(robot: &RobotModel, inputs: Vec<Input>, start: &[f64], coefficients: &
 }
 
 fn clock(seconds: f64) -> Vec<f64> {
-    (0..).map(|i| f64::from(i) / 100.0).take_while(|t| *t <= seconds).collect()
+    (0..10_000).map(|i| f64::from(i) / 100.0).take_while(|t| *t <= seconds).collect()
 }
 
 fn root_mean_square(a: &[f64], b: &[f64]) -> f64 {
