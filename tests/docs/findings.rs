@@ -7,7 +7,7 @@ use std::path::Path;
 
 use tunenet_core::finding::{FindingKind, Severity};
 
-const PAGES: [&str; 8] = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs", "plan", "grow"];
+const PAGES: [&str; 9] = ["tune", "preflight", "diagnose", "track", "arm", "arm-logs", "robot", "plan", "grow"];
 
 fn kinds() -> Vec<FindingKind> {
     let mut all = tunenet_core::findings::ALL.to_vec();

@@ -83,7 +83,7 @@ fn validate_servo_against_mujoco_within_a_milliradian() {
             ("coulomb", COULOMB, 1.0),
             ("armature", ARMATURE, 1.0),
         ];
-        let parameters: String = parameters
+        let parameters: Vec<String> = parameters
             .iter()
             .map(|(name, value, max)| format!("[parameters.hinge__{name}]\nvalue = {value}\nmin = 0.0\nmax = {max}\n"))
             .collect::<Vec<_>>()
@@ -91,7 +91,8 @@ fn validate_servo_against_mujoco_within_a_milliradian() {
         let text = format!(
             "kind = \"robot\"\n[robot]\nmodel = \"arm.urdf\"\n[inputs.goal_rad]\n[joints.hinge]\ndrive = \"position\"\n\
              command = \"goal_rad\"\nobserve = [\"hinge_rad\"]\nkp = {kp}\nkd = {kd}\ngain_1_rad = 0.166\n\
-             [loads.tip]\nlink = \"rod\"\nmass_kg = {mass}\nposition_m = [0.0, 0.0, -{length}]\n{parameters}"
+             [loads.tip]\nlink = \"rod\"\nmass_kg = {mass}\nposition_m = [0.0, 0.0, -{length}]\n{}",
+            parameters.concat()
         );
         let file = SimulationFile::parse(&folder.path().join("robot.toml"), &text).unwrap();
         let simulator = robot(&[&file]).unwrap();

@@ -107,7 +107,6 @@ fn places<'a>(
     best: Hypothesis<'a>,
     stages: &mut [Stage<'a>],
 ) -> Result<(Hypothesis<'a>, Vec<SelectedEffect>)> {
-    let mut best = best;
     let effects = best.structure.effects.clone();
     let mut places = Vec::with_capacity(effects.len());
     for (position, &entry) in effects.iter().enumerate() {
@@ -144,7 +143,6 @@ fn places<'a>(
             excluded: None,
         });
     }
-    best = best.again(context)?;
     Ok((best, places))
 }
 

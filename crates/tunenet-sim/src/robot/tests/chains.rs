@@ -2,7 +2,7 @@
 
 use super::super::chain;
 use super::super::one_joint;
-use super::super::trajectory::Trajectory;
+use super::super::trajectory::{Readout, Trajectory};
 use super::super::wiring::Wire;
 use super::*;
 use crate::arm::{Kinematics, gravity};
@@ -24,7 +24,7 @@ fn a_chain_of_one_joint_is_that_joint() {
     one_joint::roll(&joint, &rig.load(&none).unwrap(), &mut wire(), (0.1, 0.0), &mut alone);
     chain::roll((&[joint], &world, down), &mut [wire()], (&[0.1], &[0.0]), &mut among).unwrap();
     for t in clock(6.0) {
-        let read = |of: &Trajectory| of.read(t, 0, Quantity::Position, super::super::trajectory::Readout::default());
+        let read = |of: &Trajectory| of.read(t, 0, Quantity::Position, Readout::default());
         // The chain takes speeds at the middle of a step where one joint takes those at its beginning.
         assert!((read(&alone) - read(&among)).abs() < 2e-3, "{t}: {} {}", read(&alone), read(&among));
     }
@@ -38,8 +38,8 @@ fn a_double_pendulum_keeps_its_energy() {
     let times: Vec<f64> = (0..=200).map(|i| f64::from(i) / 100.0).collect();
     let still = || vec![command(|_| 0.0), command(|_| 0.0), on_until(9.0)];
     let found = rolled(&robot, still(), &[1.0, 0.5, 0.0, 0.0], &[], &times);
-    // Speeds from positions 1 µs apart.
-    let near: Vec<f64> = times.iter().flat_map(|t| [t + 0.0005]).collect();
+    // Speeds from positions 0.5 ms apart.
+    let near: Vec<f64> = times.iter().map(|t| t + 0.0005).collect();
     let later = rolled(&robot, still(), &[1.0, 0.5, 0.0, 0.0], &[], &near);
     let mut at = Kinematics::new(&model);
     let mut energy = |k: usize| {

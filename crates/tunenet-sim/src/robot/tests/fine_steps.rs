@@ -39,7 +39,7 @@ fn reference(truth: Truth, goal: &dyn Fn(f64) -> f64, off_s: f64) -> Vec<f64> {
         let most = dt / inertia * dry;
         w = if ahead.abs() <= most { 0.0 } else { ahead - most * ahead.signum() };
         q += dt * w;
-        if (k + 1) % 2000 == 0 {
+        if (k + 1).is_multiple_of(2000) {
             found.push(q);
         }
     }
