@@ -46,7 +46,7 @@ fn nothing_is_overwritten_unasked() {
     folder.run("init ball --out other.toml").ends(0);
     assert_eq!(folder.read("ball.toml"), folder.read("other.toml"));
     folder.run("init arm").ends(0);
-    misused(&folder, "init kite", &["kite", "[possible values: ball, arm, process, equations]"]);
+    misused(&folder, "init kite", &["kite", "[possible values: ball, arm, process, equations, robot]"]);
     misused(&folder, "init ball --out ball.csv", &["`--out`", "ends in .toml", "`ball.csv`"]);
     refused(&folder, "init ball --out none/ball.toml", &["none/ball.toml", "make the folder first"]);
 }

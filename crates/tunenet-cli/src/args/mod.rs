@@ -370,7 +370,7 @@ pub struct Gen {
     #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u64).range(1..))]
     pub pairs: u64,
     /// Simulation file [default: the paper's ball]
-    #[arg(long = "sim", value_name = "FILE.toml", required_if_eq_any([("domain", "arm"), ("domain", "process"), ("domain", "equations")]))]
+    #[arg(long = "sim", value_name = "FILE.toml", required_if_eq_any([("domain", "arm"), ("domain", "process"), ("domain", "equations"), ("domain", "robot")]))]
     pub sim: Option<PathBuf>,
     /// Override a key of the simulation file (may be repeated)
     #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
