@@ -180,7 +180,7 @@ mod tests {
         }))
         .unwrap();
         assert!(answer.alone() && answer.words() == "k * speed_m_s^p along v");
-        assert!(answer.rollouts == 8300 && (answer.seconds - 3.1).abs() < 1e-12);
+        assert!(answer.rollouts == 8200 && (answer.seconds - 3.1).abs() < 1e-12);
         let term = &answer.members[0].terms[0];
         assert!(term.factors[0].constants[0].fixed && term.coefficients[0].interval95 == Some([-0.13, -0.11]));
         assert_eq!(answer.refused[0].gate, "held_out");

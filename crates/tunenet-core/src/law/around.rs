@@ -36,8 +36,8 @@ impl Around {
 
     /// About a law: what distinguishes it from others that explain the recordings as well is small, so that the linear answer to it
     /// is exact to first order.
-    pub fn law(session: &Session, beside: &Self, law: &Law) -> Result<Self> {
-        let linear = session.linearise(&beside.response, law)?;
+    pub fn law(session: &Session, near: &Self, law: &Law) -> Result<Self> {
+        let linear = session.linearise(&near.response, law)?;
         let columns = linear.columns().iter().map(|one| {
             let kept = one.places.iter().filter(|place| **place < law.first).count();
             Columns {
@@ -47,7 +47,7 @@ impl Around {
             }
         });
         let numbers = law.numbers();
-        let carried = session.carried(&beside.response, &law.terms, &numbers);
+        let carried = session.carried(&near.response, &law.terms, &numbers);
         Self::measured(session, &law.fit, columns.collect(), (&carried, &numbers), session.log)
     }
 

@@ -120,7 +120,7 @@ pub enum Declares {
     Arm,
     /// States, formulas, constants, events, inputs, initial states and candidates of equations.
     Equations,
-    /// Joints, loads, inputs, initial states and candidates of a robot.
+    /// Joints, loads, inputs and initial states of a robot.
     Robot,
 }
 
@@ -132,7 +132,7 @@ impl Declares {
             Self::Equations => {
                 &["states", "derivatives", "outputs", "constants", "inputs", "start", "events", "candidates"]
             }
-            Self::Robot => &["joints", "loads", "inputs", "start", "candidates"],
+            Self::Robot => &["joints", "loads", "inputs", "start"],
             Self::Ball | Self::Arm => &["candidates"],
         }
     }
