@@ -10,7 +10,7 @@ v_m_s = \"(u_n - stiffness*x_m - damping*v_m_s)/mass_kg\"\n[outputs]\nx_m = \"x_
 [parameters.stiffness]\nvalue = 10.0\nmin = 1.0\nmax = 100.0\nunit = \"N/m\"\n\
 [parameters.damping]\nvalue = 0.5\nmin = 0.0\nmax = 5.0\nunit = \"N·s/m\"\n\
 [candidates.quadratic]\nsentence = \"the slider drags the air\"\nacts = \"body\"\nadds.v_m_s = \"-c*v_m_s*abs(v_m_s)\"\n\
-coefficients.c = { unit = \"1/m\", absent = 0.0, min = 0.0, max = 10.0 }\n\
+coefficients.c = { unit = \"1/m\", absent = 0.0, min = 0.0, max = 10.0, typical = 0.1 }\n\
 [candidates.motor_delay]\nsentence = \"the motor acts late\"\nacts = \"actuator\"\n\
 adds.v_m_s = \"(delay(u_n, late) - u_n)/mass_kg\"\n\
 coefficients.late = { unit = \"s\", absent = 0.0, min = 0.0, max = 0.2, typical = 0.02 }\n";

@@ -8,6 +8,7 @@ use tunenet_core::simulator::{Declared, StartState, StartValue};
 use tunenet_formats::{Error, Result};
 
 use crate::arm::{JointKind, Model, urdf};
+use crate::robot::effects::RobotEffect;
 use crate::robot::layout::{Layout, Number, Reading, Role, Start, Wiring};
 use crate::robot::numbers::JointNumbers;
 use crate::robot::rig::{Mass, Rig};
@@ -47,9 +48,14 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     let starts = starts(scene, &order);
     let follows: Vec<bool> = order.iter().map(|(_, joint)| joint.drive == Drive::Position).collect();
     let one_setup = files.len() == 1 && follows.contains(&true);
+    let present = file.robot_effects()?;
+    let given = |name: &str| present.iter().find(|one| one.effect.name == name);
+    let looked_for =
+        |effect: &RobotEffect| given(effect.name).is_some() || !(one_setup && ONE_SETUP.contains(&effect.name));
+    let effects: Vec<RobotEffect> = crate::robot::effects::all().into_iter().filter(looked_for).collect();
     let layout = Layout {
         roles: roles.collect(),
-        effects: crate::robot::effects::all(),
+        effects: effects.clone(),
         readings: readings(scene, &order),
         starts: starts.iter().map(|(start, _)| *start).collect(),
         wiring: order.iter().map(|(_, joint)| wiring(scene, joint)).collect(),
@@ -69,13 +75,11 @@ pub fn robot(files: &[&SimulationFile]) -> Result<RobotSimulator> {
     }
     let channels = declared::channels(file)?;
     let mut simulator = Declared::new(RobotModel::new(rigs, layout), parameters, channels).setups(states);
-    let present = file.robot_effects()?;
     let joints = order.len();
-    for effect in crate::robot::effects::all() {
+    for effect in effects {
         let entry = effect.entry(joints);
-        simulator = match present.iter().find(|one| one.effect.name == effect.name) {
+        simulator = match given(effect.name) {
             Some(one) => simulator.present(entry, &one.values)?,
-            None if one_setup && ONE_SETUP.contains(&effect.name) => simulator,
             None => simulator.candidate(entry),
         };
     }

@@ -16,7 +16,7 @@ const DECADES: (f64, f64) = (-5.0, 3.0);
 pub(super) enum Shared<'a> {
     /// Nothing: what they explain does not count.
     Free,
-    /// They were fitted elsewhere with this covariance.
+    /// They were fitted to other recordings, with this covariance.
     Known(&'a DMatrix<f64>),
 }
 

@@ -86,8 +86,7 @@ fn validate_servo_against_mujoco_within_a_milliradian() {
         let parameters: Vec<String> = parameters
             .iter()
             .map(|(name, value, max)| format!("[parameters.hinge__{name}]\nvalue = {value}\nmin = 0.0\nmax = {max}\n"))
-            .collect::<Vec<_>>()
-            .concat();
+            .collect();
         let text = format!(
             "kind = \"robot\"\n[robot]\nmodel = \"arm.urdf\"\n[inputs.goal_rad]\n[joints.hinge]\ndrive = \"position\"\n\
              command = \"goal_rad\"\nobserve = [\"hinge_rad\"]\nkp = {kp}\nkd = {kd}\ngain_1_rad = 0.166\n\

@@ -82,7 +82,7 @@ mod tests {
             let sizes: Vec<f64> =
                 evidence.training.iter().chain(&evidence.validation).map(|set| set.noise[0]).collect();
             assert!(sizes.iter().all(|size| *size == sizes[0]), "{sizes:?}");
-            assert!(effective_fraction < 0.3 && effective_fraction * evidence.count() as f64 >= 30.0 - 1e-9);
+            assert!(effective_fraction < 0.3 && effective_fraction * evidence.count() as f64 >= 20.0 - 1e-9);
             assert!(!is_far_above_noise(&base));
         });
     }

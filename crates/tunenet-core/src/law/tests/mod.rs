@@ -110,7 +110,8 @@ fn without_held_out_recordings_no_law_stands_alone() {
 fn the_allowance_of_rollouts_ends_a_search() {
     let settings = Settings { rollouts: Some(600), ..Settings::default() };
     let answer = asked(&|_, v0, t| quadratic(9.8, 12.0, v0, t), 5, &settings);
-    assert!(answer.rollouts <= 1_000, "{}", answer.rollouts);
+    // Eight fits that have begun, and the tests of what was found, come to their end.
+    assert!(answer.rollouts <= 1_300, "{}", answer.rollouts);
 }
 
 /// The allowance ends a search at the same fit, however many run at a time.
@@ -126,7 +127,7 @@ fn answers_do_not_depend_on_the_number_of_threads() {
     assert!(!one.members.is_empty() || !one.refused.is_empty() || one.reason.is_some(), "{one:?}");
 }
 
-/// Friction a turns over at the top of a throw, t₁ = v/g: the path answers with −a t²/2 up to there, and from there on with
+/// Friction a turns over at the top of a rise, t₁ = v/g: the path answers with −a t²/2 up to there, and from there on with
 /// −a t₁²/2 − a t₁ (t − t₁) + a (t − t₁)²/2.
 #[test]
 fn a_response_follows_a_force_that_turns_over_within_a_piece() {
