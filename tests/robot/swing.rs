@@ -26,10 +26,7 @@ fn a_simulated_swing_is_tuned_back() {
         folder.run(&format!("simulate --sim robot.toml --inputs {name}.csv {truth} --out {name}_seen.csv")).ends(0);
     }
     let tuned = folder.run("tune --sim robot.toml step_seen.csv swing_seen.csv --out tuned.toml --json").ends(0).json();
-    let value = |name: &str| {
-        let all = tuned["parameters"].as_array().unwrap();
-        all.iter().find(|p| p["name"] == name).unwrap()["value"].as_f64().unwrap()
-    };
+    let value = |name: &str| tuned["parameters"][name]["value"].as_f64().unwrap_or_else(|| panic!("{tuned:#}"));
     assert!((value("hinge__stall_torque") - 5.0).abs() < 0.05, "{tuned}");
     assert!((value("hinge__coulomb") - 0.2).abs() < 0.004, "{tuned}");
     assert!(folder.text("tuned.toml").contains("[provenance]"));

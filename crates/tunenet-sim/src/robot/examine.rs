@@ -22,8 +22,9 @@ const STILL_STEPS: f64 = 3.0;
 const OTHER_UNIT: f64 = 20.0;
 /// Commands that fit this much later (s) are on another clock: a servo with a low gain and a heavy load follows 0.7 s late.
 const OTHER_CLOCK_S: f64 = 0.85;
-/// Lags that are tried, s.
-const LAGS_S: (f64, f64) = (-2.0, 2.0);
+/// Lags that are tried, s, and as a share of the recording, whose middle is compared at all of them.
+const LONGEST_LAG_S: f64 = 2.0;
+const LONGEST_LAG: f64 = 1.0 / 3.0;
 const LAG_STEP_S: f64 = 0.02;
 /// A correlation at another lag has to leave so much less of the variance.
 const CLEARER: f64 = 0.3;
@@ -181,8 +182,10 @@ fn position(
 
 /// How much later (s) than the commands the motion is, by the greatest correlation of both; `None` where no lag is far better than none.
 fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Option<f64> {
+    let (first, last) = (*clock.first()?, *clock.last()?);
+    let longest = LONGEST_LAG_S.min(LONGEST_LAG * (last - first));
     let unexplained = |lag: f64| {
-        let (begin, end) = (clock[0] + LAGS_S.1, clock[clock.len() - 1] + LAGS_S.0);
+        let (begin, end) = (first + longest, last - longest);
         let inside: Vec<usize> = (0..clock.len()).filter(|&i| (begin..=end).contains(&clock[i])).collect();
         if inside.len() < 20 {
             return 1.0;
@@ -196,12 +199,12 @@ fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opti
         let both = dot(&goals, &goals) * dot(&seen, &seen);
         if both > 0.0 { 1.0 - dot(&goals, &seen).max(0.0).powi(2) / both } else { 1.0 }
     };
-    let steps = ((LAGS_S.1 - LAGS_S.0) / LAG_STEP_S).round();
+    let steps = (2.0 * longest / LAG_STEP_S).floor();
     let mut best = (0.0, unexplained(0.0));
     let now = best.1;
     let mut step = 0.0;
     while step <= steps {
-        let lag = LAGS_S.0 + step * LAG_STEP_S;
+        let lag = step * LAG_STEP_S - longest;
         let left = unexplained(lag);
         if left < best.1 {
             best = (lag, left);
