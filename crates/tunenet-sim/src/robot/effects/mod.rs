@@ -1,6 +1,6 @@
 //! What a driven joint may have beyond its simulation.
 //!
-//! One file each, which holds the entry of the catalogue and what its numbers change; [`ALL`] is the list, together with
+//! One file each, which holds the entry of the catalogue and what its numbers change; [`all`] is the list, together with
 //! effects that [arms](crate::arm::effects) have as well. To add one, write its file and its line: the simulation file, rollouts and
 //! diagnosis follow from the list. Numbers of joints stand in the order of the model.
 
