@@ -25,6 +25,8 @@ const OTHER_CLOCK_S: f64 = 0.85;
 /// Lags that are tried, s, and as a share of the recording, whose middle is compared at all of them.
 const LONGEST_LAG_S: f64 = 2.0;
 const LONGEST_LAG: f64 = 1.0 / 3.0;
+/// The middle has at least this share of the whole recording's variance.
+const LEAST_MOTION: f64 = 0.05;
 const LAG_STEP_S: f64 = 0.02;
 /// A correlation at another lag has to leave so much less of the variance.
 const CLEARER: f64 = 0.3;
@@ -183,6 +185,8 @@ fn position(
 /// How much later (s) than the commands the motion is, by the greatest correlation of both; `None` where no lag is far better than none.
 fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Option<f64> {
     let (first, last) = (*clock.first()?, *clock.last()?);
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
     let longest = LONGEST_LAG_S.min(LONGEST_LAG * (last - first));
     let unexplained = |lag: f64| {
         let (begin, end) = (first + longest, last - longest);
@@ -196,6 +200,10 @@ fn best_lag(clock: &[f64], values: &[f64], command: impl Fn(f64) -> f64) -> Opti
         };
         let goals = centred(inside.iter().map(|&i| command(clock[i] - lag)).collect());
         let seen = centred(inside.iter().map(|&i| values[i]).collect());
+        // A part in which the joint hardly moves says nothing of lags.
+        if dot(&seen, &seen) / (seen.len() as f64) < LEAST_MOTION * variance {
+            return 1.0;
+        }
         let both = dot(&goals, &goals) * dot(&seen, &seen);
         if both > 0.0 { 1.0 - dot(&goals, &seen).max(0.0).powi(2) / both } else { 1.0 }
     };
