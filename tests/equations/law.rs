@@ -72,3 +72,17 @@ fn a_linear_oscillator_has_no_law() {
     let json = folder.run("diagnose --sim swing.toml 0.csv 1.csv 2.csv --held-out 3.csv --law --json").ends(0).json();
     assert_eq!((json["verdict"].as_str(), json["law"]["verdict"].as_str()), (Some("none"), Some("none")), "{json:#}");
 }
+
+/// Friction by the square of the rate, which the file declares: the law that is found is that candidate in another notation.
+#[test]
+fn a_law_that_is_a_declared_candidate_bears_its_name() {
+    let folder = recorded(|_, v| -0.3 * v * v.abs());
+    let candidate = "[candidates.quadratic]\nsentence = \"air drags the pendulum\"\nacts = \"body\"\n\
+                     adds.dq_rad_s = \"-c*dq_rad_s*abs(dq_rad_s)\"\n\
+                     coefficients.c = { unit = \"1/rad\", absent = 0.0, min = 0.0, max = 10.0, typical = 0.1 }\n";
+    folder.write("swing.toml", format!("{FILE}{candidate}"));
+    let line = "diagnose --sim swing.toml 0.csv 1.csv 2.csv --held-out 3.csv 4.csv --law --out improved.toml --json";
+    let json = folder.run(line).ends(0).json();
+    assert_eq!((json["verdict"].as_str(), json["effects"][0]["name"].as_str()), (Some("named"), Some("quadratic")));
+    assert!(folder.text("improved.toml").contains("[effects.quadratic]"), "{json:#}");
+}

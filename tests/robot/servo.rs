@@ -43,7 +43,7 @@ fn a_servo_has_a_speed_limit_and_a_delay() {
     let manifest = std::fs::read_to_string(runs.join("runs.toml")).unwrap();
     let place = format!("file = \"{}/", runs.display());
     folder.write("runs.toml", manifest.replace("file = \"", &place));
-    let answer = folder.run("diagnose --sim servo.toml --manifest runs.toml --json").json();
+    let answer = folder.run("diagnose --sim servo.toml --manifest runs.toml --json").ends(3).json();
     let names: Vec<&str> =
         answer["effects"].as_array().unwrap().iter().map(|effect| effect["name"].as_str().unwrap()).collect();
     for name in ["speed_limit", "command_delay", "load_friction"] {

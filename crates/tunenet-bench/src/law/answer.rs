@@ -100,10 +100,9 @@ impl Answer {
     }
 
     /// Whether the answer is what the search found, and not the catalogue's: a law that equals an effect of the catalogue counts only
-    /// where the catalogue has no answer, and of several answers the catalogue's stand where they explain as much.
+    /// where the catalogue has no answer.
     pub fn by_law(&self) -> bool {
         match self.law_verdict.as_str() {
-            "one_of" if self.reason.as_deref() == Some("catalogue") && !self.effects.is_empty() => false,
             "law" | "one_of" => matches!(self.verdict.as_str(), "law" | "one_of"),
             "named" => self.effects.is_empty() && !self.members.is_empty(),
             _ => false,

@@ -6,7 +6,7 @@ use tunenet_core::diagnose::{
 };
 use tunenet_core::finding::FindingKind;
 use tunenet_core::findings;
-use tunenet_core::law::Member;
+use tunenet_core::law::{Member, Reason};
 use tunenet_core::observation::{Note, Observation};
 use tunenet_core::simulator::{Effect, Simulator, measurement_effects};
 use tunenet_sim::arm::effects::ArmEffect;
@@ -98,6 +98,12 @@ impl Answer<'_> {
     pub fn found(&self) -> Option<(&Found, &Member)> {
         let found = self.law?.decides(self.diagnosis.verdict())?;
         Some((found, found.answer.members.first()?))
+    }
+
+    /// Effects of the catalogue that explain as much as the laws of the answer.
+    pub fn rivals(&self) -> Vec<&str> {
+        let as_well = self.found().is_some_and(|(found, _)| found.answer.reason == Some(Reason::Catalogue));
+        if as_well { self.chosen() } else { Vec::new() }
     }
 
     /// How far the simulation is from the recordings: with the law, where one is the answer.

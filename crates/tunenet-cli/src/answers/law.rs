@@ -25,9 +25,7 @@ impl Law {
         let found = self.found.as_ref().ok()?;
         let open = matches!(diagnosis, diagnose::Verdict::Unknown);
         let decides = match found.answer.verdict {
-            law::Verdict::Law => true,
-            // A name that explains as much says more than a formula.
-            law::Verdict::OneOf => open || found.answer.reason != Some(Reason::Catalogue),
+            law::Verdict::Law | law::Verdict::OneOf => true,
             // What the catalogue names only in the form of a law: the catalogue's own answer says more where it has one.
             law::Verdict::Named => open && !found.answer.members.is_empty(),
             law::Verdict::None | law::Verdict::Unknown => false,

@@ -62,7 +62,7 @@ use evidence::{Shared, residual_force};
 use explore::explore;
 use forms::{by_need, distinct, ranked};
 use judge::judge;
-use refit::{Law, Session};
+use refit::{Law, Rival, Session};
 use response::Response;
 
 /// How far behind a law may lie whose fit is not finished.
@@ -124,7 +124,8 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
     }
     let (laws, around) = explore(&mut session, base, settings.margin);
     let rival: Vec<&str> = settings.rival.iter().map(String::as_str).collect();
-    let rival_bic_gain = if rival.is_empty() { None } else { session.rival(&rival) };
+    let rival = if rival.is_empty() { None } else { session.rival(&rival) };
+    let rival_bic_gain = rival.as_ref().map(|rival| rival.bic);
     if laws.first().is_none_or(|best| best.score <= settings.margin) {
         let reason =
             if log.was_short() || session.short.load(Ordering::Relaxed) { Reason::Rollouts } else { Reason::Grammar };
@@ -132,7 +133,7 @@ pub fn search(host: &dyn Host, recordings: &[Prepared], held_out: &[Prepared], s
     }
     let mut ahead = Ahead::new(held_out, held_noise);
     let mut answer = Answer { rival_bic_gain, ..none(Verdict::Unknown, None) };
-    conclude(&session, &around.response, &mut ahead, laws, (settings, most), &mut answer)?;
+    conclude(&session, &around.response, &mut ahead, (laws, rival.as_ref()), (settings, most), &mut answer)?;
     answer.rollouts = log.count();
     Ok(answer)
 }
@@ -142,13 +143,20 @@ fn conclude(
     session: &Session,
     response: &Response,
     ahead: &mut Ahead,
-    laws: Vec<Law>,
+    (laws, known): (Vec<Law>, Option<&Rival>),
     (settings, most): (&Settings, usize),
     answer: &mut Answer,
 ) -> Result<()> {
     let best = laws.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     let near = laws.into_iter().filter(|law| law.bic >= best - settings.margin - UNFINISHED);
-    let near = near.map(|law| session.finish(response, &law).unwrap_or(law));
+    let near = near.map(|law| {
+        // Beyond the share of the search laws stand as they were fitted so far, and none alone.
+        if !session.within() {
+            session.short.store(true, Ordering::Relaxed);
+            return law;
+        }
+        session.finish(response, &law).unwrap_or(law)
+    });
     let near = distinct(ranked(near.collect()));
     let best = near.iter().map(|law| law.bic).fold(f64::NEG_INFINITY, f64::max);
     answer.left.1 = near.first().map_or(answer.left.0, |law| rms(&law.fit.residuals));
@@ -159,6 +167,7 @@ fn conclude(
     let mut short = session.short.load(Ordering::Relaxed);
     let mut judged = 0;
     let mut second = false;
+    let mut same = false;
     for laws in [needed, needless] {
         // What explains no more than a law that it holds says something only where that one fails, and then not alone.
         if !answer.members.is_empty() {
@@ -174,7 +183,10 @@ fn conclude(
             let gates = judge(session, response, ahead, &law)?;
             let member = found::member(session, response, &law, gates, best)?;
             match gates.failed() {
-                None => answer.members.push(member),
+                None => {
+                    same |= known.is_some_and(|known| known.is(&law));
+                    answer.members.push(member);
+                }
                 Some(gate) => {
                     let gate = if member.depends_on_time { Reason::Time } else { gate };
                     answer.refused.push(Refused { text: member.text(), bic_gain: law.bic, gate });
@@ -187,7 +199,10 @@ fn conclude(
     let refused = answer.members.first().and_then(ahead_of).map(|refused| refused.gate);
     let rival = settings.measured || answer.rival_bic_gain.is_some_and(|gain| gain >= best - settings.margin);
     (answer.verdict, answer.reason) = match answer.members.as_slice() {
-        [one] if rival && !settings.measured && one.alias.is_some() => (Verdict::Named, Some(Reason::Catalogue)),
+        // The effect of the catalogue, written as a formula.
+        [one] if rival && !settings.measured && (same || one.alias.is_some()) => {
+            (Verdict::Named, Some(Reason::Catalogue))
+        }
         [] if rival => (Verdict::Named, Some(Reason::Catalogue)),
         _ if rival => (Verdict::OneOf, Some(Reason::Catalogue)),
         [] => (Verdict::Unknown, answer.refused.first().map(|refused| refused.gate)),

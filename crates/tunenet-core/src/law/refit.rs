@@ -19,6 +19,9 @@ const LAST_STEPS: usize = 24;
 /// Steps of one from near its end.
 const FEW_STEPS: usize = 6;
 
+/// How far apart, in units of the noise (root mean square), the residuals of one force in two notations may end.
+const SAME: f64 = 0.02;
+
 /// A law that was fitted through rollouts.
 #[derive(Debug, Clone)]
 pub(super) struct Law {
@@ -212,8 +215,8 @@ impl<'a> Session<'a> {
         law.bic + price::numbers(self.count, &law.terms)
     }
 
-    /// What effects of the catalogue gain in the information criterion on the same recordings.
-    pub fn rival(&self, names: &[&str]) -> Option<f64> {
+    /// What effects of the catalogue leave of the same recordings.
+    pub fn rival(&self, names: &[&str]) -> Option<Rival> {
         let base = self.host.carrying(&[]).ok()?;
         let simulator = base.with_effects(names).ok()?;
         // The recordings were prepared without these effects and know nothing of their coefficients.
@@ -233,7 +236,23 @@ impl<'a> Session<'a> {
         self.log.add(own.count());
         let fit = fit.ok()?;
         let gain = price::likelihood(self.count, self.squares, counted(&fit));
-        Some(price::bic(gain, self.count, more))
+        Some(Rival { bic: price::bic(gain, self.count, more), residuals: fit.residuals })
+    }
+}
+
+/// Effects of the catalogue, fitted to the same recordings.
+pub(super) struct Rival {
+    /// What they gain in the information criterion.
+    pub bic: f64,
+    residuals: Vec<Vec<f64>>,
+}
+
+impl Rival {
+    /// Whether a law leaves the same residuals, so that both are one force in two notations.
+    pub fn is(&self, law: &Law) -> bool {
+        let pairs = || self.residuals.iter().flatten().zip(law.fit.residuals.iter().flatten());
+        let squares: f64 = pairs().map(|(a, b)| (a - b).powi(2)).sum();
+        squares <= pairs().count() as f64 * SAME * SAME
     }
 }
 

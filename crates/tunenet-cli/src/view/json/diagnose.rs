@@ -20,7 +20,7 @@ pub fn object(answer: &Answer) -> Json {
         "verdict": answer.word(),
         "objects": answer.objects().map(of_object).collect::<Vec<_>>(),
         "effects": if by_law { Vec::new() } else { effects(answer) },
-        "candidates": if by_law { Vec::new() } else { answer.candidates() },
+        "candidates": if by_law { answer.rivals() } else { answer.candidates() },
         "scores": diagnosis.candidates.iter().map(score).collect::<Vec<_>>(),
         "gap": answer.gap().as_ref().map(gap),
         "gaps": diagnosis.gaps.iter().filter(|_| !by_law).map(|part| part_gap(answer, part)).collect::<Vec<_>>(),

@@ -1,6 +1,6 @@
 //! A search for a law, for readers.
 
-use tunenet_core::law::{Member, Verdict};
+use tunenet_core::law::{Member, Reason, Verdict};
 
 use super::fitted::{gap_line, parameter};
 use super::rounded;
@@ -14,6 +14,10 @@ pub fn sentence(answer: &Answer) -> Option<String> {
     let texts: Vec<String> = found.answer.members.iter().map(name).collect();
     Some(match (found.answer.verdict, found.answer.reason) {
         (Verdict::Law, _) => format!("LAW  {}", texts.join("")),
+        (_, Some(Reason::Catalogue)) => {
+            let known = answer.rivals().join(" and ");
+            format!("ONE OF  {known}; or {}: {}", texts.join("; or "), why(Reason::Catalogue))
+        }
         (_, Some(reason)) => format!("ONE OF  {}: {}", texts.join("; or "), why(reason)),
         (_, None) => format!("ONE OF  {}", texts.join("; or ")),
     })
