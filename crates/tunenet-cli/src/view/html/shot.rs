@@ -33,8 +33,7 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
     let plan = &answer.plan;
     let (class, word) = if plan.reachable { ("verdict tuned", "Planned") } else { ("verdict not", "Out of reach") };
     let sign = if plan.reachable { TICK } else { CROSS };
-    let text = sentence::plan(answer);
-    let sentence = text.split_once("  ").map_or(text.as_str(), |(_, sentence)| sentence);
+    let sentence = sentence::plan(answer).sentence;
     let chance = |c: &Candidate| c.probability.map(|p| 100.0 * p);
     let rule = if answer.settings.rule == Rule::Nearest {
         "the path that passes closest to the hoop's centre"
@@ -44,7 +43,7 @@ pub fn write(path: &Path, name: &str, answer: &Answer, provenance: &Provenance) 
     let rollouts =
         format!("{} heights; balls drawn from what is uncertain: {}", plan.candidates.len(), answer.settings.draws);
     let body = html! {
-        section class=(class) { (shape(sign, word)) div { p.word { (word) } p { (capital(sentence)) "." } } }
+        section class=(class) { (shape(sign, word)) div { p.word { (word) } p { (capital(&sentence)) "." } } }
         section {
             h2 { "Shot" }
             p.how { "To scale, seen from the side. The dark line is the ball's centre with the values of the file, the circles are that "

@@ -65,7 +65,8 @@ pub fn answer(answer: &Answer) -> Printout {
     let decides = answer.found().is_some();
     if let Some(law) = answer.law.filter(|_| decides) {
         super::law::lines(&mut shown, answer, law);
-        shown.line("  without a law, effects of the catalogue explain less:");
+        let less = if answer.rivals().is_empty() { "explain less" } else { "explain as much" };
+        shown.line(&format!("  without a law, effects of the catalogue {less}:"));
     }
     let indent = if decides { "    " } else { "  " };
     for line in details(answer) {
@@ -161,8 +162,8 @@ fn given_as_held_out(answer: &Answer, name: &str) -> bool {
 /// The verdict in one sentence.
 pub fn sentence(answer: &Answer) -> String {
     let diagnosis = answer.diagnosis;
-    if let Some(law) = super::law::sentence(answer) {
-        return law;
+    if let Some(law) = super::law::headline(answer) {
+        return law.to_string();
     }
     match diagnosis.verdict() {
         Verdict::None => "NONE  nothing is missing that these recordings could show".into(),

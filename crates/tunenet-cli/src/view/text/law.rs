@@ -7,20 +7,22 @@ use super::rounded;
 use crate::answers::diagnose::Answer;
 use crate::answers::law::{Law, alias, cautions, why};
 use crate::view::answer::Printout;
+use crate::view::sentence::Headline;
 
 /// The verdict in one sentence, where the law is the answer.
-pub fn sentence(answer: &Answer) -> Option<String> {
+pub fn headline(answer: &Answer) -> Option<Headline> {
     let found = answer.law.and_then(|law| law.decides(answer.diagnosis.verdict()))?;
     let texts: Vec<String> = found.answer.members.iter().map(name).collect();
-    Some(match (found.answer.verdict, found.answer.reason) {
-        (Verdict::Law, _) => format!("LAW  {}", texts.join("")),
+    let (word, sentence) = match (found.answer.verdict, found.answer.reason) {
+        (Verdict::Law, _) => ("LAW", texts.join("")),
         (_, Some(Reason::Catalogue)) => {
             let known = answer.rivals().join(" and ");
-            format!("ONE OF  {known}; or {}: {}", texts.join("; or "), why(Reason::Catalogue))
+            ("ONE OF", format!("{known}; or {}: {}", texts.join("; or "), why(Reason::Catalogue)))
         }
-        (_, Some(reason)) => format!("ONE OF  {}: {}", texts.join("; or "), why(reason)),
-        (_, None) => format!("ONE OF  {}", texts.join("; or ")),
-    })
+        (_, Some(reason)) => ("ONE OF", format!("{}: {}", texts.join("; or "), why(reason))),
+        (_, None) => ("ONE OF", texts.join("; or ")),
+    };
+    Some(Headline { word, sentence })
 }
 
 fn name(member: &Member) -> String {

@@ -7,7 +7,7 @@ use crate::view::sentence;
 /// The answer for readers.
 pub fn printout(answer: &Answer) -> Printout {
     let mut shown = Printout::default();
-    shown.verdict(&sentence::plan(answer));
+    shown.verdict(&sentence::plan(answer).to_string());
     let best = answer.plan.best();
     if !answer.plan.reachable {
         shown.line(&format!("  try: {}", what_to_move(answer)));

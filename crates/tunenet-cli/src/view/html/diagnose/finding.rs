@@ -15,14 +15,14 @@ pub fn finding(answer: &Answer) -> Markup {
     let class =
         if matches!(diagnosis.verdict(), Verdict::None | Verdict::Named) { "verdict tuned" } else { "verdict not" };
     let next = diagnosis.next_experiment.as_ref();
-    if let Some(said) = crate::view::text::law::sentence(answer) {
+    if let Some(headline) = crate::view::text::law::headline(answer) {
         let alone = answer.word() == "law";
         return html! {
             section class=(if alone { "verdict tuned" } else { "verdict not" }) {
                 (shape(if alone { PLUS } else { QUESTION }, if alone { "Law" } else { "One of several" }))
                 div {
                     p.word { @if alone { "Law" } @else { "One of several" } }
-                    p.act { (said.split_once("  ").map_or(said.as_str(), |(_, rest)| rest)) "." }
+                    p.act { (headline.sentence) "." }
                 }
             }
         };
